@@ -1,0 +1,186 @@
+#include "command.h"
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "base/parallel.h"
+#include "base/provenance.h"
+#include "progress.h"
+
+namespace vpr {
+namespace {
+
+std::atomic<bool> stop_wanted{false};  // set by a signal handler: the only global
+
+void on_signal(int number) {
+  stop_wanted = true;
+  std::signal(number, SIG_DFL);  // a second Ctrl-C ends the program at once
+}
+
+void set_up_process() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  cv::setNumThreads(1);  // frames are worked on in parallel, not parts of one
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+}
+
+std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {
+  auto logger = std::make_shared<spdlog::logger>(
+      "vpr", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  logger->set_pattern("%^%l%$: %v");
+  logger->set_level(options.quiet     ? spdlog::level::err
+                    : options.verbose ? spdlog::level::debug
+                                      : spdlog::level::info);
+  return logger;
+}
+
+int report_error(const std::string& program, ErrorKind kind, const std::string& sentence) {
+  fmt::print(stderr, "{}: {}\n", program, sentence);
+  return exit_code(kind);
+}
+
+}  // namespace
+
+void Session::print(const std::string& text) const {
+  const bool written =
+      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!written)
+    throw Error(ErrorKind::output,
+                fmt::format("standard output: can't be written: {}", system_error_text(errno)));
+}
+
+void Session::print_result(const std::string& text, const Json& json) const {
+  if (options.json)
+    print(to_text(json));
+  else if (!options.quiet)
+    print(text);
+}
+
+Program::Program(const std::string& name, const std::string& description,
+                 const std::string& example)
+    : name_(name), app_(description, name) {
+  app_.footer("Example:\n" + example +
+              "\n\nExit codes: 0 done, 1 internal error, 2 usage, 3 input or output, 4 damaged or "
+              "unfit data,\n5 expectation not met, 130 interrupted.");
+  app_.set_version_flag("--version",
+                        fmt::format("{} {} ({})", name, program_version(), program_commit()));
+  app_.get_formatter()->column_width(34);
+}
+
+CLI::App& Program::add_command(const std::string& name, const std::string& description,
+                               const std::string& example, std::function<void(Session&)> run) {
+  CLI::App* command = app_.add_subcommand(name, description);
+  command->footer("Example:\n" + example);
+  add_common_flags(*command);
+  command->callback([this, run = std::move(run)] { run_ = run; });
+  app_.require_subcommand(1);
+  return *command;
+}
+
+void Program::set_run(std::function<void(Session&)> run) {
+  add_common_flags(app_);
+  run_ = std::move(run);
+}
+
+void Program::add_common_flags(CLI::App& command) {
+  command.add_option("-o,--output", common_.output, "where the result goes");
+  command.add_option("--threads", common_.threads, "threads to use; 0: all cores (default)");
+  command.add_option("--seed", common_.seed, "seed of everything that is random (default 1)");
+  command.add_flag("--quiet", common_.quiet, "no progress, no warnings, no table");
+  command.add_flag("-v,--verbose", common_.verbose, "say more");
+  command.add_flag("--force", common_.force, "replace an existing output");
+  command.add_flag("--json", common_.json, "print the result as JSON on standard output");
+}
+
+void Program::add_config_option(CLI::App& command,
+                                std::function<void(const Json&, const std::string&)> apply) {
+  command
+      .add_option_function<std::string>(
+          "--config",
+          [this, apply = std::move(apply)](const std::string& path) {
+            common_.config = path;
+            Json json = read_json(path, ErrorKind::usage);
+            if (json.is_object() && json.contains("schema")) {
+              require_schema(json, "config", path, ErrorKind::usage);
+              json.erase("schema");
+            }
+            apply(json, path);
+          },
+          "settings from a JSON file (flags win)")
+      ->trigger_on_parse();
+}
+
+void Program::run_session(int argc, char** argv) {
+  const auto logger = make_logger(common_);
+  ProgressLine progress(!common_.quiet);
+  Monitor monitor;
+  monitor.progress = [&](const std::string& step, size_t done, size_t total) {
+    progress.show(step, done, total);
+  };
+  monitor.warn = [&](const std::string& sentence) {
+    progress.clear();
+    logger->warn(sentence);
+  };
+  monitor.stop = &stop_wanted;
+  const ThreadLimit limit(common_.threads);
+  const char* simd = std::getenv("VPR_SIMD");
+  Session session{common_, monitor, {}, select_kernels(simd == nullptr ? "" : simd)};
+  session.run.program = name_;
+  session.run.command_line.assign(argv, argv + argc);
+  session.run.threads = thread_count();
+  session.run.seed = common_.seed;
+  run_(session);
+}
+
+int Program::main(int argc, char** argv) {
+  set_up_process();
+  try {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      if (error.get_exit_code() == 0) return app_.exit(error);  // --help, --version
+      throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), name_));
+    }
+    run_session(argc, argv);
+    return 0;
+  } catch (const Error& error) {
+    return report_error(name_, error.kind(), error.what());
+  } catch (const std::bad_alloc&) {
+    return report_error(name_, ErrorKind::internal,
+                        "out of memory; use fewer frames or --max-memory");
+  } catch (const std::exception& error) {
+    return report_error(name_, ErrorKind::internal,
+                        fmt::format("internal error, please report it: {}", error.what()));
+  }
+}
+
+size_t parse_bytes(const std::string& text, const std::string& flag) {
+  static const std::string kUnits = "KMG";
+  size_t used = 0;
+  unsigned long long value = 0;
+  try {
+    value = std::stoull(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  const size_t unit = used + 1 == text.size() ? kUnits.find(text[used]) : std::string::npos;
+  const bool plain = used == text.size();
+  if (used == 0 || text[0] == '-' || (!plain && unit == std::string::npos) ||
+      value >> 32 >> 20 != 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} takes bytes, as in 512M or 2G, found {}", flag, text));
+  return plain ? value : value << (10 * (unit + 1));
+}
+
+}  // namespace vpr

@@ -1,0 +1,118 @@
+// What all programs share: common flags, settings from a file, progress, signals, exit codes.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "base/json.h"
+#include "base/monitor.h"
+#include "base/output_file.h"
+#include "matching/hamming_kernels.h"
+#include "report/run_info.h"
+
+namespace vpr {
+
+struct CommonOptions {
+  std::string output;
+  std::string config;
+  uint64_t threads = 0;  ///< 0: all cores
+  uint64_t seed = 1;
+  bool quiet = false;
+  bool verbose = false;
+  bool force = false;
+  bool json = false;
+
+  Existing existing() const { return force ? Existing::replace : Existing::refuse; }
+};
+
+/// Keys of a configuration file that are no settings of a method.
+template <class Visitor>
+void visit_fields(CommonOptions& options, Visitor&& visit) {
+  visit("threads", options.threads);
+  visit("seed", options.seed);
+}
+
+/// Settings of a program and common ones, as one JSON object.
+template <class S>
+struct ConfigKeys {
+  S& settings;
+  CommonOptions& common;
+};
+template <class S, class Visitor>
+void visit_fields(ConfigKeys<S>& keys, Visitor&& visit) {
+  visit_fields(keys.settings, visit);
+  visit_fields(keys.common, visit);
+}
+
+/// What a command gets to work with.
+struct Session {
+  const CommonOptions& options;
+  const Monitor& monitor;
+  RunInfo run;
+  HammingKernels kernels;
+
+  /// Prints to stdout; Error(output) if that fails (a full disk, a closed pipe).
+  void print(const std::string& text) const;
+  /// A readable text, or with --json the JSON; neither with --quiet (but --json always).
+  void print_result(const std::string& text, const Json& json) const;
+};
+
+/// A program: parses, then runs the one command that was chosen.
+class Program {
+ public:
+  Program(const std::string& name, const std::string& description, const std::string& example);
+
+  CLI::App& app() { return app_; }
+  /// A command with its own --help and the common flags. The work is done by `run`.
+  CLI::App& add_command(const std::string& name, const std::string& description,
+                        const std::string& example, std::function<void(Session&)> run);
+  /// The program itself is the command.
+  void set_run(std::function<void(Session&)> run);
+
+  CommonOptions& common() { return common_; }
+  /// --config FILE fills `settings` and the common options before any flag does.
+  template <class S>
+  void add_config(CLI::App& command, S& settings) {
+    add_config_option(command, [this, &settings](const Json& json, const std::string& where) {
+      ConfigKeys<S> keys{settings, common_};
+      value_from_json(json, keys, where, "the configuration");
+    });
+  }
+
+  /// Returns the exit code. Every known error becomes one sentence on stderr.
+  int main(int argc, char** argv);
+
+ private:
+  void add_common_flags(CLI::App& command);
+  void add_config_option(CLI::App& command,
+                         std::function<void(const Json&, const std::string&)> apply);
+  void run_session(int argc, char** argv);
+
+  std::string name_;
+  CLI::App app_;
+  CommonOptions common_;
+  std::function<void(Session&)> run_;
+};
+
+/// A flag that sets one field of a settings struct, with the same checks as in a file.
+template <class T>
+CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
+                         const std::string& help) {
+  return command.add_option_function<std::string>(
+      flag,
+      [&field, flag](const std::string& text) {
+        Json value = Json::parse(text, nullptr, false);
+        if (value.is_discarded() || std::is_same_v<T, std::string>) value = text;
+        value_from_json(value, field, "command line", flag);
+      },
+      help);
+}
+
+/// Bytes from "512M", "2G", "1000000"; K, M, G are powers of 1024. Throws Error(usage).
+size_t parse_bytes(const std::string& text, const std::string& flag);
+
+}  // namespace vpr

@@ -1,0 +1,93 @@
+// vpr-eval: how many recognitions of a result are right?
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/stopwatch.h"
+#include "command.h"
+#include "evaluation/counts.h"
+#include "evaluation/expectation.h"
+#include "images/dataset.h"
+#include "report/evaluation_report.h"
+#include "report/result_file.h"
+
+namespace vpr {
+namespace {
+
+struct EvalInputs {
+  std::string result;
+  std::string ground_truth;
+  std::string dataset;
+  std::optional<int> tolerance_frames;
+  std::string expected;
+  TableFormat format = TableFormat::text;
+};
+
+GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::string& query_name) {
+  if (!inputs.ground_truth.empty())
+    return parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames.value_or(0));
+  if (inputs.dataset.empty())
+    throw Error(ErrorKind::usage,
+                "give the ground truth, as in --ground-truth pairs.csv or --ground-truth aligned");
+  const Dataset dataset = read_dataset(inputs.dataset);
+  const DatasetQuery& query = select_query(dataset, query_name);
+  if (!query.sequence_ground_truth)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: the query {} has no ground truth", inputs.dataset, query_name));
+  GroundTruthArgument argument = *query.sequence_ground_truth;
+  argument.tolerance_frames = inputs.tolerance_frames.value_or(argument.tolerance_frames);
+  return argument;
+}
+
+void check_expectations(const Json& report, const std::string& path) {
+  const Json expected = read_json(path, ErrorKind::usage);
+  const std::vector<std::string> unmet = unmet_expectations(report, expected, path);
+  if (!unmet.empty())
+    throw Error(ErrorKind::expectation, fmt::format("{}: {} counts differ\n  {}", path,
+                                                    unmet.size(), fmt::join(unmet, "\n  ")));
+}
+
+void run(Session& session, const EvalInputs& inputs) {
+  const CommonOptions& options = session.options;
+  if (!options.output.empty()) check_output_file(options.output, options.existing());
+  const Stopwatch watch;
+  const StoredResult stored = read_result(inputs.result);
+  const GroundTruthArgument argument = find_ground_truth(inputs, stored.result.query_name);
+  const GroundTruth truth = read_ground_truth(argument, scope_of(stored.result));
+  const SequenceCounts counts = count_recognitions(stored.result, truth);
+  Json report = report_json(stored.result, counts, truth, stored.fingerprint, session.run);
+  RunInfo info = session.run;
+  info.paths = {{"result", inputs.result}};
+  if (!argument.path.empty()) info.paths["ground_truth"] = argument.path.string();
+  report["machine"] = machine_json(info);
+  report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
+  if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
+  session.print_result(render_table(report_table(report), inputs.format), report);
+  if (!inputs.expected.empty()) check_expectations(report, inputs.expected);
+}
+
+}  // namespace
+}  // namespace vpr
+
+int main(int argc, char** argv) {
+  using namespace vpr;
+  Program program("vpr-eval", "Count correct and incorrect recognitions of a result.",
+                  "  vpr-eval result.json --ground-truth ground_truth.csv\n"
+                  "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown");
+  EvalInputs inputs;
+  CLI::App& app = program.app();
+  app.add_option("RESULT", inputs.result, "result of vpr-query")->required();
+  app.add_option("--ground-truth", inputs.ground_truth,
+                 "pairs file (query,reference or query,sequence,reference), or the word aligned: "
+                 "frame i is frame i");
+  app.add_option("--dataset", inputs.dataset, "data set description that names the ground truth");
+  app.add_option("--tolerance", inputs.tolerance_frames,
+                 "of the ground truth, in frames (default 0)");
+  app.add_option("--expect", inputs.expected,
+                 "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
+                 "if they differ");
+  add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
+  program.set_run([&](Session& session) { run(session, inputs); });
+  return program.main(argc, argv);
+}

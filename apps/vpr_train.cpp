@@ -1,0 +1,186 @@
+// vpr-train: databases from frames; listing, checking and extending them.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "images/dataset.h"
+#include "pipeline/train.h"
+#include "recognition/automatic_threshold.h"
+#include "report/table.h"
+
+namespace vpr {
+namespace {
+
+struct TrainInputs {
+  std::vector<std::string> sequences;
+  std::string folders;
+  std::string dataset;
+};
+
+void add_inputs(CLI::App& command, TrainInputs& inputs) {
+  command
+      .add_option("--train", inputs.sequences,
+                  "training sequence: a folder of images, a list (.txt) or a video, with an "
+                  "optional range PATH@FIRST:LAST[:STEP]; repeatable")
+      ->expected(1)
+      ->take_all();
+  command.add_option("--train-folders", inputs.folders, "each sub-folder is a training sequence");
+}
+
+std::vector<NamedArgument> named_arguments(const TrainInputs& inputs) {
+  std::vector<SequenceArgument> arguments;
+  std::vector<NamedArgument> named;
+  for (const std::string& text : inputs.sequences)
+    arguments.push_back(parse_sequence_argument(text));
+  if (!inputs.folders.empty())
+    for (const SequenceArgument& argument : subfolder_arguments(inputs.folders))
+      arguments.push_back(argument);
+  if (!inputs.dataset.empty()) {
+    if (!arguments.empty())
+      throw Error(ErrorKind::usage, "give either --dataset or training sequences, not both");
+    for (const NamedSequence& train : read_dataset(inputs.dataset).train)
+      named.push_back({train.name, train.sequence});
+  }
+  const std::vector<std::string> names = sequence_names(arguments);
+  for (size_t i = 0; i < arguments.size(); ++i) named.push_back({names[i], arguments[i]});
+  if (named.empty())
+    throw Error(ErrorKind::usage, "give at least one training sequence, as in --train FOLDER");
+  return named;
+}
+
+std::string threshold_text(const ThresholdTable& table, size_t sequence) {
+  const auto& closest = table.closest[sequence];
+  if (!closest) return "-";
+  return fmt::format("{:.2f}",
+                     automatic_threshold(*closest, table.window_length, table.safety_factor));
+}
+
+Table database_table(const SequenceDatabase& database, const std::string& title) {
+  Table table;
+  table.title = title;
+  table.columns = {"sequence", "frames", "unreadable"};
+  for (const ThresholdTable& thresholds : database.thresholds)
+    table.columns.push_back(fmt::format("t_r at c_l {} (bits)", thresholds.window_length));
+  for (size_t s = 0; s < database.sequences.size(); ++s) {
+    const TrainSequence& sequence = database.sequences[s];
+    std::vector<std::string>& row = table.rows.emplace_back();
+    row = {sequence.name, std::to_string(sequence.frame_count()),
+           std::to_string(sequence.unreadable.size())};
+    for (const ThresholdTable& thresholds : database.thresholds)
+      row.push_back(threshold_text(thresholds, s));
+  }
+  return table;
+}
+
+Json database_json(const SequenceDatabase& database) {
+  Json json = {{"schema", "vpr.database-info/1"}, {"method", "fastable"}};
+  json["settings"] = value_to_json(database.descriptor);
+  json["sequences"] = Json::array();
+  for (size_t s = 0; s < database.sequences.size(); ++s) {
+    const TrainSequence& sequence = database.sequences[s];
+    Json item = {{"name", sequence.name},
+                 {"frames", sequence.frame_count()},
+                 {"unreadable", sequence.unreadable.size()}};
+    item["t_r"] = Json::array();
+    for (const ThresholdTable& table : database.thresholds) {
+      const auto& closest = table.closest[s];
+      item["t_r"].push_back(
+          {{"c_l", table.window_length},
+           {"bits",
+            closest ? Json(automatic_threshold(*closest, table.window_length, table.safety_factor))
+                    : Json()}});
+    }
+    json["sequences"].push_back(item);
+  }
+  return json;
+}
+
+std::string summary(const SequenceDatabase& database, const std::string& path) {
+  size_t frames = 0;
+  for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
+  std::string text =
+      render_table(database_table(database, fmt::format("{}: fastable, {} sequences, {} frames",
+                                                        path, database.sequences.size(), frames)),
+                   TableFormat::text);
+  if (database.sequences.size() == 1)
+    text += "A single sequence gives no automatic t_r: queries need --t-r.\n";
+  return text;
+}
+
+void require_output(const CommonOptions& options) {
+  if (options.output.empty())
+    throw Error(ErrorKind::usage, "give the database to write, as in -o DB.vprdb");
+  check_output_folder(options.output, options.existing(), "manifest.json");
+}
+
+void store(Session& session, const SequenceDatabase& database) {
+  write_sequence_database(session.options.output, database, session.options.existing());
+  session.print_result(summary(database, session.options.output), database_json(database));
+}
+
+}  // namespace
+}  // namespace vpr
+
+int main(int argc, char** argv) {
+  using namespace vpr;
+  Program program("vpr-train", "Build, list and extend databases for visual place recognition.",
+                  "  vpr-train fastable --train monday --train tuesday -o building.vprdb");
+
+  TrainInputs inputs;
+  SequenceTrainSettings settings;
+  CLI::App& fastable = program.add_command(
+      "fastable", "A database for FastABLE and OpenABLE: one LDB code a frame.",
+      "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
+      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb",
+      [&](Session& session) {
+        require_output(session.options);
+        store(session,
+              train_sequences(named_arguments(inputs), settings, session.kernels, session.monitor));
+      });
+  program.add_config(fastable, settings);
+  add_inputs(fastable, inputs);
+  fastable.add_option("--dataset", inputs.dataset, "data set description, instead of sequences");
+  add_setting(fastable, "--c-l", settings.window_length,
+              "window length c_l of the automatic thresholds (default 40)");
+  add_setting(fastable, "--safety-factor", settings.safety_factor,
+              "multiplies the automatic thresholds (default 1)");
+  fastable.add_flag("--illumination-invariant", settings.descriptor.illumination_invariant,
+                    "decode in colour and remove the light's colour first");
+  fastable.add_flag("--skip-unreadable", settings.skip_unreadable,
+                    "frames that can't be decoded keep their index and never match");
+
+  std::string database_path;
+  CLI::App& info = program.add_command(
+      "info", "List a database, and verify its checksums.", "  vpr-train info corridor.vprdb",
+      [&](Session& session) {
+        const SequenceDatabase database = read_sequence_database(database_path);
+        session.print_result(summary(database, database_path) + "All checksums are right.\n",
+                             database_json(database));
+      });
+  info.add_option("DB", database_path, "database")->required();
+
+  TrainInputs added;
+  bool skip_unreadable = false;
+  CLI::App& add = program.add_command(
+      "add", "A new database with more sequences; the old ones are not described again.",
+      "  vpr-train add building.vprdb --train wednesday -o building2.vprdb", [&](Session& session) {
+        require_output(session.options);
+        const SequenceDatabase database = read_sequence_database(database_path);
+        std::vector<NamedArgument> arguments = named_arguments(added);
+        for (const NamedArgument& argument : arguments)
+          for (const TrainSequence& sequence : database.sequences)
+            if (sequence.name == argument.name)
+              throw Error(ErrorKind::usage,
+                          fmt::format("{}: the database has a sequence of this name already; "
+                                      "rename the folder",
+                                      argument.name));
+        store(session, add_sequences(database, arguments, skip_unreadable, session.kernels,
+                                     session.monitor));
+      });
+  add.add_option("DB", database_path, "database to start from")->required();
+  add_inputs(add, added);
+  add.add_flag("--skip-unreadable", skip_unreadable,
+               "frames that can't be decoded keep their index and never match");
+  return program.main(argc, argv);
+}

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Includes may only go from a later stage to an earlier one.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+stages=(base images synth descriptors database matching recognition evaluation report pipeline bench)
+declare -A rank
+for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done
+# synth and descriptors stand side by side: neither may include the other.
+rank[descriptors]=${rank[synth]}
+bad=0
+while IFS=: read -r file line text; do
+  from=${file#src/}; from=${from%%/*}
+  to=$(sed -E 's/.*"([a-z]+)\/.*/\1/' <<<"$text")
+  if [[ -z ${rank[$from]+x} || -z ${rank[$to]+x} ]]; then
+    echo "$file:$line: unknown stage in $text"; bad=1
+  elif [[ $from != "$to" && ${rank[$to]} -ge ${rank[$from]} ]]; then
+    echo "$file:$line: $from must not include $to"; bad=1
+  fi
+done < <(grep -rnE '^#include "[a-z]+/' src)
+if grep -rnE 'std::cout|std::cerr|(^|[^a-z_])printf *\(|std::exit|imshow' src; then
+  echo "the library must not print, exit or open a window"; bad=1
+fi
+[[ $bad == 0 ]] && echo "layers: includes go one way"
+exit $bad

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Installs what building, testing and the demo need, if it is missing (Debian 12 or newer, Ubuntu).
+#   scripts/install-deps.sh            build, test, demo
+#   scripts/install-deps.sh --check    also what scripts/check.sh needs
+set -euo pipefail
+packages=(
+  g++ cmake ninja-build pkg-config git
+  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev
+  libcli11-dev nlohmann-json3-dev catch2 python3-jsonschema
+)
+[[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
+
+missing=()
+for package in "${packages[@]}"; do
+  [[ $(dpkg-query -W -f='${Status}' "$package" 2>/dev/null) == "install ok installed" ]] ||
+    missing+=("$package")
+done
+[[ ${#missing[@]} == 0 ]] && exit 0
+
+if ! command -v apt-get >/dev/null; then
+  echo "install-deps: no apt-get here; install these by hand: ${missing[*]}" >&2
+  exit 1
+fi
+as_root=()
+if [[ $(id -u) != 0 ]]; then
+  command -v sudo >/dev/null || { echo "install-deps: run as root, or install: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "install-deps: installing ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null

@@ -1,0 +1,83 @@
+#include "base/json.h"
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+
+#include "base/mapped_file.h"
+
+namespace vpr {
+
+Json read_json(const std::filesystem::path& path, ErrorKind kind) {
+  const MappedFile file(path);
+  try {
+    return Json::parse(file.text());
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(kind, fmt::format("{}: is not valid JSON ({})", path.string(), error.what()));
+  }
+}
+
+void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
+                    ErrorKind error_kind) {
+  const std::string wanted = fmt::format("vpr.{}/1", schema_kind);
+  const auto found = json.is_object() ? json.find("schema") : json.end();
+  if (!json.is_object() || found == json.end() || !found->is_string())
+    throw Error(error_kind,
+                fmt::format("{}: expected a JSON object with \"schema\": \"{}\"", where, wanted));
+  const std::string schema = found->get<std::string>();
+  if (schema == wanted) return;
+  const std::string prefix = fmt::format("vpr.{}/", schema_kind);
+  if (schema.starts_with(prefix))
+    throw Error(error_kind,
+                fmt::format("{}: has schema {}, and this program reads {}; use a newer version",
+                            where, schema, wanted));
+  throw Error(error_kind, fmt::format("{}: expected schema {}, found {}", where, wanted, schema));
+}
+
+std::string to_text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> before(b.size() + 1);
+  std::vector<size_t> last(b.size() + 1);
+  std::vector<size_t> now(b.size() + 1);
+  std::iota(last.begin(), last.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    now[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        now[j] = std::min(now[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, now);
+  }
+  return last[b.size()];
+}
+
+std::string nearest(std::string_view word, const std::vector<std::string>& names) {
+  return *std::min_element(names.begin(), names.end(),
+                           [&](const std::string& a, const std::string& b) {
+                             return edit_distance(word, a) < edit_distance(word, b);
+                           });
+}
+
+namespace detail {
+
+void bad_value(const std::string& where, const std::string& key, std::string_view expected,
+               const Json& found) {
+  std::string text = found.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: \"{}\" must be {}, found {}", where, key, expected, text));
+}
+
+void unknown_key(const std::string& where, const std::string& key,
+                 const std::vector<std::string>& known) {
+  throw Error(ErrorKind::usage, fmt::format("{}: unknown key \"{}\"; did you mean \"{}\"?", where,
+                                            key, nearest(key, known)));
+}
+
+}  // namespace detail
+}  // namespace vpr

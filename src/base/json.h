@@ -1,0 +1,148 @@
+// JSON text, and settings structs to and from JSON.
+//
+// A settings struct S is described once, by a function found by its argument:
+//   template <class Visitor> void visit_fields(S& s, Visitor&& v) { v("c_l", s.window_length); }
+// Its JSON object, its unknown-key check and the nearest-key hint all come from there.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+
+namespace vpr {
+
+/// Keys keep the order in which they were written.
+using Json = nlohmann::ordered_json;
+
+/// Reads a whole file. Throws Error(input) if it can't be read, Error(kind) if it is not JSON.
+Json read_json(const std::filesystem::path& path, ErrorKind kind);
+
+/// Checks `"schema": "vpr.<kind>/1"`: another kind, and a newer version, are said. Throws
+/// Error(error_kind).
+void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
+                    ErrorKind error_kind);
+
+/// Two spaces of indentation and a final line feed; bytes that are not UTF-8 are replaced.
+std::string to_text(const Json& json);
+
+/// Inserts, deletes, replacements and swaps of neighbours between two words, for "did you mean".
+size_t edit_distance(std::string_view a, std::string_view b);
+
+/// The name closest to `word`; names must not be empty.
+std::string nearest(std::string_view word, const std::vector<std::string>& names);
+
+/// Names of an enum's values, in order; specialise as `kEnumNames<E>`.
+template <class E>
+inline constexpr std::array<std::string_view, 0> kEnumNames{};
+
+template <class E>
+std::string_view enum_name(E value) {
+  return kEnumNames<E>[static_cast<size_t>(value)];
+}
+
+template <class E>
+std::optional<E> enum_value(std::string_view name) {
+  for (size_t i = 0; i < kEnumNames<E>.size(); ++i)
+    if (kEnumNames<E>[i] == name) return static_cast<E>(i);
+  return std::nullopt;
+}
+
+namespace detail {
+
+struct AnyVisitor {
+  template <class T>
+  void operator()(const char*, T&) const {}
+};
+
+[[noreturn]] void bad_value(const std::string& where, const std::string& key,
+                            std::string_view expected, const Json& found);
+[[noreturn]] void unknown_key(const std::string& where, const std::string& key,
+                              const std::vector<std::string>& known);
+
+}  // namespace detail
+
+template <class S>
+concept Settings = requires(S& s, detail::AnyVisitor v) {
+  visit_fields(s, v);
+};
+
+template <class T>
+Json value_to_json(const T& value) {
+  if constexpr (Settings<T>) {
+    Json json = Json::object();
+    visit_fields(const_cast<T&>(value),  // visited, not changed
+                 [&](const char* key, auto& field) { json[key] = value_to_json(field); });
+    return json;
+  } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+    return value ? Json(*value) : Json("auto");
+  } else if constexpr (std::is_enum_v<T>) {
+    return enum_name(value);
+  } else {
+    return value;
+  }
+}
+
+/// Takes over the keys that are there; fields without one keep their value. `where` names the file.
+/// Throws Error(usage) for an unknown key (naming the nearest) or a value of another type.
+template <class T>
+void value_from_json(const Json& json, T& value, const std::string& where, const std::string& key) {
+  if constexpr (Settings<T>) {
+    if (!json.is_object()) detail::bad_value(where, key, "an object", json);
+    std::vector<std::string> known;
+    visit_fields(value, [&](const char* name, auto& field) {
+      known.emplace_back(name);
+      const auto found = json.find(name);
+      if (found != json.end()) value_from_json(*found, field, where, name);
+    });
+    for (const auto& item : json.items())
+      if (std::find(known.begin(), known.end(), item.key()) == known.end())
+        detail::unknown_key(where, item.key(), known);
+  } else if constexpr (std::is_same_v<T, std::optional<double>>) {
+    if (json.is_number()) {
+      value = json.get<double>();
+    } else if (json == "auto") {
+      value = std::nullopt;
+    } else {
+      detail::bad_value(where, key, "a number or \"auto\"", json);
+    }
+  } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+    if (!json.is_array()) detail::bad_value(where, key, "a list of texts", json);
+    value.clear();
+    for (const Json& item : json) value_from_json(item, value.emplace_back(), where, key);
+  } else if constexpr (std::is_enum_v<T>) {
+    const auto found = json.is_string() ? enum_value<T>(json.get<std::string>()) : std::nullopt;
+    if (!found)
+      detail::bad_value(where, key, fmt::format("one of {}", Json(kEnumNames<T>).dump()), json);
+    value = *found;
+  } else if constexpr (std::is_same_v<T, bool>) {
+    if (!json.is_boolean()) detail::bad_value(where, key, "true or false", json);
+    value = json.get<bool>();
+  } else if constexpr (std::is_integral_v<T>) {
+    if (!json.is_number_integer()) detail::bad_value(where, key, "a whole number", json);
+    const bool fits = json.is_number_unsigned() ? std::in_range<T>(json.get<uint64_t>())
+                                                : std::in_range<T>(json.get<int64_t>());
+    if (!fits) detail::bad_value(where, key, "a whole number in range", json);
+    value = json.get<T>();
+  } else if constexpr (std::is_floating_point_v<T>) {
+    if (!json.is_number()) detail::bad_value(where, key, "a number", json);
+    value = json.get<T>();
+  } else {
+    static_assert(std::is_same_v<T, std::string>);
+    if (!json.is_string()) detail::bad_value(where, key, "a text", json);
+    value = json.get<std::string>();
+  }
+}
+
+}  // namespace vpr

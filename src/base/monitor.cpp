@@ -1,0 +1,27 @@
+#include "base/monitor.h"
+
+#include <utility>
+
+#include "base/error.h"
+
+namespace vpr {
+
+void check_stop(const Monitor& monitor) {
+  if (monitor.stop != nullptr && monitor.stop->load(std::memory_order_relaxed))
+    throw Error(ErrorKind::interrupted, "interrupted; nothing was written");
+}
+
+void warn(const Monitor& monitor, const std::string& sentence) {
+  if (monitor.warn) monitor.warn(sentence);
+}
+
+StepCounter::StepCounter(const Monitor& monitor, std::string step, size_t total)
+    : monitor_(monitor), step_(std::move(step)), total_(total) {}
+
+void StepCounter::add(size_t units) {
+  check_stop(monitor_);
+  const size_t done = done_.fetch_add(units, std::memory_order_relaxed) + units;
+  if (monitor_.progress) monitor_.progress(step_, done, total_);
+}
+
+}  // namespace vpr

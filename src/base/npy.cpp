@@ -1,0 +1,119 @@
+#include "base/npy.h"
+
+#include <charconv>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace vpr {
+namespace {
+
+constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr size_t kMaxHeader = 65536;
+
+struct Header {
+  std::string type;
+  std::vector<size_t> shape;
+  size_t offset = 0;
+};
+
+// The text between `before` and `after` in a header; nothing where either is missing.
+std::optional<std::string_view> between(std::string_view text, std::string_view before,
+                                        std::string_view after) {
+  const size_t start = text.find(before);
+  if (start == std::string_view::npos) return std::nullopt;
+  text.remove_prefix(start + before.size());
+  const size_t end = text.find(after);
+  if (end == std::string_view::npos) return std::nullopt;
+  return text.substr(0, end);
+}
+
+// "(3, 4)" without its parentheses: 3, 4; a trailing comma is allowed.
+std::optional<std::vector<size_t>> parse_shape(std::string_view text) {
+  std::vector<size_t> shape;
+  while (!text.empty()) {
+    size_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{}) return std::nullopt;
+    shape.push_back(value);
+    text.remove_prefix(static_cast<size_t>(end - text.data()));
+    while (!text.empty() && (text.front() == ' ' || text.front() == ',')) text.remove_prefix(1);
+  }
+  return shape;
+}
+
+std::optional<Header> parse_header(std::string_view file) {
+  if (file.size() < 10 || file.substr(0, 6) != kMagic) return std::nullopt;
+  const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<uint8_t>(file[i])); };
+  const size_t version = byte(6);
+  if (version < 1 || version > 3) return std::nullopt;
+  const size_t start = version == 1 ? 10 : 12;
+  if (file.size() < start) return std::nullopt;
+  size_t length = byte(8) | byte(9) << 8;
+  if (version > 1) length |= byte(10) << 16 | byte(11) << 24;
+  if (length > kMaxHeader || length > file.size() - start) return std::nullopt;
+  const std::string_view text = file.substr(start, length);
+  const auto type = between(text, "'descr': '", "'");
+  const auto order = between(text, "'fortran_order': ", ",");
+  const auto shape_text = between(text, "'shape': (", ")");
+  if (!type || order != "False" || !shape_text) return std::nullopt;
+  const auto shape = parse_shape(*shape_text);
+  if (!shape) return std::nullopt;
+  return Header{std::string(*type), *shape, start + length};
+}
+
+std::optional<size_t> value_size(std::string_view type) {
+  size_t size = 0;
+  if (type.size() != 3 || (type[0] != '<' && type[0] != '|')) return std::nullopt;
+  const auto [end, error] = std::from_chars(type.data() + 2, type.data() + 3, size);
+  if (error != std::errc{} || end != type.data() + 3 || size == 0) return std::nullopt;
+  return size;
+}
+
+}  // namespace
+
+std::string npy_header(std::string_view type, const std::vector<size_t>& shape) {
+  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}",
+                                 type, fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+  const size_t total = (10 + text.size() + 1 + 63) / 64 * 64;
+  text.append(total - 10 - text.size() - 1, ' ');
+  text += '\n';
+  std::string header(kMagic);
+  header +=
+      {'\x01', '\x00', static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
+  return header + text;
+}
+
+NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), file_(path) {
+  const auto header = parse_header(file_.text());
+  const auto size = header ? value_size(header->type) : std::nullopt;
+  if (!size)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is not a little-endian C-order .npy array", name_));
+  size_t bytes = *size;
+  bool overflow = false;
+  for (const size_t extent : header->shape)
+    overflow = __builtin_mul_overflow(bytes, extent, &bytes) || overflow;
+  const size_t found = file_.bytes().size() - header->offset;
+  if (overflow || bytes != found)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its shape ({}) does not fit the {} bytes that follow; the file is "
+                            "truncated or damaged",
+                            name_, fmt::join(header->shape, ", "), found));
+  if (header->offset % *size != 0)
+    throw Error(ErrorKind::data, fmt::format("{}: its values are not aligned", name_));
+  type_ = header->type;
+  shape_ = header->shape;
+  offset_ = header->offset;
+  count_ = bytes / *size;
+}
+
+void NpyArray::require(std::string_view type, size_t dimensions) const {
+  if (type_ != type || shape_.size() != dimensions)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: expected {} dimensions of type {}, found {} of type {}", name_,
+                            dimensions, type, shape_.size(), type_));
+}
+
+}  // namespace vpr

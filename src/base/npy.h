@@ -1,0 +1,85 @@
+// NumPy's .npy files (format 1.0 to 3.0): little-endian, C order.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/mapped_file.h"
+#include "base/output_file.h"
+
+namespace vpr {
+
+/// NumPy's name of an element type: "|u1", "<i4", ...
+template <class T>
+std::string_view npy_type();
+template <>
+inline std::string_view npy_type<uint8_t>() {
+  return "|u1";
+}
+template <>
+inline std::string_view npy_type<uint16_t>() {
+  return "<u2";
+}
+template <>
+inline std::string_view npy_type<int32_t>() {
+  return "<i4";
+}
+template <>
+inline std::string_view npy_type<uint32_t>() {
+  return "<u4";
+}
+template <>
+inline std::string_view npy_type<float>() {
+  return "<f4";
+}
+template <>
+inline std::string_view npy_type<double>() {
+  return "<f8";
+}
+
+/// The bytes before the values; a multiple of 64 bytes long.
+std::string npy_header(std::string_view type, const std::vector<size_t>& shape);
+
+/// A memory-mapped array. Nothing that its header says is trusted: the file's size must be that of
+/// the shape. Throws Error(input) if it can't be read, Error(data) if it is not such an array.
+class NpyArray {
+ public:
+  NpyArray() = default;
+  explicit NpyArray(const std::filesystem::path& path);
+
+  const std::string& type() const { return type_; }
+  const std::vector<size_t>& shape() const { return shape_; }
+  /// The whole file, header included, as checksums cover it.
+  std::span<const std::byte> file_bytes() const { return file_.bytes(); }
+
+  /// The values; throws Error(data) when the type or the number of dimensions is another.
+  template <class T>
+  std::span<const T> values(size_t dimensions) const {
+    require(npy_type<T>(), dimensions);
+    return {reinterpret_cast<const T*>(file_.bytes().data() + offset_), count_};
+  }
+
+ private:
+  void require(std::string_view type, size_t dimensions) const;
+
+  std::string name_;
+  MappedFile file_;
+  std::string type_;
+  std::vector<size_t> shape_;
+  size_t offset_ = 0;
+  size_t count_ = 0;
+};
+
+/// Writes header and values to an open file; the caller commits.
+template <class T>
+void write_npy(OutputFile& file, std::span<const T> values, const std::vector<size_t>& shape) {
+  file.write(npy_header(npy_type<T>(), shape));
+  file.write(std::as_bytes(values));
+}
+
+}  // namespace vpr

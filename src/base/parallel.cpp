@@ -1,0 +1,36 @@
+#include "base/parallel.h"
+
+#include <algorithm>
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace vpr {
+
+void parallel_for(size_t count, const Monitor& monitor, const std::function<void(size_t)>& body) {
+  oneapi::tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+    check_stop(monitor);
+    body(i);
+  });
+}
+
+size_t thread_count() {
+  const auto limit = oneapi::tbb::global_control::active_value(
+      oneapi::tbb::global_control::max_allowed_parallelism);
+  return std::min<size_t>(limit, static_cast<size_t>(oneapi::tbb::info::default_concurrency()));
+}
+
+struct ThreadLimit::Control {
+  oneapi::tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(size_t threads) {
+  if (threads == 0) threads = static_cast<size_t>(oneapi::tbb::info::default_concurrency());
+  control_.reset(new Control{
+      oneapi::tbb::global_control(oneapi::tbb::global_control::max_allowed_parallelism, threads)});
+}
+
+ThreadLimit::~ThreadLimit() = default;
+
+}  // namespace vpr

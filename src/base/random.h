@@ -1,0 +1,17 @@
+// Seeded random numbers, the same with every standard library (std::*_distribution is not).
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace vpr {
+
+using RandomEngine = std::mt19937_64;
+
+/// Uniform in [0, bound), without bias. bound > 0.
+uint64_t uniform_below(RandomEngine& engine, uint64_t bound);
+
+/// Uniform in [0, 1), 53 bits.
+double uniform_unit(RandomEngine& engine);
+
+}  // namespace vpr

@@ -1,0 +1,74 @@
+// The folder NAME.vprdb that every kind of database is: manifest.json and checksummed files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json.h"
+#include "base/npy.h"
+#include "base/output_file.h"
+
+namespace vpr {
+
+inline constexpr std::string_view kManifestName = "manifest.json";
+
+/// Writes files, then the manifest, and lets the whole folder appear at once.
+class ArchiveWriter {
+ public:
+  ArchiveWriter(const std::filesystem::path& path, Existing existing);
+
+  template <class T>
+  void add_array(const std::string& name, std::span<const T> values,
+                 const std::vector<size_t>& shape) {
+    OutputFile file(folder_.temporary() / name, Existing::refuse);
+    write_npy(file, values, shape);
+    file.commit();
+    add_entry(name);
+  }
+  void add_text(const std::string& name, std::string_view text);
+
+  /// Adds "files" (sizes and checksums) and "checksum" (of the manifest's own text) to `manifest`.
+  void commit(Json manifest);
+
+ private:
+  void add_entry(const std::string& name);
+
+  OutputFolder folder_;
+  Json files_ = Json::object();
+};
+
+/// An opened folder whose manifest is intact. Throws Error(input) if it is missing, Error(data),
+/// naming the file, if it is damaged, of another kind or of a newer version.
+class Archive {
+ public:
+  explicit Archive(std::filesystem::path path);
+
+  const Json& manifest() const { return manifest_; }
+  std::string name() const { return path_.string(); }
+  /// Changes with every bit of content.
+  std::string fingerprint() const;
+
+  /// Memory-mapped; size and checksum are those of the manifest, or Error(data) is thrown.
+  NpyArray array(const std::string& name) const;
+  std::string text(const std::string& name) const;
+
+  /// Throws Error(data) "<path>: the manifest is damaged: <what>".
+  [[noreturn]] void fail(std::string_view what) const;
+
+ private:
+  void verify(const std::string& name, std::span<const std::byte> bytes) const;
+
+  std::filesystem::path path_;
+  Json manifest_;
+};
+
+/// A non-negative whole number of a manifest; throws Error(data) through `archive` if it is none.
+size_t manifest_count(const Archive& archive, const Json& object, const std::string& key);
+std::string manifest_text(const Archive& archive, const Json& object, const std::string& key);
+const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key);
+
+}  // namespace vpr

@@ -1,0 +1,206 @@
+#include "database/sequence_database.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/provenance.h"
+#include "database/archive.h"
+
+namespace vpr {
+namespace {
+
+constexpr const char* kMethod = "fastable";
+constexpr const char* kCodesFile = "codes.npy";
+constexpr const char* kFramesFile = "frames.txt";
+
+Json sequence_to_json(const TrainSequence& sequence) {
+  return {{"name", sequence.name},
+          {"frames", sequence.frame_count()},
+          {"unreadable", sequence.unreadable}};
+}
+
+Json thresholds_to_json(const ThresholdTable& table) {
+  Json closest = Json::array();
+  for (const auto& item : table.closest) {
+    if (!item) {
+      closest.push_back(nullptr);
+      continue;
+    }
+    closest.push_back({{"distance", item->distance},
+                       {"window", item->window},
+                       {"other_sequence", item->other_sequence},
+                       {"other_window", item->other_window}});
+  }
+  return {
+      {"c_l", table.window_length}, {"safety_factor", table.safety_factor}, {"closest", closest}};
+}
+
+// One name a line, in the order of the codes.
+std::string frame_lines(const SequenceDatabase& database) {
+  std::string text;
+  for (const TrainSequence& sequence : database.sequences) {
+    for (std::string name : sequence.frame_names) {
+      std::replace(name.begin(), name.end(), '\n', ' ');
+      text += name + "\n";
+    }
+  }
+  return text;
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  for (size_t start = 0; start < text.size();) {
+    const size_t end = std::min(text.find('\n', start), text.size());
+    lines.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return lines;
+}
+
+std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, size_t frame_count) {
+  std::vector<size_t> frames;
+  for (const Json& item : manifest_list(archive, json, "unreadable")) {
+    if (!item.is_number_unsigned()) archive.fail("an unreadable frame is no number");
+    const auto frame = item.get<size_t>();
+    if (frame >= frame_count || (!frames.empty() && frame <= frames.back()))
+      archive.fail("its unreadable frames are out of range or order");
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+std::vector<TrainSequence> read_sequences(const Archive& archive,
+                                          const std::vector<std::string>& frame_names) {
+  std::vector<TrainSequence> sequences;
+  size_t first = 0;
+  for (const Json& json : manifest_list(archive, archive.manifest(), "sequences")) {
+    const size_t count = manifest_count(archive, json, "frames");
+    if (count == 0 || count > frame_names.size() - first)
+      archive.fail("its numbers of frames do not fit frames.txt");
+    TrainSequence& sequence = sequences.emplace_back();
+    sequence.name = manifest_text(archive, json, "name");
+    sequence.unreadable = read_unreadable(archive, json, count);
+    sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
+                                frame_names.begin() + ptrdiff_t(first + count));
+    first += count;
+  }
+  if (sequences.empty() || first != frame_names.size())
+    archive.fail("its numbers of frames do not fit frames.txt");
+  return sequences;
+}
+
+std::optional<ClosestWindows> read_closest(const Archive& archive, const Json& json,
+                                           size_t window_length, size_t own,
+                                           const std::vector<TrainSequence>& sequences) {
+  if (json.is_null()) return std::nullopt;
+  const ClosestWindows closest{static_cast<uint32_t>(manifest_count(archive, json, "distance")),
+                               manifest_count(archive, json, "window"),
+                               manifest_count(archive, json, "other_sequence"),
+                               manifest_count(archive, json, "other_window")};
+  const auto fits = [&](size_t sequence, size_t window) {
+    return sequence < sequences.size() && window_length <= sequences[sequence].frame_count() &&
+           window <= sequences[sequence].frame_count() - window_length;
+  };
+  if (!fits(own, closest.window) || !fits(closest.other_sequence, closest.other_window))
+    archive.fail("a closest pair of windows is out of range");
+  return closest;
+}
+
+std::vector<ThresholdTable> read_thresholds(const Archive& archive,
+                                            const std::vector<TrainSequence>& sequences) {
+  std::vector<ThresholdTable> tables;
+  for (const Json& json : manifest_list(archive, archive.manifest(), "thresholds")) {
+    ThresholdTable& table = tables.emplace_back();
+    table.window_length = manifest_count(archive, json, "c_l");
+    const auto factor = json.find("safety_factor");
+    if (factor == json.end() || !factor->is_number())
+      archive.fail("\"safety_factor\" is no number");
+    table.safety_factor = factor->get<double>();
+    for (const Json& item : manifest_list(archive, json, "closest"))
+      table.closest.push_back(
+          read_closest(archive, item, table.window_length, table.closest.size(), sequences));
+    if (table.window_length == 0 || table.closest.size() != sequences.size())
+      archive.fail("its thresholds do not fit its sequences");
+  }
+  return tables;
+}
+
+NpyArray read_codes(const Archive& archive, size_t frame_count) {
+  NpyArray codes = archive.array(kCodesFile);
+  codes.values<uint8_t>(2);
+  if (codes.shape()[0] != frame_count || codes.shape()[1] != kLdbBytes)
+    archive.fail("codes.npy does not have one row of 176 bytes a frame");
+  return codes;
+}
+
+}  // namespace
+
+std::span<const LdbCode> CodeStore::view() const {
+  if (!owned.empty() || mapped.shape().empty()) return owned;
+  static_assert(sizeof(LdbCode) == kLdbBytes && alignof(LdbCode) == 1);
+  const auto bytes = mapped.values<uint8_t>(2);
+  return {reinterpret_cast<const LdbCode*>(bytes.data()), bytes.size() / kLdbBytes};
+}
+
+std::span<const LdbCode> SequenceDatabase::sequence_codes(size_t sequence) const {
+  size_t first = 0;
+  for (size_t s = 0; s < sequence; ++s) first += sequences[s].frame_count();
+  return codes.view().subspan(first, sequences[sequence].frame_count());
+}
+
+SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
+  const Archive archive(path);
+  const std::string method = manifest_text(archive, archive.manifest(), "method");
+  if (method != kMethod)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is a database for {}, but one for {} is needed; train it with "
+                            "vpr-train {}",
+                            archive.name(), method, kMethod, kMethod));
+  SequenceDatabase database;
+  database.fingerprint = archive.fingerprint();
+  const auto settings = archive.manifest().find("settings");
+  if (settings == archive.manifest().end()) archive.fail("it has no settings");
+  try {
+    value_from_json(*settings, database.descriptor, archive.name(), "settings");
+  } catch (const Error& error) {
+    throw Error(ErrorKind::data, error.what());
+  }
+  database.sequences = read_sequences(archive, split_lines(archive.text(kFramesFile)));
+  database.thresholds = read_thresholds(archive, database.sequences);
+  size_t frames = 0;
+  for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
+  database.codes.mapped = read_codes(archive, frames);
+  return database;
+}
+
+void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
+                             Existing existing) {
+  const std::span<const LdbCode> codes = database.codes.view();
+  ArchiveWriter writer(path, existing);
+  writer.add_array(kCodesFile,
+                   std::span(reinterpret_cast<const uint8_t*>(codes.data()), codes.size_bytes()),
+                   {codes.size(), kLdbBytes});
+  writer.add_text(kFramesFile, frame_lines(database));
+  Json manifest = {{"schema", "vpr.database/1"}, {"method", kMethod}};
+  manifest["settings"] = value_to_json(database.descriptor);
+  manifest["sequences"] = Json::array();
+  for (const TrainSequence& sequence : database.sequences)
+    manifest["sequences"].push_back(sequence_to_json(sequence));
+  manifest["thresholds"] = Json::array();
+  for (const ThresholdTable& table : database.thresholds)
+    manifest["thresholds"].push_back(thresholds_to_json(table));
+  manifest["provenance"] = {
+      {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
+  writer.commit(manifest);
+}
+
+const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables,
+                                      size_t window_length) {
+  for (const ThresholdTable& table : tables)
+    if (table.window_length == window_length) return &table;
+  return nullptr;
+}
+
+}  // namespace vpr

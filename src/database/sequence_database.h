@@ -1,0 +1,69 @@
+// The database of the sequence methods (OpenABLE, FastABLE, LSH): codes of training sequences.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/monitor.h"
+#include "base/npy.h"
+#include "base/output_file.h"
+#include "descriptors/describe.h"
+
+namespace vpr {
+
+struct TrainSequence {
+  std::string name;
+  std::vector<std::string> frame_names;
+  std::vector<size_t> unreadable;  ///< rising
+  size_t frame_count() const { return frame_names.size(); }
+};
+
+/// The window of another training sequence that is closest to any window of this one.
+struct ClosestWindows {
+  uint32_t distance = 0;  ///< D, summed over the window
+  size_t window = 0;      ///< of this sequence
+  size_t other_sequence = 0;
+  size_t other_window = 0;
+};
+
+/// What automatic thresholds come from, for one window length. `closest` has one entry a training
+/// sequence; none where that sequence, or every other one, has no window.
+struct ThresholdTable {
+  size_t window_length = 0;
+  double safety_factor = 1;
+  std::vector<std::optional<ClosestWindows>> closest;
+};
+
+/// Codes of a fresh training, or the memory-mapped ones of a stored database.
+struct CodeStore {
+  std::vector<LdbCode> owned;
+  NpyArray mapped;
+
+  std::span<const LdbCode> view() const;
+};
+
+struct SequenceDatabase {
+  LdbSettings descriptor;
+  std::vector<TrainSequence> sequences;
+  CodeStore codes;  ///< of all sequences, one after the other
+  std::vector<ThresholdTable> thresholds;
+  std::string fingerprint;  ///< of a stored database; changes with every bit of content
+
+  std::span<const LdbCode> sequence_codes(size_t sequence) const;
+};
+
+/// Every file is verified. Throws Error(input) if it is missing, Error(data) if it is damaged, of
+/// another method or of a newer version.
+SequenceDatabase read_sequence_database(const std::filesystem::path& path);
+
+/// Writes a folder that is byte-identical for the same content: no time, host or path in it.
+void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
+                             Existing existing);
+
+/// The table for a window length, or null.
+const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables, size_t window_length);
+
+}  // namespace vpr

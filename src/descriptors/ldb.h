@@ -1,0 +1,29 @@
+// LDB as ABLE-M uses it: one binary code for a whole frame (Yang & Cheng, LDB; Arroyo et al.,
+// ABLE-M).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <opencv2/core/mat.hpp>
+
+namespace vpr {
+
+inline constexpr size_t kLdbBits = 1386;
+inline constexpr size_t kLdbBytes =
+    176;  ///< bit b in byte b / 8, least significant first, 0-padded
+
+using LdbCode = std::array<uint8_t, kLdbBytes>;
+
+/// `grey`: 8 bits, one channel, at least 1x1. Resized to 64x64, blurred, cut to 60x60; then cells
+/// of grids 2x2 to 5x5 are compared pair by pair by mean intensity, horizontal and vertical
+/// gradient. Integer arithmetic only: the same on every machine.
+LdbCode describe_ldb(const cv::Mat& grey);
+
+/// Sums of the cells of the g x g grid over `window` (60x60, 8 bits): per cell, row-major,
+/// intensity, gradient along columns and gradient along rows. `integral` is cv::integral of the
+/// window (61x61, 32 bits). Returns 3 * g * g values: all intensities, then all of each gradient.
+std::array<std::array<int32_t, 25>, 3> ldb_cell_values(const cv::Mat& integral, int g);
+
+}  // namespace vpr

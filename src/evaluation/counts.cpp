@@ -1,0 +1,70 @@
+#include "evaluation/counts.h"
+
+namespace vpr {
+namespace {
+
+void count(LabelCounts& counts, PlaceLabel label) {
+  switch (label) {
+    case PlaceLabel::same:
+      ++counts.correct;
+      return;
+    case PlaceLabel::different:
+      ++counts.incorrect;
+      return;
+    case PlaceLabel::ignore:
+      ++counts.ignored;
+      return;
+  }
+}
+
+BestMatchCounts count_best_matches(const SequenceResult& result, const GroundTruth& truth) {
+  BestMatchCounts counts;
+  for (size_t window = 0; window < result.best.size(); ++window) {
+    const auto& best = result.best[window];
+    const size_t anchor = result.anchor(window);
+    if (!best) {
+      ++counts.unreadable;
+      continue;
+    }
+    if (!truth.has_match(anchor)) {
+      ++counts.without_match;
+      continue;
+    }
+    ++counts.queries;
+    const PlaceLabel label = truth.label(anchor, best->sequence, result.anchor(best->train_window));
+    if (label == PlaceLabel::same) ++counts.correct;
+    if (label == PlaceLabel::ignore) ++counts.ignored;
+  }
+  return counts;
+}
+
+}  // namespace
+
+std::optional<double> BestMatchCounts::rate() const {
+  if (queries == ignored) return std::nullopt;
+  return static_cast<double>(correct) / static_cast<double>(queries - ignored);
+}
+
+GroundTruthScope scope_of(const SequenceResult& result) {
+  GroundTruthScope scope;
+  scope.query_frames = result.query_frames;
+  for (const SequenceThreshold& sequence : result.sequences)
+    scope.sequences.push_back({sequence.name, sequence.frames, sequence.searched});
+  return scope;
+}
+
+SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth) {
+  SequenceCounts counts;
+  const auto label_at = [&](size_t query_window, size_t sequence, size_t train_window) {
+    return truth.label(result.anchor(query_window), sequence, result.anchor(train_window));
+  };
+  for (const Cell& hit : result.hits)
+    count(counts.hits, label_at(hit.query_window, hit.sequence, hit.train_window));
+  for (const Recognition& place : result.places)
+    count(counts.places, label_at(place.query_window, place.sequence, place.train_window));
+  counts.distinct = counts.places.correct;
+  counts.best_match = count_best_matches(result, truth);
+  return counts;
+}
+
+}  // namespace vpr

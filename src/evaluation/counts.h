@@ -1,0 +1,43 @@
+// The paper's counts: correct, incorrect and distinct recognitions, and the best match.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "evaluation/ground_truth.h"
+#include "recognition/sequence_result.h"
+
+namespace vpr {
+
+struct LabelCounts {
+  uint64_t correct = 0;
+  uint64_t incorrect = 0;
+  uint64_t ignored = 0;  ///< pairs labelled ignore: neither
+};
+
+struct BestMatchCounts {
+  uint64_t queries =
+      0;  ///< windows whose anchor has a match in the ground truth, ignored ones included
+  uint64_t correct = 0;
+  uint64_t ignored = 0;        ///< of `queries`: the best match is an ignored pair
+  uint64_t without_match = 0;  ///< windows whose anchor has no match; not in `queries`
+  uint64_t unreadable = 0;     ///< windows with an unreadable frame; not in `queries`
+
+  /// correct / (queries - ignored); none where there are none.
+  std::optional<double> rate() const;
+};
+
+struct SequenceCounts {
+  LabelCounts hits;       ///< window pairs below the threshold, judged at both anchors
+  LabelCounts places;     ///< clusters, judged at their representative's anchors
+  uint64_t distinct = 0;  ///< correct places
+  BestMatchCounts best_match;
+};
+
+/// The scope in which a result's indices are to be read.
+GroundTruthScope scope_of(const SequenceResult& result);
+
+/// Windows are judged at their anchor, their last frame.
+SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth);
+
+}  // namespace vpr

@@ -1,0 +1,81 @@
+#include "evaluation/expectation.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace vpr {
+namespace {
+
+class Comparison {
+ public:
+  explicit Comparison(const std::string& where) : where_(where) {}
+
+  void compare(const Json& found, const Json& expected, const std::string& key) {
+    if (is_number(expected)) {
+      compare_number(found, expected, key);
+      return;
+    }
+    if (!expected.is_object()) fail(key, "must be a number or an object");
+    for (const auto& item : expected.items()) {
+      const std::string inner = key + "." + item.key();
+      const auto value = found.is_object() ? found.find(item.key()) : found.end();
+      if (!found.is_object() || value == found.end()) fail(inner, "is not in the report");
+      compare(*value, item.value(), inner);
+    }
+  }
+
+  size_t numbers() const { return numbers_; }
+  std::vector<std::string> unmet;
+
+ private:
+  static bool is_number(const Json& json) {
+    return json.is_number() || (json.is_object() && json.contains("value"));
+  }
+
+  void compare_number(const Json& found, const Json& expected, const std::string& key) {
+    ++numbers_;
+    const Json value = expected.is_object() ? expected["value"] : expected;
+    const Json tolerance = expected.is_object() ? expected.value("tolerance", Json(0)) : Json(0);
+    if (!value.is_number() || !tolerance.is_number() || tolerance.get<double>() < 0)
+      fail(key, "needs a number \"value\" and a \"tolerance\" of 0 or more");
+    if (expected.is_object() && expected.size() > 1 + expected.count("tolerance"))
+      fail(key, "takes only \"value\" and \"tolerance\"");
+    if (!found.is_number()) fail(key, "is no number in the report");
+    const double difference = found.get<double>() - value.get<double>();
+    if (std::abs(difference) <= tolerance.get<double>()) return;
+    unmet.push_back(fmt::format("{}: expected {}{}, found {} ({:+g})", key, value.dump(),
+                                tolerance == 0 ? "" : " +- " + tolerance.dump(), found.dump(),
+                                difference));
+  }
+
+  [[noreturn]] void fail(const std::string& key, std::string_view what) const {
+    throw Error(ErrorKind::usage, fmt::format("{}: \"{}\" {}", where_, key, what));
+  }
+
+  const std::string& where_;
+  size_t numbers_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::string> unmet_expectations(const Json& report, const Json& expected,
+                                            const std::string& where) {
+  const bool is_report =
+      expected.is_object() && expected.contains("schema") && expected["schema"] == "vpr.report/1";
+  if (!is_report) require_schema(expected, "expected", where, ErrorKind::usage);
+  Comparison comparison(where);
+  for (const auto& item : expected.items()) {
+    const bool compared = item.key() == "counts" || item.key() == "best_match";
+    if (compared)
+      comparison.compare(report.at(item.key()), item.value(), item.key());
+    else if (!is_report && item.key() != "schema")
+      detail::unknown_key(where, item.key(), {"counts", "best_match"});
+  }
+  if (comparison.numbers() == 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: expects nothing; give at least one number", where));
+  return comparison.unmet;
+}
+
+}  // namespace vpr

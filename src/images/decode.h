@@ -1,0 +1,17 @@
+// One image file to pixels.
+#pragma once
+
+#include <filesystem>
+
+#include <opencv2/core/mat.hpp>
+
+namespace vpr {
+
+enum class PixelFormat { grey, bgr };
+
+/// 8 bits a channel, as OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR decodes, EXIF orientation
+/// applied. Throws Error(input), naming the file, when it is missing, empty, not an image, or
+/// truncated (OpenCV itself fills the missing part of a JPEG with grey).
+cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format);
+
+}  // namespace vpr

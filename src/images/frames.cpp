@@ -1,0 +1,173 @@
+#include "images/frames.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace vpr {
+namespace {
+
+using FrameBody = std::function<void(size_t, const cv::Mat&)>;
+
+void lower_to(std::atomic<size_t>& lowest, size_t value) {
+  size_t seen = lowest.load();
+  while (value < seen && !lowest.compare_exchange_weak(seen, value)) {
+  }
+}
+
+FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
+                         const Monitor& monitor, const FrameBody& body) {
+  const size_t count = sequence.files.size();
+  std::vector<char> failed(count, 0);
+  std::atomic<size_t> lowest_failed{count};
+  StepCounter counter(monitor, "describe", count);
+  parallel_for(count, monitor, [&](size_t i) {
+    if (unreadable == Unreadable::fail && i > lowest_failed.load()) return;
+    cv::Mat image;
+    try {
+      image = decode_image(sequence.files[i], format);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      failed[i] = 1;
+      lower_to(lowest_failed, i);
+    }
+    if (!image.empty()) body(i, image);
+    counter.add();
+  });
+  if (unreadable == Unreadable::fail && lowest_failed < count)
+    decode_image(sequence.files[lowest_failed], format);  // throws the same error again
+  FrameList frames;
+  for (size_t i = 0; i < count; ++i) {
+    frames.names.push_back(sequence.files[i].filename().string());
+    if (failed[i] != 0) frames.unreadable.push_back(i);
+  }
+  return frames;
+}
+
+struct IndexedFrame {
+  size_t index = 0;
+  cv::Mat image;
+};
+
+/// Reads the frames of a range in order; the only user of the decoder.
+class VideoReader {
+ public:
+  VideoReader(const SequenceArgument& argument, PixelFormat format)
+      : argument_(argument), format_(format) {
+    const std::string path = argument.path.string();
+    bool opened = false;
+    try {
+      opened = capture_.open(path, cv::CAP_FFMPEG);
+    } catch (const cv::Exception&) {
+      opened = false;
+    }
+    if (!opened)
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: is neither a folder of images, a list (.txt) nor a video that "
+                              "can be decoded",
+                              path));
+  }
+
+  /// False at the end of the range.
+  bool next(IndexedFrame& frame) {
+    const FrameRange& range = argument_.range;
+    const uint64_t wanted = range.first + frames_.names.size() * range.step;
+    if (range.last && wanted >= *range.last) return false;
+    for (; position_ <= wanted; ++position_)
+      if (!capture_.grab()) return end();
+    cv::Mat image;
+    if (!capture_.retrieve(image) || image.empty()) return end();
+    if (format_ == PixelFormat::grey && image.channels() == 3)
+      cv::cvtColor(image, frame.image, cv::COLOR_BGR2GRAY);
+    else
+      frame.image = image.clone();
+    frame.index = frames_.names.size();
+    frames_.names.push_back(fmt::format("#{}", wanted));
+    return true;
+  }
+
+  FrameList finish(const Monitor& monitor) {
+    const FrameRange& range = argument_.range;
+    const std::string path = argument_.path.string();
+    if (ended_ && (frames_.names.empty() || range.last))
+      throw Error(range.is_all() ? ErrorKind::input : ErrorKind::usage,
+                  fmt::format("{}: has {} frames that can be decoded, which is too few{}", path,
+                              position_, range.is_all() ? "" : " for " + range_text(range)));
+    const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+    if (ended_ && stated > static_cast<double>(position_) * 1.02 + 2)
+      warn(monitor, fmt::format("{}: ends after {} frames although it states {:.0f}; it may be "
+                                "truncated",
+                                path, position_, stated));
+    return std::move(frames_);
+  }
+
+  size_t expected_frames() const {
+    const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+    const FrameRange& range = argument_.range;
+    if (!(stated > static_cast<double>(range.first)) || stated > 1e12) return 0;
+    const uint64_t last = std::min(range.last.value_or(std::numeric_limits<uint64_t>::max()),
+                                   static_cast<uint64_t>(stated));
+    return last <= range.first ? 0 : (last - range.first + range.step - 1) / range.step;
+  }
+
+ private:
+  bool end() {
+    ended_ = true;
+    return false;
+  }
+
+  SequenceArgument argument_;
+  PixelFormat format_;
+  cv::VideoCapture capture_;
+  FrameList frames_;
+  uint64_t position_ = 0;
+  bool ended_ = false;
+};
+
+FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, const Monitor& monitor,
+                               const FrameBody& body) {
+  namespace tbb = oneapi::tbb;
+  VideoReader reader(sequence.argument, format);
+  StepCounter counter(monitor, "describe", reader.expected_frames());
+  tbb::parallel_pipeline(
+      2 * thread_count(),
+      tbb::make_filter<void, std::shared_ptr<IndexedFrame>>(tbb::filter_mode::serial_in_order,
+                                                            [&](tbb::flow_control& control) {
+                                                              auto frame =
+                                                                  std::make_shared<IndexedFrame>();
+                                                              if (!reader.next(*frame))
+                                                                control.stop();
+                                                              return frame;
+                                                            }) &
+          tbb::make_filter<std::shared_ptr<IndexedFrame>, void>(
+              tbb::filter_mode::parallel, [&](const std::shared_ptr<IndexedFrame>& frame) {
+                body(frame->index, frame->image);
+                counter.add();
+              }));
+  return reader.finish(monitor);
+}
+
+}  // namespace
+
+FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
+                         const Monitor& monitor, const FrameBody& body) {
+  if (sequence.kind == SequenceKind::video)
+    return for_each_video_frame(sequence, format, monitor, body);
+  FrameList frames = for_each_image(sequence, format, unreadable, monitor, body);
+  if (frames.unreadable.size() == frames.count())
+    throw Error(ErrorKind::input, fmt::format("{}: none of its {} frames can be decoded",
+                                              sequence.argument.path.string(), frames.count()));
+  return frames;
+}
+
+}  // namespace vpr

@@ -1,0 +1,34 @@
+// The frames of a sequence, decoded one after the other or several at once, none kept.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/monitor.h"
+#include "images/decode.h"
+#include "images/sequence.h"
+
+namespace vpr {
+
+enum class Unreadable { fail, skip };
+
+/// What a pass over a sequence found.
+struct FrameList {
+  std::vector<std::string> names;  ///< per frame: the image's file name, or "#12" of a video
+  std::vector<size_t> unreadable;  ///< rising; frames that keep their index but had no image
+  size_t count() const { return names.size(); }
+};
+
+/// Calls body(index, image) for each readable frame, in any order, from several threads. Files are
+/// decoded in parallel; a video is read frame after frame in one thread, without seeking, while
+/// others work on its frames. BGR frames of a video become grey by BGR2GRAY.
+/// With Unreadable::fail the first (lowest) frame that can't be decoded throws Error(input);
+/// with skip, a sequence without any readable frame does.
+FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
+                         const Monitor& monitor,
+                         const std::function<void(size_t index, const cv::Mat& image)>& body);
+
+}  // namespace vpr

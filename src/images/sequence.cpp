@@ -1,0 +1,242 @@
+#include "images/sequence.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/mapped_file.h"
+#include "images/natural_order.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 12> kImageExtensions = {".jpg", ".jpeg", ".jpe",  ".png",
+                                                               ".bmp", ".pgm",  ".ppm",  ".pnm",
+                                                               ".tif", ".tiff", ".webp", ".jp2"};
+constexpr std::array<std::string_view, 3> kListExtensions = {".txt", ".lst", ".csv"};
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+template <size_t N>
+bool has_extension(const fs::path& path, const std::array<std::string_view, N>& extensions) {
+  return std::find(extensions.begin(), extensions.end(), lower_extension(path)) != extensions.end();
+}
+
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
+bool by_natural_name(const fs::path& a, const fs::path& b) {
+  return natural_less(a.filename().string(), b.filename().string());
+}
+
+std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(const fs::path&)) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (!is_hidden(it->path()) && wanted(it->path())) found.push_back(it->path());
+  if (error)
+    throw Error(ErrorKind::input,
+                fmt::format("{}: can't be read: {}", folder.string(), error.message()));
+  std::sort(found.begin(), found.end(), by_natural_name);
+  return found;
+}
+
+std::vector<fs::path> read_list(const fs::path& list) {
+  std::vector<fs::path> files;
+  const MappedFile file(list);
+  std::string_view rest = file.text();
+  while (!rest.empty()) {
+    const size_t end = std::min(rest.find('\n'), rest.size());
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.empty() || line.starts_with('#')) continue;
+    if (line.find('\0') != std::string_view::npos)
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: is not a text file with one image path a line", list.string()));
+    files.push_back(list.parent_path() / fs::path(line));
+  }
+  return files;
+}
+
+std::vector<fs::path> apply_range(const std::vector<fs::path>& all,
+                                  const SequenceArgument& argument) {
+  const FrameRange& range = argument.range;
+  const uint64_t last = range.last.value_or(all.size());
+  if (range.first >= all.size() || last > all.size())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has {} frames, which the range {} exceeds", argument.path.string(),
+                            all.size(), range_text(range)));
+  std::vector<fs::path> files;
+  for (uint64_t i = range.first; i < last; i += std::min(range.step, last - i))
+    files.push_back(all[i]);
+  return files;
+}
+
+// The number in front of `text`, cut off; nothing if there is no digit. Throws when too large.
+std::optional<uint64_t> take_number(std::string_view& text, const std::string& argument) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::invalid_argument) return std::nullopt;
+  if (error == std::errc::result_out_of_range || value > (uint64_t{1} << 62))
+    throw Error(ErrorKind::usage, fmt::format("{}: a frame number is too large", argument));
+  text.remove_prefix(static_cast<size_t>(end - text.data()));
+  return value;
+}
+
+bool take_colon(std::string_view& text) {
+  if (!text.starts_with(':')) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+// Nothing if `text` is not of the form FIRST:LAST[:STEP].
+std::optional<FrameRange> parse_range(std::string_view text, const std::string& argument) {
+  if (text.find_first_not_of("0123456789:") != std::string_view::npos) return std::nullopt;
+  FrameRange range;
+  range.first = take_number(text, argument).value_or(0);
+  if (!take_colon(text)) return std::nullopt;
+  range.last = take_number(text, argument);
+  if (take_colon(text)) range.step = take_number(text, argument).value_or(1);
+  if (!text.empty()) return std::nullopt;
+  return range;
+}
+
+}  // namespace
+
+SequenceArgument parse_sequence_argument(const std::string& text) {
+  std::error_code error;
+  const size_t at = text.rfind('@');
+  if (at == std::string::npos || fs::exists(text, error)) return {text, {}};
+  const auto range = parse_range(std::string_view(text).substr(at + 1), text);
+  if (!range) return {text, {}};
+  if (range->step == 0)
+    throw Error(ErrorKind::usage, fmt::format("{}: a step of 0 never ends; give 1 or more", text));
+  if (range->last && *range->last <= range->first)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: the range is empty; LAST is excluded and must exceed FIRST", text));
+  return {text.substr(0, at), *range};
+}
+
+std::string range_text(const FrameRange& range) {
+  if (range.is_all()) return "";
+  return fmt::format("@{}:{}{}", range.first == 0 ? "" : std::to_string(range.first),
+                     range.last ? std::to_string(*range.last) : "",
+                     range.step == 1 ? "" : fmt::format(":{}", range.step));
+}
+
+Sequence open_sequence(const SequenceArgument& argument) {
+  const fs::path& path = argument.path;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status))
+    throw Error(ErrorKind::input, fmt::format("{}: no such folder, list or video", path.string()));
+  Sequence sequence{argument, SequenceKind::images, {}};
+  std::vector<fs::path> files;
+  if (fs::is_directory(status)) {
+    files = folder_entries(path, [](const fs::path& p) {
+      std::error_code ignored;
+      return has_extension(p, kImageExtensions) && !fs::is_directory(p, ignored);
+    });
+    if (files.empty())
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: the folder holds no images (sub-folders are not searched)",
+                              path.string()));
+  } else if (has_extension(path, kListExtensions)) {
+    files = read_list(path);
+    if (files.empty())
+      throw Error(ErrorKind::input, fmt::format("{}: the list names no images", path.string()));
+  } else if (has_extension(path, kImageExtensions)) {
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: is a single image; give its folder, a list or a video", path.string()));
+  } else {
+    sequence.kind = SequenceKind::video;
+    return sequence;
+  }
+  sequence.files = apply_range(files, argument);
+  return sequence;
+}
+
+std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
+  std::vector<SequenceArgument> arguments;
+  for (const fs::path& path : folder_entries(folder, [](const fs::path& p) {
+         std::error_code ignored;
+         return fs::is_directory(p, ignored);
+       }))
+    arguments.push_back({path, {}});
+  if (arguments.empty())
+    throw Error(ErrorKind::input,
+                fmt::format("{}: has no sub-folders; each would be a sequence", folder.string()));
+  return arguments;
+}
+
+std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arguments) {
+  struct Name {
+    std::vector<std::string> parts;  // own name first, then parents
+    size_t used = 1;
+    bool with_range = false;
+  };
+  std::vector<Name> names;
+  for (const SequenceArgument& argument : arguments) {
+    std::error_code error;
+    fs::path path = fs::absolute(argument.path, error).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();
+    Name name;
+    name.parts.push_back(fs::is_directory(path, error) ? path.filename().string()
+                                                       : path.stem().string());
+    for (fs::path parent = path.parent_path(); parent.has_filename(); parent = parent.parent_path())
+      name.parts.push_back(parent.filename().string());
+    names.push_back(name);
+  }
+  const auto text = [&](size_t i) {
+    std::string joined = names[i].parts.front();
+    for (size_t k = 1; k < names[i].used; ++k) joined = names[i].parts[k] + "/" + joined;
+    return names[i].with_range ? joined + range_text(arguments[i].range) : joined;
+  };
+  for (;;) {
+    std::map<std::string, std::vector<size_t>> equal;
+    for (size_t i = 0; i < names.size(); ++i) equal[text(i)].push_back(i);
+    bool changed = false;
+    bool unique = true;
+    for (const auto& [name, group] : equal) {
+      if (group.size() == 1) continue;
+      unique = false;
+      // The same folder in several ranges: parents would not help.
+      const bool same_path = std::all_of(group.begin(), group.end(), [&](size_t i) {
+        return names[i].parts == names[group.front()].parts;
+      });
+      for (const size_t i : group) {
+        Name& item = names[i];
+        if (!same_path && item.used < item.parts.size()) {
+          ++item.used;
+          changed = true;
+        } else if (!item.with_range) {
+          item.with_range = true;
+          changed = true;
+        }
+      }
+    }
+    if (unique) break;
+    if (!changed)
+      throw Error(ErrorKind::usage,
+                  "two training sequences have the same path and range; give each only once");
+  }
+  std::vector<std::string> result;
+  for (size_t i = 0; i < names.size(); ++i) result.push_back(text(i));
+  return result;
+}
+
+}  // namespace vpr

@@ -1,0 +1,61 @@
+// What the user names on the command line: a folder, list or video, and a range of its frames.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vpr {
+
+/// Frames first, first + step, ... below last; `last` absent: to the end.
+struct FrameRange {
+  uint64_t first = 0;
+  std::optional<uint64_t> last;
+  uint64_t step = 1;
+
+  bool is_all() const { return first == 0 && !last && step == 1; }
+  bool operator==(const FrameRange&) const = default;
+};
+
+/// `PATH` or `PATH@FIRST:LAST[:STEP]`.
+struct SequenceArgument {
+  std::filesystem::path path;
+  FrameRange range;
+};
+
+/// A path that exists as written wins over a range in its name. Throws Error(usage) for an empty or
+/// reversed range, a step of 0, or a number that is too large.
+SequenceArgument parse_sequence_argument(const std::string& text);
+
+/// "@10:20", "@:20:2"; empty for all frames.
+std::string range_text(const FrameRange& range);
+
+enum class SequenceKind { images, video };
+
+/// Frames in order, not read yet. For images `files` holds the range's files; a video is cut to its
+/// range while it is read, since only then is its length known.
+struct Sequence {
+  SequenceArgument argument;
+  SequenceKind kind = SequenceKind::images;
+  std::vector<std::filesystem::path> files;
+};
+
+/// Folder: its images by extension, hidden files and other files left out, no recursion, in natural
+/// order. Text file (.txt, .lst, .csv): one image a line, in the file's order, relative to the
+/// file; empty lines and lines that start with # are skipped. Anything else: a video.
+/// Throws Error(input) for a missing path or an empty sequence, Error(usage) for a range that does
+/// not fit the frames there are.
+Sequence open_sequence(const SequenceArgument& argument);
+
+/// The frames of each sub-folder of `folder` that is not hidden, in natural order. Throws
+/// Error(input) if there is none.
+std::vector<SequenceArgument> subfolder_arguments(const std::filesystem::path& folder);
+
+/// Names for results: the folder's (list's, video's) own name, with parents added ("a/ref",
+/// "b/ref") and then ranges where two are equal. Throws Error(usage) when that does not tell them
+/// apart: the same frames were given twice.
+std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arguments);
+
+}  // namespace vpr

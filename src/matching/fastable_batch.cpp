@@ -1,0 +1,182 @@
+#include "matching/fastable_batch.h"
+
+#include <algorithm>
+#include <cassert>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kTileQueries = 64;          // query frames that meet a block in registers
+constexpr size_t kStripRingBytes = 1 << 20;  // a strip's ring stays in the second-level cache
+constexpr size_t kMinStripWidth = 256;
+constexpr size_t kMaxStripWidth = 2048;
+
+/// Diagonals first, first + 1, ... of a matrix of train frames x query frames. Diagonal d holds the
+/// pairs (train frame d + f, query frame f); d may be negative.
+struct Strip {
+  ptrdiff_t first = 0;
+  size_t width = 0;
+};
+
+struct StripLayout {
+  size_t width = 0;
+  size_t count = 0;
+  bool has_ring = false;
+};
+
+size_t round_up(size_t value, size_t multiple) {
+  return (value + multiple - 1) / multiple * multiple;
+}
+
+StripLayout plan_strips(size_t diagonals, const MatchSettings& settings) {
+  const size_t ring_row = sizeof(uint16_t) * settings.window_length;
+  const size_t by_cache = kStripRingBytes / ring_row / kTileQueries * kTileQueries;
+  const size_t by_threads = round_up(diagonals / (4 * thread_count()) + 1, kTileQueries);
+  StripLayout layout;
+  layout.width = std::clamp(std::min(by_cache, by_threads), kMinStripWidth, kMaxStripWidth);
+  layout.count = (diagonals + layout.width - 1) / layout.width;
+  layout.has_ring = settings.memory_limit / thread_count() / ring_row >= layout.width;
+  return layout;
+}
+
+/// Distances of a tile of query frames to the train frames that a strip crosses there.
+struct Tile {
+  std::vector<uint16_t> values;
+  size_t stride = 0;
+  size_t first_query = 0;
+  size_t first_train = 0;
+
+  const uint16_t* at(size_t query, size_t train) const {
+    return values.data() + (query - first_query) * stride + (train - first_train);
+  }
+};
+
+// Train frames [train_first, train_last) against query frames [query_first, query_last).
+void fill_tile(Tile& tile, const TrainCodes& train, const QueryCodes& query,
+               const HammingKernels& kernels, size_t query_first, size_t query_last,
+               size_t train_first, size_t train_last) {
+  const size_t block = train_first / kBlockFrames;
+  const size_t blocks = (train_last + kBlockFrames - 1) / kBlockFrames - block;
+  tile.first_query = query_first;
+  tile.first_train = block * kBlockFrames;
+  tile.stride = round_up(blocks * kBlockFrames, 64) + 32;  // rows must not share cache sets
+  tile.values.resize(std::max(tile.values.size(), tile.stride * (query_last - query_first)));
+  kernels.tile_distances(query.words.data() + query_first, query_last - query_first,
+                         train.blocks.data() + block, blocks, tile.values.data(), tile.stride);
+}
+
+/// Works through one strip, tile after tile. Rows outside the matrix count as distance 0.
+class StripMatcher {
+ public:
+  StripMatcher(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+               const RowConsumer& consume, Strip strip, bool has_ring)
+      : train_(train),
+        query_(query),
+        settings_(settings),
+        consume_(consume),
+        strip_(strip),
+        sums_(strip.width, 0),
+        ring_(has_ring ? strip.width * settings.window_length : 0, 0),
+        zeros_(strip.width, 0) {}
+
+  void run(const Monitor& monitor) {
+    const size_t first = strip_.first + ptrdiff_t(strip_.width) > 0
+                             ? 0
+                             : static_cast<size_t>(1 - strip_.first - ptrdiff_t(strip_.width));
+    for (size_t query = first; query < query_.words.size(); query += kTileQueries) {
+      check_stop(monitor);
+      const size_t end = std::min(query + kTileQueries, query_.words.size());
+      const size_t train_first = train_begin(query);
+      const size_t train_last = train_end(end - 1);
+      if (train_first >= train_last) break;
+      fill_tile(entering_, train_, query_, settings_.kernels, query, end, train_first, train_last);
+      if (ring_.empty()) fill_leaving(query, end);
+      for (size_t frame = query; frame < end; ++frame) advance(frame);
+    }
+  }
+
+ private:
+  // The strip crosses query frame f at train frames [train_begin(f), train_end(f)).
+  size_t train_begin(size_t query) const {
+    return static_cast<size_t>(std::max<ptrdiff_t>(0, strip_.first + ptrdiff_t(query)));
+  }
+  size_t train_end(size_t query) const {
+    const ptrdiff_t end = strip_.first + ptrdiff_t(strip_.width) + ptrdiff_t(query);
+    return static_cast<size_t>(std::clamp<ptrdiff_t>(end, 0, ptrdiff_t(train_.frame_count)));
+  }
+
+  // Without a ring: the distances of the frames that leave, computed a second time.
+  void fill_leaving(size_t query, size_t end) {
+    const size_t length = settings_.window_length;
+    if (end <= length) return;
+    const size_t first = query < length ? 0 : query - length;
+    const size_t train_first = train_begin(first);
+    const size_t train_last = train_end(end - 1 - length);
+    if (train_first < train_last)
+      fill_tile(leaving_, train_, query_, settings_.kernels, first, end - length, train_first,
+                train_last);
+  }
+
+  void advance(size_t query) {
+    const size_t from = train_begin(query);
+    const size_t to = train_end(query);
+    if (from >= to) return;
+    const auto lane = static_cast<size_t>(ptrdiff_t(from) - ptrdiff_t(query) - strip_.first);
+    uint32_t* sums = sums_.data() + lane;
+    const uint16_t* entering = entering_.at(query, from);
+    if (!ring_.empty()) {
+      uint16_t* row = ring_.data() + query % settings_.window_length * strip_.width + lane;
+      settings_.kernels.slide(sums, entering, row, sums, to - from);
+      std::copy(entering, entering + (to - from), row);
+    } else {
+      slide_without_ring(query, from, to, entering, sums);
+    }
+    if (ends_window(query_, settings_.window_length, query))
+      emit_row(train_, settings_.window_length, query, from, {sums, to - from}, consume_);
+  }
+
+  // The leaving pair of (train frame i, query frame f) is (i - c_l, f - c_l), if there is one.
+  void slide_without_ring(size_t query, size_t from, size_t to, const uint16_t* entering,
+                          uint32_t* sums) {
+    const size_t length = settings_.window_length;
+    const size_t split = query < length ? to : std::clamp(length, from, to);
+    settings_.kernels.slide(sums, entering, zeros_.data(), sums, split - from);
+    if (split < to)
+      settings_.kernels.slide(sums + (split - from), entering + (split - from),
+                              leaving_.at(query - length, split - length), sums + (split - from),
+                              to - split);
+  }
+
+  const TrainCodes& train_;
+  const QueryCodes& query_;
+  const MatchSettings& settings_;
+  const RowConsumer& consume_;
+  Strip strip_;
+  std::vector<uint32_t> sums_;
+  std::vector<uint16_t> ring_;  // row f mod window_length: distances that entered at query frame f
+  std::vector<uint16_t> zeros_;
+  Tile entering_;
+  Tile leaving_;
+};
+
+}  // namespace
+
+void match_fastable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+                    const Monitor& monitor, const RowConsumer& consume) {
+  assert(settings.window_length >= 1 && settings.window_length <= kMaxWindowLength);
+  if (train.frame_count == 0 || query.words.empty()) return;
+  const size_t diagonals = train.frame_count + query.words.size() - 1;
+  const StripLayout layout = plan_strips(diagonals, settings);
+  const ptrdiff_t first_diagonal = 1 - ptrdiff_t(query.words.size());
+  StepCounter counter(monitor, "match", layout.count);
+  parallel_for(layout.count, monitor, [&](size_t s) {
+    const Strip strip{first_diagonal + ptrdiff_t(s * layout.width), layout.width};
+    StripMatcher(train, query, settings, consume, strip, layout.has_ring).run(monitor);
+    counter.add();
+  });
+}
+
+}  // namespace vpr

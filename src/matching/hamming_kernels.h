@@ -1,0 +1,44 @@
+// The inner loops of matching, compiled once for every SIMD target and chosen at run time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "matching/codes.h"
+
+namespace vpr {
+
+/// All targets give the same integers. Called per row or tile, never per pair.
+struct HammingKernels {
+  std::string_view target;  ///< Highway's name: "AVX3_DL", "AVX2", "SSE4", ...
+
+  /// out[i] = Hamming distance of `query` to frame i of the blocks; 8 * block_count values.
+  void (*row_distances)(const CodeWords& query, const CodeBlock* blocks, size_t block_count,
+                        uint16_t* out);
+  /// The same for several query frames: out[t * out_stride + i] for query frame t.
+  void (*tile_distances)(const CodeWords* queries, size_t query_count, const CodeBlock* blocks,
+                         size_t block_count, uint16_t* out, size_t out_stride);
+  /// after[x] = before[x] + entering[x] - leaving[x]: FastABLE's recurrence (paper, section VII).
+  /// `before` and `after` are the same array or do not overlap.
+  void (*slide)(const uint32_t* before, const uint16_t* entering, const uint16_t* leaving,
+                uint32_t* after, size_t count);
+  /// sums[x] += entering[x].
+  void (*accumulate)(uint32_t* sums, const uint16_t* entering, size_t count);
+  /// The smallest and the largest value; count > 0.
+  uint32_t (*minimum)(const uint32_t* values, size_t count);
+  uint32_t (*maximum)(const uint32_t* values, size_t count);
+  /// The first index from `begin` on whose value is below `limit` (strict), or count.
+  size_t (*find_below)(const uint32_t* values, size_t begin, size_t count, uint32_t limit);
+};
+
+/// Names of the targets that this machine and this program have, best first.
+std::vector<std::string> simd_targets();
+
+/// The kernels of one target; of the best one if the name is empty. Throws Error(usage) listing
+/// the choices for a name that this machine or program does not have.
+HammingKernels select_kernels(std::string_view target);
+
+}  // namespace vpr

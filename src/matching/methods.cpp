@@ -1,0 +1,39 @@
+#include "matching/methods.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "matching/fastable_batch.h"
+#include "matching/fastable_online.h"
+#include "matching/openable.h"
+
+namespace vpr {
+namespace {
+
+constexpr std::array<SequenceMethod, 3> kMethods = {{
+    {"fastable", "distances re-used from row to row, the whole query at once", match_fastable},
+    {"fastable-online", "the same, one query frame after the other as on a phone",
+     match_fastable_online},
+    {"openable", "every window distance by its definition (slow)", match_openable},
+}};
+
+}  // namespace
+
+std::span<const SequenceMethod> sequence_methods() { return kMethods; }
+
+const SequenceMethod& find_sequence_method(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const SequenceMethod& method : kMethods) {
+    if (method.name == name) return method;
+    names.push_back(method.name);
+  }
+  throw Error(ErrorKind::usage,
+              fmt::format("unknown method \"{}\"; choose one of {}", name, fmt::join(names, ", ")));
+}
+
+}  // namespace vpr

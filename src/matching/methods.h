@@ -1,0 +1,24 @@
+// The table of sequence matchers: help texts, --method and the contract tests read it.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "matching/rows.h"
+
+namespace vpr {
+
+/// A way to compute the matrix of sequence distances. All exact methods give the same cells.
+struct SequenceMethod {
+  std::string_view name;
+  std::string_view summary;
+  void (*match)(const TrainCodes&, const QueryCodes&, const MatchSettings&, const Monitor&,
+                const RowConsumer&);
+};
+
+std::span<const SequenceMethod> sequence_methods();
+
+/// Throws Error(usage) listing the names for an unknown one.
+const SequenceMethod& find_sequence_method(std::string_view name);
+
+}  // namespace vpr

@@ -1,0 +1,72 @@
+#include "matching/plain.h"
+
+#include <array>
+#include <cassert>
+
+namespace vpr {
+namespace {
+
+constexpr std::array<uint8_t, 256> bit_counts() {
+  std::array<uint8_t, 256> counts{};
+  for (size_t value = 0; value < counts.size(); ++value)
+    counts[value] = static_cast<uint8_t>(counts[value / 2] + value % 2);
+  return counts;
+}
+
+constexpr std::array<uint8_t, 256> kBitCounts = bit_counts();
+
+size_t window_count(size_t frames, size_t window_length) {
+  return frames < window_length ? 0 : frames - window_length + 1;
+}
+
+}  // namespace
+
+uint32_t plain_hamming(const LdbCode& a, const LdbCode& b) {
+  uint32_t distance = 0;
+  for (size_t i = 0; i < a.size(); ++i) distance += kBitCounts[a[i] ^ b[i]];
+  return distance;
+}
+
+uint32_t plain_window_distance(std::span<const LdbCode> train, size_t train_window,
+                               std::span<const LdbCode> query, size_t query_window,
+                               size_t window_length) {
+  assert(train_window + window_length <= train.size());
+  assert(query_window + window_length <= query.size());
+  uint32_t sum = 0;
+  for (size_t k = 0; k < window_length; ++k)
+    sum += plain_hamming(train[train_window + k], query[query_window + k]);
+  return sum;
+}
+
+std::vector<uint32_t> plain_openable(std::span<const LdbCode> train, std::span<const LdbCode> query,
+                                     size_t window_length) {
+  const size_t rows = window_count(query.size(), window_length);
+  const size_t cols = window_count(train.size(), window_length);
+  std::vector<uint32_t> distances(rows * cols);
+  for (size_t j = 0; j < rows; ++j)
+    for (size_t i = 0; i < cols; ++i)
+      distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
+  return distances;
+}
+
+std::vector<uint32_t> plain_fastable(std::span<const LdbCode> train, std::span<const LdbCode> query,
+                                     size_t window_length) {
+  const size_t rows = window_count(query.size(), window_length);
+  const size_t cols = window_count(train.size(), window_length);
+  std::vector<uint32_t> distances(rows * cols);
+  for (size_t j = 0; j < rows; ++j) {
+    for (size_t i = 0; i < cols; ++i) {
+      if (j == 0 || i == 0) {
+        distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
+        continue;
+      }
+      const size_t last = window_length - 1;
+      distances[j * cols + i] = distances[(j - 1) * cols + i - 1] +
+                                plain_hamming(train[i + last], query[j + last]) -
+                                plain_hamming(train[i - 1], query[j - 1]);
+    }
+  }
+  return distances;
+}
+
+}  // namespace vpr

@@ -1,0 +1,34 @@
+#include "matching/rows.h"
+
+#include <algorithm>
+
+namespace vpr {
+namespace {
+
+// The first run that ends behind `frame`.
+std::vector<FrameRun>::const_iterator run_from(const std::vector<FrameRun>& runs, size_t frame) {
+  return std::partition_point(runs.begin(), runs.end(),
+                              [&](const FrameRun& run) { return run.first + run.count <= frame; });
+}
+
+}  // namespace
+
+void emit_row(const TrainCodes& train, size_t window_length, size_t query_end, size_t first,
+              std::span<const uint32_t> sums, const RowConsumer& consume) {
+  const size_t end = first + sums.size();
+  for (auto run = run_from(train.runs, first); run != train.runs.end() && run->first < end; ++run) {
+    const size_t from = std::max(first, run->first + window_length - 1);
+    const size_t to = std::min(end, run->first + run->count);
+    if (from >= to) continue;
+    consume({query_end + 1 - window_length, run->sequence,
+             run->first_in_sequence + (from + 1 - window_length - run->first),
+             sums.subspan(from - first, to - from)});
+  }
+}
+
+bool ends_window(const QueryCodes& query, size_t window_length, size_t frame) {
+  const auto run = run_from(query.runs, frame);
+  return run != query.runs.end() && frame + 1 >= run->first + window_length;
+}
+
+}  // namespace vpr

@@ -1,0 +1,45 @@
+// What every matcher produces: rows of the distance matrix, piece by piece, never the whole.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "base/monitor.h"
+#include "matching/codes.h"
+#include "matching/hamming_kernels.h"
+
+namespace vpr {
+
+/// Adjacent cells of one row: distances[x] = D(query_window, train_window + x), in bits summed over
+/// the window. Windows are named by their first frame, train windows within their sequence.
+struct DistanceRow {
+  size_t query_window = 0;
+  size_t sequence = 0;
+  size_t train_window = 0;
+  std::span<const uint32_t> distances;
+};
+
+/// Called several times for a row, in any order, from several threads at once. Every cell of every
+/// valid window pair arrives exactly once.
+using RowConsumer = std::function<void(const DistanceRow&)>;
+
+struct MatchSettings {
+  size_t window_length = 40;              ///< c_l, at least 1, at most kMaxWindowLength
+  size_t memory_limit = size_t{1} << 33;  ///< bytes for rings; beyond, work is done twice instead
+  HammingKernels kernels;
+};
+
+/// Sums of distances stay below 2^32.
+inline constexpr size_t kMaxWindowLength = 1'000'000;
+
+/// Splits sums of windows that *end* at train frames [first, first + sums.size()) at the ends of
+/// the runs and hands the valid ones on. `query_end` is the query window's last frame.
+void emit_row(const TrainCodes& train, size_t window_length, size_t query_end, size_t first,
+              std::span<const uint32_t> sums, const RowConsumer& consume);
+
+/// Whether a valid query window ends at this frame.
+bool ends_window(const QueryCodes& query, size_t window_length, size_t frame);
+
+}  // namespace vpr

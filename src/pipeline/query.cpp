@@ -1,0 +1,251 @@
+#include "pipeline/query.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/stopwatch.h"
+#include "pipeline/train.h"
+#include "pipeline/verify.h"
+#include "recognition/automatic_threshold.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
+
+void check_settings(const SequenceQuerySettings& settings) {
+  check_window_length(settings.window_length);
+  if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
+  if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
+    throw Error(ErrorKind::usage, "t_r must be a finite number or auto");
+  if (settings.distance_threshold && *settings.distance_threshold < 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r must not be negative, found {}", *settings.distance_threshold));
+  if (settings.clustering.eps < 0 || settings.clustering.eps > kMaxEps)
+    throw Error(ErrorKind::usage, fmt::format("clustering.eps must be from 0 to {}, found {}",
+                                              kMaxEps, settings.clustering.eps));
+}
+
+void check_names(const SequenceDatabase& database, const SequenceQuerySettings& settings) {
+  std::vector<std::string> names;
+  for (const TrainSequence& sequence : database.sequences) names.push_back(sequence.name);
+  for (const std::string& name : settings.only_sequences)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
+                                                name, fmt::join(names, ", ")));
+}
+
+bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
+  const auto& only = settings.only_sequences;
+  return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+}
+
+// The database's codes; a sequence that is not searched has none, so that indices stay the same.
+TrainCodes searched_codes(const SequenceDatabase& database, const SequenceResult& result) {
+  std::vector<CodeSpan> spans = code_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s)
+    if (!result.sequences[s].searched) spans[s] = {};
+  return make_train_codes(spans);
+}
+
+std::vector<SequenceThreshold> plan_sequences(const SequenceDatabase& database,
+                                              const SequenceQuerySettings& settings,
+                                              const Monitor& monitor) {
+  std::vector<SequenceThreshold> planned;
+  bool any = false;
+  const std::vector<CodeSpan> spans = code_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s) {
+    SequenceThreshold& sequence = planned.emplace_back();
+    sequence.name = database.sequences[s].name;
+    sequence.frames = spans[s].codes.size();
+    sequence.windows = count_windows(make_query_codes(spans[s]).runs, settings.window_length);
+    sequence.searched = is_searched(settings, sequence.name);
+    if (!sequence.searched) continue;
+    any = any || sequence.windows > 0;
+    if (sequence.windows == 0)
+      warn(monitor, fmt::format("{}: has no {} readable frames in a row (c_l), so it can't be "
+                                "recognised",
+                                sequence.name, settings.window_length));
+  }
+  if (!any)
+    throw Error(ErrorKind::usage,
+                fmt::format("no training sequence has {} readable frames in a row; give a smaller "
+                            "--c-l",
+                            settings.window_length));
+  return planned;
+}
+
+ThresholdTable automatic_table(const SequenceDatabase& database,
+                               const SequenceQuerySettings& settings,
+                               const QueryResources& resources, const Monitor& monitor) {
+  const auto stored = find_thresholds(database.thresholds, settings.window_length);
+  if (stored != nullptr) return *stored;
+  warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it from its "
+                            "training sequences",
+                            settings.window_length));
+  const ThresholdTable table =
+      compute_thresholds(database, settings.window_length, 1, resources.kernels, monitor);
+  for (const std::string& sentence : overlap_warnings(table, database.sequences))
+    warn(monitor, sentence);
+  return table;
+}
+
+void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& database,
+                               const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings& settings = result.settings;
+  if (database.sequences.size() < 2)
+    throw Error(ErrorKind::usage,
+                "an automatic t_r needs at least two training sequences, and the database holds "
+                "one; give a number, as in --t-r 0.4");
+  const ThresholdTable table = automatic_table(database, settings, resources, monitor);
+  const double factor = settings.safety_factor.value_or(table.safety_factor);
+  for (size_t s = 0; s < result.sequences.size(); ++s) {
+    SequenceThreshold& sequence = result.sequences[s];
+    sequence.scale = ThresholdScale::bits;
+    if (!sequence.searched || sequence.windows == 0) continue;
+    if (!table.closest[s])
+      throw Error(ErrorKind::usage,
+                  fmt::format("there is no automatic t_r for {}: no other training sequence has a "
+                              "window of {} frames; give a number, as in --t-r 0.4",
+                              sequence.name, settings.window_length));
+    sequence.threshold = automatic_threshold(*table.closest[s], settings.window_length, factor);
+  }
+}
+
+// Limits that need no distances: automatic thresholds, and numbers in bits a frame.
+void plan_limits(SequenceResult& result) {
+  for (SequenceThreshold& sequence : result.sequences)
+    if (sequence.threshold && sequence.scale == ThresholdScale::bits)
+      sequence.distance_limit =
+          distance_limit(*sequence.threshold, static_cast<uint32_t>(result.settings.window_length));
+}
+
+bool needs_maxima(const SequenceResult& result) {
+  return result.settings.distance_threshold &&
+         result.settings.threshold_scale == ThresholdScale::relative;
+}
+
+void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& maxima) {
+  for (size_t s = 0; s < result.sequences.size(); ++s) {
+    SequenceThreshold& sequence = result.sequences[s];
+    if (!sequence.searched || sequence.windows == 0) continue;
+    sequence.max_distance = maxima[s];
+    sequence.distance_limit = distance_limit(*sequence.threshold, maxima[s]);
+  }
+}
+
+std::vector<Recognition> cluster_by_sequence(const std::vector<Cell>& hits, size_t sequences,
+                                             const ClusterSettings& settings) {
+  std::vector<std::vector<Cell>> by_sequence(sequences);
+  for (const Cell& hit : hits) by_sequence[hit.sequence].push_back(hit);
+  std::vector<Recognition> places;
+  for (std::vector<Cell>& own : by_sequence) {
+    const std::vector<Recognition> found = cluster_hits(own, settings);
+    places.insert(places.end(), found.begin(), found.end());
+    std::vector<Cell>().swap(own);
+  }
+  return places;
+}
+
+void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& database,
+                 const SequenceCodes& query, size_t window_length) {
+  const std::vector<Cell> wrong =
+      wrong_cells(cells, code_spans(database), query.codes, window_length);
+  if (wrong.empty()) return;
+  const Cell& first = wrong.front();
+  throw Error(
+      ErrorKind::expectation,
+      fmt::format("{} cells, {} differences; the first is query window {}, {} window {}, "
+                  "which should be {}",
+                  cells.size(), wrong.size(), first.query_window,
+                  database.sequences[first.sequence].name, first.train_window, first.distance));
+}
+
+}  // namespace
+
+SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes& query,
+                          const std::string& query_name, const SequenceQuerySettings& settings,
+                          const QueryResources& resources, const Monitor& monitor) {
+  check_settings(settings);
+  find_sequence_method(settings.method);
+  check_names(database, settings);
+  SequenceResult result;
+  result.settings = settings;
+  result.query_name = query_name;
+  result.query_frames = query.frames.count();
+  result.query_unreadable = query.frames.unreadable;
+  const CodeSpan query_span{query.codes, query.frames.unreadable};
+  if (count_windows(make_query_codes(query_span).runs, settings.window_length) == 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("the query {} has {} frames, and no {} readable ones in a row (c_l); "
+                            "give a smaller --c-l",
+                            query_name, result.query_frames, settings.window_length));
+  result.query_windows = result.query_frames - settings.window_length + 1;
+  result.sequences = plan_sequences(database, settings, monitor);
+  if (settings.distance_threshold) {
+    for (SequenceThreshold& sequence : result.sequences) {
+      sequence.threshold = settings.distance_threshold;
+      sequence.scale = settings.threshold_scale;
+    }
+  } else {
+    plan_automatic_thresholds(result, database, resources, monitor);
+  }
+  plan_limits(result);
+  return result;
+}
+
+QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
+                   const SequenceCodes& query, const QueryResources& resources,
+                   const std::vector<RowConsumer>& observers, const Monitor& monitor) {
+  QueryRun run{std::move(planned), {}, 0};
+  SequenceResult& result = run.result;
+  const SequenceMethod& method = find_sequence_method(result.settings.method);
+  const MatchSettings match{result.settings.window_length, resources.memory_limit,
+                            resources.kernels};
+  const TrainCodes train = searched_codes(database, result);
+  const QueryCodes query_codes = make_query_codes({query.codes, query.frames.unreadable});
+
+  Stopwatch watch;
+  if (needs_maxima(result)) {
+    MaximumScan scan(result.sequences.size(), resources.kernels);
+    method.match(train, query_codes, match, monitor, std::ref(scan));
+    set_relative_limits(result, scan.result());
+    run.seconds["maximum"] = watch.elapsed_s();
+  }
+
+  watch = {};
+  HitScanSettings scan_settings;
+  for (const SequenceThreshold& sequence : result.sequences)
+    scan_settings.limits.push_back(sequence.distance_limit);
+  scan_settings.query_windows = result.query_windows;
+  scan_settings.max_hits = resources.memory_limit / kBytesPerHit;
+  scan_settings.kernels = resources.kernels;
+  HitScan scan(std::move(scan_settings));
+  CellScan cells(choose_cells(train.runs, query_codes.runs, match.window_length,
+                              resources.verify_cells, resources.seed));
+  method.match(train, query_codes, match, monitor, [&](const DistanceRow& row) {
+    scan(row);
+    cells(row);
+    for (const RowConsumer& observe : observers) observe(row);
+  });
+  HitScanResult found = scan.result();
+  result.hits = std::move(found.hits);
+  result.best = std::move(found.best);
+  run.seconds["match"] = watch.elapsed_s();
+
+  watch = {};
+  check_cells(cells.result(), database, query, match.window_length);
+  run.verified_cells = cells.result().size();
+  if (resources.verify_cells > 0) run.seconds["verify"] = watch.elapsed_s();
+
+  watch = {};
+  result.places =
+      cluster_by_sequence(result.hits, result.sequences.size(), result.settings.clustering);
+  run.seconds["cluster"] = watch.elapsed_s();
+  return run;
+}
+
+}  // namespace vpr

@@ -1,0 +1,42 @@
+// A query by a sequence method: the block diagram of OpenABLE and FastABLE (paper, figure 1 B).
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "database/sequence_database.h"
+#include "matching/methods.h"
+#include "recognition/sequence_result.h"
+
+namespace vpr {
+
+/// What does not change the result.
+struct QueryResources {
+  HammingKernels kernels;
+  size_t memory_limit = size_t{1} << 33;  ///< bytes for rings and hits
+  size_t verify_cells = 0;                ///< recompute so many cells by definition
+  uint64_t seed = 1;                      ///< of their choice
+};
+
+struct QueryRun {
+  SequenceResult result;
+  std::map<std::string, double> seconds;  ///< by step
+  size_t verified_cells = 0;
+};
+
+/// Thresholds and the shape of a result, before any distance is known. Throws Error(usage) for
+/// settings out of range, an unknown sequence name, a query or training sequences that are all
+/// shorter than a window, and where t_r is automatic but the database holds a single sequence.
+/// Computes missing automatic thresholds, and says so.
+SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes& query,
+                          const std::string& query_name, const SequenceQuerySettings& settings,
+                          const QueryResources& resources, const Monitor& monitor);
+
+/// Distances, hits, best matches and places for a planned result. Every row also goes to
+/// `observers`, once. Throws Error(expectation) if a verified cell differs.
+QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
+                   const SequenceCodes& query, const QueryResources& resources,
+                   const std::vector<RowConsumer>& observers, const Monitor& monitor);
+
+}  // namespace vpr

@@ -1,0 +1,109 @@
+#include "pipeline/train.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "recognition/automatic_threshold.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMemoryLimit = size_t{1} << 32;
+
+void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
+                     bool skip_unreadable, const Monitor& monitor) {
+  const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  SequenceCodes described =
+      describe_sequence(open_sequence(argument.sequence), database.descriptor, unreadable, monitor);
+  if (!described.frames.unreadable.empty())
+    warn(monitor,
+         fmt::format("{}: {} of {} frames can't be decoded and will never match", argument.name,
+                     described.frames.unreadable.size(), described.frames.count()));
+  std::vector<LdbCode>& codes = database.codes.owned;
+  codes.insert(codes.end(), described.codes.begin(), described.codes.end());
+  database.sequences.push_back(
+      {argument.name, std::move(described.frames.names), std::move(described.frames.unreadable)});
+}
+
+void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
+                             const Monitor& monitor) {
+  for (const TrainSequence& sequence : database.sequences)
+    if (sequence.frame_count() < window_length)
+      warn(monitor, fmt::format("{}: has {} frames, fewer than c_l {}, so it can't be recognised "
+                                "with this c_l",
+                                sequence.name, sequence.frame_count(), window_length));
+}
+
+void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
+                    const HammingKernels& kernels, const Monitor& monitor) {
+  database.thresholds.push_back(
+      compute_thresholds(database, window_length, safety_factor, kernels, monitor));
+  for (const std::string& sentence :
+       overlap_warnings(database.thresholds.back(), database.sequences))
+    warn(monitor, sentence);
+}
+
+}  // namespace
+
+void check_window_length(uint64_t window_length) {
+  if (window_length < 1 || window_length > kMaxWindowLength)
+    throw Error(ErrorKind::usage,
+                fmt::format("c_l must be from 1 to {}, found {}", kMaxWindowLength, window_length));
+}
+
+void check_safety_factor(double factor) {
+  if (!std::isfinite(factor) || factor <= 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("the safety factor must be above 0, found {}", factor));
+}
+
+std::vector<CodeSpan> code_spans(const SequenceDatabase& database) {
+  std::vector<CodeSpan> spans;
+  std::span<const LdbCode> rest = database.codes.view();
+  for (const TrainSequence& sequence : database.sequences) {
+    spans.push_back({rest.first(sequence.frame_count()), sequence.unreadable});
+    rest = rest.subspan(sequence.frame_count());
+  }
+  return spans;
+}
+
+ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,
+                                  double safety_factor, const HammingKernels& kernels,
+                                  const Monitor& monitor) {
+  const MatchSettings match{window_length, kMemoryLimit, kernels};
+  return {window_length, safety_factor, find_closest_windows(code_spans(database), match, monitor)};
+}
+
+SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
+                                 const SequenceTrainSettings& settings,
+                                 const HammingKernels& kernels, const Monitor& monitor) {
+  check_window_length(settings.window_length);
+  check_safety_factor(settings.safety_factor);
+  SequenceDatabase database;
+  database.descriptor = settings.descriptor;
+  for (const NamedArgument& sequence : sequences)
+    append_sequence(database, sequence, settings.skip_unreadable, monitor);
+  warn_of_short_sequences(database, settings.window_length, monitor);
+  add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
+  return database;
+}
+
+SequenceDatabase add_sequences(const SequenceDatabase& database,
+                               const std::vector<NamedArgument>& sequences, bool skip_unreadable,
+                               const HammingKernels& kernels, const Monitor& monitor) {
+  SequenceDatabase extended;
+  extended.descriptor = database.descriptor;
+  extended.sequences = database.sequences;
+  extended.codes.owned.assign(database.codes.view().begin(), database.codes.view().end());
+  for (const NamedArgument& sequence : sequences)
+    append_sequence(extended, sequence, skip_unreadable, monitor);
+  for (const ThresholdTable& table : database.thresholds) {
+    warn_of_short_sequences(extended, table.window_length, monitor);
+    add_thresholds(extended, table.window_length, table.safety_factor, kernels, monitor);
+  }
+  return extended;
+}
+
+}  // namespace vpr

@@ -1,0 +1,61 @@
+// Training of the sequence methods: frames to a database with automatic thresholds.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/monitor.h"
+#include "database/sequence_database.h"
+#include "images/sequence.h"
+#include "matching/hamming_kernels.h"
+
+namespace vpr {
+
+struct SequenceTrainSettings {
+  LdbSettings descriptor;
+  uint64_t window_length = 40;  ///< c_l of the automatic thresholds
+  double safety_factor = 1;     ///< multiplies them
+  bool skip_unreadable = false;
+};
+
+template <class Visitor>
+void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
+  visit_fields(settings.descriptor, visit);
+  visit("c_l", settings.window_length);
+  visit("safety_factor", settings.safety_factor);
+  visit("skip_unreadable", settings.skip_unreadable);
+}
+
+struct NamedArgument {
+  std::string name;
+  SequenceArgument sequence;
+};
+
+/// Describes each sequence and computes the thresholds for settings.window_length. Names must
+/// differ. Throws Error(usage) for settings out of range, and what describe_sequence throws.
+/// Warns of overlapping sequences, and of those shorter than a window.
+SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
+                                 const SequenceTrainSettings& settings,
+                                 const HammingKernels& kernels, const Monitor& monitor);
+
+/// The database with more sequences; what it has is not described again. Thresholds are computed
+/// again for every window length that it has them for. The descriptor is the database's.
+SequenceDatabase add_sequences(const SequenceDatabase& database,
+                               const std::vector<NamedArgument>& sequences, bool skip_unreadable,
+                               const HammingKernels& kernels, const Monitor& monitor);
+
+/// Closest windows for one window length.
+ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,
+                                  double safety_factor, const HammingKernels& kernels,
+                                  const Monitor& monitor);
+
+/// Codes and unreadable frames of every sequence, as the matchers take them. They point into the
+/// database.
+std::vector<CodeSpan> code_spans(const SequenceDatabase& database);
+
+/// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.
+void check_window_length(uint64_t window_length);
+/// Throws Error(usage) unless the factor is finite and above 0.
+void check_safety_factor(double factor);
+
+}  // namespace vpr

@@ -1,0 +1,23 @@
+// Recomputes randomly chosen cells of a distance matrix by their definition.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/random.h"
+#include "matching/codes.h"
+#include "recognition/row_scan.h"
+
+namespace vpr {
+
+/// Up to `count` different cells of valid window pairs, uniformly chosen, sorted as CellScan needs
+/// them; fewer where the matrix is smaller. Their distance is not set.
+std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
+                               const std::vector<FrameRun>& query_runs, size_t window_length,
+                               size_t count, uint64_t seed);
+
+/// The cells whose distance is not that of the plain scalar definition, with the right distance.
+std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,
+                              std::span<const LdbCode> query, size_t window_length);
+
+}  // namespace vpr

@@ -1,0 +1,42 @@
+// Hits to recognised places: DBSCAN with min_points 1, which is connected components.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "recognition/row_scan.h"
+
+namespace vpr {
+
+struct ClusterSettings {
+  int64_t eps = 2;            ///< Euclidean, in frames of the (train, query) plane; 0 to kMaxEps
+  bool eps_inclusive = true;  ///< is a distance of exactly eps inside? (published program: no)
+};
+inline constexpr int64_t kMaxEps = 1000;
+
+template <class Visitor>
+void visit_fields(ClusterSettings& settings, Visitor&& visit) {
+  visit("eps", settings.eps);
+  visit("eps_inclusive", settings.eps_inclusive);
+}
+
+/// A cluster of hits: one recognised place. Windows by their first frame; means rounded half up.
+struct Recognition {
+  uint32_t sequence = 0;
+  uint32_t query_window = 0;  ///< mean over the hits
+  uint32_t query_first = 0;
+  uint32_t query_last = 0;
+  uint32_t train_window = 0;  ///< mean over the hits
+  uint32_t train_first = 0;
+  uint32_t train_last = 0;
+  uint64_t hits = 0;
+  uint32_t best_distance = 0;
+
+  bool operator==(const Recognition&) const = default;
+};
+
+/// `hits`: of one training sequence, sorted by query window then train window, each cell once.
+/// Clusters in the order of their first hit. Time near-linear in the hits for a given eps.
+std::vector<Recognition> cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings);
+
+}  // namespace vpr

@@ -1,0 +1,131 @@
+#include "recognition/row_scan.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_sort.h>
+
+#include "base/error.h"
+
+namespace vpr {
+namespace {
+
+constexpr uint32_t kNoDistance = std::numeric_limits<uint32_t>::max();
+
+bool by_position(const Cell& a, const Cell& b) {
+  return std::tie(a.query_window, a.sequence, a.train_window) <
+         std::tie(b.query_window, b.sequence, b.train_window);
+}
+
+bool closer(const Cell& a, const Cell& b) {
+  return std::tie(a.distance, a.sequence, a.train_window) <
+         std::tie(b.distance, b.sequence, b.train_window);
+}
+
+Cell cell_at(const DistanceRow& row, size_t x) {
+  return {static_cast<uint32_t>(row.query_window), static_cast<uint32_t>(row.sequence),
+          static_cast<uint32_t>(row.train_window + x), row.distances[x]};
+}
+
+}  // namespace
+
+struct MaximumScan::Threads {
+  oneapi::tbb::enumerable_thread_specific<std::vector<uint32_t>> maxima;
+};
+
+MaximumScan::MaximumScan(size_t sequences, const HammingKernels& kernels)
+    : kernels_(kernels),
+      threads_(new Threads{decltype(Threads::maxima)(std::vector<uint32_t>(sequences, 0))}) {}
+
+MaximumScan::~MaximumScan() = default;
+
+void MaximumScan::operator()(const DistanceRow& row) {
+  uint32_t& most = threads_->maxima.local()[row.sequence];
+  most = std::max(most, kernels_.maximum(row.distances.data(), row.distances.size()));
+}
+
+std::vector<uint32_t> MaximumScan::result() const {
+  std::vector<uint32_t> all = *threads_->maxima.begin();
+  for (const auto& part : threads_->maxima)
+    for (size_t s = 0; s < all.size(); ++s) all[s] = std::max(all[s], part[s]);
+  return all;
+}
+
+struct HitScan::Threads {
+  struct Local {
+    std::vector<Cell> hits;
+    std::vector<Cell> best;
+  };
+  oneapi::tbb::enumerable_thread_specific<Local> locals;
+  std::atomic<size_t> hit_count{0};
+};
+
+HitScan::HitScan(HitScanSettings settings)
+    : settings_(std::move(settings)), threads_(std::make_unique<Threads>()) {}
+
+HitScan::~HitScan() = default;
+
+void HitScan::operator()(const DistanceRow& row) {
+  Threads::Local& local = threads_->locals.local();
+  if (local.best.empty()) {
+    Cell none;
+    none.distance = kNoDistance;
+    local.best.assign(settings_.query_windows, none);
+  }
+  const uint32_t* distances = row.distances.data();
+  const size_t count = row.distances.size();
+  const HammingKernels& kernels = settings_.kernels;
+  const uint32_t least = kernels.minimum(distances, count);
+  Cell& best = local.best[row.query_window];
+  if (least <= best.distance) {
+    const Cell candidate = cell_at(row, kernels.find_below(distances, 0, count, least + 1));
+    if (best.distance == kNoDistance || closer(candidate, best)) best = candidate;
+  }
+  const uint32_t limit = settings_.limits[row.sequence];
+  if (least >= limit) return;
+  const size_t before = local.hits.size();
+  for (size_t x = kernels.find_below(distances, 0, count, limit); x < count;
+       x = kernels.find_below(distances, x + 1, count, limit))
+    local.hits.push_back(cell_at(row, x));
+  if (threads_->hit_count.fetch_add(local.hits.size() - before) + local.hits.size() - before >
+      settings_.max_hits)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("more than {} hits; lower --t-r, or raise --max-memory", settings_.max_hits));
+}
+
+HitScanResult HitScan::result() {
+  HitScanResult result;
+  result.best.resize(settings_.query_windows);
+  result.hits.reserve(threads_->hit_count);
+  for (Threads::Local& local : threads_->locals) {
+    result.hits.insert(result.hits.end(), local.hits.begin(), local.hits.end());
+    std::vector<Cell>().swap(local.hits);
+    for (size_t j = 0; j < local.best.size(); ++j) {
+      const Cell& candidate = local.best[j];
+      if (candidate.distance == kNoDistance) continue;
+      if (!result.best[j] || closer(candidate, *result.best[j])) result.best[j] = candidate;
+    }
+  }
+  oneapi::tbb::parallel_sort(result.hits.begin(), result.hits.end(), by_position);
+  return result;
+}
+
+CellScan::CellScan(std::vector<Cell> cells) : cells_(std::move(cells)) {}
+
+void CellScan::operator()(const DistanceRow& row) {
+  const Cell first = cell_at(row, 0);
+  for (auto cell = std::lower_bound(cells_.begin(), cells_.end(), first, by_position);
+       cell != cells_.end() && cell->query_window == row.query_window &&
+       cell->sequence == row.sequence &&
+       cell->train_window - row.train_window < row.distances.size();
+       ++cell)
+    cell->distance = row.distances[cell->train_window - row.train_window];
+}
+
+}  // namespace vpr

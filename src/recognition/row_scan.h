@@ -1,0 +1,76 @@
+// What is taken from the rows of distances while they pass: nothing of size n x m is kept.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "matching/rows.h"
+
+namespace vpr {
+
+/// One cell: windows by their first frame, the train window within its sequence.
+struct Cell {
+  uint32_t query_window = 0;
+  uint32_t sequence = 0;
+  uint32_t train_window = 0;
+  uint32_t distance = 0;  ///< D, summed over the window
+
+  bool operator==(const Cell&) const = default;
+};
+
+/// The largest distance of each training sequence; 0 for one without windows.
+class MaximumScan {
+ public:
+  MaximumScan(size_t sequences, const HammingKernels& kernels);
+  ~MaximumScan();
+  void operator()(const DistanceRow& row);
+  std::vector<uint32_t> result() const;
+
+ private:
+  struct Threads;
+  HammingKernels kernels_;
+  std::unique_ptr<Threads> threads_;
+};
+
+struct HitScanSettings {
+  std::vector<uint32_t> limits;  ///< per sequence: a cell with distance < limit is a hit
+  size_t query_windows = 0;
+  size_t max_hits = 0;  ///< more throw Error(usage)
+  HammingKernels kernels;
+};
+
+struct HitScanResult {
+  std::vector<Cell> hits;                 ///< by query window, sequence, train window
+  std::vector<std::optional<Cell>> best;  ///< per query window; none where the window has no cell.
+                                          ///< Ties go to the smallest sequence and train window
+};
+
+/// Hits and best matches. The result does not depend on the order in which rows arrive.
+class HitScan {
+ public:
+  explicit HitScan(HitScanSettings settings);
+  ~HitScan();
+  void operator()(const DistanceRow& row);
+  HitScanResult result();
+
+ private:
+  struct Threads;
+  HitScanSettings settings_;
+  std::unique_ptr<Threads> threads_;
+};
+
+/// Picks up the distances of given cells, for checking. `cells` must be sorted by query window,
+/// sequence and train window, without duplicates.
+class CellScan {
+ public:
+  explicit CellScan(std::vector<Cell> cells);
+  void operator()(const DistanceRow& row);
+  const std::vector<Cell>& result() const { return cells_; }
+
+ private:
+  std::vector<Cell> cells_;  // each is written by the one row that holds it
+};
+
+}  // namespace vpr

@@ -1,0 +1,21 @@
+// Evaluation reports (vpr.report/1): counts, best match, and the protocol in words.
+#pragma once
+
+#include <string>
+
+#include "base/json.h"
+#include "evaluation/counts.h"
+#include "report/run_info.h"
+#include "report/table.h"
+
+namespace vpr {
+
+/// Everything of a report but "machine" and "timing".
+Json report_json(const SequenceResult& result, const SequenceCounts& counts,
+                 const GroundTruth& truth, const std::string& result_fingerprint,
+                 const RunInfo& run);
+
+/// One row: the setting and its counts.
+Table report_table(const Json& report);
+
+}  // namespace vpr

@@ -1,0 +1,46 @@
+#include "report/matrix_file.h"
+
+#include "base/npy.h"
+
+namespace vpr {
+
+MatrixLayout matrix_layout(const SequenceResult& result) {
+  MatrixLayout layout;
+  layout.rows = result.query_windows;
+  for (const SequenceThreshold& sequence : result.sequences) {
+    layout.first_column.push_back(layout.cols);
+    if (sequence.searched && sequence.frames >= result.settings.window_length)
+      layout.cols += sequence.frames - result.settings.window_length + 1;
+  }
+  return layout;
+}
+
+Json matrix_layout_json(const MatrixLayout& layout, const SequenceResult& result) {
+  Json columns = Json::array();
+  for (size_t s = 0; s < result.sequences.size(); ++s)
+    if (result.sequences[s].searched)
+      columns.push_back(
+          {{"sequence", result.sequences[s].name}, {"first_column", layout.first_column[s]}});
+  return {{"rows", layout.rows}, {"columns", layout.cols}, {"sequences", columns}};
+}
+
+MatrixFile::MatrixFile(const std::filesystem::path& path, Existing existing,
+                       const MatrixLayout& layout)
+    : file_(path, existing), layout_(layout) {
+  const std::string header = npy_header(npy_type<int32_t>(), {layout.rows, layout.cols});
+  header_bytes_ = header.size();
+  file_.write(header);
+  file_.reserve(header_bytes_ + sizeof(int32_t) * layout.rows * layout.cols);
+  const std::vector<int32_t> no_distance(layout.cols, -1);
+  for (size_t r = 0; r < layout.rows; ++r) file_.write(std::as_bytes(std::span(no_distance)));
+}
+
+void MatrixFile::operator()(const DistanceRow& row) {
+  const size_t column = layout_.first_column[row.sequence] + row.train_window;
+  const size_t cell = row.query_window * layout_.cols + column;
+  file_.write_at(header_bytes_ + sizeof(int32_t) * cell, std::as_bytes(row.distances));
+}
+
+void MatrixFile::commit() { file_.commit(); }
+
+}  // namespace vpr

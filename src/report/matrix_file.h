@@ -1,0 +1,41 @@
+// A distance matrix on disk, written piece by piece as rows arrive.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "base/json.h"
+#include "base/output_file.h"
+#include "matching/rows.h"
+#include "recognition/sequence_result.h"
+
+namespace vpr {
+
+/// Columns of the whole matrix: all windows of the searched sequences, one after the other.
+struct MatrixLayout {
+  size_t rows = 0;  ///< query windows
+  size_t cols = 0;
+  std::vector<size_t> first_column;  ///< per sequence
+};
+
+MatrixLayout matrix_layout(const SequenceResult& result);
+
+/// The layout as it stands in a result file.
+Json matrix_layout_json(const MatrixLayout& layout, const SequenceResult& result);
+
+/// int32, query windows x train windows, -1 where a window has an unreadable frame. The file has
+/// its whole size from the start and is never in memory.
+class MatrixFile {
+ public:
+  MatrixFile(const std::filesystem::path& path, Existing existing, const MatrixLayout& layout);
+  /// Takes part of a row, from any thread.
+  void operator()(const DistanceRow& row);
+  void commit();
+
+ private:
+  OutputFile file_;
+  MatrixLayout layout_;
+  size_t header_bytes_ = 0;
+};
+
+}  // namespace vpr

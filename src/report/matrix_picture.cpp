@@ -1,0 +1,135 @@
+#include "report/matrix_picture.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostPixels = 2000;   // a side of a scaled-down picture
+constexpr size_t kFewestPixels = 600;  // a side of an enlarged one
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+
+const cv::Vec3b kTruth(60, 180, 60);
+const cv::Vec3b kHit(0, 150, 255);
+const cv::Vec3b kCorrect(255, 110, 20);
+const cv::Vec3b kIncorrect(30, 30, 230);
+const cv::Vec3b kIgnored(200, 170, 140);
+const cv::Vec3b kDivider(200, 120, 200);
+const cv::Vec3b kNoDistance(235, 225, 215);
+
+cv::Vec3b blend(const cv::Vec3b& a, const cv::Vec3b& b) {
+  cv::Vec3b mixed;
+  for (int c = 0; c < 3; ++c) mixed[c] = static_cast<uint8_t>((a[c] + b[c]) / 2);
+  return mixed;
+}
+
+cv::Vec3b hit_colour(const SequenceResult& result, const Cell& hit, const GroundTruth* truth) {
+  if (truth == nullptr) return kHit;
+  switch (truth->label(result.anchor(hit.query_window), hit.sequence,
+                       result.anchor(hit.train_window))) {
+    case PlaceLabel::same:
+      return kCorrect;
+    case PlaceLabel::different:
+      return kIncorrect;
+    case PlaceLabel::ignore:
+      return kIgnored;
+  }
+  return kHit;
+}
+
+}  // namespace
+
+struct MatrixPicture::Pixels {
+  size_t rows;
+  size_t cols;
+  std::vector<std::atomic<uint32_t>> closest;
+
+  Pixels(size_t r, size_t c) : rows(r), cols(c), closest(r * c) {
+    for (auto& value : closest) value = kNone;
+  }
+};
+
+MatrixPicture::MatrixPicture(const MatrixLayout& layout) : layout_(layout) {
+  const size_t side = std::max({layout.rows, layout.cols, size_t{1}});
+  scale_ = (side + kMostPixels - 1) / kMostPixels;
+  pixels_ = std::make_unique<Pixels>(std::max<size_t>(1, (layout.rows + scale_ - 1) / scale_),
+                                     std::max<size_t>(1, (layout.cols + scale_ - 1) / scale_));
+}
+
+MatrixPicture::~MatrixPicture() = default;
+
+void MatrixPicture::operator()(const DistanceRow& row) {
+  const size_t y = row.query_window / scale_;
+  const size_t first = layout_.first_column[row.sequence] + row.train_window;
+  for (size_t i = 0; i < row.distances.size();) {
+    const size_t x = (first + i) / scale_;
+    uint32_t closest = kNone;
+    for (; i < row.distances.size() && (first + i) / scale_ == x; ++i)
+      closest = std::min(closest, row.distances[i]);
+    std::atomic<uint32_t>& pixel = pixels_->closest[y * pixels_->cols + x];
+    uint32_t seen = pixel.load(std::memory_order_relaxed);
+    while (closest < seen && !pixel.compare_exchange_weak(seen, closest)) {
+    }
+  }
+}
+
+void MatrixPicture::write(const std::filesystem::path& path, Existing existing,
+                          const SequenceResult& result, const GroundTruth* truth) const {
+  uint32_t least = kNone;
+  uint32_t most = 0;
+  for (const auto& value : pixels_->closest) {
+    if (value == kNone) continue;
+    least = std::min<uint32_t>(least, value);
+    most = std::max<uint32_t>(most, value);
+  }
+  cv::Mat image(static_cast<int>(pixels_->rows), static_cast<int>(pixels_->cols), CV_8UC3);
+  const auto at = [&](size_t window, size_t sequence, size_t train_window) -> cv::Vec3b& {
+    return image.at<cv::Vec3b>(
+        static_cast<int>(window / scale_),
+        static_cast<int>((layout_.first_column[sequence] + train_window) / scale_));
+  };
+  for (size_t p = 0; p < pixels_->closest.size(); ++p) {
+    const uint32_t value = pixels_->closest[p];
+    const auto grey = value == kNone || most == least
+                          ? uint8_t{0}
+                          : static_cast<uint8_t>(255.0 * (value - least) / (most - least));
+    image.at<cv::Vec3b>(static_cast<int>(p / pixels_->cols), static_cast<int>(p % pixels_->cols)) =
+        value == kNone ? kNoDistance : cv::Vec3b(grey, grey, grey);
+  }
+  const size_t back = result.settings.window_length - 1;  // from an anchor to its window
+  for (size_t window = 0; truth != nullptr && window < layout_.rows; ++window) {
+    for (const GroundTruth::Pair& pair : truth->pairs[window + back]) {
+      if (pair.label != PlaceLabel::same) continue;
+      const int64_t last = int64_t{pair.reference} + truth->tolerance_frames;
+      for (int64_t r = pair.reference - truth->tolerance_frames; r <= last; ++r) {
+        if (r < static_cast<int64_t>(back) ||
+            r >= static_cast<int64_t>(result.sequences[pair.sequence].frames))
+          continue;
+        cv::Vec3b& pixel = at(window, pair.sequence, static_cast<size_t>(r) - back);
+        if (pixel != kTruth) pixel = r == pair.reference ? kTruth : blend(pixel, kTruth);
+      }
+    }
+  }
+  for (const Cell& hit : result.hits)
+    at(hit.query_window, hit.sequence, hit.train_window) = hit_colour(result, hit, truth);
+  for (size_t s = 1; s < layout_.first_column.size(); ++s) {
+    const size_t column = layout_.first_column[s];
+    if (column == 0 || column >= layout_.cols) continue;
+    image.col(static_cast<int>(column / scale_)).setTo(kDivider);
+  }
+  const size_t side = std::max(pixels_->rows, pixels_->cols);
+  const double enlarge = static_cast<double>((kFewestPixels + side - 1) / side);
+  cv::resize(image, image, {}, enlarge, enlarge, cv::INTER_NEAREST);
+  std::vector<uint8_t> png;
+  cv::imencode(".png", image, png);
+  OutputFile file(path, existing);
+  file.write(std::as_bytes(std::span(png)));
+  file.commit();
+}
+
+}  // namespace vpr

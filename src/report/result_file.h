@@ -1,0 +1,49 @@
+// Result files (vpr.result/1): RESULT.json and, named after it, RESULT.hits.npy, RESULT.best.npy.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "base/json.h"
+#include "base/output_file.h"
+#include "recognition/sequence_result.h"
+#include "report/run_info.h"
+
+namespace vpr {
+
+/// What else goes into the JSON.
+struct ResultContext {
+  RunInfo run;
+  std::string database_fingerprint;
+  std::string query_fingerprint;
+  std::map<std::string, double> seconds;
+  std::optional<size_t> verified_cells;  ///< recomputed by definition, without a difference
+  std::optional<Json> matrix;            ///< layout of a saved matrix
+};
+
+/// RESULT.hits.npy for RESULT.json.
+std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
+
+/// Throws like check_output_file for the result and its companions.
+void check_result_output(const std::filesystem::path& path, Existing existing);
+
+/// The JSON without its companions' checksums.
+Json result_json(const SequenceResult& result, const ResultContext& context);
+
+/// Writes the companions, and the JSON last. Returns the JSON.
+Json write_result(const std::filesystem::path& path, const SequenceResult& result,
+                  const ResultContext& context, Existing existing);
+
+struct StoredResult {
+  SequenceResult result;
+  std::string fingerprint;  ///< of everything but "machine" and "timing"
+};
+
+/// Throws Error(input) if a file is missing, Error(data) if one is damaged, of another method or a
+/// newer version, if a companion is not the one that the JSON was written with, or an index is out
+/// of range.
+StoredResult read_result(const std::filesystem::path& path);
+
+}  // namespace vpr

@@ -1,0 +1,143 @@
+#include "report/table.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "evaluation/csv.h"
+
+namespace vpr {
+namespace {
+
+// Code points, which is what takes room on a terminal for the names that occur here.
+size_t width(const std::string& text) {
+  return static_cast<size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+bool looks_numeric(const std::string& text) {
+  return text.empty() || text == "-" || text.find_first_of("0123456789") == 0 ||
+         (text.size() > 1 && (text[0] == '-' || text[0] == '+') && text[1] >= '0' &&
+          text[1] <= '9');
+}
+
+bool is_numeric(const Table& table, size_t column) {
+  return std::all_of(table.rows.begin(), table.rows.end(),
+                     [&](const auto& row) { return looks_numeric(row[column]); });
+}
+
+std::string padded(const std::string& text, size_t to, bool right) {
+  const std::string space(to - std::min(to, width(text)), ' ');
+  return right ? space + text : text + space;
+}
+
+std::vector<size_t> column_widths(const Table& table) {
+  std::vector<size_t> widths;
+  for (size_t c = 0; c < table.columns.size(); ++c) {
+    widths.push_back(width(table.columns[c]));
+    for (const auto& row : table.rows) widths[c] = std::max(widths[c], width(row[c]));
+  }
+  return widths;
+}
+
+std::string text_table(const Table& table) {
+  const std::vector<size_t> widths = column_widths(table);
+  const auto line = [&](const std::vector<std::string>& cells) {
+    std::string text;
+    for (size_t c = 0; c < cells.size(); ++c)
+      text += (c == 0 ? "" : "  ") + padded(cells[c], widths[c], is_numeric(table, c));
+    text.erase(text.find_last_not_of(' ') + 1);
+    return text + "\n";
+  };
+  std::string text = table.title.empty() ? "" : table.title + "\n";
+  text += line(table.columns);
+  size_t total = 2 * (widths.empty() ? 0 : widths.size() - 1);
+  for (const size_t w : widths) total += w;
+  text += std::string(total, '-') + "\n";
+  for (const auto& row : table.rows) text += line(row);
+  return text;
+}
+
+std::string csv_table(const Table& table) {
+  const auto line = [](const std::vector<std::string>& cells) {
+    std::vector<std::string> fields;
+    for (const std::string& cell : cells) fields.push_back(csv_field(cell));
+    return fmt::format("{}\n", fmt::join(fields, ","));
+  };
+  std::string text = line(table.columns);
+  for (const auto& row : table.rows) text += line(row);
+  return text;
+}
+
+std::string markdown_table(const Table& table) {
+  const auto line = [](const std::vector<std::string>& cells) {
+    std::string text = "|";
+    for (const std::string& cell : cells) {
+      std::string escaped;
+      for (const char c : cell) escaped += c == '|' ? "\\|" : std::string(1, c);
+      text += " " + escaped + " |";
+    }
+    return text + "\n";
+  };
+  std::string text = table.title.empty() ? "" : fmt::format("**{}**\n\n", table.title);
+  text += line(table.columns) + "|";
+  for (size_t c = 0; c < table.columns.size(); ++c)
+    text += is_numeric(table, c) ? " ---: |" : " --- |";
+  text += "\n";
+  for (const auto& row : table.rows) text += line(row);
+  return text;
+}
+
+std::string latex_escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (std::string_view("&%$#_{}").find(c) != std::string_view::npos)
+      escaped += std::string("\\") + c;
+    else if (c == '\\')
+      escaped += "\\textbackslash{}";
+    else if (c == '~')
+      escaped += "\\textasciitilde{}";
+    else if (c == '^')
+      escaped += "\\textasciicircum{}";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+std::string latex_table(const Table& table) {
+  const auto line = [](const std::vector<std::string>& cells) {
+    std::vector<std::string> escaped;
+    for (const std::string& cell : cells) escaped.push_back(latex_escaped(cell));
+    return fmt::format("{} \\\\\n", fmt::join(escaped, " & "));
+  };
+  std::string columns;
+  for (size_t c = 0; c < table.columns.size(); ++c) columns += is_numeric(table, c) ? 'r' : 'l';
+  std::string text = "\\begin{table}\n\\centering\n";
+  if (!table.title.empty()) text += fmt::format("\\caption{{{}}}\n", latex_escaped(table.title));
+  text +=
+      fmt::format("\\begin{{tabular}}{{{}}}\n\\hline\n{}\\hline\n", columns, line(table.columns));
+  for (const auto& row : table.rows) text += line(row);
+  return text + "\\hline\n\\end{tabular}\n\\end{table}\n";
+}
+
+}  // namespace
+
+std::string render_table(const Table& table, TableFormat format) {
+  for ([[maybe_unused]] const auto& row : table.rows) assert(row.size() == table.columns.size());
+  switch (format) {
+    case TableFormat::text:
+      return text_table(table);
+    case TableFormat::csv:
+      return csv_table(table);
+    case TableFormat::markdown:
+      return markdown_table(table);
+    case TableFormat::latex:
+      return latex_table(table);
+  }
+  return {};
+}
+
+}  // namespace vpr

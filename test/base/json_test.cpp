@@ -1,0 +1,109 @@
+#include "base/json.h"
+
+#include <catch2/catch.hpp>
+
+#include "support.h"
+
+namespace {
+
+enum class Fruit { apple, pear };
+
+struct Inner {
+  int64_t depth = 2;
+};
+template <class Visitor>
+void visit_fields(Inner& inner, Visitor&& visit) {
+  visit("depth", inner.depth);
+}
+
+struct Outer {
+  double ratio = 0.5;
+  std::optional<double> limit;
+  uint64_t count = 1;
+  bool on = false;
+  std::string name = "n";
+  std::vector<std::string> list;
+  Fruit fruit = Fruit::apple;
+  Inner inner;
+};
+template <class Visitor>
+void visit_fields(Outer& outer, Visitor&& visit) {
+  visit("ratio", outer.ratio);
+  visit("limit", outer.limit);
+  visit("count", outer.count);
+  visit("on", outer.on);
+  visit("name", outer.name);
+  visit("list", outer.list);
+  visit("fruit", outer.fruit);
+  visit("inner", outer.inner);
+}
+
+}  // namespace
+
+namespace vpr {
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<Fruit> = {"apple", "pear"};
+}
+
+using namespace vpr;
+
+TEST_CASE("settings survive a trip through JSON") {
+  Outer outer;
+  outer.limit = 0.25;
+  outer.fruit = Fruit::pear;
+  outer.list = {"a", "b"};
+  outer.inner.depth = -7;
+  Outer back;
+  value_from_json(value_to_json(outer), back, "test", "outer");
+  CHECK(value_to_json(back).dump() == value_to_json(outer).dump());
+  CHECK(value_to_json(Outer{})["limit"] == "auto");
+}
+
+TEST_CASE("keys that are absent keep their value") {
+  Outer outer;
+  outer.count = 9;
+  value_from_json(Json::parse(R"({"inner": {}})"), outer, "test", "outer");
+  CHECK(outer.count == 9);
+}
+
+TEST_CASE("an unknown key is refused with the nearest known one") {
+  Outer outer;
+  const auto text = test::error_text(
+      [&] { value_from_json(Json::parse(R"({"raito": 1})"), outer, "a.json", "outer"); });
+  CHECK(text == "a.json: unknown key \"raito\"; did you mean \"ratio\"?");
+}
+
+TEST_CASE("values of another type or range are refused") {
+  const std::string bad =
+      GENERATE(R"({"ratio": "x"})", R"({"count": -1})", R"({"count": 1.5})", R"({"on": 1})",
+               R"({"name": 3})", R"({"fruit": "plum"})", R"({"inner": 3})", R"({"limit": true})",
+               R"({"list": [1]})", R"({"count": 99999999999999999999})");
+  Outer outer;
+  CHECK(test::error_kind([&] { value_from_json(Json::parse(bad), outer, "t", "outer"); }) ==
+        ErrorKind::usage);
+}
+
+TEST_CASE("the edit distance counts inserts, deletes, replacements and swaps") {
+  CHECK(edit_distance("", "abc") == 3);
+  CHECK(edit_distance("abc", "abc") == 0);
+  CHECK(edit_distance("c_l", "cl") == 1);
+  CHECK(edit_distance("raito", "ratio") == 1);
+  CHECK(edit_distance("kitten", "sitting") == 3);
+}
+
+TEST_CASE("schemas of another kind or a newer version are told apart") {
+  const auto text = [](const char* schema) {
+    return test::error_text([&] {
+      require_schema(Json{{"schema", schema}}, "result", "r.json", ErrorKind::data);
+    });
+  };
+  CHECK(text("vpr.result/1").empty());
+  CHECK(text("vpr.result/2").find("newer version") != std::string::npos);
+  CHECK(text("vpr.report/1") == "r.json: expected schema vpr.result/1, found vpr.report/1");
+  CHECK(test::error_kind([] { require_schema(Json(3), "result", "r", ErrorKind::data); }) ==
+        ErrorKind::data);
+}
+
+TEST_CASE("text that is not UTF-8 is written all the same") {
+  CHECK(to_text(Json{{"name", "a\xff"}}) == "{\n  \"name\": \"a\xef\xbf\xbd\"\n}\n");
+}

@@ -1,0 +1,266 @@
+// The programs as a user runs them, on a small generated world.
+#include <catch2/catch.hpp>
+
+#include "base/json.h"
+#include "base/npy.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kWorld = R"({"schema": "vpr.world/1", "name": "test", "seed": 3,
+  "corridors": 2, "corridor_length_m": 14, "walks": [
+    {"name": "one", "corridor": 0, "from_m": 0, "to_m": 12},
+    {"name": "two", "corridor": 1, "from_m": 0, "to_m": 12},
+    {"name": "back", "is_query": true, "corridor": 0, "from_m": 2, "to_m": 11, "brightness": 0.9}]})";
+
+/// One world, rendered and trained once for all tests of this file.
+struct World {
+  test::TemporaryFolder folder;
+  World() {
+    test::write_text(folder / "world.json", kWorld);
+    REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
+            0);
+    REQUIRE(run_program("vpr-train",
+                        {"fastable", "--dataset", dataset(), "--c-l", "10", "-o", database()})
+                .exit_code == 0);
+  }
+  std::string dataset() const { return folder / "walk/dataset.json"; }
+  std::string database() const { return folder / "w.vprdb"; }
+  std::vector<std::string> query(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {database(), "--dataset", dataset(), "--c-l", "10"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+};
+
+const World& world() {
+  static const World kShared;
+  return kShared;
+}
+
+Json parse(const std::string& text) { return Json::parse(text); }
+
+// A result without what may differ between runs.
+std::string comparable(const fs::path& path) {
+  Json json = parse(test::read_text(path));
+  json.erase("machine");
+  json.erase("timing");
+  return json.dump(2);
+}
+
+}  // namespace
+
+TEST_CASE("train, query and evaluate give counts that are right") {
+  const test::TemporaryFolder out;
+  const auto query =
+      run_program("vpr-query", world().query({"-o", out / "r.json", "--verify", "500"}));
+  CHECK(query.exit_code == 0);
+  CHECK(query.out.find("500 cells, 0 differences") != std::string::npos);
+  CHECK(query.err.empty());
+  const auto eval = run_program(
+      "vpr-eval", {out / "r.json", "--dataset", world().dataset(), "-o", out / "e.json", "--json"});
+  REQUIRE(eval.exit_code == 0);
+  const Json report = parse(eval.out);
+  CHECK(report == parse(test::read_text(out / "e.json")));
+  CHECK(report["counts"]["hits"]["correct"].get<int>() > 20);
+  CHECK(report["counts"]["hits"]["incorrect"] == 0);
+  CHECK(report["counts"]["distinct"].get<int>() >= 1);
+  CHECK(report["best_match"]["rate"].get<double>() > 0.9);
+}
+
+TEST_CASE("results are byte-identical for any threads, SIMD target and method") {
+  const test::TemporaryFolder out;
+  run_program("vpr-query", world().query({"-o", out / "a.json", "--threads", "1"}));
+  const std::string expected = comparable(out / "a.json");
+  const std::string hits = test::read_text(out / "a.hits.npy");
+  for (const std::string& target : simd_targets()) {
+    const std::string name = "r" + target;
+    CHECK(run_program("vpr-query", world().query({"-o", out / (name + ".json"), "--threads", "2"}),
+                      {"VPR_SIMD=" + target})
+              .exit_code == 0);
+    CHECK(comparable(out / (name + ".json")) == expected);
+    CHECK(test::read_text(out / (name + ".hits.npy")) == hits);
+  }
+  for (const std::string method : {"openable", "fastable-online"}) {
+    run_program("vpr-query", world().query({"-o", out / (method + ".json"), "--method", method,
+                                            "--max-memory", "1M"}));
+    CHECK(test::read_text(out / (method + ".hits.npy")) == hits);
+  }
+}
+
+TEST_CASE("databases are byte-identical for any number of threads, and name no path or host") {
+  const test::TemporaryFolder out;
+  CHECK(run_program("vpr-train", {"fastable", "--dataset", world().dataset(), "--c-l", "10", "-o",
+                                  out / "b.vprdb", "--threads", "1"})
+            .exit_code == 0);
+  for (const char* name : {"manifest.json", "codes.npy", "frames.txt"})
+    CHECK(test::read_text(out / "b.vprdb" / name) ==
+          test::read_text(fs::path(world().database()) / name));
+  CHECK(test::read_text(out / "b.vprdb/manifest.json").find("/tmp") == std::string::npos);
+}
+
+TEST_CASE("a rendered world is byte-identical for its seed and any number of threads") {
+  const test::TemporaryFolder out;
+  run_program("vpr-synth", {world().folder / "world.json", "-o", out / "w", "--threads", "1"});
+  for (const auto& entry : fs::recursive_directory_iterator(out / "w"))
+    if (entry.is_regular_file())
+      REQUIRE(test::read_text(entry.path()) ==
+              test::read_text(world().folder / "walk" / fs::relative(entry.path(), out / "w")));
+}
+
+TEST_CASE("adding a sequence gives the database of training them together") {
+  const test::TemporaryFolder out;
+  const std::string one = world().folder / "walk/one";
+  const std::string two = world().folder / "walk/two";
+  run_program("vpr-train", {"fastable", "--train", one, "--c-l", "10", "-o", out / "a.vprdb"});
+  CHECK(run_program("vpr-train", {"add", out / "a.vprdb", "--train", two, "-o", out / "ab.vprdb"})
+            .exit_code == 0);
+  run_program("vpr-train", {"fastable", "--train", one, "--train", two, "--c-l", "10", "-o",
+                            out / "both.vprdb"});
+  CHECK(test::read_text(out / "ab.vprdb/manifest.json") ==
+        test::read_text(out / "both.vprdb/manifest.json"));
+  const auto info = run_program("vpr-train", {"info", out / "ab.vprdb", "--json"});
+  CHECK(parse(info.out)["sequences"][1]["name"] == "two");
+  CHECK(run_program("vpr-train", {"add", out / "a.vprdb", "--train", one, "-o", out / "x.vprdb"})
+            .exit_code == 2);
+}
+
+TEST_CASE("each sub-folder is a training sequence with --train-folders") {
+  const test::TemporaryFolder out;
+  const auto run = run_program("vpr-train", {"fastable", "--train-folders", world().folder / "walk",
+                                             "--c-l", "10", "-o", out / "all.vprdb", "--json"});
+  REQUIRE(run.exit_code == 0);
+  CHECK(parse(run.out)["sequences"].size() == 3);
+}
+
+TEST_CASE("a saved matrix holds every distance; a picture can be drawn") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-query",
+                      world().query({"-o", out / "r.json", "--save-matrix", out / "d.npy"}))
+              .exit_code == 0);
+  const Json result = parse(test::read_text(out / "r.json"));
+  const NpyArray matrix(out / "d.npy");
+  const auto values = matrix.values<int32_t>(2);
+  CHECK(matrix.shape()[0] == result["query"]["windows"]);
+  CHECK(matrix.shape()[1] == result["matrix"]["columns"]);
+  const NpyArray hits(out / "r.hits.npy");
+  const auto cells = hits.values<int32_t>(2);
+  const auto second = result["matrix"]["sequences"][1]["first_column"].get<int>();
+  size_t below = 0;
+  for (const auto& v : values) {
+    REQUIRE(v >= 0);
+    REQUIRE(v <= 13860);
+  }
+  for (size_t i = 0; i < hits.shape()[0]; ++i, ++below)
+    REQUIRE(values[size_t(cells[4 * i]) * matrix.shape()[1] +
+                   size_t(cells[4 * i + 1] == 0 ? 0 : second) + size_t(cells[4 * i + 2])] ==
+            cells[4 * i + 3]);
+  CHECK(below > 0);
+  CHECK(run_program("vpr-query",
+                    world().query({"-o", out / "p.json", "--save-matrix", out / "d.png"}))
+            .exit_code == 0);
+  CHECK(test::read_text(out / "d.png").substr(1, 3) == "PNG");
+}
+
+TEST_CASE("unreadable frames, if skipped, break windows and are -1 in a matrix") {
+  const test::TemporaryFolder out;
+  fs::copy(world().folder / "walk/back", out / "back");
+  test::write_text(out / "back/00020.png", "broken");
+  const std::vector<std::string> base = {
+      world().database(), "--query", out / "back", "--c-l", "10", "-o", out / "r.json"};
+  const auto refused = run_program("vpr-query", base);
+  CHECK(refused.exit_code == 3);
+  CHECK(refused.err.find("00020.png") != std::string::npos);
+  auto words = base;
+  words.insert(words.end(),
+               {"--skip-unreadable", "--save-matrix", out / "d.npy", "--verify", "99"});
+  REQUIRE(run_program("vpr-query", words).exit_code == 0);
+  const NpyArray best(out / "r.best.npy");
+  const auto rows = best.values<int32_t>(2);
+  const NpyArray matrix(out / "d.npy");
+  const auto values = matrix.values<int32_t>(2);
+  for (size_t window = 0; window < best.shape()[0]; ++window) {
+    const bool broken = window >= 11 && window <= 20;
+    REQUIRE((rows[4 * window + 1] == -1) == broken);
+    REQUIRE((values[window * matrix.shape()[1]] == -1) == broken);
+  }
+}
+
+TEST_CASE("a search can be limited to a sequence by name") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-query", world().query({"--only-sequence", "two", "-o", out / "r.json"}))
+              .exit_code == 0);
+  const Json result = parse(test::read_text(out / "r.json"));
+  CHECK(result["sequences"][0]["searched"] == false);
+  const auto wrong =
+      run_program("vpr-query", world().query({"--only-sequence", "three", "--json"}));
+  CHECK(wrong.exit_code == 2);
+  CHECK(wrong.err.find("one, two") != std::string::npos);
+}
+
+TEST_CASE("settings come from a file, and flags win") {
+  const test::TemporaryFolder out;
+  test::write_text(out / "c.json", R"({"schema": "vpr.config/1", "c_l": 5, "t_r": 0.3, "seed": 9,
+                                       "clustering": {"eps": 3}})");
+  const std::vector<std::string> base = {world().database(), "--dataset",    world().dataset(),
+                                         "--config",         out / "c.json", "--json"};
+  const Json from_file = parse(run_program("vpr-query", base).out);
+  CHECK(from_file["settings"]["c_l"] == 5);
+  CHECK(from_file["settings"]["t_r"] == 0.3);
+  CHECK(from_file["settings"]["clustering"]["eps"] == 3);
+  CHECK(from_file["provenance"]["seed"] == 9);
+  auto words = base;
+  words.insert(words.begin(), {"--t-r", "0.5"});
+  CHECK(parse(run_program("vpr-query", words).out)["settings"]["t_r"] == 0.5);
+  test::write_text(out / "c.json", R"({"t_l": 5})");
+  const auto wrong = run_program("vpr-query", base);
+  CHECK(wrong.exit_code == 2);
+  CHECK(wrong.err.find("did you mean") != std::string::npos);
+}
+
+TEST_CASE("an expectation that is not met ends with 5 and a readable difference") {
+  const test::TemporaryFolder out;
+  run_program("vpr-query", world().query({"-o", out / "r.json"}));
+  const std::vector<std::string> base = {out / "r.json", "--dataset", world().dataset()};
+  auto first = base;
+  first.insert(first.end(), {"-o", out / "e.json"});
+  run_program("vpr-eval", first);
+  auto same = base;
+  same.insert(same.end(), {"--expect", out / "e.json"});
+  CHECK(run_program("vpr-eval", same).exit_code == 0);
+  test::write_text(out / "x.json",
+                   R"({"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": 1}}})");
+  auto other = base;
+  other.insert(other.end(), {"--expect", out / "x.json"});
+  const auto failed = run_program("vpr-eval", other);
+  CHECK(failed.exit_code == 5);
+  CHECK(failed.err.find("counts.hits.incorrect: expected 1, found 0 (-1)") != std::string::npos);
+}
+
+TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
+  const test::TemporaryFolder out;
+  run_program("vpr-query", world().query({"-o", out / "r.json"}));
+  const auto table = [&](const std::string& format) {
+    return run_program("vpr-eval",
+                       {out / "r.json", "--dataset", world().dataset(), "--format", format})
+        .out;
+  };
+  CHECK(table("text").find("c_l") != std::string::npos);
+  CHECK(table("csv").substr(0, 4) == "c_l,");
+  CHECK(table("markdown").find("| c_l |") != std::string::npos);
+  CHECK(table("latex").find("\\begin{tabular}") != std::string::npos);
+}
+
+TEST_CASE("every program has help with an example, and a version") {
+  for (const std::string program : {"vpr-train", "vpr-query", "vpr-eval", "vpr-synth"}) {
+    const auto help = run_program(program, {"--help"});
+    CHECK(help.exit_code == 0);
+    CHECK(help.out.find("Example:") != std::string::npos);
+    CHECK(run_program(program, {"--version"}).out.find(program) == 0);
+  }
+  CHECK(run_program("vpr-train", {"fastable", "--help"}).out.find("Example:") != std::string::npos);
+}

@@ -1,0 +1,244 @@
+// Bad input: one sentence, the right exit code, and nothing half-written.
+#include <csignal>
+#include <thread>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Two short training sequences, a query and a database with c_l 5.
+struct Bench {
+  test::TemporaryFolder folder;
+  Bench() {
+    uint64_t seed = 0;
+    for (const char* name : {"one", "two", "query"}) {
+      fs::create_directory(folder / name);
+      for (int i = 0; i < 8; ++i)
+        test::write_image(folder / name / fmt::format("{}.png", i), ++seed);
+    }
+    fs::create_directory(folder / "empty");
+    REQUIRE(
+        train({"--train", folder / "one", "--train", folder / "two", "-o", database()}).exit_code ==
+        0);
+  }
+  std::string database() const { return folder / "db.vprdb"; }
+  static test::RunOutcome train(std::vector<std::string> words) {
+    words.insert(words.begin(), {"fastable", "--c-l", "5"});
+    return run_program("vpr-train", words);
+  }
+  test::RunOutcome query(std::vector<std::string> words) const {
+    words.insert(words.begin(), {database(), "--query", folder / "query", "-o", folder / "r.json"});
+    return run_program("vpr-query", words);
+  }
+};
+
+const Bench& bench() {
+  static const Bench kShared;
+  return kShared;
+}
+
+void check_failure(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == exit_code);
+  CHECK(outcome.out.empty());
+  CHECK(outcome.err.find(word) != std::string::npos);
+  CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+}
+
+// The folder as it was: no result, no temporary file.
+void check_nothing_written() {
+  CHECK(test::list_folder(bench().folder.path()) ==
+        std::vector<std::string>{"db.vprdb", "empty", "one", "query", "two"});
+}
+
+}  // namespace
+
+TEST_CASE("sequences that are missing, empty or out of range") {
+  const auto& folder = bench().folder;
+  const std::string out = folder / "x.vprdb";
+  check_failure(Bench::train({"--train", folder / "none", "-o", out}), 3, "none");
+  check_failure(Bench::train({"--train", folder / "empty", "-o", out}), 3, "no images");
+  check_failure(Bench::train({"--train", (folder / "one").string() + "@0:9", "-o", out}), 2,
+                "8 frames");
+  check_failure(Bench::train({"--train", (folder / "one").string() + "@5:2", "-o", out}), 2,
+                "range");
+  check_failure(Bench::train({"--train", folder / "one", "--train", folder / "one", "-o", out}), 2,
+                "once");
+  check_failure(Bench::train({"-o", out}), 2, "--train");
+  check_failure(Bench::train({"--train", folder / "one"}), 2, "-o");
+  check_failure(Bench::train({"--train-folders", folder / "one", "-o", out}), 3, "sub-folders");
+  check_nothing_written();
+}
+
+TEST_CASE("settings out of range") {
+  check_failure(bench().query({"--c-l", "0"}), 2, "c_l");
+  check_failure(bench().query({"--c-l", "-3"}), 2, "c-l");
+  check_failure(bench().query({"--c-l", "9"}), 2, "smaller --c-l");
+  check_failure(bench().query({"--c-l", "99999999999999999999"}), 2, "c-l");
+  check_failure(bench().query({"--c-l", "5", "--t-r", "nan"}), 2, "t-r");
+  check_failure(bench().query({"--c-l", "5", "--t-r", "1e999"}), 2, "t-r");
+  check_failure(bench().query({"--c-l", "5", "--t-r", "-1"}), 2, "t_r");
+  check_failure(bench().query({"--c-l", "5", "--t-r-scale", "bytes"}), 2, "relative");
+  check_failure(bench().query({"--c-l", "5", "--method", "fastabel"}), 2, "openable");
+  check_failure(bench().query({"--c-l", "5", "--max-memory", "lots"}), 2, "512M");
+  check_failure(bench().query({"--c-l", "5", "--save-matrix", "m.tiff"}), 2, ".npy");
+  check_failure(bench().query({"--c-l", "5", "--threads", "x"}), 2, "threads");
+  check_failure(run_program("vpr-query", {}), 2, "DB");
+  check_failure(run_program("vpr-query", {"--no-such-flag"}), 2, "--help");
+  check_failure(run_program("vpr-query", {bench().database(), "--query", "q"}, {"VPR_SIMD=AVX9"}),
+                2, "choose one of");
+  check_nothing_written();
+}
+
+TEST_CASE("an automatic threshold of a single sequence: the error says to give --t-r") {
+  const test::TemporaryFolder out;
+  REQUIRE(Bench::train({"--train", bench().folder / "one", "-o", out / "one.vprdb"}).exit_code ==
+          0);
+  check_failure(run_program("vpr-query", {out / "one.vprdb", "--query", bench().folder / "query",
+                                          "--c-l", "5", "-o", out / "r.json"}),
+                2, "--t-r");
+}
+
+TEST_CASE("databases that are missing, none, damaged or newer") {
+  const test::TemporaryFolder out;
+  const auto info = [&](const std::string& path) {
+    return run_program("vpr-train", {"info", path});
+  };
+  check_failure(info(out / "none.vprdb"), 3, "no such database");
+  check_failure(info(bench().folder / "one"), 4, "is not a database");
+  const auto damaged = [&](const std::string& name, auto change) {
+    fs::remove_all(out / "d.vprdb");
+    fs::copy(bench().database(), out / "d.vprdb");
+    std::string text = test::read_text(out / "d.vprdb" / name);
+    change(text);
+    test::write_text(out / "d.vprdb" / name, text);
+    return info(out / "d.vprdb");
+  };
+  check_failure(damaged("codes.npy", [](std::string& t) { t.resize(t.size() / 2); }), 4,
+                "truncated");
+  check_failure(damaged("codes.npy", [](std::string& t) { t[t.size() - 9] ^= 1; }), 4, "checksum");
+  check_failure(damaged("frames.txt", [](std::string& t) { t.clear(); }), 4, "frames.txt");
+  check_failure(damaged("manifest.json", [](std::string& t) { t.resize(t.size() - 5); }), 4,
+                "manifest");
+  check_failure(damaged("manifest.json",
+                        [](std::string& t) { t.replace(t.find("database/1"), 10, "database/7"); }),
+                4, "newer version");
+  check_failure(
+      damaged("manifest.json",
+              [](std::string& t) { t.replace(t.find("vpr.database"), 12, "vpr.resultss"); }),
+      4, "expected schema");
+}
+
+TEST_CASE("an existing output is refused before any work, and replaced with --force") {
+  const test::TemporaryFolder out;
+  test::write_text(out / "r.json", "precious");
+  const auto query = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {bench().database(), "--query", bench().folder / "query", "--c-l",
+                               "5", "-o", out / "r.json"});
+    return run_program("vpr-query", more);
+  };
+  check_failure(query({}), 2, "--force");
+  CHECK(test::read_text(out / "r.json") == "precious");
+  CHECK(query({"--force"}).exit_code == 0);
+  CHECK(query({"--force"}).exit_code == 0);
+  check_failure(
+      Bench::train({"--train", bench().folder / "one", "--force", "-o", bench().folder / "two"}), 2,
+      "manifest.json");
+  CHECK(test::list_folder(bench().folder / "two").size() == 8);
+}
+
+TEST_CASE("outputs that can't be written") {
+  check_failure(bench().query({"--c-l", "5", "--save-matrix", bench().folder / "no/m.npy"}), 3,
+                "does not exist");
+  check_failure(Bench::train({"--train", bench().folder / "one", "-o", "/proc/x.vprdb"}), 3,
+                "can't be written");
+  if (fs::exists("/dev/full")) {
+    const std::string command = (test::program_path("vpr-train")).string() + " info " +
+                                bench().database() + " > /dev/full 2>/dev/null";
+    CHECK(WEXITSTATUS(std::system(command.c_str())) == 3);
+  }
+  check_nothing_written();
+}
+
+TEST_CASE("a full disk leaves nothing behind") {
+  const test::TemporaryFolder disk;
+  if (::mount("tmpfs", disk.path().c_str(), "tmpfs", 0, "size=64k") != 0) {
+    WARN("skipped: no permission to mount a small disk");
+    return;
+  }
+  fs::create_directory(disk / "sub");
+  // One image a frame is small, so fill the disk first.
+  test::write_text(disk / "ballast", std::string(60 * 1024, 'x'));
+  const auto train = Bench::train({"--train", bench().folder / "one", "--train",
+                                   bench().folder / "two", "-o", disk / "sub/db.vprdb"});
+  const auto left = test::list_folder(disk / "sub");
+  const auto query =
+      run_program("vpr-query", {bench().database(), "--query", bench().folder / "query", "--c-l",
+                                "5", "-o", disk / "sub/r.json"});
+  const auto left_after_query = test::list_folder(disk / "sub");
+  ::umount(disk.path().c_str());
+  check_failure(train, 3, "No space left");
+  CHECK(left.empty());
+  check_failure(query, 3, "No space left");
+  CHECK(left_after_query.empty());
+}
+
+TEST_CASE("ground truth that is missing or does not fit") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-query", {bench().database(), "--query", bench().folder / "query",
+                                    "--c-l", "5", "-o", out / "r.json"})
+              .exit_code == 0);
+  const auto eval = [&](const std::string& csv) {
+    test::write_text(out / "g.csv", csv);
+    return run_program("vpr-eval", {out / "r.json", "--ground-truth", out / "g.csv"});
+  };
+  check_failure(run_program("vpr-eval", {out / "r.json", "--ground-truth", out / "no.csv"}), 3,
+                "no.csv");
+  check_failure(run_program("vpr-eval", {out / "r.json"}), 2, "--ground-truth");
+  check_failure(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"}), 2,
+                "exactly one");
+  check_failure(eval("query,sequence,reference\n0,one,8\n"), 4, "out of range");
+  check_failure(eval("query,sequence,reference\n8,one,0\n"), 4, "line 2");
+  check_failure(eval("query,sequence,reference\n0,three,0\n"), 4, "three");
+  check_failure(eval("query,reference\n0,0\n"), 2, "exactly one");
+  check_failure(eval("nonsense"), 4, "header");
+  check_failure(
+      run_program("vpr-eval", {bench().database() + "/manifest.json", "--ground-truth", "aligned"}),
+      4, "vpr.result/1");
+}
+
+TEST_CASE("an interrupt in the middle of training ends with 130 and leaves nothing behind") {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder / "long");
+  test::write_image(folder / "long/0.png", 1, 1500, 1100);
+  std::string list;
+  for (int i = 0; i < 3000; ++i) list += "long/0.png\n";
+  test::write_text(folder / "long.txt", list);
+  const std::string program = test::program_path("vpr-train").string();
+  const std::string input = folder / "long.txt";
+  const std::string output = folder / "db.vprdb";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (std::freopen("/dev/null", "w", stderr) == nullptr) ::_exit(99);
+    ::execl(program.c_str(), program.c_str(), "fastable", "--train", input.c_str(), "-o",
+            output.c_str(), nullptr);
+    ::_exit(99);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // in the middle of 3000 frames
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 130);
+  CHECK(test::list_folder(folder.path()) == std::vector<std::string>{"long", "long.txt"});
+}

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# What the programs write fits the schemas in docs/.   schemas.sh SOURCE BIN PYTHON
+set -euo pipefail
+source=$1 bin=$2 python=$3
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+"$bin/vpr-synth" "$source/configs/worlds/demo.json" -o "$out/walk" --quiet
+"$bin/vpr-train" fastable --dataset "$out/walk/dataset.json" -o "$out/w.vprdb" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/walk/dataset.json" --query query-a --verify 10 \
+  --save-matrix "$out/d.npy" -o "$out/r.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/walk/query-a" --t-r 0.3 --only-sequence corridor-a \
+  -o "$out/r2.json" --quiet
+"$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" -o "$out/e.json" --quiet
+echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
+"$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" --expect "$out/x.json" --quiet
+"$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/walk/dataset.json" \
+  "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/e.json" "$out/x.json"

@@ -1,0 +1,135 @@
+// Figures on a real office corridor, walked twice (111 + 111 frames).
+#include <algorithm>
+#include <cstdlib>
+
+#include <catch2/catch.hpp>
+
+#include "base/json.h"
+#include "base/npy.h"
+#include "descriptors/describe.h"
+#include "matching/plain.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<LdbCode> describe_folder(const fs::path& folder) {
+  return describe_sequence(open_sequence({folder, {}}), {}, Unreadable::fail, {}).codes;
+}
+
+Json evaluate(const test::TemporaryFolder& out, const fs::path& corridor,
+              const std::vector<std::string>& query_words,
+              const std::vector<std::string>& eval_words) {
+  if (!fs::exists(out / "c.vprdb"))
+    REQUIRE(
+        run_program("vpr-train", {"fastable", "--train", corridor / "ref", "-o", out / "c.vprdb"})
+            .exit_code == 0);
+  std::vector<std::string> query = {out / "c.vprdb", "--query", corridor / "query",
+                                    "--force",       "-o",      out / "r.json",
+                                    "--verify",      "1000"};
+  query.insert(query.end(), query_words.begin(), query_words.end());
+  REQUIRE(run_program("vpr-query", query).exit_code == 0);
+  std::vector<std::string> eval = {out / "r.json", "--json"};
+  eval.insert(eval.end(), eval_words.begin(), eval_words.end());
+  const auto outcome = run_program("vpr-eval", eval);
+  REQUIRE(outcome.exit_code == 0);
+  return Json::parse(outcome.out);
+}
+
+}  // namespace
+
+TEST_CASE("codes of the corridor are those of two independent programs, bit for bit") {
+  const auto corridor = test::real_data("data/corridor");
+  const auto expected = test::real_data("expected");
+  if (!corridor || !expected) return;
+  const NpyArray file(*expected / "corridor-query-codes.npy");
+  const auto bytes = file.values<uint8_t>(2);
+  const std::vector<LdbCode> codes = describe_folder(*corridor / "query");
+  REQUIRE(file.shape() == std::vector<size_t>{codes.size(), kLdbBytes});
+  for (size_t i = 0; i < codes.size(); ++i)
+    REQUIRE(std::equal(codes[i].begin(), codes[i].end(),
+                       bytes.begin() + static_cast<ptrdiff_t>(i * kLdbBytes)));
+}
+
+TEST_CASE("Hamming distances of the corridor are those of two independent programs") {
+  const auto corridor = test::real_data("data/corridor");
+  const auto expected = test::real_data("expected");
+  if (!corridor || !expected) return;
+  const NpyArray file(*expected / "corridor-hamming.npy");
+  const auto matrix = file.values<uint16_t>(2);
+  const std::vector<LdbCode> query = describe_folder(*corridor / "query");
+  const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
+  const CodeSpan span{train, {}};
+  const TrainCodes codes = make_train_codes(std::span(&span, 1));
+  std::vector<uint16_t> row(codes.blocks.size() * kBlockFrames);
+  for (const HammingKernels& kernels : test::all_kernels()) {
+    for (size_t q = 0; q < query.size(); ++q) {
+      kernels.row_distances(code_words(query[q]), codes.blocks.data(), codes.blocks.size(),
+                            row.data());
+      for (size_t t = 0; t < train.size(); ++t) REQUIRE(row[t] == matrix[q * train.size() + t]);
+    }
+  }
+}
+
+TEST_CASE("best matches on the corridor, aligned within 3 frames") {
+  const auto corridor = test::real_data("data/corridor");
+  if (!corridor) return;
+  const test::TemporaryFolder out;
+  const auto [length, correct, queries] = GENERATE(table<int, int, int>(
+      {{1, 46, 111}, {5, 52, 107}, {10, 75, 102}, {20, 80, 92}, {40, 72, 72}}));
+  for (const std::string method : {"fastable", "openable", "fastable-online"}) {
+    const Json report = evaluate(
+        out, *corridor, {"--c-l", std::to_string(length), "--t-r", "0.4", "--method", method},
+        {"--ground-truth", "aligned", "--tolerance", "3"});
+    CHECK(report["best_match"]["correct"] == correct);
+    CHECK(report["best_match"]["queries"] == queries);
+  }
+}
+
+TEST_CASE("hits and places on the corridor with its labelled pairs") {
+  const auto corridor = test::real_data("data/corridor");
+  if (!corridor) return;
+  const test::TemporaryFolder out;
+  struct Row {
+    const char* c_l;
+    const char* t_r;
+    std::array<int, 4> counts;  // hits correct and incorrect, places correct and incorrect
+  };
+  for (const Row& row : {Row{"5", "0.45", {52, 16, 3, 1}}, Row{"10", "0.55", {59, 21, 2, 1}},
+                         Row{"20", "0.65", {63, 0, 2, 0}}}) {
+    const Json counts = evaluate(out, *corridor, {"--c-l", row.c_l, "--t-r", row.t_r},
+                                 {"--ground-truth", *corridor / "ground_truth.csv"})["counts"];
+    CHECK(counts["hits"]["correct"] == row.counts[0]);
+    CHECK(counts["hits"]["incorrect"] == row.counts[1]);
+    CHECK(counts["places"]["correct"] == row.counts[2]);
+    CHECK(counts["places"]["incorrect"] == row.counts[3]);
+    CHECK(counts["distinct"] == row.counts[2]);
+  }
+}
+
+TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, ours by none") {
+  const auto corridor = test::real_data("data/corridor");
+  if (!corridor) return;
+  const std::vector<LdbCode> query = describe_folder(*corridor / "query");
+  const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
+  const size_t length = 20;
+  const std::vector<uint32_t> right = plain_openable(train, query, length);
+  CHECK(plain_fastable(train, query, length) == right);
+  const size_t cols = train.size() - length + 1;
+  std::vector<int64_t> published(right.begin(), right.end());
+  int64_t largest_difference = 0;
+  for (size_t j = 1; j * cols < right.size(); ++j)
+    for (size_t i = 1; i < cols; ++i) {
+      const size_t cell = j * cols + i;
+      published[cell] = published[cell - cols - 1] +
+                        plain_hamming(train[i + length - 1], query[j + length - 1]) -
+                        static_cast<int64_t>(plain_hamming(train[i], query[j]));
+      largest_difference =
+          std::max(largest_difference, std::abs(published[cell] - int64_t{right[cell]}));
+    }
+  CHECK(largest_difference > 250);
+  CHECK(largest_difference < 300);
+}

@@ -1,0 +1,100 @@
+#include "database/sequence_database.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "support.h"
+
+using namespace vpr;
+namespace fs = std::filesystem;
+
+namespace {
+
+SequenceDatabase example() {
+  SequenceDatabase database;
+  database.descriptor.illumination_invariant = true;
+  database.sequences = {{"one", {"1.png", "2.png", "3.png"}, {1}}, {"t/two", {"#0", "#1"}, {}}};
+  database.codes.owned = test::random_codes(5, 1);
+  database.thresholds = {{2, 0.9, {ClosestWindows{700, 1, 1, 0}, std::nullopt}}};
+  return database;
+}
+
+fs::path write_example(const test::TemporaryFolder& folder) {
+  write_sequence_database(folder / "d.vprdb", example(), Existing::refuse);
+  return folder / "d.vprdb";
+}
+
+}  // namespace
+
+TEST_CASE("a database that was written is read back") {
+  const test::TemporaryFolder folder;
+  const SequenceDatabase database = read_sequence_database(write_example(folder));
+  CHECK(database.descriptor.illumination_invariant);
+  REQUIRE(database.sequences.size() == 2);
+  CHECK(database.sequences[0].unreadable == std::vector<size_t>{1});
+  CHECK(database.sequences[1].name == "t/two");
+  CHECK(database.sequences[1].frame_names == std::vector<std::string>{"#0", "#1"});
+  const std::vector<LdbCode> codes = test::random_codes(5, 1);
+  CHECK(std::equal(codes.begin(), codes.end(), database.codes.view().begin()));
+  CHECK(database.sequence_codes(1)[1] == codes[4]);
+  const ThresholdTable* table = find_thresholds(database.thresholds, 2);
+  REQUIRE(table != nullptr);
+  CHECK(table->safety_factor == 0.9);
+  CHECK(table->closest[0]->distance == 700);
+  CHECK_FALSE(table->closest[1].has_value());
+  CHECK(find_thresholds(database.thresholds, 3) == nullptr);
+}
+
+TEST_CASE("a flipped bit anywhere is noticed") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  RandomEngine engine(1);
+  for (const char* name : {"manifest.json", "codes.npy", "frames.txt"}) {
+    const std::string whole = test::read_text(path / name);
+    for (int i = 0; i < 300; ++i) {
+      std::string broken = whole;
+      const size_t at = uniform_below(engine, whole.size());
+      broken[at] = static_cast<char>(broken[at] ^ 1 << uniform_below(engine, 8));
+      test::write_text(path / name, broken);
+      INFO(name << " byte " << at);
+      REQUIRE(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+    }
+    test::write_text(path / name, whole);
+  }
+  read_sequence_database(path);
+}
+
+TEST_CASE("a truncated or missing file is noticed") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  const std::string name = GENERATE("manifest.json", "codes.npy", "frames.txt");
+  const std::string whole = test::read_text(path / name);
+  for (size_t size = 0; size < whole.size(); size += 7) {
+    test::write_text(path / name, whole.substr(0, size));
+    REQUIRE(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+  }
+  fs::remove(path / name);
+  CHECK(test::error_kind([&] { read_sequence_database(path); }).has_value());
+}
+
+TEST_CASE("a newer database, and what is none, are told apart") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  std::string text = test::read_text(path / "manifest.json");
+  text.replace(text.find("vpr.database/1"), 14, "vpr.database/2");
+  test::write_text(path / "manifest.json", text);
+  CHECK(test::error_text([&] { read_sequence_database(path); }).find("newer version") !=
+        std::string::npos);
+  fs::create_directory(folder / "empty");
+  CHECK(test::error_kind([&] { read_sequence_database(folder / "empty"); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_sequence_database(folder / "none"); }) == ErrorKind::input);
+}
+
+TEST_CASE("the same content gives the same bytes") {
+  const test::TemporaryFolder a;
+  const test::TemporaryFolder b;
+  const fs::path first = write_example(a);
+  const fs::path second = write_example(b);
+  for (const char* name : {"manifest.json", "codes.npy", "frames.txt"})
+    CHECK(test::read_text(first / name) == test::read_text(second / name));
+}

@@ -1,0 +1,70 @@
+#include "evaluation/counts.h"
+
+#include <catch2/catch.hpp>
+
+using namespace vpr;
+
+namespace {
+
+// Ten query frames against ten training frames, c_l 3: windows 0 to 7, anchors 2 to 9.
+SequenceResult example() {
+  SequenceResult result;
+  result.settings.window_length = 3;
+  result.query_frames = 10;
+  result.query_windows = 8;
+  result.sequences = {{"ref", 10, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.best.resize(8);
+  return result;
+}
+
+GroundTruth aligned(int tolerance) {
+  return read_ground_truth({"aligned", {}, tolerance}, {10, {{"ref", 10}}});
+}
+
+}  // namespace
+
+TEST_CASE("windows are judged at their anchors") {
+  SequenceResult result = example();
+  // Only the anchors 5 and 5 are labelled the same: windows 3 and 3.
+  GroundTruth truth;
+  truth.pairs.resize(10);
+  truth.pairs[5].push_back({0, 5, PlaceLabel::same});
+  truth.pairs[6].push_back({0, 6, PlaceLabel::ignore});
+  result.hits = {{3, 0, 3, 5}, {3, 0, 4, 5}, {4, 0, 4, 5}, {5, 0, 5, 5}};
+  const SequenceCounts counts = count_recognitions(result, truth);
+  CHECK(counts.hits.correct == 1);
+  CHECK(counts.hits.incorrect == 2);
+  CHECK(counts.hits.ignored == 1);
+}
+
+TEST_CASE("places are judged at their mean, and the correct ones are distinct") {
+  SequenceResult result = example();
+  result.places = {{0, 3, 0, 6, 3, 0, 6, 5, 9}, {0, 1, 1, 1, 7, 7, 7, 1, 9}};
+  const SequenceCounts counts = count_recognitions(result, aligned(0));
+  CHECK(counts.places.correct == 1);
+  CHECK(counts.places.incorrect == 1);
+  CHECK(counts.distinct == 1);
+}
+
+TEST_CASE("best matches count over the windows that have a match") {
+  SequenceResult result = example();
+  GroundTruth truth;
+  truth.pairs.resize(10);
+  for (uint32_t anchor = 2; anchor <= 7; ++anchor)
+    truth.pairs[anchor].push_back({0, anchor, PlaceLabel::same});
+  truth.pairs[7].push_back({0, 9, PlaceLabel::ignore});
+  // Windows 0 to 5 have matches (anchors 2 to 7), windows 6 and 7 have none.
+  for (uint32_t window = 0; window < 8; ++window) result.best[window] = Cell{window, 0, window, 5};
+  result.best[1] = Cell{1, 0, 7, 5};  // wrong
+  result.best[2] = std::nullopt;      // an unreadable frame
+  result.best[5] = Cell{5, 0, 7, 5};  // anchors 7 and 9: ignored
+  const BestMatchCounts best = count_recognitions(result, truth).best_match;
+  CHECK(best.queries == 5);
+  CHECK(best.correct == 3);
+  CHECK(best.ignored == 1);
+  CHECK(best.without_match == 2);
+  CHECK(best.unreadable == 1);
+  CHECK(best.rate() == 0.75);
+}
+
+TEST_CASE("without queries there is no rate") { CHECK_FALSE(BestMatchCounts{}.rate().has_value()); }

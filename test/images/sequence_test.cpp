@@ -1,0 +1,113 @@
+#include "images/sequence.h"
+
+#include <catch2/catch.hpp>
+
+#include "support.h"
+
+using namespace vpr;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> file_names(const Sequence& sequence) {
+  std::vector<std::string> names;
+  for (const fs::path& file : sequence.files) names.push_back(file.filename().string());
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("a range is cut off the path") {
+  const SequenceArgument all = parse_sequence_argument("walk");
+  CHECK((all.path == "walk" && all.range.is_all()));
+  const SequenceArgument part = parse_sequence_argument("walk@10:20:3");
+  CHECK((part.path == "walk" && part.range == FrameRange{10, 20, 3}));
+  CHECK(parse_sequence_argument("walk@:20").range == FrameRange{0, 20, 1});
+  CHECK(parse_sequence_argument("walk@5:").range == FrameRange{5, std::nullopt, 1});
+  CHECK(parse_sequence_argument("walk@::2").range == FrameRange{0, std::nullopt, 2});
+  CHECK(range_text({10, 20, 3}) == "@10:20:3");
+  CHECK(range_text({0, std::nullopt, 2}) == "@::2");
+}
+
+TEST_CASE("an at sign that starts no range belongs to the path") {
+  CHECK(parse_sequence_argument("me@home").path == "me@home");
+  CHECK(parse_sequence_argument("a@1").path == "a@1");
+  CHECK(parse_sequence_argument("a@1:2:3:4").path == "a@1:2:3:4");
+}
+
+TEST_CASE("a path that exists as written wins") {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder / "walk@1:2");
+  CHECK(parse_sequence_argument((folder / "walk@1:2").string()).range.is_all());
+}
+
+TEST_CASE("ranges that can't be meant are usage errors") {
+  const std::string text =
+      GENERATE("w@5:5", "w@6:5", "w@0:9:0", "w@0:99999999999999999999", "w@18446744073709551615:");
+  CHECK(test::error_kind([&] { parse_sequence_argument(text); }) == ErrorKind::usage);
+}
+
+TEST_CASE("a folder gives its images in natural order, and nothing else") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"10.png", "2.JPG", "1.jpeg", ".hidden.png", "notes.txt", "a.mp4"})
+    test::write_text(folder / name, "");
+  fs::create_directory(folder / "sub.png");
+  CHECK(file_names(open_sequence({folder.path(), {}})) ==
+        std::vector<std::string>{"1.jpeg", "2.JPG", "10.png"});
+  CHECK(file_names(open_sequence({folder.path(), {0, 3, 2}})) ==
+        std::vector<std::string>{"1.jpeg", "10.png"});
+  CHECK(test::error_kind([&] { open_sequence({folder.path(), {0, 4, 1}}); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] {
+          open_sequence({folder.path(), {3, std::nullopt, 1}});
+        }) == ErrorKind::usage);
+}
+
+TEST_CASE("a step beyond the end gives one frame") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"1.png", "2.png"}) test::write_text(folder / name, "");
+  const SequenceArgument argument{folder.path(), {1, std::nullopt, uint64_t{1} << 62}};
+  CHECK(file_names(open_sequence(argument)) == std::vector<std::string>{"2.png"});
+}
+
+TEST_CASE("a list gives its files in its own order, relative to itself") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
+  const Sequence sequence = open_sequence({folder / "list.txt", {}});
+  CHECK(sequence.files == std::vector<fs::path>{folder / "b/2.png", folder / "a/1.png"});
+}
+
+TEST_CASE("what is no sequence is an input error that names it") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "empty.txt", "\n#\n");
+  test::write_text(folder / "binary.txt", std::string("a\0b", 3));
+  test::write_text(folder / "one.png", "");
+  fs::create_directory(folder / "empty");
+  const std::string name = GENERATE("empty.txt", "binary.txt", "one.png", "empty", "missing");
+  const std::string text = test::error_text([&] { open_sequence({folder / name, {}}); });
+  CHECK(text.find(name) != std::string::npos);
+  CHECK(test::error_kind([&] { open_sequence({folder / name, {}}); }) == ErrorKind::input);
+}
+
+TEST_CASE("sequences are named by their folder, with parents where two are equal") {
+  const auto names = [](const std::vector<std::string>& texts) {
+    std::vector<SequenceArgument> arguments;
+    for (const auto& text : texts) arguments.push_back(parse_sequence_argument(text));
+    return sequence_names(arguments);
+  };
+  CHECK(names({"/d/monday", "/d/tuesday/"}) == std::vector<std::string>{"monday", "tuesday"});
+  CHECK(names({"/a/ref", "/b/ref", "/c"}) == std::vector<std::string>{"a/ref", "b/ref", "c"});
+  CHECK(names({"/a/x/ref", "/b/x/ref"}) == std::vector<std::string>{"a/x/ref", "b/x/ref"});
+  CHECK(names({"/a/w@0:5", "/a/w@5:9"}) == std::vector<std::string>{"w@:5", "w@5:9"});
+  CHECK(names({"/a/list.txt"}) == std::vector<std::string>{"list"});
+  CHECK(test::error_kind([&] { names({"/a/w", "/a/w"}); }) == ErrorKind::usage);
+}
+
+TEST_CASE("sub-folders are sequences in natural order") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"w10", "w2", ".git"}) fs::create_directory(folder / name);
+  test::write_text(folder / "file", "");
+  const auto found = subfolder_arguments(folder.path());
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].path == folder / "w2");
+  CHECK(test::error_kind([&] { subfolder_arguments(folder / "w2"); }) == ErrorKind::input);
+}

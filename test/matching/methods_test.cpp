@@ -1,0 +1,185 @@
+// The contract of every sequence method: the same cells as the definition, each exactly once.
+#include "matching/methods.h"
+
+#include <map>
+#include <mutex>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "matching/plain.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+using CellKey = std::tuple<size_t, size_t, size_t>;  // query window, sequence, train window
+using Cells = std::map<CellKey, uint32_t>;
+
+struct Example {
+  std::vector<std::vector<LdbCode>> train;
+  std::vector<std::vector<size_t>> train_unreadable;
+  std::vector<LdbCode> query;
+  std::vector<size_t> query_unreadable;
+};
+
+bool touches(const std::vector<size_t>& frames, size_t first, size_t count) {
+  return std::any_of(frames.begin(), frames.end(),
+                     [&](size_t f) { return f >= first && f < first + count; });
+}
+
+Cells by_definition(const Example& example, size_t length) {
+  Cells cells;
+  for (size_t s = 0; s < example.train.size(); ++s)
+    for (size_t j = 0; j + length <= example.query.size(); ++j)
+      for (size_t i = 0; i + length <= example.train[s].size(); ++i)
+        if (!touches(example.query_unreadable, j, length) &&
+            !touches(example.train_unreadable[s], i, length))
+          cells[{j, s, i}] = plain_window_distance(example.train[s], i, example.query, j, length);
+  return cells;
+}
+
+Cells by_method(const Example& example, const SequenceMethod& method,
+                const MatchSettings& settings) {
+  std::vector<CodeSpan> spans;
+  for (size_t s = 0; s < example.train.size(); ++s)
+    spans.push_back({example.train[s], example.train_unreadable[s]});
+  Cells cells;
+  std::mutex mutex;
+  method.match(
+      make_train_codes(spans), make_query_codes({example.query, example.query_unreadable}),
+      settings, {}, [&](const DistanceRow& row) {
+        const std::lock_guard lock(mutex);
+        for (size_t x = 0; x < row.distances.size(); ++x)
+          REQUIRE(cells
+                      .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
+                               row.distances[x])
+                      .second);
+      });
+  return cells;
+}
+
+Example make_example(const std::vector<size_t>& train_frames, size_t query_frames, uint64_t seed) {
+  Example example;
+  for (size_t s = 0; s < train_frames.size(); ++s) {
+    example.train.push_back(test::walk_codes(train_frames[s], seed + s));
+    example.train_unreadable.emplace_back();
+  }
+  example.query = test::walk_codes(query_frames, seed + 100);
+  return example;
+}
+
+void check_all_methods(const Example& example, size_t length, const HammingKernels& kernels) {
+  const Cells expected = by_definition(example, length);
+  for (const SequenceMethod& method : sequence_methods()) {
+    for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
+      INFO(method.name << ", " << kernels.target << ", c_l " << length << ", memory " << memory);
+      REQUIRE(by_method(example, method, {length, memory, kernels}) == expected);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the definition, worked out by hand") {
+  // Codes of which the first byte counts 1, 3, 7 bits: distances to zero are 1, 2, 3.
+  std::vector<LdbCode> train(3, LdbCode{});
+  train[0][0] = 0b1;
+  train[1][0] = 0b11;
+  train[2][0] = 0b111;
+  const std::vector<LdbCode> query(2, LdbCode{});
+  CHECK(plain_openable(train, query, 1) == std::vector<uint32_t>{1, 2, 3, 1, 2, 3});
+  CHECK(plain_openable(train, query, 2) == std::vector<uint32_t>{1 + 2, 2 + 3});
+  CHECK(plain_openable(train, query, 3).empty());
+  CHECK(plain_fastable(train, query, 2) == plain_openable(train, query, 2));
+}
+
+TEST_CASE("the recurrence gives the definition, cell by cell") {
+  const std::vector<LdbCode> train = test::walk_codes(40, 1);
+  const std::vector<LdbCode> query = test::walk_codes(33, 2);
+  for (size_t length = 1; length <= 34; ++length)
+    REQUIRE(plain_fastable(train, query, length) == plain_openable(train, query, length));
+}
+
+TEST_CASE("subtracting the window's own first term, as the published program does, differs") {
+  const std::vector<LdbCode> train = test::walk_codes(40, 1);
+  const std::vector<LdbCode> query = test::walk_codes(33, 2);
+  const size_t length = 5;
+  const std::vector<uint32_t> right = plain_openable(train, query, length);
+  const size_t cols = train.size() - length + 1;
+  std::vector<uint32_t> published = right;
+  for (size_t j = 1; j + length <= query.size(); ++j)
+    for (size_t i = 1; i < cols; ++i)
+      published[j * cols + i] = published[(j - 1) * cols + i - 1] +
+                                plain_hamming(train[i + length - 1], query[j + length - 1]) -
+                                plain_hamming(train[i], query[j]);
+  CHECK(published != right);
+}
+
+TEST_CASE("every method gives the definition for every window length, on every SIMD target") {
+  const Example example = make_example({37}, 29, 1);
+  for (const HammingKernels& kernels : test::all_kernels())
+    for (size_t length = 1; length <= 38; ++length) check_all_methods(example, length, kernels);
+}
+
+TEST_CASE("windows never cross the end of a sequence, nor an unreadable frame") {
+  Example example = make_example({9, 1, 20, 3, 8, 16}, 23, 2);
+  example.train_unreadable[2] = {0, 7, 8, 19};
+  example.train_unreadable[5] = {15};
+  example.query_unreadable = {4, 22};
+  for (const HammingKernels& kernels : test::all_kernels())
+    for (size_t length = 1; length <= 21; ++length) check_all_methods(example, length, kernels);
+}
+
+TEST_CASE("one frame against one frame") {
+  const Example example = make_example({1}, 1, 3);
+  for (const size_t length : {1, 2}) check_all_methods(example, length, select_kernels(""));
+}
+
+TEST_CASE("sets larger than a chunk, a strip and a tile give the definition, on any threads") {
+  Example example = make_example({5000, 700, 3001}, 150, 4);
+  example.train_unreadable[0] = {2047, 2048, 4095};
+  example.query_unreadable = {63};
+  for (const size_t length : {1, 7, 64}) {
+    const Cells expected = by_definition(example, length);
+    for (const size_t threads : {1, 2, 5}) {
+      const ThreadLimit limit(threads);
+      for (const SequenceMethod& method : sequence_methods())
+        for (const size_t memory : {size_t{1} << 30, size_t{0}})
+          REQUIRE(by_method(example, method, {length, memory, select_kernels("")}) == expected);
+    }
+  }
+}
+
+TEST_CASE("a database that is shared between threads online gives the definition") {
+  // More than the 65536 frames from which two threads share a row.
+  const std::vector<LdbCode> train = test::walk_codes(70'001, 5);
+  const std::vector<LdbCode> query = test::walk_codes(40, 6);
+  const CodeSpan span{train, {}};
+  const TrainCodes codes = make_train_codes(std::span(&span, 1));
+  const QueryCodes query_codes = make_query_codes({query, {}});
+  for (const size_t length : {1, 3, 30}) {
+    for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
+      size_t cells = 0;
+      const auto check = [&](const DistanceRow& row) {
+        for (size_t x = 0; x < row.distances.size(); x += 997, ++cells)
+          REQUIRE(row.distances[x] == plain_window_distance(train, row.train_window + x, query,
+                                                            row.query_window, length));
+        const size_t last = row.distances.size() - 1;
+        REQUIRE(row.distances[last] == plain_window_distance(train, row.train_window + last, query,
+                                                             row.query_window, length));
+      };
+      find_sequence_method("fastable-online")
+          .match(codes, query_codes, {length, memory, select_kernels("")}, {}, check);
+      CHECK(cells > 0);
+    }
+  }
+}
+
+TEST_CASE("an unknown method is refused with the choices") {
+  const std::string text = test::error_text([] { find_sequence_method("fastabel"); });
+  for (const SequenceMethod& method : sequence_methods())
+    CHECK(text.find(method.name) != std::string::npos);
+}

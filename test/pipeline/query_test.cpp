@@ -1,0 +1,201 @@
+#include "pipeline/query.h"
+
+#include <cmath>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "matching/plain.h"
+#include "pipeline/train.h"
+#include "pipeline/verify.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences,
+                               size_t window_length) {
+  SequenceDatabase database;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    TrainSequence& sequence = database.sequences.emplace_back();
+    sequence.name = std::string(1, static_cast<char>('a' + s));
+    for (size_t i = 0; i < sequences[s].size(); ++i)
+      sequence.frame_names.push_back(std::to_string(i));
+    database.codes.owned.insert(database.codes.owned.end(), sequences[s].begin(),
+                                sequences[s].end());
+  }
+  database.thresholds.push_back(
+      compute_thresholds(database, window_length, 1, select_kernels(""), {}));
+  return database;
+}
+
+SequenceCodes make_query(const std::vector<LdbCode>& codes) {
+  SequenceCodes query{codes, {}};
+  for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  return query;
+}
+
+QueryResources resources(size_t verify = 0) {
+  QueryResources r;
+  r.kernels = select_kernels("");
+  r.verify_cells = verify;
+  return r;
+}
+
+QueryRun query_all(const SequenceDatabase& database, const SequenceCodes& query,
+                   const SequenceQuerySettings& settings, const Monitor& monitor = {}) {
+  return run_query(plan_query(database, query, "q", settings, resources(), monitor), database,
+                   query, resources(50), {}, monitor);
+}
+
+// Hits by the definition and a division per cell.
+std::vector<Cell> slow_hits(const std::vector<std::vector<LdbCode>>& train,
+                            const std::vector<LdbCode>& query, size_t length, double threshold) {
+  std::vector<Cell> hits;
+  for (size_t s = 0; s < train.size(); ++s) {
+    const auto distances = plain_openable(train[s], query, length);
+    const double most = *std::max_element(distances.begin(), distances.end());
+    const size_t cols = train[s].size() - length + 1;
+    for (size_t x = 0; x < distances.size(); ++x)
+      if (distances[x] / most < threshold)
+        hits.push_back({uint32_t(x / cols), uint32_t(s), uint32_t(x % cols), distances[x]});
+  }
+  std::sort(hits.begin(), hits.end(), [](const Cell& a, const Cell& b) {
+    return std::tie(a.query_window, a.sequence, a.train_window) <
+           std::tie(b.query_window, b.sequence, b.train_window);
+  });
+  return hits;
+}
+
+}  // namespace
+
+TEST_CASE("relative thresholds use the finished maximum of each training sequence") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  std::vector<LdbCode> query = test::walk_codes(50, 3);
+  std::copy_n(train[0].begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database(train, 5);
+  for (const double threshold : {0.2, 0.8, 0.95}) {
+    SequenceQuerySettings settings;
+    settings.window_length = 5;
+    settings.distance_threshold = threshold;
+    for (const char* method : {"fastable", "fastable-online", "openable"}) {
+      settings.method = method;
+      const SequenceResult result = query_all(database, make_query(query), settings).result;
+      CHECK(result.hits == slow_hits(train, query, 5, threshold));
+      CHECK_FALSE(result.hits.empty());
+    }
+  }
+}
+
+TEST_CASE("automatic thresholds find a revisit and nothing between the training sequences") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(60, 2)};
+  std::vector<LdbCode> query = test::walk_codes(50, 3);
+  std::copy_n(train[1].begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database(train, 10);
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  const SequenceResult result = query_all(database, make_query(query), settings).result;
+  CHECK(result.sequences[0].scale == ThresholdScale::bits);
+  REQUIRE_FALSE(result.places.empty());
+  for (const Recognition& place : result.places) CHECK(place.sequence == 1);
+  // The threshold is strict: the closest windows of the training sequences are no hits.
+  const SequenceCodes first = make_query(train[0]);
+  settings.only_sequences = {"b"};
+  CHECK(query_all(database, first, settings).result.hits.empty());
+}
+
+TEST_CASE("a window length without thresholds is computed, and said") {
+  const SequenceDatabase database =
+      make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 10);
+  std::vector<std::string> warnings;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  SequenceQuerySettings settings;
+  settings.window_length = 7;
+  const auto computed = query_all(database, make_query(test::walk_codes(30, 3)), settings, monitor);
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("c_l 7") != std::string::npos);
+  const SequenceDatabase other =
+      make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 7);
+  CHECK(query_all(other, make_query(test::walk_codes(30, 3)), settings)
+            .result.sequences[1]
+            .threshold == computed.result.sequences[1].threshold);
+}
+
+TEST_CASE("a search can be limited to sequences, whose indices stay those of the database") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
+                                                   test::walk_codes(30, 2)};
+  const SequenceDatabase database = make_database(train, 5);
+  SequenceQuerySettings settings;
+  settings.window_length = 5;
+  settings.distance_threshold = 1;
+  settings.only_sequences = {"b"};
+  const SequenceResult result = query_all(database, make_query(train[0]), settings).result;
+  CHECK_FALSE(result.hits.empty());
+  for (const Cell& hit : result.hits) CHECK(hit.sequence == 1);
+  CHECK_FALSE(result.sequences[0].searched);
+}
+
+TEST_CASE("identical training and query windows only: the maximum is 0 and so is every quotient") {
+  const std::vector<LdbCode> same(8, test::random_codes(1, 1)[0]);
+  const SequenceDatabase database = make_database({same}, 3);
+  SequenceQuerySettings settings;
+  settings.window_length = 3;
+  settings.distance_threshold = 0.1;
+  CHECK(query_all(database, make_query(same), settings).result.hits.size() == 36);
+}
+
+TEST_CASE("settings that can't be meant are usage errors that say what to do") {
+  const SequenceDatabase one = make_database({test::walk_codes(30, 1)}, 5);
+  const SequenceCodes query = make_query(test::walk_codes(20, 2));
+  const auto kind = [&](auto change) {
+    SequenceQuerySettings settings;
+    settings.window_length = 5;
+    settings.distance_threshold = 0.4;
+    change(settings);
+    return test::error_kind([&] { query_all(one, query, settings); });
+  };
+  CHECK_FALSE(kind([](auto&) {}).has_value());
+  CHECK(kind([](auto& s) { s.distance_threshold.reset(); }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.window_length = 0; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.window_length = 21; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.window_length = uint64_t{1} << 60; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.distance_threshold = NAN; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.distance_threshold = -0.1; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.distance_threshold = INFINITY; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.only_sequences = {"zz"}; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.method = "zz"; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.clustering.eps = -1; }) == ErrorKind::usage);
+}
+
+TEST_CASE("chosen cells are different, valid, and the same for a seed") {
+  const std::vector<FrameRun> train = {{0, 10, 0, 0}, {12, 5, 1, 2}};
+  const std::vector<FrameRun> query = {{0, 4, 0, 0}, {6, 6, 0, 6}};
+  const auto cells = choose_cells(train, query, 4, 20, 7);
+  CHECK(cells.size() == 20);
+  CHECK(cells == choose_cells(train, query, 4, 20, 7));
+  CHECK(cells != choose_cells(train, query, 4, 20, 8));
+  for (const Cell& cell : cells) {
+    CHECK((cell.query_window == 0 || (cell.query_window >= 6 && cell.query_window <= 8)));
+    CHECK((cell.sequence == 0 ? cell.train_window <= 6
+                              : cell.train_window == 2 || cell.train_window == 3));
+  }
+  CHECK(choose_cells(train, query, 4, 1000, 7).size() == 9 * 4);
+  CHECK(choose_cells(train, query, 11, 10, 7).empty());
+}
+
+TEST_CASE("a wrong cell is found") {
+  const std::vector<LdbCode> train = test::random_codes(10, 1);
+  const std::vector<LdbCode> query = test::random_codes(10, 2);
+  const CodeSpan span{train, {}};
+  const uint32_t right = plain_window_distance(train, 3, query, 2, 4);
+  const std::vector<Cell> cells = {{2, 0, 3, right}, {2, 0, 4, 1}};
+  const auto wrong = wrong_cells(cells, std::span(&span, 1), query, 4);
+  REQUIRE(wrong.size() == 1);
+  CHECK(wrong[0].train_window == 4);
+  CHECK(wrong[0].distance == plain_window_distance(train, 4, query, 2, 4));
+}

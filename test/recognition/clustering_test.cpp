@@ -1,0 +1,100 @@
+#include "recognition/clustering.h"
+
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+
+using namespace vpr;
+
+namespace {
+
+// Pairs of (query, train), in order.
+std::vector<Cell> cells(const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  std::vector<Cell> hits;
+  for (const auto& [query, train] : pairs) hits.push_back({query, 0, train, query + train});
+  return hits;
+}
+
+// Textbook DBSCAN with min_points 1: breadth-first over all pairs.
+std::vector<size_t> slow_labels(const std::vector<Cell>& hits, const ClusterSettings& settings) {
+  std::vector<size_t> label(hits.size(), hits.size());
+  for (size_t start = 0; start < hits.size(); ++start) {
+    if (label[start] != hits.size()) continue;
+    std::vector<size_t> open = {start};
+    label[start] = start;
+    while (!open.empty()) {
+      const Cell a = hits[open.back()];
+      open.pop_back();
+      for (size_t k = 0; k < hits.size(); ++k) {
+        const int64_t dq = int64_t{a.query_window} - hits[k].query_window;
+        const int64_t dt = int64_t{a.train_window} - hits[k].train_window;
+        const int64_t squared = dq * dq + dt * dt;
+        const int64_t bound = settings.eps * settings.eps;
+        const bool near = settings.eps_inclusive ? squared <= bound : squared < bound;
+        if (label[k] == hits.size() && near) {
+          label[k] = start;
+          open.push_back(k);
+        }
+      }
+    }
+  }
+  return label;
+}
+
+}  // namespace
+
+TEST_CASE("no hits give no places, one hit gives itself") {
+  CHECK(cluster_hits({}, {}).empty());
+  const auto places = cluster_hits(cells({{7, 9}}), {});
+  REQUIRE(places.size() == 1);
+  CHECK(places[0] == Recognition{0, 7, 7, 7, 9, 9, 9, 1, 16});
+}
+
+TEST_CASE("a distance of exactly eps is inside, unless the published program's rule is chosen") {
+  const auto straight = cells({{0, 0}, {0, 2}});
+  CHECK(cluster_hits(straight, {}).size() == 1);
+  CHECK(cluster_hits(straight, {2, false}).size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {0, 3}}), {}).size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {2, 0}}), {}).size() == 1);
+  CHECK(cluster_hits(cells({{0, 0}, {2, 1}}), {}).size() == 2);  // sqrt 5
+  CHECK(cluster_hits(cells({{0, 1}, {1, 0}}), {}).size() == 1);  // backwards in train
+}
+
+TEST_CASE("indices 0 and 1 do not wrap around") {
+  CHECK(cluster_hits(cells({{0, 0}, {1, 1}, {2, 4294967295U}}), {}).size() == 2);
+}
+
+TEST_CASE("means are rounded half up, extents and best distance are kept") {
+  const auto places = cluster_hits(cells({{10, 20}, {11, 21}, {11, 22}, {12, 22}}), {});
+  REQUIRE(places.size() == 1);
+  CHECK(places[0].query_window == 11);
+  CHECK(places[0].train_window == 21);  // 21.25
+  CHECK((places[0].query_first == 10 && places[0].query_last == 12));
+  CHECK((places[0].train_first == 20 && places[0].train_last == 22));
+  CHECK((places[0].hits == 4 && places[0].best_distance == 30));
+  CHECK(cluster_hits(cells({{0, 0}, {1, 0}}), {})[0].query_window == 1);  // 0.5
+}
+
+TEST_CASE("clusters are those of textbook DBSCAN") {
+  RandomEngine engine(1);
+  for (int round = 0; round < 60; ++round) {
+    const uint64_t side = 8 + uniform_below(engine, 30);
+    std::set<std::pair<uint32_t, uint32_t>> pairs;
+    for (uint64_t i = 0; i < side * side / 6; ++i)
+      pairs.emplace(uniform_below(engine, side), uniform_below(engine, side));
+    const std::vector<Cell> hits = cells({pairs.begin(), pairs.end()});
+    const ClusterSettings settings{static_cast<int64_t>(uniform_below(engine, 5)), round % 2 == 0};
+    const std::vector<size_t> label = slow_labels(hits, settings);
+    const auto places = cluster_hits(hits, settings);
+    const std::set<size_t> roots(label.begin(), label.end());
+    REQUIRE(places.size() == roots.size());
+    size_t place = 0;
+    for (const size_t root : roots) {  // in the order of first hits, as the places are
+      REQUIRE(places[place].hits == size_t(std::count(label.begin(), label.end(), root)));
+      REQUIRE(places[place].query_first == hits[root].query_window);
+      ++place;
+    }
+  }
+}

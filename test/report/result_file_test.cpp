@@ -1,0 +1,125 @@
+#include "report/result_file.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "support.h"
+
+using namespace vpr;
+namespace fs = std::filesystem;
+
+namespace {
+
+SequenceResult example() {
+  SequenceResult result;
+  result.settings.window_length = 2;
+  result.settings.distance_threshold = 0.4;
+  result.query_name = "walk";
+  result.query_frames = 5;
+  result.query_unreadable = {4};
+  result.query_windows = 4;
+  result.sequences = {{"a", 6, 5, true, 0.4, ThresholdScale::relative, 12, 30},
+                      {"b", 3, 2, false, {}, ThresholdScale::bits, 0, {}}};
+  result.hits = {{0, 0, 1, 11}, {1, 0, 2, 9}};
+  result.best = {Cell{0, 0, 1, 11}, Cell{1, 0, 2, 9}, Cell{2, 0, 0, 20}, std::nullopt};
+  result.places = {{0, 1, 0, 1, 2, 1, 2, 2, 9}};
+  return result;
+}
+
+fs::path write_example(const test::TemporaryFolder& folder, Existing existing = Existing::refuse) {
+  write_result(folder / "r.json", example(), {}, existing);
+  return folder / "r.json";
+}
+
+}  // namespace
+
+TEST_CASE("companions are named after the result") {
+  CHECK(companion_path("a/r.json", "hits.npy") == "a/r.hits.npy");
+  CHECK(companion_path("a/r", "hits.npy") == "a/r.hits.npy");
+  CHECK(companion_path("a/r.v2.json", "best.npy") == "a/r.v2.best.npy");
+}
+
+TEST_CASE("a result that was written is read back") {
+  const test::TemporaryFolder folder;
+  const SequenceResult result = read_result(write_example(folder)).result;
+  const SequenceResult expected = example();
+  CHECK(value_to_json(result.settings) == value_to_json(expected.settings));
+  CHECK(result.hits == expected.hits);
+  CHECK(result.best == expected.best);
+  CHECK(result.places == expected.places);
+  CHECK(result.query_unreadable == expected.query_unreadable);
+  CHECK(result.sequences[0].max_distance == 30);
+  CHECK_FALSE(result.sequences[1].searched);
+  CHECK(test::list_folder(folder.path()) ==
+        std::vector<std::string>{"r.best.npy", "r.hits.npy", "r.json"});
+}
+
+TEST_CASE("companions of another run are refused") {
+  const test::TemporaryFolder folder;
+  const test::TemporaryFolder other;
+  const fs::path path = write_example(folder);
+  SequenceResult changed = example();
+  changed.hits.pop_back();
+  write_result(other / "r.json", changed, {}, Existing::refuse);
+  fs::copy_file(other / "r.hits.npy", folder / "r.hits.npy", fs::copy_options::overwrite_existing);
+  CHECK(test::error_text([&] { read_result(path); }).find("was not written together") !=
+        std::string::npos);
+  fs::remove(folder / "r.hits.npy");
+  CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
+}
+
+TEST_CASE("results that were tampered with are refused, never a crash") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  const Json whole = Json::parse(test::read_text(path));
+  const auto broken = [&](const std::string& pointer, const Json& value) {
+    Json json = whole;
+    json[Json::json_pointer(pointer)] = value;
+    test::write_text(path, json.dump());
+    return test::error_kind([&] { read_result(path); });
+  };
+  for (const auto& [pointer, value] :
+       std::vector<std::pair<std::string, Json>>{{"/settings/c_l", 0},
+                                                 {"/settings/c_l", 3},
+                                                 {"/query/windows", 5},
+                                                 {"/query/frames", -1},
+                                                 {"/query/frames", 1e30},
+                                                 {"/sequences/0/frames", 2},
+                                                 {"/sequences", 3},
+                                                 {"/recognitions/0/sequence", 2},
+                                                 {"/recognitions/0/train/last", 5},
+                                                 {"/recognitions/0/query/window", 4},
+                                                 {"/files/hits/checksum", "xxh3:0"},
+                                                 {"/files", Json::array()},
+                                                 {"/schema", "vpr.result/2"},
+                                                 {"/query", Json()}}) {
+    INFO(pointer);
+    CHECK(broken(pointer, value) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("random damage gives an error or a result, never a crash") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  RandomEngine engine(1);
+  for (const char* name : {"r.json", "r.hits.npy", "r.best.npy"}) {
+    const std::string whole = test::read_text(folder / name);
+    for (int i = 0; i < 300; ++i) {
+      std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));
+      text[uniform_below(engine, text.size())] = static_cast<char>(engine());
+      test::write_text(folder / name, text);
+      test::error_kind([&] { read_result(path); });
+    }
+    test::write_text(folder / name, whole);
+  }
+  CHECK(read_result(path).result.hits == example().hits);
+}
+
+TEST_CASE("an existing result is refused as a whole") {
+  const test::TemporaryFolder folder;
+  write_example(folder);
+  fs::remove(folder / "r.json");
+  CHECK(test::error_kind([&] { check_result_output(folder / "r.json", Existing::refuse); }) ==
+        ErrorKind::usage);
+  write_example(folder, Existing::replace);
+}

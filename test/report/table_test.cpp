@@ -1,0 +1,34 @@
+#include "report/table.h"
+
+#include <catch2/catch.hpp>
+
+using namespace vpr;
+
+namespace {
+const Table kTable = {"Title_1", {"name", "n"}, {{"a|b, c", "7"}, {"\xc3\xa4", "123"}}};
+}
+
+TEST_CASE("a text table aligns numbers to the right, by characters") {
+  CHECK(render_table(kTable, TableFormat::text) ==
+        "Title_1\n"
+        "name      n\n"
+        "-----------\n"
+        "a|b, c    7\n"
+        "\xc3\xa4       123\n");
+}
+
+TEST_CASE("CSV quotes what it must and has no title") {
+  CHECK(render_table(kTable, TableFormat::csv) == "name,n\n\"a|b, c\",7\n\xc3\xa4,123\n");
+}
+
+TEST_CASE("Markdown escapes bars") {
+  CHECK(render_table(kTable, TableFormat::markdown) ==
+        "**Title_1**\n\n| name | n |\n| --- | ---: |\n| a\\|b, c | 7 |\n| \xc3\xa4 | 123 |\n");
+}
+
+TEST_CASE("LaTeX escapes its special characters") {
+  const std::string text = render_table({"a_b", {"50 %"}, {{"x & y"}}}, TableFormat::latex);
+  CHECK(text.find("\\caption{a\\_b}") != std::string::npos);
+  CHECK(text.find("50 \\%") != std::string::npos);
+  CHECK(text.find("x \\& y \\\\") != std::string::npos);
+}

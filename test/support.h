@@ -1,0 +1,82 @@
+// What tests of several stages share.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "matching/codes.h"
+#include "matching/hamming_kernels.h"
+
+namespace vpr::test {
+
+/// An empty folder that is removed again.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void write_text(const std::filesystem::path& path, const std::string& text);
+std::string read_text(const std::filesystem::path& path);
+/// Names of everything in a folder, hidden files included, sorted.
+std::vector<std::string> list_folder(const std::filesystem::path& folder);
+
+/// A grey picture with seeded content.
+void write_image(const std::filesystem::path& path, uint64_t seed, int width = 40, int height = 30);
+
+std::vector<LdbCode> random_codes(size_t count, uint64_t seed);
+/// A walk: each code differs from the one before in about `changed_bits` bits.
+std::vector<LdbCode> walk_codes(size_t count, uint64_t seed, int changed_bits = 60);
+
+/// Kernels of every SIMD target that this machine has.
+std::vector<HammingKernels> all_kernels();
+
+/// The real image sequences, in $VPR_TEST_DATA or beside the project; if they are not there, prints
+/// why the test is skipped and gives nothing.
+std::optional<std::filesystem::path> real_data(const std::string& folder);
+bool lacked_data();
+
+struct RunOutcome {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+/// Runs one of our programs, without a shell. `environment`: NAME=VALUE.
+RunOutcome run_program(const std::string& program, const std::vector<std::string>& arguments,
+                       const std::vector<std::string>& environment = {});
+std::filesystem::path program_path(const std::string& program);
+std::filesystem::path source_path(const std::string& name);
+
+/// The kind of the Error that `work` throws; nothing if it throws none.
+template <class Work>
+std::optional<ErrorKind> error_kind(Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.kind();
+  }
+  return std::nullopt;
+}
+
+/// The sentence of the Error that `work` throws; empty if it throws none.
+template <class Work>
+std::string error_text(Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace vpr::test
