@@ -9,7 +9,6 @@ int exit_code(ErrorKind kind) {
     case ErrorKind::usage:
       return 2;
     case ErrorKind::input:
-      return 3;
     case ErrorKind::output:
       return 3;
     case ErrorKind::data:
@@ -19,7 +18,7 @@ int exit_code(ErrorKind kind) {
     case ErrorKind::interrupted:
       return 130;
     case ErrorKind::internal:
-      return 1;
+      break;
   }
   return 1;
 }

@@ -78,8 +78,7 @@ void MatrixPicture::operator()(const DistanceRow& row) {
   }
 }
 
-void MatrixPicture::write(const std::filesystem::path& path, Existing existing,
-                          const SequenceResult& result, const GroundTruth* truth) const {
+cv::Mat MatrixPicture::grey_image() const {
   uint32_t least = kNone;
   uint32_t most = 0;
   for (const auto& value : pixels_->closest) {
@@ -87,43 +86,54 @@ void MatrixPicture::write(const std::filesystem::path& path, Existing existing,
     least = std::min<uint32_t>(least, value);
     most = std::max<uint32_t>(most, value);
   }
-  cv::Mat image(static_cast<int>(pixels_->rows), static_cast<int>(pixels_->cols), CV_8UC3);
-  const auto at = [&](size_t window, size_t sequence, size_t train_window) -> cv::Vec3b& {
-    return image.at<cv::Vec3b>(
-        static_cast<int>(window / scale_),
-        static_cast<int>((layout_.first_column[sequence] + train_window) / scale_));
-  };
+  cv::Mat image(static_cast<int>(pixels_->rows), static_cast<int>(pixels_->cols), CV_8UC3,
+                kNoDistance);
   for (size_t p = 0; p < pixels_->closest.size(); ++p) {
     const uint32_t value = pixels_->closest[p];
-    const auto grey = value == kNone || most == least
-                          ? uint8_t{0}
-                          : static_cast<uint8_t>(255.0 * (value - least) / (most - least));
+    if (value == kNone) continue;
+    const auto grey =
+        static_cast<uint8_t>(most == least ? 0 : 255.0 * (value - least) / (most - least));
     image.at<cv::Vec3b>(static_cast<int>(p / pixels_->cols), static_cast<int>(p % pixels_->cols)) =
-        value == kNone ? kNoDistance : cv::Vec3b(grey, grey, grey);
+        cv::Vec3b(grey, grey, grey);
   }
-  const size_t back = result.settings.window_length - 1;  // from an anchor to its window
-  for (size_t window = 0; truth != nullptr && window < layout_.rows; ++window) {
-    for (const GroundTruth::Pair& pair : truth->pairs[window + back]) {
+  return image;
+}
+
+cv::Vec3b& MatrixPicture::pixel(cv::Mat& image, size_t window, size_t sequence,
+                                size_t train_window) const {
+  return image.at<cv::Vec3b>(
+      static_cast<int>(window / scale_),
+      static_cast<int>((layout_.first_column[sequence] + train_window) / scale_));
+}
+
+void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
+                               const GroundTruth& truth) const {
+  const auto back = static_cast<int64_t>(result.settings.window_length) - 1;  // anchor to window
+  for (size_t window = 0; window < layout_.rows; ++window) {
+    for (const GroundTruth::Pair& pair : truth.pairs[result.anchor(window)]) {
       if (pair.label != PlaceLabel::same) continue;
-      const int64_t last = int64_t{pair.reference} + truth->tolerance_frames;
-      for (int64_t r = pair.reference - truth->tolerance_frames; r <= last; ++r) {
-        if (r < static_cast<int64_t>(back) ||
-            r >= static_cast<int64_t>(result.sequences[pair.sequence].frames))
-          continue;
-        cv::Vec3b& pixel = at(window, pair.sequence, static_cast<size_t>(r) - back);
-        if (pixel != kTruth) pixel = r == pair.reference ? kTruth : blend(pixel, kTruth);
+      const auto frames = static_cast<int64_t>(result.sequences[pair.sequence].frames);
+      const int64_t first = std::max(back, pair.reference - truth.tolerance_frames);
+      const int64_t last = std::min(frames - 1, pair.reference + truth.tolerance_frames);
+      for (int64_t reference = first; reference <= last; ++reference) {
+        cv::Vec3b& at = pixel(image, window, pair.sequence, static_cast<size_t>(reference - back));
+        if (at != kTruth) at = reference == pair.reference ? kTruth : blend(at, kTruth);
       }
     }
   }
+}
+
+void MatrixPicture::write(const std::filesystem::path& path, Existing existing,
+                          const SequenceResult& result, const GroundTruth* truth) const {
+  cv::Mat image = grey_image();
+  if (truth != nullptr) draw_truth(image, result, *truth);
   for (const Cell& hit : result.hits)
-    at(hit.query_window, hit.sequence, hit.train_window) = hit_colour(result, hit, truth);
-  for (size_t s = 1; s < layout_.first_column.size(); ++s) {
-    const size_t column = layout_.first_column[s];
-    if (column == 0 || column >= layout_.cols) continue;
-    image.col(static_cast<int>(column / scale_)).setTo(kDivider);
-  }
+    pixel(image, hit.query_window, hit.sequence, hit.train_window) = hit_colour(result, hit, truth);
+  for (const size_t column : layout_.first_column)
+    if (column > 0 && column < layout_.cols)
+      image.col(static_cast<int>(column / scale_)).setTo(kDivider);
   const size_t side = std::max(pixels_->rows, pixels_->cols);
-  const double enlarge = static_cast<double>((kFewestPixels + side - 1) / side);
+  const auto enlarge = static_cast<double>((kFewestPixels + side - 1) / side);
   cv::resize(image, image, {}, enlarge, enlarge, cv::INTER_NEAREST);
   std::vector<uint8_t> png;
   cv::imencode(".png", image, png);

@@ -5,6 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "base/output_file.h"
 #include "evaluation/ground_truth.h"
 #include "report/matrix_file.h"
@@ -26,6 +28,11 @@ class MatrixPicture {
 
  private:
   struct Pixels;
+
+  cv::Mat grey_image() const;
+  cv::Vec3b& pixel(cv::Mat& image, size_t window, size_t sequence, size_t train_window) const;
+  void draw_truth(cv::Mat& image, const SequenceResult& result, const GroundTruth& truth) const;
+
   MatrixLayout layout_;
   size_t scale_;  // cells a pixel
   std::unique_ptr<Pixels> pixels_;

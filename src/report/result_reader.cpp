@@ -1,0 +1,195 @@
+// Reading of result files: nothing that they say is trusted.
+#include <array>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/checksum.h"
+#include "base/npy.h"
+#include "report/result_file.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kColumns = 4;  // query window, sequence, train window, distance
+using CellRow = std::array<int32_t, kColumns>;
+
+/// Reads the fields of one JSON object; anything unexpected is damage.
+class Fields {
+ public:
+  Fields(const Json& json, const std::string& where) : json_(json), where_(where) {
+    if (!json.is_object()) fail("a part is no object");
+  }
+  const Json& operator[](const std::string& key) const {
+    const auto found = json_.find(key);
+    if (found == json_.end()) fail(fmt::format("\"{}\" is missing", key));
+    return *found;
+  }
+  uint64_t count(const std::string& key, uint64_t most) const {
+    const Json& value = (*this)[key];
+    if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
+      fail(fmt::format("\"{}\" is no number in range", key));
+    return value.get<uint64_t>();
+  }
+  std::string text(const std::string& key) const {
+    const Json& value = (*this)[key];
+    if (!value.is_string()) fail(fmt::format("\"{}\" is no text", key));
+    return value.get<std::string>();
+  }
+  const Json& list(const std::string& key) const {
+    const Json& value = (*this)[key];
+    if (!value.is_array()) fail(fmt::format("\"{}\" is no list", key));
+    return value;
+  }
+  Fields object(const std::string& key) const { return {(*this)[key], where_}; }
+  [[noreturn]] void fail(std::string_view what) const {
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is damaged: {}; run vpr-query again", where_, what));
+  }
+
+ private:
+  const Json& json_;
+  const std::string& where_;
+};
+
+constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
+
+std::vector<SequenceThreshold> read_sequences(const Fields& fields, const std::string& where) {
+  std::vector<SequenceThreshold> sequences;
+  for (const Json& json : fields.list("sequences")) {
+    const Fields item(json, where);
+    SequenceThreshold& sequence = sequences.emplace_back();
+    sequence.name = item.text("name");
+    sequence.frames = item.count("frames", kMostFrames);
+    sequence.windows = item.count("windows", sequence.frames);
+    if (!item["searched"].is_boolean()) item.fail("\"searched\" is neither true nor false");
+    sequence.searched = item["searched"].get<bool>();
+    if (!sequence.searched) continue;
+    if (item["t_r"].is_number()) sequence.threshold = item["t_r"].get<double>();
+    const auto scale = enum_value<ThresholdScale>(item.text("t_r_scale"));
+    if (!scale) item.fail("\"t_r_scale\" is no scale");
+    sequence.scale = *scale;
+    sequence.distance_limit =
+        static_cast<uint32_t>(item.count("distance_limit", std::numeric_limits<uint32_t>::max()));
+    if (json.contains("max_distance"))
+      sequence.max_distance =
+          static_cast<uint32_t>(item.count("max_distance", std::numeric_limits<uint32_t>::max()));
+  }
+  return sequences;
+}
+
+// Windows that fit in `frames` frames.
+uint64_t window_count(uint64_t frames, uint64_t window_length) {
+  return frames < window_length ? 0 : frames - window_length + 1;
+}
+
+uint32_t read_window(const Fields& extent, const std::string& key, uint64_t windows) {
+  if (windows == 0) extent.fail("a recognition lies in a sequence without windows");
+  return static_cast<uint32_t>(extent.count(key, windows - 1));
+}
+
+Recognition read_recognition(const Fields& item, const SequenceResult& result) {
+  Recognition place;
+  place.sequence = static_cast<uint32_t>(item.count("sequence", kMostFrames));
+  if (place.sequence >= result.sequences.size())
+    item.fail("a recognition's sequence is out of range");
+  const Fields query = item.object("query");
+  const Fields train = item.object("train");
+  const uint64_t train_windows =
+      window_count(result.sequences[place.sequence].frames, result.settings.window_length);
+  place.query_window = read_window(query, "window", result.query_windows);
+  place.query_first = read_window(query, "first", result.query_windows);
+  place.query_last = read_window(query, "last", result.query_windows);
+  place.train_window = read_window(train, "window", train_windows);
+  place.train_first = read_window(train, "first", train_windows);
+  place.train_last = read_window(train, "last", train_windows);
+  place.hits = item.count("hits", std::numeric_limits<uint64_t>::max());
+  place.best_distance =
+      static_cast<uint32_t>(item.count("best_distance", std::numeric_limits<uint32_t>::max()));
+  return place;
+}
+
+std::vector<CellRow> read_rows(const fs::path& path, const Fields& entry) {
+  const NpyArray array(path);
+  const auto values = array.values<int32_t>(2);
+  if (array.shape()[1] != kColumns || checksum(array.file_bytes()) != entry.text("checksum"))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: was not written together with its .json file, or is damaged; run "
+                            "vpr-query again",
+                            path.string()));
+  std::vector<CellRow> rows(array.shape()[0]);
+  for (size_t i = 0; i < rows.size(); ++i)
+    std::copy_n(values.begin() + static_cast<ptrdiff_t>(i * kColumns), kColumns, rows[i].begin());
+  return rows;
+}
+
+Cell checked_cell(const CellRow& row, const SequenceResult& result, const fs::path& path) {
+  const auto inside = [](int32_t value, uint64_t count) {
+    return value >= 0 && static_cast<uint64_t>(value) < count;
+  };
+  const bool fits =
+      inside(row[0], result.query_windows) && inside(row[1], result.sequences.size()) &&
+      inside(row[2], window_count(result.sequences[static_cast<size_t>(row[1])].frames,
+                                  result.settings.window_length));
+  if (!fits)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: an index is out of range; run vpr-query again", path.string()));
+  return {static_cast<uint32_t>(row[0]), static_cast<uint32_t>(row[1]),
+          static_cast<uint32_t>(row[2]), static_cast<uint32_t>(row[3])};
+}
+
+void read_cells(const fs::path& path, const Fields& fields, SequenceResult& result) {
+  const Fields files = fields.object("files");
+  const fs::path hits_path = companion_path(path, "hits.npy");
+  for (const CellRow& row : read_rows(hits_path, files.object("hits")))
+    result.hits.push_back(checked_cell(row, result, hits_path));
+  const fs::path best_path = companion_path(path, "best.npy");
+  for (const CellRow& row : read_rows(best_path, files.object("best"))) {
+    if (row[1] == -1)
+      result.best.emplace_back();
+    else
+      result.best.emplace_back(checked_cell(row, result, best_path));
+  }
+  if (result.best.size() != result.query_windows) fields.fail("best matches do not fit the query");
+}
+
+}  // namespace
+
+StoredResult read_result(const fs::path& path) {
+  const std::string where = path.string();
+  Json json = read_json(path, ErrorKind::data);
+  require_schema(json, "result", where, ErrorKind::data);
+  const Fields fields(json, where);
+  StoredResult stored;
+  SequenceResult& result = stored.result;
+  try {
+    value_from_json(fields["settings"], result.settings, where, "settings");
+  } catch (const Error& error) {
+    throw Error(ErrorKind::data, error.what());
+  }
+  const Fields query = fields.object("query");
+  result.query_name = query.text("name");
+  result.query_frames = query.count("frames", kMostFrames);
+  result.query_windows = query.count("windows", result.query_frames);
+  if (result.settings.window_length == 0 ||
+      result.query_windows != window_count(result.query_frames, result.settings.window_length))
+    fields.fail("its numbers of windows and frames do not fit");
+  for (const Json& frame : query.list("unreadable")) {
+    if (!frame.is_number_unsigned()) fields.fail("an unreadable frame is no number");
+    result.query_unreadable.push_back(frame.get<size_t>());
+  }
+  result.sequences = read_sequences(fields, where);
+  for (const Json& item : fields.list("recognitions"))
+    result.places.push_back(read_recognition(Fields(item, where), result));
+  read_cells(path, fields, result);
+  json.erase("machine");
+  json.erase("timing");
+  stored.fingerprint = checksum(to_text(json));
+  return stored;
+}
+
+}  // namespace vpr
