@@ -13,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "base/provenance.h"
+#include "base/simd.h"
 #include "progress.h"
 
 namespace vpr {
@@ -135,7 +136,8 @@ void Program::run_session(int argc, char** argv) {
   monitor.stop = &stop_wanted;
   const ThreadLimit limit(common_.threads);
   const char* simd = std::getenv("VPR_SIMD");
-  Session session{common_, monitor, {}, select_kernels(simd == nullptr ? "" : simd)};
+  use_simd_target(simd == nullptr ? "" : simd);
+  Session session{common_, monitor, {}, select_kernels()};
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
   session.run.threads = thread_count();

@@ -10,6 +10,7 @@
 #include "evaluation/expectation.h"
 #include "images/dataset.h"
 #include "report/evaluation_report.h"
+#include "report/fabmap_result_file.h"
 #include "report/result_file.h"
 
 namespace vpr {
@@ -24,7 +25,8 @@ struct EvalInputs {
   TableFormat format = TableFormat::text;
 };
 
-GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::string& query_name) {
+GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::string& query_name,
+                                      bool is_fabmap) {
   if (!inputs.ground_truth.empty())
     return parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames.value_or(0));
   if (inputs.dataset.empty())
@@ -32,10 +34,11 @@ GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::strin
                 "give the ground truth, as in --ground-truth pairs.csv or --ground-truth aligned");
   const Dataset dataset = read_dataset(inputs.dataset);
   const DatasetQuery& query = select_query(dataset, query_name);
-  if (!query.sequence_ground_truth)
+  const auto& found = is_fabmap ? query.place_ground_truth : query.sequence_ground_truth;
+  if (!found)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: the query {} has no ground truth", inputs.dataset, query_name));
-  GroundTruthArgument argument = *query.sequence_ground_truth;
+  GroundTruthArgument argument = *found;
   argument.tolerance_frames = inputs.tolerance_frames.value_or(argument.tolerance_frames);
   return argument;
 }
@@ -48,18 +51,34 @@ void check_expectations(const Json& report, const std::string& path) {
                                                     unmet.size(), fmt::join(unmet, "\n  ")));
 }
 
+/// A report without "machine" and "timing", and the ground truth that it used.
+struct Evaluation {
+  Json report;
+  GroundTruthArgument ground_truth;
+};
+
+template <class Stored>
+Evaluation evaluate(const Stored& stored, const EvalInputs& inputs, const RunInfo& run) {
+  constexpr bool kIsFabmap = std::is_same_v<Stored, StoredFabmapResult>;
+  Evaluation evaluation;
+  evaluation.ground_truth = find_ground_truth(inputs, stored.result.query_name, kIsFabmap);
+  const GroundTruth truth = read_ground_truth(evaluation.ground_truth, scope_of(stored.result));
+  evaluation.report = report_json(stored.result, count_recognitions(stored.result, truth), truth,
+                                  stored.fingerprint, run);
+  return evaluation;
+}
+
 void run(Session& session, const EvalInputs& inputs) {
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_output_file(options.output, options.existing());
   const Stopwatch watch;
-  const StoredResult stored = read_result(inputs.result);
-  const GroundTruthArgument argument = find_ground_truth(inputs, stored.result.query_name);
-  const GroundTruth truth = read_ground_truth(argument, scope_of(stored.result));
-  const SequenceCounts counts = count_recognitions(stored.result, truth);
-  Json report = report_json(stored.result, counts, truth, stored.fingerprint, session.run);
+  auto [report, ground_truth] =
+      result_method(inputs.result) == "fabmap"
+          ? evaluate(read_fabmap_result(inputs.result), inputs, session.run)
+          : evaluate(read_result(inputs.result), inputs, session.run);
   RunInfo info = session.run;
   info.paths = {{"result", inputs.result}};
-  if (!argument.path.empty()) info.paths["ground_truth"] = argument.path.string();
+  if (!ground_truth.path.empty()) info.paths["ground_truth"] = ground_truth.path.string();
   report["machine"] = machine_json(info);
   report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
   if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "base/random.h"
+#include "base/simd.h"
 
 extern char** environ;
 
@@ -90,7 +91,11 @@ std::vector<LdbCode> walk_codes(size_t count, uint64_t seed, int changed_bits) {
 
 std::vector<HammingKernels> all_kernels() {
   std::vector<HammingKernels> kernels;
-  for (const std::string& target : simd_targets()) kernels.push_back(select_kernels(target));
+  for (const std::string& target : simd_targets()) {
+    use_simd_target(target);
+    kernels.push_back(select_kernels());
+  }
+  use_simd_target("");
   return kernels;
 }
 

@@ -34,6 +34,10 @@ inline std::string_view npy_type<uint32_t>() {
   return "<u4";
 }
 template <>
+inline std::string_view npy_type<uint64_t>() {
+  return "<u8";
+}
+template <>
 inline std::string_view npy_type<float>() {
   return "<f4";
 }

@@ -1,5 +1,7 @@
 #include "evaluation/counts.h"
 
+#include <set>
+
 namespace vpr {
 namespace {
 
@@ -43,6 +45,36 @@ BestMatchCounts count_best_matches(const SequenceResult& result, const GroundTru
 std::optional<double> BestMatchCounts::rate() const {
   if (queries == ignored) return std::nullopt;
   return static_cast<double>(correct) / static_cast<double>(queries - ignored);
+}
+
+GroundTruthScope scope_of(const FabmapResult& result) {
+  return {result.query_frames, {{"places", result.places.size(), true}}};
+}
+
+FabmapCounts count_recognitions(const FabmapResult& result, const GroundTruth& truth) {
+  FabmapCounts counts;
+  std::set<uint32_t> recognised;
+  for (const PlaceMatch& hit : result.hits) {
+    const PlaceLabel label = truth.label(hit.frame, 0, hit.place);
+    count(counts.hits, label);
+    if (label == PlaceLabel::same) recognised.insert(hit.place);
+  }
+  counts.distinct = recognised.size();
+  const std::set<size_t> unreadable(result.query_unreadable.begin(), result.query_unreadable.end());
+  for (size_t frame = 0; frame < result.best.size(); ++frame) {
+    if (unreadable.contains(frame)) {
+      ++counts.best_match.unreadable;
+    } else if (!truth.has_match(frame)) {
+      ++counts.best_match.without_match;
+    } else {
+      ++counts.best_match.queries;
+      const auto& best = result.best[frame];
+      const PlaceLabel label = best ? truth.label(frame, 0, best->place) : PlaceLabel::different;
+      if (label == PlaceLabel::same) ++counts.best_match.correct;
+      if (label == PlaceLabel::ignore) ++counts.best_match.ignored;
+    }
+  }
+  return counts;
 }
 
 GroundTruthScope scope_of(const SequenceResult& result) {

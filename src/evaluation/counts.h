@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "evaluation/ground_truth.h"
+#include "recognition/fabmap_result.h"
 #include "recognition/sequence_result.h"
 
 namespace vpr {
@@ -16,8 +17,7 @@ struct LabelCounts {
 };
 
 struct BestMatchCounts {
-  uint64_t queries =
-      0;  ///< windows whose anchor has a match in the ground truth, ignored ones included
+  uint64_t queries = 0;  ///< windows (frames) with a match in the ground truth, ignored ones too
   uint64_t correct = 0;
   uint64_t ignored = 0;        ///< of `queries`: the best match is an ignored pair
   uint64_t without_match = 0;  ///< windows whose anchor has no match; not in `queries`
@@ -34,8 +34,20 @@ struct SequenceCounts {
   BestMatchCounts best_match;
 };
 
+struct FabmapCounts {
+  LabelCounts hits;       ///< (frame, place) pairs recognised
+  uint64_t distinct = 0;  ///< places recognised correctly at least once
+  BestMatchCounts best_match;
+};
+
 /// The scope in which a result's indices are to be read.
 GroundTruthScope scope_of(const SequenceResult& result);
+
+/// For FAB-MAP a ground truth's references are indices of places: the scope has one "sequence".
+GroundTruthScope scope_of(const FabmapResult& result);
+
+/// A frame without words is a query that is wrong.
+FabmapCounts count_recognitions(const FabmapResult& result, const GroundTruth& truth);
 
 /// Windows are judged at their anchor, their last frame.
 SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth);

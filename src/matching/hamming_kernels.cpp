@@ -1,8 +1,6 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#define HWY_WANT_AVX3_DL  // without it, popcount is a table look-up even where the CPU has one
-// SVE and RISC-V vectors have no fixed size and can't be kept in the arrays below.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
-
+#include "base/highway.h"
+// The settings above come first.
 #include "matching/hamming_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -198,53 +196,11 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-#include <algorithm>
-#include <mutex>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "base/error.h"
-
 namespace vpr {
-namespace {
 
 HWY_EXPORT(Kernels);
 
-// Highway's numbers of the targets, best (lowest) first.
-std::vector<int64_t> target_bits() {
-  std::vector<int64_t> bits = hwy::SupportedAndGeneratedTargets();
-  std::sort(bits.begin(), bits.end());
-  return bits;
-}
-
-// Highway keeps its choice in a global: set, read and put back under a lock.
-HammingKernels kernels_of(int64_t bit) {
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
-  hwy::SetSupportedTargetsForTest(bit);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  const HammingKernels kernels = HWY_DYNAMIC_DISPATCH(Kernels)();
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return kernels;
-}
-
-}  // namespace
-
-std::vector<std::string> simd_targets() {
-  std::vector<std::string> names;
-  for (const int64_t bit : target_bits()) names.emplace_back(hwy::TargetName(bit));
-  return names;
-}
-
-HammingKernels select_kernels(std::string_view target) {
-  for (const int64_t bit : target_bits())
-    if (target.empty() || target == hwy::TargetName(bit)) return kernels_of(bit);
-  throw Error(ErrorKind::usage,
-              fmt::format("VPR_SIMD={}: is not a SIMD target of this machine; choose one of {}",
-                          target, fmt::join(simd_targets(), ", ")));
-}
+HammingKernels select_kernels() { return HWY_DYNAMIC_DISPATCH(Kernels)(); }
 
 }  // namespace vpr
 

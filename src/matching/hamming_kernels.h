@@ -3,9 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "matching/codes.h"
 
@@ -34,11 +32,7 @@ struct HammingKernels {
   size_t (*find_below)(const uint32_t* values, size_t begin, size_t count, uint32_t limit);
 };
 
-/// Names of the targets that this machine and this program have, best first.
-std::vector<std::string> simd_targets();
-
-/// The kernels of one target; of the best one if the name is empty. Throws Error(usage) listing
-/// the choices for a name that this machine or program does not have.
-HammingKernels select_kernels(std::string_view target);
+/// The kernels of the SIMD target in use (base/simd.h).
+HammingKernels select_kernels();
 
 }  // namespace vpr

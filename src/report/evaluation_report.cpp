@@ -18,18 +18,29 @@ Json best_match_json(const BestMatchCounts& counts) {
 }
 
 Json protocol_json(const GroundTruth& truth) {
-  return {{"ground_truth", truth.protocol},
-          {"tolerance_frames", truth.tolerance_frames},
-          {"anchor", "a window is judged at its last frame"},
-          {"hits", "window pairs with a distance below the threshold"},
-          {"places", "clusters of hits, judged at their mean"},
-          {"distinct", "correct places"},
-          {"best_match",
-           "the window with the lowest distance, ties to the first; rate = correct / "
-           "(queries - ignored)"},
-          {"without_match",
-           "a query window whose anchor has no match in the ground truth is not "
-           "among the queries"}};
+  return {{"ground_truth", truth.protocol}, {"tolerance_frames", truth.tolerance_frames}};
+}
+
+void add_sequence_protocol(Json& protocol) {
+  protocol["anchor"] = "a window is judged at its last frame";
+  protocol["hits"] = "window pairs with a distance below the threshold";
+  protocol["places"] = "clusters of hits, judged at their mean";
+  protocol["distinct"] = "correct places";
+  protocol["best_match"] =
+      "the window with the lowest distance, ties to the first; rate = correct / (queries - "
+      "ignored)";
+  protocol["without_match"] =
+      "a query window whose anchor has no match in the ground truth is not among the queries";
+}
+
+void add_fabmap_protocol(Json& protocol) {
+  protocol["hits"] = "pairs of a frame and a place of which a view is above t_p for c_w frames";
+  protocol["distinct"] = "places recognised correctly at least once";
+  protocol["best_match"] =
+      "the place of the likeliest view, the new place left out, ties to the first; a frame without "
+      "words is wrong; rate = correct / (queries - ignored)";
+  protocol["without_match"] =
+      "a frame without a match in the ground truth is not among the queries";
 }
 
 std::string text(const Json& json) {
@@ -49,6 +60,21 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
                     {"distinct", counts.distinct}};
   json["best_match"] = best_match_json(counts.best_match);
   json["protocol"] = protocol_json(truth);
+  add_sequence_protocol(json["protocol"]);
+  json["provenance"] = provenance_json(run);
+  json["provenance"]["result"] = result_fingerprint;
+  return json;
+}
+
+Json report_json(const FabmapResult& result, const FabmapCounts& counts, const GroundTruth& truth,
+                 const std::string& result_fingerprint, const RunInfo& run) {
+  Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
+  json["query"] = result.query_name;
+  json["settings"] = value_to_json(result.settings);
+  json["counts"] = {{"hits", label_counts_json(counts.hits)}, {"distinct", counts.distinct}};
+  json["best_match"] = best_match_json(counts.best_match);
+  json["protocol"] = protocol_json(truth);
+  add_fabmap_protocol(json["protocol"]);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
   return json;
@@ -56,23 +82,39 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
 
 Table report_table(const Json& report) {
   const Json& settings = report["settings"];
-  const Json& hits = report["counts"]["hits"];
-  const Json& places = report["counts"]["places"];
+  const Json& counts = report["counts"];
   const Json& best = report["best_match"];
-  const bool automatic = settings["t_r"].is_string();
   Table table;
   table.title = fmt::format("{} on {} ({})", text(report["method"]), text(report["query"]),
                             text(report["protocol"]["ground_truth"]));
-  table.columns = {
-      "c_l", "t_r", "hits correct", "incorrect", "places correct", "incorrect", "best match right",
-      "of",  "rate"};
-  table.rows = {
-      {text(settings["c_l"]),
-       automatic ? "auto"
-                 : fmt::format("{} {}", text(settings["t_r"]), text(settings["t_r_scale"])),
-       text(hits["correct"]), text(hits["incorrect"]), text(places["correct"]),
-       text(places["incorrect"]), text(best["correct"]), text(best["queries"]),
-       best["rate"].is_null() ? "-" : fmt::format("{:.1f} %", 100 * best["rate"].get<double>())}};
+  std::vector<std::string> row;
+  const auto add = [&](const std::string& column, const std::string& value) {
+    table.columns.push_back(column);
+    row.push_back(value);
+  };
+  const bool is_fabmap = settings.contains("t_p");
+  if (is_fabmap) {
+    add("c_w", text(settings["c_w"]));
+    add("t_p", text(settings["t_p"]));
+  } else {
+    add("c_l", text(settings["c_l"]));
+    add("t_r", settings["t_r"].is_string()
+                   ? "auto"
+                   : text(settings["t_r"]) + " " + text(settings["t_r_scale"]));
+  }
+  add("hits correct", text(counts["hits"]["correct"]));
+  add("incorrect", text(counts["hits"]["incorrect"]));
+  if (is_fabmap) {
+    add("distinct", text(counts["distinct"]));
+  } else {
+    add("places correct", text(counts["places"]["correct"]));
+    add("incorrect", text(counts["places"]["incorrect"]));
+  }
+  add("best match right", text(best["correct"]));
+  add("of", text(best["queries"]));
+  add("rate",
+      best["rate"].is_null() ? "-" : fmt::format("{:.1f} %", 100 * best["rate"].get<double>()));
+  table.rows = {row};
   return table;
 }
 

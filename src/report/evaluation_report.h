@@ -15,6 +15,9 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
                  const GroundTruth& truth, const std::string& result_fingerprint,
                  const RunInfo& run);
 
+Json report_json(const FabmapResult& result, const FabmapCounts& counts, const GroundTruth& truth,
+                 const std::string& result_fingerprint, const RunInfo& run);
+
 /// One row: the setting and its counts.
 Table report_table(const Json& report);
 

@@ -7,9 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "base/checksum.h"
-#include "base/npy.h"
-
 namespace vpr {
 namespace {
 
@@ -70,17 +67,9 @@ Json recognition_json(const SequenceResult& result, const Recognition& place) {
 
 OutputFile write_rows(const fs::path& path, const std::vector<CellRow>& rows, Existing existing,
                       Json& entry) {
-  OutputFile file(path, existing);
   const std::span<const int32_t> values(rows.empty() ? nullptr : rows.front().data(),
                                         rows.size() * kColumns);
-  const std::string header = npy_header(npy_type<int32_t>(), {rows.size(), kColumns});
-  ChecksumStream sum;
-  sum.add(std::as_bytes(std::span(header)));
-  sum.add(std::as_bytes(values));
-  file.write(header);
-  file.write(std::as_bytes(values));
-  entry = {{"rows", rows.size()}, {"checksum", sum.text()}};
-  return file;
+  return write_companion(path, values, {rows.size(), kColumns}, existing, entry);
 }
 
 }  // namespace
@@ -95,6 +84,14 @@ void check_result_output(const fs::path& path, Existing existing) {
   check_output_file(path, existing);
   check_output_file(companion_path(path, "hits.npy"), existing);
   check_output_file(companion_path(path, "best.npy"), existing);
+}
+
+void add_context(Json& json, const ResultContext& context) {
+  json["provenance"] = provenance_json(context.run);
+  json["provenance"]["database"] = context.database_fingerprint;
+  json["provenance"]["query"] = context.query_fingerprint;
+  json["machine"] = machine_json(context.run);
+  json["timing"] = timing_json(context.seconds);
 }
 
 Json result_json(const SequenceResult& result, const ResultContext& context) {
@@ -114,11 +111,7 @@ Json result_json(const SequenceResult& result, const ResultContext& context) {
   if (context.verified_cells)
     json["verification"] = {{"cells", *context.verified_cells}, {"differences", 0}};
   if (context.matrix) json["matrix"] = *context.matrix;
-  json["provenance"] = provenance_json(context.run);
-  json["provenance"]["database"] = context.database_fingerprint;
-  json["provenance"]["query"] = context.query_fingerprint;
-  json["machine"] = machine_json(context.run);
-  json["timing"] = timing_json(context.seconds);
+  add_context(json, context);
   return json;
 }
 

@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "base/checksum.h"
 #include "base/json.h"
+#include "base/npy.h"
 #include "base/output_file.h"
 #include "recognition/sequence_result.h"
 #include "report/run_info.h"
@@ -26,8 +28,30 @@ struct ResultContext {
 /// RESULT.hits.npy for RESULT.json.
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
 
+/// Writes an array beside a result, to be committed by the caller; `entry` becomes its object in
+/// the JSON.
+template <class T>
+OutputFile write_companion(const std::filesystem::path& path, std::span<const T> values,
+                           const std::vector<size_t>& shape, Existing existing, Json& entry) {
+  OutputFile file(path, existing);
+  const std::string header = npy_header(npy_type<T>(), shape);
+  ChecksumStream sum;
+  sum.add(std::as_bytes(std::span(header)));
+  sum.add(std::as_bytes(values));
+  file.write(header);
+  file.write(std::as_bytes(values));
+  entry = {{"rows", shape.front()}, {"checksum", sum.text()}};
+  return file;
+}
+
 /// Throws like check_output_file for the result and its companions.
 void check_result_output(const std::filesystem::path& path, Existing existing);
+
+/// Parts of a result that do not depend on the method: provenance, machine and timing.
+void add_context(Json& json, const ResultContext& context);
+
+/// The method of a result file: "fastable", "openable", "fabmap", ... Throws as read_result does.
+std::string result_method(const std::filesystem::path& path);
 
 /// The JSON without its companions' checksums.
 Json result_json(const SequenceResult& result, const ResultContext& context);

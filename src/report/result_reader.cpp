@@ -8,6 +8,7 @@
 
 #include "base/checksum.h"
 #include "base/npy.h"
+#include "report/json_fields.h"
 #include "report/result_file.h"
 
 namespace vpr {
@@ -17,44 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr size_t kColumns = 4;  // query window, sequence, train window, distance
 using CellRow = std::array<int32_t, kColumns>;
-
-/// Reads the fields of one JSON object; anything unexpected is damage.
-class Fields {
- public:
-  Fields(const Json& json, const std::string& where) : json_(json), where_(where) {
-    if (!json.is_object()) fail("a part is no object");
-  }
-  const Json& operator[](const std::string& key) const {
-    const auto found = json_.find(key);
-    if (found == json_.end()) fail(fmt::format("\"{}\" is missing", key));
-    return *found;
-  }
-  uint64_t count(const std::string& key, uint64_t most) const {
-    const Json& value = (*this)[key];
-    if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
-      fail(fmt::format("\"{}\" is no number in range", key));
-    return value.get<uint64_t>();
-  }
-  std::string text(const std::string& key) const {
-    const Json& value = (*this)[key];
-    if (!value.is_string()) fail(fmt::format("\"{}\" is no text", key));
-    return value.get<std::string>();
-  }
-  const Json& list(const std::string& key) const {
-    const Json& value = (*this)[key];
-    if (!value.is_array()) fail(fmt::format("\"{}\" is no list", key));
-    return value;
-  }
-  Fields object(const std::string& key) const { return {(*this)[key], where_}; }
-  [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is damaged: {}; run vpr-query again", where_, what));
-  }
-
- private:
-  const Json& json_;
-  const std::string& where_;
-};
 
 constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
 
@@ -114,13 +77,9 @@ Recognition read_recognition(const Fields& item, const SequenceResult& result) {
 }
 
 std::vector<CellRow> read_rows(const fs::path& path, const Fields& entry) {
-  const NpyArray array(path);
+  const NpyArray array = read_companion(path, entry);
   const auto values = array.values<int32_t>(2);
-  if (array.shape()[1] != kColumns || checksum(array.file_bytes()) != entry.text("checksum"))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: was not written together with its .json file, or is damaged; run "
-                            "vpr-query again",
-                            path.string()));
+  if (array.shape()[1] != kColumns) entry.fail(path.filename().string() + " has other columns");
   std::vector<CellRow> rows(array.shape()[0]);
   for (size_t i = 0; i < rows.size(); ++i)
     std::copy_n(values.begin() + static_cast<ptrdiff_t>(i * kColumns), kColumns, rows[i].begin());
@@ -159,6 +118,13 @@ void read_cells(const fs::path& path, const Fields& fields, SequenceResult& resu
 
 }  // namespace
 
+std::string result_method(const fs::path& path) {
+  const std::string where = path.string();
+  const Json json = read_json(path, ErrorKind::data);
+  require_schema(json, "result", where, ErrorKind::data);
+  return Fields(json, where).text("method");
+}
+
 StoredResult read_result(const fs::path& path) {
   const std::string where = path.string();
   Json json = read_json(path, ErrorKind::data);
@@ -178,10 +144,7 @@ StoredResult read_result(const fs::path& path) {
   if (result.settings.window_length == 0 ||
       result.query_windows != window_count(result.query_frames, result.settings.window_length))
     fields.fail("its numbers of windows and frames do not fit");
-  for (const Json& frame : query.list("unreadable")) {
-    if (!frame.is_number_unsigned()) fields.fail("an unreadable frame is no number");
-    result.query_unreadable.push_back(frame.get<size_t>());
-  }
+  result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
   result.sequences = read_sequences(fields, where);
   for (const Json& item : fields.list("recognitions"))
     result.places.push_back(read_recognition(Fields(item, where), result));

@@ -3,6 +3,7 @@
 
 #include "base/json.h"
 #include "base/npy.h"
+#include "base/simd.h"
 #include "support.h"
 
 using namespace vpr;

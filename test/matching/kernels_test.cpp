@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "base/simd.h"
 #include "matching/hamming_kernels.h"
 #include "matching/plain.h"
 #include "support.h"
@@ -97,7 +98,7 @@ TEST_CASE("comparisons are unsigned") {
 }
 
 TEST_CASE("an unknown SIMD target is refused with the choices") {
-  const std::string text = test::error_text([] { select_kernels("AVX9"); });
+  const std::string text = test::error_text([] { use_simd_target("AVX9"); });
   for (const std::string& target : simd_targets()) CHECK(text.find(target) != std::string::npos);
-  CHECK(select_kernels("").target == simd_targets().front());
+  CHECK(select_kernels().target == simd_targets().front());
 }

@@ -135,7 +135,7 @@ TEST_CASE("windows never cross the end of a sequence, nor an unreadable frame") 
 
 TEST_CASE("one frame against one frame") {
   const Example example = make_example({1}, 1, 3);
-  for (const size_t length : {1, 2}) check_all_methods(example, length, select_kernels(""));
+  for (const size_t length : {1, 2}) check_all_methods(example, length, select_kernels());
 }
 
 TEST_CASE("sets larger than a chunk, a strip and a tile give the definition, on any threads") {
@@ -148,7 +148,7 @@ TEST_CASE("sets larger than a chunk, a strip and a tile give the definition, on 
       const ThreadLimit limit(threads);
       for (const SequenceMethod& method : sequence_methods())
         for (const size_t memory : {size_t{1} << 30, size_t{0}})
-          REQUIRE(by_method(example, method, {length, memory, select_kernels("")}) == expected);
+          REQUIRE(by_method(example, method, {length, memory, select_kernels()}) == expected);
     }
   }
 }
@@ -172,7 +172,7 @@ TEST_CASE("a database that is shared between threads online gives the definition
                                                              row.query_window, length));
       };
       find_sequence_method("fastable-online")
-          .match(codes, query_codes, {length, memory, select_kernels("")}, {}, check);
+          .match(codes, query_codes, {length, memory, select_kernels()}, {}, check);
       CHECK(cells > 0);
     }
   }

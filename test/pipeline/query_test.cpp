@@ -27,7 +27,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
                                 sequences[s].end());
   }
   database.thresholds.push_back(
-      compute_thresholds(database, window_length, 1, select_kernels(""), {}));
+      compute_thresholds(database, window_length, 1, select_kernels(), {}));
   return database;
 }
 
@@ -39,7 +39,7 @@ SequenceCodes make_query(const std::vector<LdbCode>& codes) {
 
 QueryResources resources(size_t verify = 0) {
   QueryResources r;
-  r.kernels = select_kernels("");
+  r.kernels = select_kernels();
   r.verify_cells = verify;
   return r;
 }

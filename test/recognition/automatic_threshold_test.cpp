@@ -67,7 +67,7 @@ TEST_CASE("the closest windows are those of all against all others") {
 
 TEST_CASE("a single sequence has no automatic threshold") {
   const Sequences one = {test::walk_codes(30, 1)};
-  CHECK_FALSE(find_closest_windows(spans_of(one), {3, size_t{1} << 30, select_kernels("")}, {})
+  CHECK_FALSE(find_closest_windows(spans_of(one), {3, size_t{1} << 30, select_kernels()}, {})
                   .at(0)
                   .has_value());
 }

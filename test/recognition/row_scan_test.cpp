@@ -45,7 +45,7 @@ DistanceRow as_row(const Piece& piece) {
 }
 
 HitScanSettings scan_settings(size_t max_hits = 100000) {
-  return {{3, 6}, 20, max_hits, select_kernels("")};
+  return {{3, 6}, 20, max_hits, select_kernels()};
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
     for (size_t i = shuffled.size(); i > 1; --i)
       std::swap(shuffled[i - 1], shuffled[uniform_below(engine, i)]);
     HitScan scan(scan_settings());
-    MaximumScan maximum(2, select_kernels(""));
+    MaximumScan maximum(2, select_kernels());
     parallel_for(shuffled.size(), {}, [&](size_t i) {
       scan(as_row(shuffled[i]));
       maximum(as_row(shuffled[i]));

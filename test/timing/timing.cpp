@@ -59,7 +59,7 @@ void time_matching(size_t frames, size_t length, size_t queries) {
   const CodeSpan span{train_codes, {}};
   const TrainCodes train = make_train_codes(std::span(&span, 1));
   const QueryCodes query = make_query_codes({query_codes, {}});
-  MatchSettings settings{length, size_t{1} << 40, select_kernels("")};
+  MatchSettings settings{length, size_t{1} << 40, select_kernels()};
   fmt::print("{} frames, c_l {}, {} query windows, {}\n", frames, length, queries,
              settings.kernels.target);
   for (const size_t threads : {size_t{1}, size_t{2}}) {
@@ -122,7 +122,8 @@ void time_training(const std::string& folder) {
   std::vector<double> describe_ms;
   for (int repeat = 0; repeat < 5; ++repeat) {
     Stopwatch watch;
-    for_each_frame(sequence, PixelFormat::grey, Unreadable::fail, {}, [](size_t, const cv::Mat&) {});
+    for_each_frame(sequence, PixelFormat::grey, Unreadable::fail, {},
+                   [](size_t, const cv::Mat&) {});
     decode_ms.push_back(watch.elapsed_ms());
     watch = {};
     describe_sequence(sequence, {}, Unreadable::fail, {});

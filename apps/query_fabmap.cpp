@@ -1,0 +1,127 @@
+// vpr-query against a FAB-MAP database.
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/checksum.h"
+#include "base/npy.h"
+#include "base/stopwatch.h"
+#include "database/openfabmap.h"
+#include "pipeline/fabmap.h"
+#include "query_inputs.h"
+#include "report/fabmap_result_file.h"
+#include "report/table.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kTableRows = 20;
+
+struct FabmapQuery {
+  std::string name;
+  std::string path;
+  SequenceWords words;
+};
+
+FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
+                       bool skip_unreadable, const Monitor& monitor) {
+  FabmapQuery query;
+  if (!inputs.query_bow.empty()) {
+    if (inputs.query || !inputs.dataset.empty())
+      throw Error(ErrorKind::usage, "give either --query-bow or --query, not both");
+    const SequenceArgument argument = parse_sequence_argument(inputs.query_bow);
+    query.name = sequence_names({argument}).front();
+    query.path = argument.path.string();
+    query.words.frames = read_openfabmap_frames(argument, database.tree.words());
+    return query;
+  }
+  const QuerySource source = find_query(inputs);
+  query.name = source.sequence.name;
+  query.path = source.sequence.sequence.path.string();
+  query.words =
+      describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable, monitor);
+  return query;
+}
+
+std::string fingerprint(const SequenceWords& words) {
+  ChecksumStream sum;
+  for (const WordSet& frame : words.frames) {
+    const uint64_t count = frame.size();
+    sum.add(std::as_bytes(std::span(&count, 1)));
+    sum.add(std::as_bytes(std::span(frame)));
+  }
+  return sum.text();
+}
+
+// Rows arrive in order; an unreadable frame's are not a number.
+class PosteriorFile {
+ public:
+  PosteriorFile(const std::string& path, Existing existing, size_t frames, size_t views)
+      : file_(path, existing), columns_(views + 1) {
+    file_.write(npy_header(npy_type<double>(), {frames, columns_}));
+  }
+  void add(std::span<const double> posterior) {
+    const std::vector<double> none(posterior.empty() ? columns_ : 0,
+                                   std::numeric_limits<double>::quiet_NaN());
+    file_.write(std::as_bytes(posterior.empty() ? std::span<const double>(none) : posterior));
+  }
+  void commit() { file_.commit(); }
+
+ private:
+  OutputFile file_;
+  size_t columns_;
+};
+
+std::string summary(const FabmapResult& result) {
+  Table table;
+  table.title = fmt::format("{}: {} frames, {} recognitions of {} places", result.query_name,
+                            result.query_frames, result.hits.size(), result.places.size());
+  table.columns = {"query frame", "place", "probability"};
+  for (const PlaceMatch& hit : result.hits) {
+    if (table.rows.size() == kTableRows) break;
+    table.rows.push_back({std::to_string(hit.frame), result.places[hit.place],
+                          fmt::format("{:.4f}", hit.probability)});
+  }
+  std::string text = render_table(table, TableFormat::text);
+  if (result.hits.size() > kTableRows)
+    text += fmt::format("... and {} more\n", result.hits.size() - kTableRows);
+  return text;
+}
+
+}  // namespace
+
+void run_fabmap_query(Session& session, const QueryInputs& inputs,
+                      const FabmapQuerySettings& settings) {
+  const CommonOptions& options = session.options;
+  if (!options.output.empty()) check_fabmap_result_output(options.output, options.existing());
+  if (!inputs.posteriors.empty()) check_output_file(inputs.posteriors, options.existing());
+  const Stopwatch watch;
+  const FabmapDatabase database = read_fabmap_database(inputs.database);
+  const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session.monitor);
+  const double describe_s = watch.elapsed_s();
+  std::optional<PosteriorFile> posteriors;
+  PosteriorObserver observe;
+  if (!inputs.posteriors.empty()) {
+    posteriors.emplace(inputs.posteriors, options.existing(), query.words.frames.size(),
+                       database.views.views());
+    observe = [&](size_t, std::span<const double> posterior) { posteriors->add(posterior); };
+  }
+  FabmapRun run = query_fabmap(database, query.words, query.name, settings, options.seed, observe,
+                               session.monitor);
+  run.seconds["describe"] = describe_s;
+  run.seconds["total"] = watch.elapsed_s();
+  ResultContext context;
+  context.run = session.run;
+  context.run.simd_target = session.kernels.target;
+  context.run.paths = {{"database", inputs.database}, {"query", query.path}};
+  context.database_fingerprint = database.fingerprint;
+  context.query_fingerprint = fingerprint(query.words);
+  context.seconds = run.seconds;
+  if (posteriors) posteriors->commit();
+  const Json json = options.output.empty() ? fabmap_result_json(run.result, context)
+                                           : write_fabmap_result(options.output, run.result,
+                                                                 context, options.existing());
+  session.print_result(summary(run.result), json);
+}
+
+}  // namespace vpr

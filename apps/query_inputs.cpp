@@ -1,0 +1,24 @@
+#include "query_inputs.h"
+
+#include "evaluation/ground_truth.h"
+
+namespace vpr {
+
+QuerySource find_query(const QueryInputs& inputs) {
+  QuerySource source;
+  if (!inputs.ground_truth.empty())
+    source.ground_truth = parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames);
+  if (!inputs.dataset.empty()) {
+    const Dataset dataset = read_dataset(inputs.dataset);
+    const DatasetQuery& query = select_query(dataset, inputs.query);
+    source.sequence = query.sequence;
+    if (!source.ground_truth) source.ground_truth = query.sequence_ground_truth;
+    return source;
+  }
+  if (!inputs.query) throw Error(ErrorKind::usage, "give the query sequence, as in --query FOLDER");
+  const SequenceArgument argument = parse_sequence_argument(*inputs.query);
+  source.sequence = {sequence_names({argument}).front(), argument};
+  return source;
+}
+
+}  // namespace vpr

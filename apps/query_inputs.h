@@ -1,0 +1,43 @@
+// What the command line of vpr-query names.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "images/dataset.h"
+#include "recognition/fabmap_result.h"
+#include "recognition/sequence_result.h"
+
+namespace vpr {
+
+struct QueryInputs {
+  std::string database;
+  std::optional<std::string> query;
+  std::string dataset;
+  std::string ground_truth;
+  int tolerance_frames = 0;
+  std::string matrix;
+  std::string max_memory = "8G";
+  uint64_t verify_cells = 0;
+  std::string query_bow;   ///< FAB-MAP: OpenFABMAP's BOW matrix instead of frames
+  std::string posteriors;  ///< FAB-MAP: where to write them
+};
+
+struct QuerySource {
+  NamedSequence sequence;
+  std::optional<GroundTruthArgument> ground_truth;
+};
+
+/// The query of --query or --dataset. Throws Error(usage) if there is none.
+QuerySource find_query(const QueryInputs& inputs);
+
+/// A query against a database of sequences.
+void run_sequence_query(Session& session, const QueryInputs& inputs,
+                        const SequenceQuerySettings& settings);
+
+/// A query against a FAB-MAP database.
+void run_fabmap_query(Session& session, const QueryInputs& inputs,
+                      const FabmapQuerySettings& settings);
+
+}  // namespace vpr

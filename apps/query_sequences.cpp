@@ -1,0 +1,115 @@
+// vpr-query against a database of sequences: FastABLE, OpenABLE.
+#include <fmt/format.h>
+
+#include "base/checksum.h"
+#include "base/stopwatch.h"
+#include "evaluation/counts.h"
+#include "pipeline/query.h"
+#include "query_inputs.h"
+#include "report/matrix_file.h"
+#include "report/matrix_picture.h"
+#include "report/result_file.h"
+#include "report/table.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kTableRows = 20;
+
+std::string query_fingerprint(const SequenceCodes& query) {
+  return checksum(std::as_bytes(std::span(query.codes)));
+}
+
+Table places_table(const SequenceResult& result) {
+  Table table;
+  table.title = fmt::format("{}: {} hits in {} places", result.query_name, result.hits.size(),
+                            result.places.size());
+  table.columns = {"sequence", "query frame", "train frame", "hits", "bits/frame"};
+  for (const Recognition& place : result.places) {
+    if (table.rows.size() == kTableRows) break;
+    table.rows.push_back(
+        {result.sequences[place.sequence].name, std::to_string(result.anchor(place.query_window)),
+         std::to_string(result.anchor(place.train_window)), std::to_string(place.hits),
+         fmt::format("{:.1f}", static_cast<double>(place.best_distance) /
+                                   static_cast<double>(result.settings.window_length))});
+  }
+  return table;
+}
+
+std::string summary(const QueryRun& run) {
+  const SequenceResult& result = run.result;
+  std::string text = render_table(places_table(result), TableFormat::text);
+  if (result.places.size() > kTableRows)
+    text += fmt::format("... and {} more\n", result.places.size() - kTableRows);
+  if (run.verified_cells > 0) text += fmt::format("{} cells, 0 differences\n", run.verified_cells);
+  return text;
+}
+
+void check_matrix_output(const QueryInputs& inputs, Existing existing) {
+  if (inputs.matrix.empty()) return;
+  if (!inputs.matrix.ends_with(".npy") && !inputs.matrix.ends_with(".png"))
+    throw Error(ErrorKind::usage,
+                fmt::format("--save-matrix writes .npy or .png, found {}", inputs.matrix));
+  check_output_file(inputs.matrix, existing);
+}
+
+}  // namespace
+
+void run_sequence_query(Session& session, const QueryInputs& inputs,
+                        const SequenceQuerySettings& settings) {
+  const CommonOptions& options = session.options;
+  if (!options.output.empty()) check_result_output(options.output, options.existing());
+  check_matrix_output(inputs, options.existing());
+  QueryResources resources;
+  resources.kernels = session.kernels;
+  resources.memory_limit = parse_bytes(inputs.max_memory, "--max-memory");
+  resources.verify_cells = inputs.verify_cells;
+  resources.seed = options.seed;
+
+  const Stopwatch watch;
+  const QuerySource source = find_query(inputs);
+  const SequenceDatabase database = read_sequence_database(inputs.database);
+  const SequenceCodes query = describe_sequence(
+      open_sequence(source.sequence.sequence), database.descriptor,
+      settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);
+  const double describe_s = watch.elapsed_s();
+  SequenceResult planned =
+      plan_query(database, query, source.sequence.name, settings, resources, session.monitor);
+  std::optional<GroundTruth> truth;
+  if (source.ground_truth && inputs.matrix.ends_with(".png"))
+    truth = read_ground_truth(*source.ground_truth, scope_of(planned));
+
+  const MatrixLayout layout = matrix_layout(planned);
+  std::optional<MatrixFile> matrix;
+  std::optional<MatrixPicture> picture;
+  std::vector<RowConsumer> observers;
+  if (inputs.matrix.ends_with(".npy"))
+    observers.emplace_back(std::ref(matrix.emplace(inputs.matrix, options.existing(), layout)));
+  if (inputs.matrix.ends_with(".png")) observers.emplace_back(std::ref(picture.emplace(layout)));
+
+  QueryRun found =
+      run_query(std::move(planned), database, query, resources, observers, session.monitor);
+  found.seconds["describe"] = describe_s;
+  found.seconds["total"] = watch.elapsed_s();
+
+  ResultContext context;
+  context.run = session.run;
+  context.run.simd_target = session.kernels.target;
+  context.run.memory_limit = resources.memory_limit;
+  context.run.paths = {{"database", inputs.database},
+                       {"query", source.sequence.sequence.path.string()}};
+  context.database_fingerprint = database.fingerprint;
+  context.query_fingerprint = query_fingerprint(query);
+  context.seconds = found.seconds;
+  if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
+  if (matrix) context.matrix = matrix_layout_json(layout, found.result);
+  if (matrix) matrix->commit();
+  if (picture)
+    picture->write(inputs.matrix, options.existing(), found.result, truth ? &*truth : nullptr);
+  const Json json = options.output.empty()
+                        ? result_json(found.result, context)
+                        : write_result(options.output, found.result, context, options.existing());
+  session.print_result(summary(found), json);
+}
+
+}  // namespace vpr

@@ -1,0 +1,46 @@
+#include "base/highway.h"
+// Highway's list of generated targets needs the settings above.
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <hwy/highway.h>
+
+#include "base/error.h"
+#include "base/simd.h"
+
+namespace vpr {
+namespace {
+
+// Highway's numbers of the targets; a better one is lower.
+std::vector<int64_t> target_bits() {
+  static const std::vector<int64_t> kBits = [] {
+    std::vector<int64_t> bits = hwy::SupportedAndGeneratedTargets();
+    std::sort(bits.begin(), bits.end());
+    return bits;
+  }();
+  return kBits;
+}
+
+}  // namespace
+
+std::vector<std::string> simd_targets() {
+  std::vector<std::string> names;
+  for (const int64_t bit : target_bits()) names.emplace_back(hwy::TargetName(bit));
+  return names;
+}
+
+void use_simd_target(std::string_view name) {
+  for (const int64_t bit : target_bits()) {
+    if (!name.empty() && name != hwy::TargetName(bit)) continue;
+    hwy::SetSupportedTargetsForTest(name.empty() ? 0 : bit);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    return;
+  }
+  throw Error(ErrorKind::usage,
+              fmt::format("VPR_SIMD={}: is not a SIMD target of this machine; choose one of {}",
+                          name, fmt::join(simd_targets(), ", ")));
+}
+
+}  // namespace vpr

@@ -1,0 +1,161 @@
+#include "database/chow_liu.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "database/cooccurrence.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kScale = 0.98;
+constexpr double kFloor = 0.01;
+
+/// An edge between words a < b.
+struct Edge {
+  double information = 0;
+  uint32_t a = 0;
+  uint32_t b = 0;
+};
+
+bool better(const Edge& x, const Edge& y) {
+  return std::tuple(-x.information, x.a, x.b) < std::tuple(-y.information, y.a, y.b);
+}
+
+Edge make_edge(const MutualInformation& information, const std::vector<uint32_t>& counts, size_t u,
+               size_t v, size_t both) {
+  const auto [few, many] = std::minmax(counts[u], counts[v]);
+  const auto [a, b] = std::minmax(u, v);
+  return {information(few, many, both), static_cast<uint32_t>(a), static_cast<uint32_t>(b)};
+}
+
+double smoothed(size_t n, size_t of) {
+  return kScale * (of == 0 ? 0 : static_cast<double>(n) / static_cast<double>(of)) + kFloor;
+}
+
+// Hangs the edges from the root, the smaller word of the best edge.
+ChowLiuTree orient(const std::vector<Edge>& edges, const std::vector<uint32_t>& counts,
+                   const WordColumns& columns, size_t frames) {
+  const size_t words = counts.size();
+  ChowLiuTree tree;
+  tree.parent.resize(words);
+  std::vector<std::vector<uint32_t>> neighbours(words);
+  for (const Edge& edge : edges) {
+    neighbours[edge.a].push_back(edge.b);
+    neighbours[edge.b].push_back(edge.a);
+  }
+  const uint32_t root = edges.empty() ? 0 : std::min_element(edges.begin(), edges.end(), better)->a;
+  tree.parent[root] = root;
+  std::vector<uint32_t> open = {root};
+  while (!open.empty()) {
+    const uint32_t word = open.back();
+    open.pop_back();
+    for (const uint32_t next : neighbours[word]) {
+      if (next == tree.parent[word]) continue;
+      tree.parent[next] = word;
+      open.push_back(next);
+    }
+  }
+  for (size_t q = 0; q < words; ++q) {
+    const uint32_t parent = tree.parent[q];
+    const size_t both = count_both(columns, q, parent);
+    tree.p.push_back(smoothed(counts[q], frames));
+    tree.p_given.push_back(parent == q ? tree.p[q] : smoothed(both, counts[parent]));
+    tree.p_given_not.push_back(parent == q ? tree.p[q]
+                                           : smoothed(counts[q] - both, frames - counts[parent]));
+  }
+  return tree;
+}
+
+std::vector<uint32_t> count_words(std::span<const WordSet> frames, size_t words) {
+  std::vector<uint32_t> counts(words, 0);
+  for (const WordSet& frame : frames)
+    for (const uint32_t word : frame) ++counts[word];
+  return counts;
+}
+
+}  // namespace
+
+MutualInformation::MutualInformation(size_t frames) : frames_(frames) {
+  for (size_t n = 0; n <= frames; ++n) {
+    const double f = static_cast<double>(n) / static_cast<double>(frames);
+    x_log_x_.push_back(n == 0 ? 0 : f * std::log(f));
+    log_p_.push_back(std::log(kScale * f + kFloor));
+  }
+}
+
+double MutualInformation::operator()(size_t n_a, size_t n_b, size_t n_ab) const {
+  const auto n = static_cast<double>(frames_);
+  const auto marginal = [&](size_t count) {
+    return (static_cast<double>(count) * log_p_[count] +
+            static_cast<double>(frames_ - count) * log_p_[frames_ - count]) /
+           n;
+  };
+  const double joint = (x_log_x_[n_ab] + x_log_x_[frames_ + n_ab - n_a - n_b]) +
+                       (x_log_x_[n_a - n_ab] + x_log_x_[n_b - n_ab]);
+  return joint - (marginal(n_a) + marginal(n_b));
+}
+
+// Prim: each word outside the tree keeps its best edge into it.
+ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const Monitor& monitor) {
+  assert(words > 0 && !frames.empty());
+  const std::vector<uint32_t> counts = count_words(frames, words);
+  const WordColumns columns = make_word_columns(frames, words);
+  const MutualInformation information(frames.size());
+  std::vector<Edge> best(words, {-1e300, 0, 0});
+  std::vector<uint32_t> outside(words - 1);
+  std::iota(outside.begin(), outside.end(), 1U);
+  std::vector<uint32_t> both(columns.padded_words);
+  std::vector<Edge> edges;
+  StepCounter counter(monitor, "tree", words);
+  size_t added = 0;
+  while (!outside.empty()) {
+    count_both_with_all(columns, added, both.data());
+    size_t next = 0;
+    for (size_t i = 0; i < outside.size(); ++i) {
+      const uint32_t v = outside[i];
+      const Edge edge = make_edge(information, counts, added, v, both[v]);
+      if (better(edge, best[v])) best[v] = edge;
+      if (better(best[v], best[outside[next]])) next = i;
+    }
+    added = outside[next];
+    edges.push_back(best[added]);
+    outside[next] = outside.back();
+    outside.pop_back();
+    counter.add();
+  }
+  return orient(edges, counts, columns, frames.size());
+}
+
+ChowLiuTree plain_chow_liu(std::span<const WordSet> frames, size_t words) {
+  const std::vector<uint32_t> counts = count_words(frames, words);
+  const WordColumns columns = make_word_columns(frames, words);
+  const MutualInformation information(frames.size());
+  std::vector<Edge> all;
+  for (size_t a = 0; a < words; ++a) {
+    for (size_t b = a + 1; b < words; ++b) {
+      size_t both = 0;
+      for (const WordSet& frame : frames)
+        both += std::binary_search(frame.begin(), frame.end(), a) &&
+                std::binary_search(frame.begin(), frame.end(), b);
+      all.push_back(make_edge(information, counts, a, b, both));
+    }
+  }
+  std::sort(all.begin(), all.end(), better);
+  std::vector<size_t> component(words);
+  std::iota(component.begin(), component.end(), size_t{0});
+  std::vector<Edge> edges;
+  for (const Edge& edge : all) {
+    const size_t from = component[edge.a];
+    const size_t to = component[edge.b];
+    if (from == to) continue;
+    edges.push_back(edge);
+    std::replace(component.begin(), component.end(), from, to);
+  }
+  return orient(edges, counts, columns, frames.size());
+}
+
+}  // namespace vpr

@@ -1,0 +1,46 @@
+// The Chow-Liu tree of word occurrences (Chow & Liu 1968; Cummins & Newman, FAB-MAP).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/monitor.h"
+#include "descriptors/vocabulary.h"
+
+namespace vpr {
+
+/// Per word q. The root is its own parent, and both conditionals are its marginal.
+struct ChowLiuTree {
+  std::vector<uint32_t> parent;
+  std::vector<double> p;            ///< P(z_q)
+  std::vector<double> p_given;      ///< P(z_q | z_parent)
+  std::vector<double> p_given_not;  ///< P(z_q | not z_parent)
+
+  size_t words() const { return parent.size(); }
+};
+
+/// Mutual information of two words in natural units from counts: of `frames` frames, n_a <= n_b
+/// show a and b, n_ab both. Joint probabilities unsmoothed, marginals smoothed as 0.98 f + 0.01.
+/// The one function by which trees are built, so that the oracle's ties are the fast path's.
+class MutualInformation {
+ public:
+  explicit MutualInformation(size_t frames);
+  double operator()(size_t n_a, size_t n_b, size_t n_ab) const;
+
+ private:
+  size_t frames_;
+  std::vector<double> x_log_x_;  // n/N ln(n/N)
+  std::vector<double> log_p_;    // ln(0.98 n/N + 0.01)
+};
+
+/// The maximum spanning tree over mutual information. `frames`: the word set of each pretraining
+/// frame (empty ones count too). Edges are ordered by (information descending, smaller word, larger
+/// word); the root is the smaller word of the best edge. Time O(words^2 frames / 64), memory
+/// O(words + words frames / 8). At least one word and one frame.
+ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const Monitor& monitor);
+
+/// The same by the obvious way: all pairs, sorted, joined one by one (Kruskal). The oracle.
+ChowLiuTree plain_chow_liu(std::span<const WordSet> frames, size_t words);
+
+}  // namespace vpr

@@ -1,0 +1,204 @@
+#include "database/fabmap_database.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "base/provenance.h"
+#include "database/archive.h"
+
+namespace vpr {
+namespace {
+
+constexpr const char* kMethod = "fabmap";
+
+/// Calls visit(group, frame, place index) for every view.
+template <class Visit>
+void for_each_view(const std::vector<ViewGroup>& groups, Visit&& visit) {
+  std::map<std::string, uint32_t> named;
+  uint32_t next = 0;
+  for (const ViewGroup& group : groups) {
+    uint32_t shared = 0;
+    if (group.is_place) {
+      const auto [entry, is_new] = named.emplace(group.name, next);
+      shared = entry->second;
+      if (is_new) ++next;
+    }
+    for (size_t frame = 0; frame < group.frame_names.size(); ++frame)
+      visit(group, frame, group.is_place ? shared : next++);
+  }
+}
+
+template <class T>
+std::span<const T> mat_values(const cv::Mat& mat) {
+  return {mat.ptr<T>(), mat.total()};
+}
+
+void add_words(ArchiveWriter& writer, const std::string& name, const ViewWords& words) {
+  writer.add_array<uint32_t>(name + ".npy", words.words, {words.words.size()});
+  const std::string singular = name.back() == 's' ? name.substr(0, name.size() - 1) : name;
+  writer.add_array<uint64_t>(singular + "_offsets.npy", words.offsets, {words.offsets.size()});
+}
+
+ViewWords read_words(const Archive& archive, const std::string& name, size_t words) {
+  const std::string singular = name.back() == 's' ? name.substr(0, name.size() - 1) : name;
+  const NpyArray values = archive.array(name + ".npy");
+  const NpyArray offsets = archive.array(singular + "_offsets.npy");
+  ViewWords read;
+  const auto value_span = values.values<uint32_t>(1);
+  const auto offset_span = offsets.values<uint64_t>(1);
+  read.words.assign(value_span.begin(), value_span.end());
+  read.offsets.assign(offset_span.begin(), offset_span.end());
+  bool fits = !read.offsets.empty() && read.offsets.front() == 0 &&
+              read.offsets.back() == read.words.size() &&
+              std::is_sorted(read.offsets.begin(), read.offsets.end());
+  for (size_t v = 0; fits && v < read.views(); ++v) {
+    const auto view = read.view(v);
+    fits = (view.empty() || view.back() < words) &&
+           std::adjacent_find(view.begin(), view.end(), std::greater_equal<>()) == view.end();
+  }
+  if (!fits) archive.fail(name + ".npy and its offsets do not fit");
+  return read;
+}
+
+void write_tree(ArchiveWriter& writer, const ChowLiuTree& tree) {
+  std::vector<double> rows(tree.parent.begin(), tree.parent.end());
+  for (const auto* row : {&tree.p, &tree.p_given, &tree.p_given_not})
+    rows.insert(rows.end(), row->begin(), row->end());
+  writer.add_array<double>("tree.npy", rows, {4, tree.words()});
+}
+
+ChowLiuTree read_tree(const Archive& archive, size_t words) {
+  const NpyArray array = archive.array("tree.npy");
+  const auto values = array.values<double>(2);
+  if (array.shape() != std::vector<size_t>{4, words}) archive.fail("tree.npy is not 4 x words");
+  ChowLiuTree tree;
+  for (size_t q = 0; q < words; ++q) {
+    if (!(values[q] >= 0 && values[q] < static_cast<double>(words)))
+      archive.fail("a parent in tree.npy is no word");
+    tree.parent.push_back(static_cast<uint32_t>(values[q]));
+    for (size_t row = 1; row < 4; ++row)
+      if (!(values[row * words + q] > 0 && values[row * words + q] < 1))
+        archive.fail("a probability in tree.npy is not between 0 and 1");
+    tree.p.push_back(values[words + q]);
+    tree.p_given.push_back(values[2 * words + q]);
+    tree.p_given_not.push_back(values[3 * words + q]);
+  }
+  return tree;
+}
+
+cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
+  const NpyArray array = archive.array("vocabulary.npy");
+  if (array.shape().size() != 2 || array.shape()[0] == 0 || array.shape()[0] > 100'000'000 ||
+      array.shape()[1] != static_cast<size_t>(descriptor_length(kind)))
+    archive.fail("vocabulary.npy does not fit the features");
+  const int rows = static_cast<int>(array.shape()[0]);
+  const int cols = static_cast<int>(array.shape()[1]);
+  if (is_binary(kind))
+    return cv::Mat(rows, cols, CV_8U, const_cast<uint8_t*>(array.values<uint8_t>(2).data()))
+        .clone();
+  return cv::Mat(rows, cols, CV_32F, const_cast<float*>(array.values<float>(2).data())).clone();
+}
+
+std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& names) {
+  std::vector<ViewGroup> groups;
+  size_t at = 0;
+  for (const Json& json : manifest_list(archive, archive.manifest(), "groups")) {
+    ViewGroup& group = groups.emplace_back();
+    group.name = manifest_text(archive, json, "name");
+    group.is_place = manifest_text(archive, json, "places") == "one";
+    for (size_t frames = manifest_count(archive, json, "frames"); frames > 0; --frames) {
+      const size_t end = names.find('\n', at);
+      if (end == std::string::npos) archive.fail("its numbers of frames do not fit frames.txt");
+      group.frame_names.push_back(names.substr(at, end - at));
+      at = end + 1;
+    }
+  }
+  if (at != names.size()) archive.fail("its numbers of frames do not fit frames.txt");
+  return groups;
+}
+
+}  // namespace
+
+std::vector<uint32_t> FabmapDatabase::places() const {
+  std::vector<uint32_t> places;
+  for_each_view(groups, [&](const ViewGroup&, size_t, uint32_t place) { places.push_back(place); });
+  return places;
+}
+
+std::vector<std::string> FabmapDatabase::place_names() const {
+  std::vector<std::string> names;
+  for_each_view(groups, [&](const ViewGroup& group, size_t frame, uint32_t place) {
+    if (place < names.size()) return;
+    names.push_back(group.is_place ? group.name : fmt::format("{}#{}", group.name, frame));
+  });
+  return names;
+}
+
+std::string database_method(const std::filesystem::path& path) {
+  const Archive archive(path);
+  return manifest_text(archive, archive.manifest(), "method");
+}
+
+FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
+  const Archive archive(path);
+  const std::string method = manifest_text(archive, archive.manifest(), "method");
+  if (method != kMethod)
+    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, but one for {} is needed; "
+                                             "train it with vpr-train {}",
+                                             archive.name(), method, kMethod, kMethod));
+  FabmapDatabase database;
+  database.fingerprint = archive.fingerprint();
+  const auto settings = archive.manifest().find("settings");
+  if (settings == archive.manifest().end()) archive.fail("it has no settings");
+  try {
+    value_from_json(*settings, database.settings, archive.name(), "settings");
+  } catch (const Error& error) {
+    throw Error(ErrorKind::data, error.what());
+  }
+  database.vocabulary = read_vocabulary(archive, database.settings.features.kind);
+  const auto words = static_cast<size_t>(database.vocabulary.rows);
+  database.tree = read_tree(archive, words);
+  database.pretrain = read_words(archive, "pretrain", words);
+  database.views = read_words(archive, "places", words);
+  database.groups = read_groups(archive, archive.text("frames.txt"));
+  if (database.places().size() != database.views.views())
+    archive.fail("its views do not fit its groups");
+  return database;
+}
+
+void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
+                           Existing existing) {
+  ArchiveWriter writer(path, existing);
+  const std::vector<size_t> shape = {static_cast<size_t>(database.vocabulary.rows),
+                                     static_cast<size_t>(database.vocabulary.cols)};
+  if (database.vocabulary.type() == CV_8U)
+    writer.add_array("vocabulary.npy", mat_values<uint8_t>(database.vocabulary), shape);
+  else
+    writer.add_array("vocabulary.npy", mat_values<float>(database.vocabulary), shape);
+  write_tree(writer, database.tree);
+  add_words(writer, "pretrain", database.pretrain);
+  add_words(writer, "places", database.views);
+  std::string names;
+  Json manifest = {{"schema", "vpr.database/1"}, {"method", kMethod}};
+  manifest["settings"] = value_to_json(database.settings);
+  manifest["groups"] = Json::array();
+  for (const ViewGroup& group : database.groups) {
+    manifest["groups"].push_back({{"name", group.name},
+                                  {"places", group.is_place ? "one" : "each frame"},
+                                  {"frames", group.frame_names.size()}});
+    for (std::string name : group.frame_names) {
+      std::replace(name.begin(), name.end(), '\n', ' ');
+      names += name + "\n";
+    }
+  }
+  writer.add_text("frames.txt", names);
+  manifest["provenance"] = {{"program", "vpr-train"},
+                            {"version", program_version()},
+                            {"commit", program_commit()},
+                            {"seed", database.seed}};
+  writer.commit(manifest);
+}
+
+}  // namespace vpr

@@ -1,0 +1,65 @@
+// The database of FAB-MAP: vocabulary, Chow-Liu tree, and the words of every view.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/json.h"
+#include "base/output_file.h"
+#include "database/chow_liu.h"
+#include "database/view_words.h"
+#include "descriptors/local_features.h"
+
+namespace vpr {
+
+struct FabmapTrainSettings {
+  FeatureSettings features;
+  uint64_t words = 1000;
+  uint64_t iterations = 20;  ///< Lloyd steps at most
+  bool skip_unreadable = false;
+};
+
+template <class Visitor>
+void visit_fields(FabmapTrainSettings& settings, Visitor&& visit) {
+  visit_fields(settings.features, visit);
+  visit("words", settings.words);
+  visit("iterations", settings.iterations);
+  visit("skip_unreadable", settings.skip_unreadable);
+}
+
+/// Frames that were trained together: each a place of its own, or all views of one place.
+struct ViewGroup {
+  std::string name;
+  bool is_place = false;
+  std::vector<std::string> frame_names;
+};
+
+struct FabmapDatabase {
+  FabmapTrainSettings settings;
+  uint64_t seed = 1;
+  cv::Mat vocabulary;  ///< words x dims, CV_32F or CV_8U
+  ChowLiuTree tree;
+  ViewWords pretrain;
+  ViewWords views;  ///< of all groups, one after the other
+  std::vector<ViewGroup> groups;
+  std::string fingerprint;  ///< of a stored database
+
+  /// Per view, the index of its place: groups of the same name that are places share one.
+  std::vector<uint32_t> places() const;
+  /// Names by place index: the group's, or "group#frame".
+  std::vector<std::string> place_names() const;
+};
+
+/// Every file is verified. Throws Error(input) if it is missing, Error(data) if it is damaged, of
+/// another method or of a newer version.
+FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
+
+/// Byte-identical for the same content.
+void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
+                           Existing existing);
+
+/// "fastable" or "fabmap": what a database is for. Throws as the readers do.
+std::string database_method(const std::filesystem::path& path);
+
+}  // namespace vpr

@@ -1,0 +1,101 @@
+#include "database/openfabmap.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "base/error.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw Error(ErrorKind::data, fmt::format("{}: {}", path.string(), what));
+}
+
+cv::Mat read_node(const fs::path& path, const std::string& name, int type) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    throw Error(ErrorKind::input, fmt::format("{}: no such file", path.string()));
+  cv::Mat mat;
+  try {
+    const cv::FileStorage file(path.string(), cv::FileStorage::READ);
+    if (file.isOpened()) file[name] >> mat;
+  } catch (const cv::Exception&) {
+    mat.release();
+  }
+  if (mat.empty() || mat.type() != type)
+    fail(path, fmt::format("expected OpenFABMAP's matrix \"{}\" of {} in OpenCV YAML", name,
+                           type == CV_32F ? "floats" : "doubles"));
+  return mat;
+}
+
+// Every word must reach a root: no cycles.
+void check_parents(const fs::path& path, const std::vector<uint32_t>& parent) {
+  std::vector<uint8_t> state(parent.size(), 0);  // 1: on the way, 2: reaches a root
+  for (uint32_t start = 0; start < parent.size(); ++start) {
+    std::vector<uint32_t> way;
+    uint32_t q = start;
+    while (state[q] == 0 && parent[q] != q) {
+      state[q] = 1;
+      way.push_back(q);
+      q = parent[q];
+    }
+    if (state[q] == 1) fail(path, "its words form a cycle, not a tree");
+    state[q] = 2;
+    for (const uint32_t passed : way) state[passed] = 2;
+  }
+}
+
+}  // namespace
+
+cv::Mat read_openfabmap_vocabulary(const fs::path& path) {
+  cv::Mat words = read_node(path, "Vocabulary", CV_32F);
+  if (!cv::checkRange(words)) fail(path, "a word is not finite");
+  return words;
+}
+
+ChowLiuTree read_openfabmap_tree(const fs::path& path) {
+  const cv::Mat mat = read_node(path, "ChowLiuTree", CV_64F);
+  if (mat.rows != 4) fail(path, fmt::format("a tree has 4 rows, found {}", mat.rows));
+  ChowLiuTree tree;
+  for (int q = 0; q < mat.cols; ++q) {
+    const double parent = mat.at<double>(0, q);
+    if (!(parent >= 0 && parent < mat.cols) || parent != std::floor(parent))
+      fail(path, fmt::format("the parent of word {} is no word", q));
+    tree.parent.push_back(static_cast<uint32_t>(parent));
+    for (int row = 1; row < 4; ++row)
+      if (!(mat.at<double>(row, q) > 0 && mat.at<double>(row, q) < 1))
+        fail(path, fmt::format("a probability of word {} is not between 0 and 1", q));
+    tree.p.push_back(mat.at<double>(1, q));
+    tree.p_given.push_back(mat.at<double>(2, q));
+    tree.p_given_not.push_back(mat.at<double>(3, q));
+  }
+  check_parents(path, tree.parent);
+  return tree;
+}
+
+std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, size_t words) {
+  const cv::Mat mat = read_node(argument.path, "BOWImageDescs", CV_32F);
+  if (static_cast<size_t>(mat.cols) != words)
+    fail(argument.path, fmt::format("has {} words, but the tree has {}", mat.cols, words));
+  const auto rows = static_cast<uint64_t>(mat.rows);
+  const uint64_t last = argument.range.last.value_or(rows);
+  if (argument.range.first >= rows || last > rows)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has {} frames, which the range {} exceeds", argument.path.string(),
+                            rows, range_text(argument.range)));
+  std::vector<WordSet> frames;
+  for (uint64_t row = argument.range.first; row < last;
+       row += std::min(argument.range.step, last - row)) {
+    WordSet& frame = frames.emplace_back();
+    for (int q = 0; q < mat.cols; ++q)
+      if (mat.at<float>(static_cast<int>(row), q) > 0) frame.push_back(static_cast<uint32_t>(q));
+  }
+  return frames;
+}
+
+}  // namespace vpr

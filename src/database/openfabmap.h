@@ -1,0 +1,24 @@
+// OpenFABMAP's files (OpenCV YAML, also .gz).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "database/chow_liu.h"
+#include "images/sequence.h"
+
+namespace vpr {
+
+/// Node `Vocabulary`: words x dims, float. All readers throw Error(input) if the file can't be read
+/// and Error(data) if the node is missing, of another type, or its values can't be meant.
+cv::Mat read_openfabmap_vocabulary(const std::filesystem::path& path);
+
+/// Node `ChowLiuTree`: 4 x words, double: parent, P(z), P(z|parent), P(z|not parent).
+ChowLiuTree read_openfabmap_tree(const std::filesystem::path& path);
+
+/// Node `BOWImageDescs`: frames x words, float; a frame shows the words above 0. The range picks
+/// rows. `words`: how many there must be.
+std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, size_t words);
+
+}  // namespace vpr

@@ -1,0 +1,64 @@
+// Local features of a frame: what FAB-MAP's visual words are made of.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/json.h"
+
+namespace vpr {
+
+enum class FeatureKind { surf, sift, kaze, akaze, orb, brisk };
+template <>
+inline constexpr std::array<std::string_view, 6> kEnumNames<FeatureKind> = {
+    "surf", "sift", "kaze", "akaze", "orb", "brisk"};
+
+/// Settings of every kind; only those of `kind` matter.
+struct FeatureSettings {
+  FeatureKind kind = FeatureKind::surf;
+  int64_t surf_points = 1000;   ///< at most
+  double surf_threshold = 30;   ///< of dlib's detector
+  int64_t sift_features = 400;  ///< the strongest
+  double sift_contrast = 0.04;
+  double kaze_threshold = 0.001;
+  double akaze_threshold = 0.001;
+  int64_t orb_features = 500;
+  int64_t brisk_threshold = 30;
+};
+
+template <class Visitor>
+void visit_fields(FeatureSettings& settings, Visitor&& visit) {
+  visit("features", settings.kind);
+  visit("surf_points", settings.surf_points);
+  visit("surf_threshold", settings.surf_threshold);
+  visit("sift_features", settings.sift_features);
+  visit("sift_contrast", settings.sift_contrast);
+  visit("kaze_threshold", settings.kaze_threshold);
+  visit("akaze_threshold", settings.akaze_threshold);
+  visit("orb_features", settings.orb_features);
+  visit("brisk_threshold", settings.brisk_threshold);
+}
+
+/// Throws Error(usage) for a value out of range.
+void check_feature_settings(const FeatureSettings& settings);
+
+struct LocalFeatures {
+  /// One row a feature: CV_32F (surf 64, sift 128, kaze 64) or CV_8U (akaze 61, orb 32, brisk 64
+  /// bytes of bits). No rows where the frame has no feature, or is too small to have one.
+  cv::Mat descriptors;
+  std::vector<cv::Point2f> points;
+};
+
+/// Whether descriptors are strings of bits, compared by Hamming distance.
+bool is_binary(FeatureKind kind);
+
+/// Bytes (binary) or floats of one descriptor.
+int descriptor_length(FeatureKind kind);
+
+/// `grey`: 8 bits, one channel. Depends on the image and the settings alone.
+LocalFeatures find_features(const cv::Mat& grey, const FeatureSettings& settings);
+
+}  // namespace vpr

@@ -1,0 +1,35 @@
+// The centre that is nearest to a point: exact, and the same on every SIMD target.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/matrix_view.h"
+
+namespace vpr {
+
+inline constexpr size_t kCentreLanes = 32;
+
+/// Centres in blocks of 32, dimension by dimension, so that a SIMD lane is a centre.
+struct CentreBlocks {
+  size_t count = 0;
+  size_t dims = 0;
+  std::vector<float> values;      ///< block, dimension, lane
+  std::vector<float> half_norms;  ///< |c|^2 / 2; infinite in the padding
+};
+
+CentreBlocks make_centre_blocks(MatrixView<const float> centres);
+
+/// |p - c|^2 / 2 - |p|^2 / 2 of the nearest centre c of point p: smaller is nearer.
+struct NearestCentre {
+  float score = 0;
+  uint32_t centre = 0;
+};
+
+/// One entry a point. Ties go to the lower index. Sums over dimensions run in order, without fused
+/// multiply-add. `centres` must not be empty; points have centres.dims columns.
+void find_nearest_centres(const CentreBlocks& centres, MatrixView<const float> points,
+                          NearestCentre* nearest);
+
+}  // namespace vpr

@@ -1,0 +1,35 @@
+// Visual words: local features quantised by a vocabulary (Sivic & Zisserman; FAB-MAP).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "descriptors/local_features.h"
+#include "descriptors/nearest_centre.h"
+
+namespace vpr {
+
+/// Word ids, rising, each once: what a frame or view shows.
+using WordSet = std::vector<uint32_t>;
+
+/// One row a word: CV_32F, compared by Euclidean distance, or CV_8U, by Hamming distance.
+struct Vocabulary {
+  cv::Mat words;
+  CentreBlocks blocks;  ///< of float words
+};
+
+/// Throws nothing; `words` is CV_32F or CV_8U with at least one row.
+Vocabulary make_vocabulary(const cv::Mat& words);
+
+/// The nearest word of each descriptor (exact; ties to the lower word). Same type and length.
+std::vector<uint32_t> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors);
+
+/// The set of the nearest words; empty for no descriptors.
+WordSet quantise(const Vocabulary& vocabulary, const cv::Mat& descriptors);
+
+/// Bits in which two byte strings differ.
+uint32_t hamming_bytes(const uint8_t* a, const uint8_t* b, size_t bytes);
+
+}  // namespace vpr

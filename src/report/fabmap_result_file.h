@@ -1,0 +1,29 @@
+// Results of FAB-MAP queries: RESULT.json with .hits.npy, .hit_scores.npy, .best.npy,
+// .best_scores.npy and .new_place.npy beside it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "recognition/fabmap_result.h"
+#include "report/result_file.h"
+
+namespace vpr {
+
+void check_fabmap_result_output(const std::filesystem::path& path, Existing existing);
+
+Json fabmap_result_json(const FabmapResult& result, const ResultContext& context);
+
+/// Writes the companions, and the JSON last. Returns the JSON.
+Json write_fabmap_result(const std::filesystem::path& path, const FabmapResult& result,
+                         const ResultContext& context, Existing existing);
+
+struct StoredFabmapResult {
+  FabmapResult result;
+  std::string fingerprint;
+};
+
+/// Throws as read_result does.
+StoredFabmapResult read_fabmap_result(const std::filesystem::path& path);
+
+}  // namespace vpr

@@ -1,0 +1,82 @@
+// OpenFABMAP's own run on a corridor walked twice: its files in, its posteriors out.
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/npy.h"
+#include "database/openfabmap.h"
+#include "matching/fabmap.h"
+#include "recognition/fabmap_posterior.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+struct Loop {
+  ChowLiuTree tree;
+  std::vector<WordSet> pretrain;
+  std::vector<WordSet> frames;
+  ViewWords places;  // frames 0 to 39
+
+  explicit Loop(const std::filesystem::path& folder)
+      : tree(read_openfabmap_tree(folder / "tree.yml.gz")) {
+    pretrain = read_openfabmap_frames({folder / "bow-pretrain.yml.gz", {}}, tree.words());
+    frames = read_openfabmap_frames({folder / "bow-loop.yml.gz", {}}, tree.words());
+    for (size_t f = 0; f < 40; ++f) places.add(frames[f]);
+  }
+};
+
+// The largest difference of any posterior of frames 40 to 79 from the expected file.
+double largest_difference(const Loop& loop, const std::filesystem::path& expected,
+                          const char* variant, WordModel words, bool pretrain_new_place) {
+  const NpyArray file(expected);
+  const auto wanted = file.values<double>(2);
+  const FabmapModel model = make_fabmap_model(loop.tree, {}, words);
+  const FabmapIndex index = make_fabmap_index(model, loop.places);
+  ViewWords samples;
+  for (const WordSet& frame : loop.pretrain) samples.add(frame);
+  const FabmapIndex sample_index = make_fabmap_index(model, samples);
+  double largest = 0;
+  for (size_t f = 0; f < 40; ++f) {
+    const WordSet& frame = loop.frames[40 + f];
+    const auto views =
+        find_fabmap_variant(variant).log_likelihoods({model, loop.places, index, frame});
+    const double new_place =
+        pretrain_new_place
+            ? log_mean_exp(fabmap1_log_likelihoods({model, samples, sample_index, frame}))
+            : new_place_mean_field(model, frame);
+    const auto posterior = fabmap_posterior(views, new_place, {}, {});
+    for (size_t i = 0; i < posterior.size(); ++i)
+      largest = std::max(largest, std::abs(posterior[i] - wanted[f * 41 + i]));
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("posteriors on the loop are OpenFABMAP's, to 1e-9") {
+  const auto folder = test::real_data("expected/fabmap-loop");
+  if (!folder) return;
+  const Loop loop(*folder);
+  for (const char* variant : {"fabmap1", "fabmap2"}) {
+    INFO(variant);
+    CHECK(largest_difference(loop, *folder / "fabmap1-tree-meanfield.npy", variant, WordModel::tree,
+                             false) < 1e-9);
+    CHECK(largest_difference(loop, *folder / "fabmap1-naive-meanfield.npy", variant,
+                             WordModel::naive_bayes, false) < 1e-9);
+    CHECK(largest_difference(loop, *folder / "fabmap2-tree-pretrain.npy", variant, WordModel::tree,
+                             true) < 1e-9);
+  }
+}
+
+TEST_CASE(
+    "the tree of OpenFABMAP's words is a maximum spanning tree of ours, with its conditionals") {
+  const auto folder = test::real_data("expected/fabmap-loop");
+  if (!folder) return;
+  const Loop loop(*folder);
+  const ChowLiuTree ours = train_chow_liu(loop.pretrain, loop.tree.words(), {});
+  CHECK(ours.parent == plain_chow_liu(loop.pretrain, loop.tree.words()).parent);
+  for (size_t q = 0; q < ours.words(); ++q)
+    REQUIRE(ours.p[q] == Approx(loop.tree.p[q]).margin(1e-12));
+}
