@@ -1,5 +1,8 @@
 #include "command.h"
 
+#include <cerrno>
+#include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -18,6 +21,8 @@
 
 namespace vpr {
 namespace {
+
+constexpr uint64_t kMostThreads = 1024;
 
 std::atomic<bool> stop_wanted{false};  // set by a signal handler: the only global
 
@@ -96,8 +101,8 @@ void Program::set_run(std::function<void(Session&)> run) {
 
 void Program::add_common_flags(CLI::App& command) {
   command.add_option("-o,--output", common_.output, "where the result goes");
-  command.add_option("--threads", common_.threads, "threads to use; 0: all cores (default)");
-  command.add_option("--seed", common_.seed, "seed of everything that is random (default 1)");
+  add_setting(command, "--threads", common_.threads, "threads to use; 0: all cores (default)");
+  add_setting(command, "--seed", common_.seed, "seed of everything that is random (default 1)");
   command.add_flag("--quiet", common_.quiet, "no progress, no warnings, no table");
   command.add_flag("-v,--verbose", common_.verbose, "say more");
   command.add_flag("--force", common_.force, "replace an existing output");
@@ -134,6 +139,9 @@ void Program::run_session(int argc, char** argv) {
     logger->warn(sentence);
   };
   monitor.stop = &stop_wanted;
+  if (common_.threads > kMostThreads)
+    throw Error(ErrorKind::usage, fmt::format("--threads must be at most {}, found {}",
+                                              kMostThreads, common_.threads));
   const ThreadLimit limit(common_.threads);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
@@ -142,6 +150,8 @@ void Program::run_session(int argc, char** argv) {
   session.run.command_line.assign(argv, argv + argc);
   session.run.threads = thread_count();
   session.run.seed = common_.seed;
+  logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
+                session.run.threads, session.kernels.target);
   run_(session);
 }
 
@@ -165,6 +175,29 @@ int Program::main(int argc, char** argv) {
     return report_error(name_, ErrorKind::internal,
                         fmt::format("internal error, please report it: {}", error.what()));
   }
+}
+
+Json flag_value(const std::string& text) {
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* end = text.data() + text.size();
+  const auto parse = [&](auto value) -> std::optional<Json> {
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (error != std::errc{} || stop != end) return std::nullopt;
+    return Json(value);
+  };
+  if (const auto whole = parse(uint64_t{})) return *whole;
+  if (const auto negative = parse(int64_t{})) return *negative;
+  if (const auto real = parse(double{}); real && std::isfinite(real->get<double>())) return *real;
+  return text;
+}
+
+CLI::Option* add_list(CLI::App& command, const std::string& flag, std::vector<std::string>& values,
+                      const std::string& help) {
+  return command.add_option(flag, values, help)
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false)
+      ->type_name("TEXT");
 }
 
 size_t parse_bytes(const std::string& text, const std::string& flag) {

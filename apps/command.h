@@ -73,7 +73,6 @@ class Program {
   /// The program itself is the command.
   void set_run(std::function<void(Session&)> run);
 
-  CommonOptions& common() { return common_; }
   /// --config FILE fills `settings` and the common options before any flag does.
   template <class S>
   void add_config(CLI::App& command, S& settings) {
@@ -98,19 +97,29 @@ class Program {
   std::function<void(Session&)> run_;
 };
 
+/// The number or text that a flag means, as JSON: ".5", "+1" and "1e-3" are numbers here.
+Json flag_value(const std::string& text);
+
 /// A flag that sets one field of a settings struct, with the same checks as in a file.
 template <class T>
 CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
                          const std::string& help) {
-  return command.add_option_function<std::string>(
-      flag,
-      [&field, flag](const std::string& text) {
-        Json value = Json::parse(text, nullptr, false);
-        if (value.is_discarded() || std::is_same_v<T, std::string>) value = text;
-        value_from_json(value, field, "command line", flag);
-      },
-      help);
+  return command
+      .add_option_function<std::string>(
+          flag,
+          [&field, flag](const std::string& text) {
+            const bool is_text = std::is_same_v<T, std::string> || std::is_enum_v<T>;
+            value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
+          },
+          help)
+      ->type_name(std::is_arithmetic_v<T> ? "NUMBER"
+                  : std::is_enum_v<T>     ? "NAME"
+                                          : "VALUE");
 }
+
+/// A flag that may be given several times; each value stands as it is.
+CLI::Option* add_list(CLI::App& command, const std::string& flag, std::vector<std::string>& values,
+                      const std::string& help);
 
 /// Bytes from "512M", "2G", "1000000"; K, M, G are powers of 1024. Throws Error(usage).
 size_t parse_bytes(const std::string& text, const std::string& flag);

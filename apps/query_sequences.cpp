@@ -1,4 +1,6 @@
 // vpr-query against a database of sequences: FastABLE, OpenABLE.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/checksum.h"
@@ -45,8 +47,26 @@ std::string summary(const QueryRun& run) {
   return text;
 }
 
-void check_matrix_output(const QueryInputs& inputs, Existing existing) {
+bool has_gaps(const SequenceResult& result, const SequenceDatabase& database) {
+  return !result.query_unreadable.empty() ||
+         std::any_of(database.sequences.begin(), database.sequences.end(),
+                     [](const TrainSequence& sequence) { return !sequence.unreadable.empty(); });
+}
+
+void check_matrix_output(const QueryInputs& inputs, const std::string& output, Existing existing) {
+  if (!inputs.ground_truth.empty() && !inputs.matrix.ends_with(".png"))
+    throw Error(ErrorKind::usage,
+                "--ground-truth is for the picture of --save-matrix FILE.png; counts come from "
+                "vpr-eval");
   if (inputs.matrix.empty()) return;
+  const std::filesystem::path matrix = std::filesystem::absolute(inputs.matrix).lexically_normal();
+  const std::filesystem::path result = std::filesystem::absolute(output).lexically_normal();
+  for (const auto& other :
+       {result, companion_path(result, "hits.npy"), companion_path(result, "best.npy")})
+    if (matrix == other)
+      throw Error(ErrorKind::usage, fmt::format("{}: is written twice; give --save-matrix another "
+                                                "name",
+                                                inputs.matrix));
   if (!inputs.matrix.ends_with(".npy") && !inputs.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage,
                 fmt::format("--save-matrix writes .npy or .png, found {}", inputs.matrix));
@@ -59,7 +79,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& settings) {
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_result_output(options.output, options.existing());
-  check_matrix_output(inputs, options.existing());
+  check_matrix_output(inputs, options.output, options.existing());
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.memory_limit = parse_bytes(inputs.max_memory, "--max-memory");
@@ -84,7 +104,8 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   std::optional<MatrixPicture> picture;
   std::vector<RowConsumer> observers;
   if (inputs.matrix.ends_with(".npy"))
-    observers.emplace_back(std::ref(matrix.emplace(inputs.matrix, options.existing(), layout)));
+    observers.emplace_back(std::ref(matrix.emplace(inputs.matrix, options.existing(), layout,
+                                                   has_gaps(planned, database), session.monitor)));
   if (inputs.matrix.ends_with(".png")) observers.emplace_back(std::ref(picture.emplace(layout)));
 
   QueryRun found =
@@ -103,12 +124,15 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   context.seconds = found.seconds;
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
   if (matrix) context.matrix = matrix_layout_json(layout, found.result);
-  if (matrix) matrix->commit();
+  std::optional<OutputFile> picture_file;
   if (picture)
-    picture->write(inputs.matrix, options.existing(), found.result, truth ? &*truth : nullptr);
+    picture_file.emplace(
+        picture->write(inputs.matrix, options.existing(), found.result, truth ? &*truth : nullptr));
   const Json json = options.output.empty()
                         ? result_json(found.result, context)
                         : write_result(options.output, found.result, context, options.existing());
+  if (matrix) matrix->commit();
+  if (picture_file) picture_file->commit();
   session.print_result(summary(found), json);
 }
 

@@ -1,5 +1,5 @@
 // vpr-eval: how many recognitions of a result are right?
-#include <optional>
+#include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,15 +20,27 @@ struct EvalInputs {
   std::string result;
   std::string ground_truth;
   std::string dataset;
-  std::optional<int> tolerance_frames;
+  int tolerance_frames = -1;  ///< below 0: the data set's, or 0
   std::string expected;
   TableFormat format = TableFormat::text;
 };
 
+/// What may stand in a configuration file.
+struct EvalSettings {
+  EvalInputs& inputs;
+};
+
+template <class Visitor>
+void visit_fields(EvalSettings& settings, Visitor&& visit) {
+  visit("tolerance", settings.inputs.tolerance_frames);
+  visit("format", settings.inputs.format);
+}
+
 GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::string& query_name,
                                       bool is_fabmap) {
+  const int given = inputs.tolerance_frames;
   if (!inputs.ground_truth.empty())
-    return parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames.value_or(0));
+    return parse_ground_truth_argument(inputs.ground_truth, std::max(given, 0));
   if (inputs.dataset.empty())
     throw Error(ErrorKind::usage,
                 "give the ground truth, as in --ground-truth pairs.csv or --ground-truth aligned");
@@ -39,16 +51,8 @@ GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::strin
     throw Error(ErrorKind::usage,
                 fmt::format("{}: the query {} has no ground truth", inputs.dataset, query_name));
   GroundTruthArgument argument = *found;
-  argument.tolerance_frames = inputs.tolerance_frames.value_or(argument.tolerance_frames);
+  if (given >= 0) argument.tolerance_frames = given;
   return argument;
-}
-
-void check_expectations(const Json& report, const std::string& path) {
-  const Json expected = read_json(path, ErrorKind::usage);
-  const std::vector<std::string> unmet = unmet_expectations(report, expected, path);
-  if (!unmet.empty())
-    throw Error(ErrorKind::expectation, fmt::format("{}: {} counts differ\n  {}", path,
-                                                    unmet.size(), fmt::join(unmet, "\n  ")));
 }
 
 /// A report without "machine" and "timing", and the ground truth that it used.
@@ -71,6 +75,8 @@ Evaluation evaluate(const Stored& stored, const EvalInputs& inputs, const RunInf
 void run(Session& session, const EvalInputs& inputs) {
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_output_file(options.output, options.existing());
+  const Json expected =
+      inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
   const Stopwatch watch;
   auto [report, ground_truth] =
       result_method(inputs.result) == "fabmap"
@@ -81,9 +87,13 @@ void run(Session& session, const EvalInputs& inputs) {
   if (!ground_truth.path.empty()) info.paths["ground_truth"] = ground_truth.path.string();
   report["machine"] = machine_json(info);
   report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
+  std::vector<std::string> unmet;
+  if (!expected.is_null()) unmet = unmet_expectations(report, expected, inputs.expected);
   if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
   session.print_result(render_table(report_table(report), inputs.format), report);
-  if (!inputs.expected.empty()) check_expectations(report, inputs.expected);
+  if (!unmet.empty())
+    throw Error(ErrorKind::expectation,
+                fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));
 }
 
 }  // namespace
@@ -101,11 +111,14 @@ int main(int argc, char** argv) {
                  "pairs file (query,reference or query,sequence,reference), or the word aligned: "
                  "frame i is frame i");
   app.add_option("--dataset", inputs.dataset, "data set description that names the ground truth");
-  app.add_option("--tolerance", inputs.tolerance_frames,
-                 "of the ground truth, in frames (default 0)");
+  add_setting(app, "--tolerance", inputs.tolerance_frames,
+              "of the ground truth, in frames (default: the data set's, or 0)")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--expect", inputs.expected,
                  "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
                  "if they differ");
+  EvalSettings settings{inputs};
+  program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
   program.set_run([&](Session& session) { run(session, inputs); });
   return program.main(argc, argv);

@@ -60,19 +60,17 @@ void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySetting
                     "of a number: relative (D / max D, default) or bits (D / c_l)"));
   group(add_setting(app, "--safety-factor", settings.safety_factor,
                     "multiplies the automatic t_r (default: the database's)"));
-  group(app.add_option("--only-sequence", settings.only_sequences,
-                       "search only this training sequence; repeatable"))
-      ->expected(1)
-      ->take_all();
+  group(add_list(app, "--only-sequence", settings.only_sequences,
+                 "search only this training sequence; repeatable"));
   group(app.add_option("--save-matrix", inputs.matrix,
                        "write the distances: .npy (int32, never whole in memory) or .png (dark: "
                        "close)"));
   group(app.add_option("--ground-truth", inputs.ground_truth,
                        "pairs file, or the word aligned: drawn into the picture"));
-  group(app.add_option("--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"));
-  group(app.add_option("--verify", inputs.verify_cells,
-                       "recompute so many random cells by the definition; exit code 5 if one "
-                       "differs"));
+  group(add_setting(app, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"));
+  group(
+      add_setting(app, "--verify", inputs.verify_cells,
+                  "recompute so many random cells by the definition; exit code 5 if one differs"));
   group(app.add_option("--max-memory", inputs.max_memory,
                        "for rings and hits, as in 512M; more is computed twice instead (default "
                        "8G)"));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "database/archive.h"
 #include "database/fabmap_database.h"
 #include "database/openfabmap.h"
 #include "images/dataset.h"
@@ -22,12 +23,9 @@ struct TrainInputs {
 };
 
 void add_inputs(CLI::App& command, TrainInputs& inputs) {
-  command
-      .add_option("--train", inputs.sequences,
-                  "training sequence: a folder of images, a list (.txt) or a video, with an "
-                  "optional range PATH@FIRST:LAST[:STEP]; repeatable")
-      ->expected(1)
-      ->take_all();
+  add_list(command, "--train", inputs.sequences,
+           "training sequence: a folder of images, a list (.txt) or a video, with an "
+           "optional range PATH@FIRST:LAST[:STEP]; repeatable");
   command.add_option("--train-folders", inputs.folders, "each sub-folder is a training sequence");
 }
 
@@ -50,7 +48,8 @@ struct FabmapInputs {
   std::string train_bow;
 };
 
-std::vector<NamedArgument> named_arguments(const TrainInputs& inputs) {
+std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
+                                           const std::vector<std::string>& taken = {}) {
   std::vector<SequenceArgument> arguments;
   std::vector<NamedArgument> named;
   for (const std::string& text : inputs.sequences)
@@ -64,7 +63,7 @@ std::vector<NamedArgument> named_arguments(const TrainInputs& inputs) {
     for (const NamedSequence& train : read_dataset(inputs.dataset).train)
       named.push_back({train.name, train.sequence});
   }
-  const std::vector<std::string> names = sequence_names(arguments);
+  const std::vector<std::string> names = sequence_names(arguments, taken);
   for (size_t i = 0; i < arguments.size(); ++i) named.push_back({names[i], arguments[i]});
   if (named.empty())
     throw Error(ErrorKind::usage, "give at least one training sequence, as in --train FOLDER");
@@ -95,7 +94,7 @@ Table database_table(const SequenceDatabase& database, const std::string& title)
   return table;
 }
 
-Json database_json(const SequenceDatabase& database) {
+Json database_json(const SequenceDatabase& database, const RunInfo& run) {
   Json json = {{"schema", "vpr.database-info/1"}, {"method", "fastable"}};
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
@@ -115,6 +114,7 @@ Json database_json(const SequenceDatabase& database) {
     }
     json["sequences"].push_back(item);
   }
+  json["provenance"] = provenance_json(run);
   return json;
 }
 
@@ -207,25 +207,27 @@ std::string fabmap_summary(const FabmapDatabase& database, const std::string& pa
   return render_table(table, TableFormat::text);
 }
 
-Json fabmap_json(const FabmapDatabase& database) {
+Json fabmap_json(const FabmapDatabase& database, const RunInfo& run) {
   Json json = {{"schema", "vpr.database-info/1"}, {"method", "fabmap"}};
   json["settings"] = value_to_json(database.settings);
   json["words"] = database.tree.words();
   json["pretraining_frames"] = database.pretrain.views();
   json["views"] = database.views.views();
   json["places"] = database.place_names();
+  json["provenance"] = provenance_json(run);
   return json;
 }
 
 void require_output(const CommonOptions& options) {
   if (options.output.empty())
     throw Error(ErrorKind::usage, "give the database to write, as in -o DB.vprdb");
-  check_output_folder(options.output, options.existing(), "manifest.json");
+  check_output_folder(options.output, options.existing(), is_database_folder);
 }
 
 void store(Session& session, const SequenceDatabase& database) {
   write_sequence_database(session.options.output, database, session.options.existing());
-  session.print_result(summary(database, session.options.output), database_json(database));
+  session.print_result(summary(database, session.options.output),
+                       database_json(database, session.run));
 }
 
 }  // namespace
@@ -275,20 +277,14 @@ int main(int argc, char** argv) {
                 : train_fabmap_frames(fabmap_inputs, fabmap_settings, session);
         write_fabmap_database(session.options.output, database, session.options.existing());
         session.print_result(fabmap_summary(database, session.options.output),
-                             fabmap_json(database));
+                             fabmap_json(database, session.run));
       });
   program.add_config(fabmap, fabmap_settings);
-  fabmap
-      .add_option("--pretrain", fabmap_inputs.pretrain,
-                  "sequence of other places, for the vocabulary and the tree; repeatable")
-      ->expected(1)
-      ->take_all();
+  add_list(fabmap, "--pretrain", fabmap_inputs.pretrain,
+           "sequence of other places, for the vocabulary and the tree; repeatable");
   add_inputs(fabmap, fabmap_inputs.train);
-  fabmap
-      .add_option("--place", fabmap_inputs.places,
-                  "NAME=SEQUENCE: its frames are views of one place; repeatable")
-      ->expected(1)
-      ->take_all();
+  add_list(fabmap, "--place", fabmap_inputs.places,
+           "NAME=SEQUENCE: its frames are views of one place; repeatable");
   fabmap.add_option("--dataset", fabmap_inputs.train.dataset,
                     "data set description, instead of sequences");
   add_setting(fabmap, "--features", fabmap_settings.features.kind,
@@ -313,11 +309,11 @@ int main(int argc, char** argv) {
         if (database_method(database_path) == "fabmap") {
           const FabmapDatabase database = read_fabmap_database(database_path);
           session.print_result(fabmap_summary(database, database_path) + verified,
-                               fabmap_json(database));
+                               fabmap_json(database, session.run));
         } else {
           const SequenceDatabase database = read_sequence_database(database_path);
           session.print_result(summary(database, database_path) + verified,
-                               database_json(database));
+                               database_json(database, session.run));
         }
       });
   info.add_option("DB", database_path, "database")->required();
@@ -329,14 +325,9 @@ int main(int argc, char** argv) {
       "  vpr-train add building.vprdb --train wednesday -o building2.vprdb", [&](Session& session) {
         require_output(session.options);
         const SequenceDatabase database = read_sequence_database(database_path);
-        std::vector<NamedArgument> arguments = named_arguments(added);
-        for (const NamedArgument& argument : arguments)
-          for (const TrainSequence& sequence : database.sequences)
-            if (sequence.name == argument.name)
-              throw Error(ErrorKind::usage,
-                          fmt::format("{}: the database has a sequence of this name already; "
-                                      "rename the folder",
-                                      argument.name));
+        std::vector<std::string> taken;
+        for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
+        const std::vector<NamedArgument> arguments = named_arguments(added, taken);
         store(session, add_sequences(database, arguments, skip_unreadable, session.kernels,
                                      session.monitor));
       });

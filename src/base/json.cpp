@@ -8,13 +8,32 @@
 
 namespace vpr {
 
+namespace {
+
+constexpr int kMaxDepth = 64;
+
+}  // namespace
+
+std::optional<Json> parse_json(std::string_view text) {
+  bool too_deep = false;
+  Json json = Json::parse(
+      text,
+      [&](int depth, Json::parse_event_t, Json&) {
+        too_deep = too_deep || depth > kMaxDepth;
+        return !too_deep;  // what is nested deeper is not kept
+      },
+      false);
+  if (json.is_discarded() || too_deep) return std::nullopt;
+  return json;
+}
+
 Json read_json(const std::filesystem::path& path, ErrorKind kind) {
   const MappedFile file(path);
-  try {
-    return Json::parse(file.text());
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(kind, fmt::format("{}: is not valid JSON ({})", path.string(), error.what()));
-  }
+  std::optional<Json> json = parse_json(file.text());
+  if (!json)
+    throw Error(kind, fmt::format("{}: is not valid JSON; check its commas, quotes and brackets",
+                                  path.string()));
+  return *std::move(json);
 }
 
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,

@@ -26,6 +26,10 @@ namespace vpr {
 /// Keys keep the order in which they were written.
 using Json = nlohmann::ordered_json;
 
+/// Nothing if the text is no JSON, or nested deeper than any file of ours (so that what works
+/// through it may recurse).
+std::optional<Json> parse_json(std::string_view text);
+
 /// Reads a whole file. Throws Error(input) if it can't be read, Error(kind) if it is not JSON.
 Json read_json(const std::filesystem::path& path, ErrorKind kind);
 

@@ -53,6 +53,16 @@ void rename_new(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0) fail(to, errno);
 }
 
+// Exchanges two folders: in one step where the file system can, in three where it can't.
+void exchange(const fs::path& a, const fs::path& b) {
+  if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return;
+  if (errno != EINVAL && errno != ENOSYS) fail(b, errno);
+  const fs::path old = fs::path(a) += "-old";
+  if (::rename(b.c_str(), old.c_str()) != 0 || ::rename(a.c_str(), b.c_str()) != 0 ||
+      ::rename(old.c_str(), a.c_str()) != 0)
+    fail(b, errno);
+}
+
 }  // namespace
 
 void check_output_file(const fs::path& path, Existing existing) {
@@ -63,6 +73,9 @@ void check_output_file(const fs::path& path, Existing existing) {
         ErrorKind::usage,
         fmt::format("{}: is a folder, but the output is a file; give a file name", path.string()));
   if (fs::exists(status) && existing == Existing::refuse) refuse_existing(path);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is not replaced, because it is no regular file", path.string()));
   check_parent(path);
 }
 
@@ -123,24 +136,26 @@ void OutputFile::commit() {
   temporary_.clear();
 }
 
-void check_output_folder(const fs::path& given, Existing existing, std::string_view marker) {
+void check_output_folder(const fs::path& given, Existing existing, FolderCheck is_ours) {
   const fs::path path = without_trailing_slash(given);
   std::error_code error;
   if (fs::exists(fs::symlink_status(path, error))) {
     if (existing == Existing::refuse) refuse_existing(path);
-    const bool ours = fs::is_directory(path, error) &&
-                      (fs::is_empty(path, error) || fs::exists(path / marker, error));
+    const bool ours = fs::is_directory(fs::symlink_status(path, error)) &&
+                      (fs::is_empty(path, error) || is_ours(path));
     if (!ours)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: is not replaced, because it holds no {}; give another --output",
-                              path.string(), marker));
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("{}: is not replaced, because it is not, or not only, an output of this "
+                      "program; give another --output",
+                      path.string()));
   }
   check_parent(path);
 }
 
-OutputFolder::OutputFolder(fs::path path, Existing existing, std::string_view marker)
+OutputFolder::OutputFolder(fs::path path, Existing existing, FolderCheck is_ours)
     : path_(without_trailing_slash(path)), temporary_(temporary_name(path_)), existing_(existing) {
-  check_output_folder(path_, existing_, marker);
+  check_output_folder(path_, existing_, is_ours);
   std::error_code error;
   fs::remove_all(temporary_, error);
   if (::mkdir(temporary_.c_str(), 0777) != 0) fail(path_, errno);
@@ -153,8 +168,7 @@ OutputFolder::~OutputFolder() {
 
 void OutputFolder::commit() {
   if (existing_ == Existing::replace && fs::exists(path_)) {
-    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) != 0)
-      fail(path_, errno);
+    exchange(temporary_, path_);
     return;  // the destructor removes the old folder, which has the temporary name now
   }
   rename_new(temporary_, path_);

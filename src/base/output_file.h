@@ -42,16 +42,19 @@ class OutputFile {
   int file_ = -1;
 };
 
-/// Throws like check_output_file; with `replace`, a folder that stands there must be empty or hold
-/// a file named `marker` (so that nobody's home is replaced by a slip).
-void check_output_folder(const std::filesystem::path& path, Existing existing,
-                         std::string_view marker);
+/// Whether a folder holds nothing but an output of ours, so that nobody's home is replaced by a
+/// slip.
+using FolderCheck = bool (*)(const std::filesystem::path& folder);
+
+/// Throws like check_output_file; with `replace`, a folder that stands there must be empty or pass
+/// `is_ours`.
+void check_output_folder(const std::filesystem::path& path, Existing existing, FolderCheck is_ours);
 
 /// A folder. Write into temporary(), then commit: the whole folder appears, or is exchanged with
 /// the old one, in one step.
 class OutputFolder {
  public:
-  OutputFolder(std::filesystem::path path, Existing existing, std::string_view marker);
+  OutputFolder(std::filesystem::path path, Existing existing, FolderCheck is_ours);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;

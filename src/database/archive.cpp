@@ -1,6 +1,5 @@
 #include "database/archive.h"
 
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,16 +25,25 @@ bool is_intact(std::string_view text) {
          fmt::format("{}{}{}", kChecksumStart, checksum(content), kChecksumEnd);
 }
 
-std::optional<Json> parse(std::string_view text) {
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) return std::nullopt;
-  return json;
-}
-
 }  // namespace
 
+bool is_database_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(folder / kManifestName, error)) return false;
+  const auto json = parse_json(MappedFile(folder / kManifestName).text());
+  if (!json || !json->is_object() || !json->contains("schema") || !json->contains("files"))
+    return false;
+  const Json& schema = (*json)["schema"];
+  if (!schema.is_string() || !schema.get<std::string>().starts_with("vpr.database/")) return false;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name != kManifestName && !(*json)["files"].contains(name)) return false;
+  }
+  return true;
+}
+
 ArchiveWriter::ArchiveWriter(const fs::path& path, Existing existing)
-    : folder_(path, existing, kManifestName) {}
+    : folder_(path, existing, is_database_folder) {}
 
 void ArchiveWriter::add_text(const std::string& name, std::string_view text) {
   write_file(folder_.temporary() / name, text, Existing::refuse);
@@ -66,7 +74,7 @@ Archive::Archive(fs::path path) : path_(std::move(path)) {
                 fmt::format("{}: is not a database (a folder with {}, made by vpr-train)",
                             path_.string(), kManifestName));
   const MappedFile file(file_name);
-  const auto json = parse(file.text());
+  const auto json = parse_json(file.text());
   if (!json) fail("it is not valid JSON");
   require_schema(*json, "database", file_name.string(), ErrorKind::data);
   if (!is_intact(file.text())) fail("its checksum does not fit its text");
@@ -97,8 +105,10 @@ void Archive::verify(const std::string& name, std::span<const std::byte> bytes) 
 }
 
 NpyArray Archive::array(const std::string& name) const {
-  verify(name, MappedFile(path_ / name).bytes());
-  return NpyArray(path_ / name);
+  verify(name, MappedFile(path_ / name).bytes());  // sizes first: damage is named as such
+  NpyArray array(path_ / name);
+  verify(name, array.file_bytes());
+  return array;
 }
 
 std::string Archive::text(const std::string& name) const {

@@ -16,6 +16,9 @@ namespace vpr {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
 
+/// Whether a folder is a database, of any kind or version, and holds nothing else.
+bool is_database_folder(const std::filesystem::path& folder);
+
 /// Writes files, then the manifest, and lets the whole folder appear at once.
 class ArchiveWriter {
  public:

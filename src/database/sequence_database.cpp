@@ -81,6 +81,8 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
       archive.fail("its numbers of frames do not fit frames.txt");
     TrainSequence& sequence = sequences.emplace_back();
     sequence.name = manifest_text(archive, json, "name");
+    for (size_t s = 0; s + 1 < sequences.size(); ++s)
+      if (sequences[s].name == sequence.name) archive.fail("two sequences have the same name");
     sequence.unreadable = read_unreadable(archive, json, count);
     sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
                                 frame_names.begin() + ptrdiff_t(first + count));
@@ -95,10 +97,10 @@ std::optional<ClosestWindows> read_closest(const Archive& archive, const Json& j
                                            size_t window_length, size_t own,
                                            const std::vector<TrainSequence>& sequences) {
   if (json.is_null()) return std::nullopt;
-  const ClosestWindows closest{static_cast<uint32_t>(manifest_count(archive, json, "distance")),
-                               manifest_count(archive, json, "window"),
-                               manifest_count(archive, json, "other_sequence"),
-                               manifest_count(archive, json, "other_window")};
+  const ClosestWindows closest{
+      static_cast<uint32_t>(std::min<size_t>(manifest_count(archive, json, "distance"), ~0U)),
+      manifest_count(archive, json, "window"), manifest_count(archive, json, "other_sequence"),
+      manifest_count(archive, json, "other_window")};
   const auto fits = [&](size_t sequence, size_t window) {
     return sequence < sequences.size() && window_length <= sequences[sequence].frame_count() &&
            window <= sequences[sequence].frame_count() - window_length;
@@ -118,6 +120,8 @@ std::vector<ThresholdTable> read_thresholds(const Archive& archive,
     if (factor == json.end() || !factor->is_number())
       archive.fail("\"safety_factor\" is no number");
     table.safety_factor = factor->get<double>();
+    if (!(table.safety_factor > 0 && table.safety_factor <= 1e6))
+      archive.fail("\"safety_factor\" is out of range");
     for (const Json& item : manifest_list(archive, json, "closest"))
       table.closest.push_back(
           read_closest(archive, item, table.window_length, table.closest.size(), sequences));

@@ -30,6 +30,7 @@ FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadabl
   const size_t count = sequence.files.size();
   std::vector<char> failed(count, 0);
   std::atomic<size_t> lowest_failed{count};
+  std::vector<std::string> problems(count);
   StepCounter counter(monitor, "describe", count);
   parallel_for(count, monitor, [&](size_t i) {
     if (unreadable == Unreadable::fail && i > lowest_failed.load()) return;
@@ -39,13 +40,14 @@ FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadabl
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;
       failed[i] = 1;
+      problems[i] = error.what();
       lower_to(lowest_failed, i);
     }
     if (!image.empty()) body(i, image);
     counter.add();
   });
   if (unreadable == Unreadable::fail && lowest_failed < count)
-    decode_image(sequence.files[lowest_failed], format);  // throws the same error again
+    throw Error(ErrorKind::input, problems[lowest_failed]);
   FrameList frames;
   for (size_t i = 0; i < count; ++i) {
     frames.names.push_back(sequence.files[i].filename().string());
@@ -79,24 +81,29 @@ class VideoReader {
   }
 
   /// False at the end of the range.
-  bool next(IndexedFrame& frame) {
+  bool next(IndexedFrame& frame, const Monitor& monitor) {
     const FrameRange& range = argument_.range;
     const uint64_t wanted = range.first + frames_.names.size() * range.step;
-    if (range.last && wanted >= *range.last) return false;
-    for (; position_ <= wanted; ++position_)
-      if (!capture_.grab()) return end();
-    cv::Mat image;
-    if (!capture_.retrieve(image) || image.empty()) return end();
-    if (format_ == PixelFormat::grey && image.channels() == 3)
-      cv::cvtColor(image, frame.image, cv::COLOR_BGR2GRAY);
-    else
-      frame.image = image.clone();
+    if (range.last && wanted >= *range.last) {
+      grab_below(*range.last, monitor);  // are there as many frames as the range says?
+      return false;
+    }
+    if (!grab_below(wanted + 1, monitor)) return false;
     frame.index = frames_.names.size();
     frames_.names.push_back(fmt::format("#{}", wanted));
+    cv::Mat image;
+    if (!capture_.retrieve(image) || image.empty()) {
+      frames_.unreadable.push_back(frame.index);
+      frame.image = cv::Mat();
+    } else if (format_ == PixelFormat::grey && image.channels() == 3) {
+      cv::cvtColor(image, frame.image, cv::COLOR_BGR2GRAY);
+    } else {
+      frame.image = image.clone();
+    }
     return true;
   }
 
-  FrameList finish(const Monitor& monitor) {
+  FrameList finish(Unreadable unreadable, const Monitor& monitor) {
     const FrameRange& range = argument_.range;
     const std::string path = argument_.path.string();
     if (ended_ && (frames_.names.empty() || range.last))
@@ -104,10 +111,18 @@ class VideoReader {
                   fmt::format("{}: has {} frames that can be decoded, which is too few{}", path,
                               position_, range.is_all() ? "" : " for " + range_text(range)));
     const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
-    if (ended_ && stated > static_cast<double>(position_) * 1.02 + 2)
-      warn(monitor, fmt::format("{}: ends after {} frames although it states {:.0f}; it may be "
-                                "truncated",
-                                path, position_, stated));
+    const bool is_short = ended_ && stated > static_cast<double>(position_) * 1.02 + 2;
+    const std::string short_text =
+        fmt::format("{}: ends after {} frames although it states {:.0f}", path, position_, stated);
+    if (unreadable == Unreadable::fail && is_short)
+      throw Error(ErrorKind::input,
+                  short_text + "; give --skip-unreadable to use the frames that there are");
+    if (unreadable == Unreadable::fail && !frames_.unreadable.empty())
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: frame {} can't be decoded; give --skip-unreadable to go on "
+                              "without it",
+                              path, frames_.names[frames_.unreadable.front()]));
+    if (is_short) warn(monitor, short_text);
     return std::move(frames_);
   }
 
@@ -121,9 +136,16 @@ class VideoReader {
   }
 
  private:
-  bool end() {
-    ended_ = true;
-    return false;
+  // Moves on until `position` frames have been taken; false if there are fewer.
+  bool grab_below(uint64_t position, const Monitor& monitor) {
+    for (; position_ < position; ++position_) {
+      check_stop(monitor);
+      if (ended_ || !capture_.grab()) {
+        ended_ = true;
+        return false;
+      }
+    }
+    return true;
   }
 
   SequenceArgument argument_;
@@ -134,8 +156,8 @@ class VideoReader {
   bool ended_ = false;
 };
 
-FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, const Monitor& monitor,
-                               const FrameBody& body) {
+FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
+                               const Monitor& monitor, const FrameBody& body) {
   namespace tbb = oneapi::tbb;
   VideoReader reader(sequence.argument, format);
   StepCounter counter(monitor, "describe", reader.expected_frames());
@@ -145,25 +167,25 @@ FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, con
                                                             [&](tbb::flow_control& control) {
                                                               auto frame =
                                                                   std::make_shared<IndexedFrame>();
-                                                              if (!reader.next(*frame))
+                                                              if (!reader.next(*frame, monitor))
                                                                 control.stop();
                                                               return frame;
                                                             }) &
           tbb::make_filter<std::shared_ptr<IndexedFrame>, void>(
               tbb::filter_mode::parallel, [&](const std::shared_ptr<IndexedFrame>& frame) {
-                body(frame->index, frame->image);
+                if (!frame->image.empty()) body(frame->index, frame->image);
                 counter.add();
               }));
-  return reader.finish(monitor);
+  return reader.finish(unreadable, monitor);
 }
 
 }  // namespace
 
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor, const FrameBody& body) {
-  if (sequence.kind == SequenceKind::video)
-    return for_each_video_frame(sequence, format, monitor, body);
-  FrameList frames = for_each_image(sequence, format, unreadable, monitor, body);
+  FrameList frames = sequence.kind == SequenceKind::video
+                         ? for_each_video_frame(sequence, format, unreadable, monitor, body)
+                         : for_each_image(sequence, format, unreadable, monitor, body);
   if (frames.unreadable.size() == frames.count())
     throw Error(ErrorKind::input, fmt::format("{}: none of its {} frames can be decoded",
                                               sequence.argument.path.string(), frames.count()));

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/mapped_file.h"
 #include "images/natural_order.h"
 
@@ -113,6 +114,76 @@ std::optional<FrameRange> parse_range(std::string_view text, const std::string& 
   return range;
 }
 
+/// A name that can grow until it differs from others.
+struct SequenceName {
+  fs::path path;                   // absolute
+  std::vector<std::string> parts;  // own name first, then parents
+  size_t used = 1;                 // parts
+  bool with_extension = false;
+  std::string range;
+  bool with_range = false;
+};
+
+// Results are JSON, which is UTF-8: other bytes become %XX.
+std::string as_utf8(const std::string& text) {
+  try {
+    (void)Json(text).dump();
+    return text;
+  } catch (const nlohmann::json::type_error&) {
+    std::string escaped;
+    for (const char c : text)
+      escaped +=
+          (c & 0x80) != 0 ? fmt::format("%{:02X}", static_cast<uint8_t>(c)) : std::string(1, c);
+    return escaped;
+  }
+}
+
+SequenceName make_name(const SequenceArgument& argument) {
+  std::error_code error;
+  SequenceName name;
+  name.path = fs::absolute(argument.path, error).lexically_normal();
+  if (!name.path.has_filename()) name.path = name.path.parent_path();
+  name.range = range_text(argument.range);
+  const bool is_folder = fs::is_directory(name.path, error);
+  name.parts.push_back(as_utf8((is_folder ? name.path.filename() : name.path.stem()).string()));
+  for (fs::path parent = name.path.parent_path(); parent.has_filename();
+       parent = parent.parent_path())
+    name.parts.push_back(as_utf8(parent.filename().string()));
+  return name;
+}
+
+std::string name_text(const SequenceName& name) {
+  std::string text =
+      name.with_extension ? as_utf8(name.path.filename().string()) : name.parts.front();
+  for (size_t k = 1; k < name.used; ++k) text = name.parts[k] + "/" + text;
+  return name.with_range ? text + name.range : text;
+}
+
+// Lets the names of a group grow by one step: ranges of one path, extensions of one folder, and
+// otherwise a parent. False if nothing is left to add.
+bool distinguish(std::vector<SequenceName>& names, const std::vector<size_t>& group) {
+  const SequenceName& first = names[group.front()];
+  bool same_path = group.size() > 1;
+  bool same_parents = group.size() > 1;
+  for (const size_t i : group) {
+    same_path = same_path && names[i].path == first.path;
+    same_parents = same_parents && names[i].path.parent_path() == first.path.parent_path();
+  }
+  bool changed = false;
+  for (const size_t i : group) {
+    SequenceName& name = names[i];
+    if (!same_path && same_parents && !name.with_extension) {
+      changed = name.with_extension = true;
+    } else if (!same_path && name.used < name.parts.size()) {
+      ++name.used;
+      changed = true;
+    } else if (!name.with_range && !name.range.empty()) {
+      changed = name.with_range = true;
+    }
+  }
+  return changed;
+}
+
 }  // namespace
 
 SequenceArgument parse_sequence_argument(const std::string& text) {
@@ -162,6 +233,9 @@ Sequence open_sequence(const SequenceArgument& argument) {
     throw Error(
         ErrorKind::input,
         fmt::format("{}: is a single image; give its folder, a list or a video", path.string()));
+  } else if (!fs::is_regular_file(status)) {
+    throw Error(ErrorKind::input,
+                fmt::format("{}: is neither a folder nor a regular file", path.string()));
   } else {
     sequence.kind = SequenceKind::video;
     return sequence;
@@ -183,60 +257,28 @@ std::vector<SequenceArgument> subfolder_arguments(const fs::path& folder) {
   return arguments;
 }
 
-std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arguments) {
-  struct Name {
-    std::vector<std::string> parts;  // own name first, then parents
-    size_t used = 1;
-    bool with_range = false;
-  };
-  std::vector<Name> names;
-  for (const SequenceArgument& argument : arguments) {
-    std::error_code error;
-    fs::path path = fs::absolute(argument.path, error).lexically_normal();
-    if (!path.has_filename()) path = path.parent_path();
-    Name name;
-    name.parts.push_back(fs::is_directory(path, error) ? path.filename().string()
-                                                       : path.stem().string());
-    for (fs::path parent = path.parent_path(); parent.has_filename(); parent = parent.parent_path())
-      name.parts.push_back(parent.filename().string());
-    names.push_back(name);
-  }
-  const auto text = [&](size_t i) {
-    std::string joined = names[i].parts.front();
-    for (size_t k = 1; k < names[i].used; ++k) joined = names[i].parts[k] + "/" + joined;
-    return names[i].with_range ? joined + range_text(arguments[i].range) : joined;
-  };
+std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arguments,
+                                        const std::vector<std::string>& taken) {
+  std::vector<SequenceName> names;
+  for (const SequenceArgument& argument : arguments) names.push_back(make_name(argument));
   for (;;) {
     std::map<std::string, std::vector<size_t>> equal;
-    for (size_t i = 0; i < names.size(); ++i) equal[text(i)].push_back(i);
-    bool changed = false;
-    bool unique = true;
-    for (const auto& [name, group] : equal) {
-      if (group.size() == 1) continue;
-      unique = false;
-      // The same folder in several ranges: parents would not help.
-      const bool same_path = std::all_of(group.begin(), group.end(), [&](size_t i) {
-        return names[i].parts == names[group.front()].parts;
-      });
-      for (const size_t i : group) {
-        Name& item = names[i];
-        if (!same_path && item.used < item.parts.size()) {
-          ++item.used;
-          changed = true;
-        } else if (!item.with_range) {
-          item.with_range = true;
-          changed = true;
-        }
-      }
+    for (size_t i = 0; i < names.size(); ++i) equal[name_text(names[i])].push_back(i);
+    bool is_unique = true;
+    for (const auto& [text, group] : equal) {
+      if (group.size() == 1 && std::find(taken.begin(), taken.end(), text) == taken.end()) continue;
+      is_unique = false;
+      if (!distinguish(names, group))
+        throw Error(ErrorKind::usage,
+                    fmt::format("two training sequences are called {} and have the same path and "
+                                "range; give each only once",
+                                text));
     }
-    if (unique) break;
-    if (!changed)
-      throw Error(ErrorKind::usage,
-                  "two training sequences have the same path and range; give each only once");
+    if (is_unique) break;
   }
-  std::vector<std::string> result;
-  for (size_t i = 0; i < names.size(); ++i) result.push_back(text(i));
-  return result;
+  std::vector<std::string> texts;
+  for (const SequenceName& name : names) texts.push_back(name_text(name));
+  return texts;
 }
 
 }  // namespace vpr

@@ -26,6 +26,12 @@ CodeWords code_words(const LdbCode& code) {
   return words;
 }
 
+std::vector<FrameRun> readable_runs(const CodeSpan& sequence) {
+  std::vector<FrameRun> runs;
+  append_runs(runs, 0, 0, sequence);
+  return runs;
+}
+
 TrainCodes make_train_codes(std::span<const CodeSpan> sequences) {
   TrainCodes train;
   for (size_t s = 0; s < sequences.size(); ++s) {

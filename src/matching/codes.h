@@ -58,6 +58,9 @@ struct CodeSpan {
 TrainCodes make_train_codes(std::span<const CodeSpan> sequences);
 QueryCodes make_query_codes(const CodeSpan& sequence);
 
+/// The stretches of one sequence between its unreadable frames.
+std::vector<FrameRun> readable_runs(const CodeSpan& sequence);
+
 CodeWords code_words(const LdbCode& code);
 
 /// Windows of `window_length` frames in all runs; 0 where every run is shorter.

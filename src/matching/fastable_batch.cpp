@@ -167,7 +167,7 @@ class StripMatcher {
 void match_fastable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
                     const Monitor& monitor, const RowConsumer& consume) {
   assert(settings.window_length >= 1 && settings.window_length <= kMaxWindowLength);
-  if (train.frame_count == 0 || query.words.empty()) return;
+  if (!any_window_pair(train, query, settings.window_length)) return;
   const size_t diagonals = train.frame_count + query.words.size() - 1;
   const StripLayout layout = plan_strips(diagonals, settings);
   const ptrdiff_t first_diagonal = 1 - ptrdiff_t(query.words.size());

@@ -137,6 +137,7 @@ std::span<const uint32_t> advance_fastable(FastableState& state, const TrainCode
 void match_fastable_online(const TrainCodes& train, const QueryCodes& query,
                            const MatchSettings& settings, const Monitor& monitor,
                            const RowConsumer& consume) {
+  if (!any_window_pair(train, query, settings.window_length)) return;
   FastableState state = start_fastable(train, settings);
   StepCounter counter(monitor, "match", query.words.size());
   for (size_t frame = 0; frame < query.words.size(); ++frame) {

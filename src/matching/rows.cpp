@@ -26,6 +26,11 @@ void emit_row(const TrainCodes& train, size_t window_length, size_t query_end, s
   }
 }
 
+bool any_window_pair(const TrainCodes& train, const QueryCodes& query, size_t window_length) {
+  return count_windows(train.runs, window_length) > 0 &&
+         count_windows(query.runs, window_length) > 0;
+}
+
 bool ends_window(const QueryCodes& query, size_t window_length, size_t frame) {
   const auto run = run_from(query.runs, frame);
   return run != query.runs.end() && frame + 1 >= run->first + window_length;

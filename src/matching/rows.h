@@ -39,6 +39,9 @@ inline constexpr size_t kMaxWindowLength = 1'000'000;
 void emit_row(const TrainCodes& train, size_t window_length, size_t query_end, size_t first,
               std::span<const uint32_t> sums, const RowConsumer& consume);
 
+/// Whether there is a cell at all.
+bool any_window_pair(const TrainCodes& train, const QueryCodes& query, size_t window_length);
+
 /// Whether a valid query window ends at this frame.
 bool ends_window(const QueryCodes& query, size_t window_length, size_t frame);
 

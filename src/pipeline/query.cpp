@@ -14,6 +14,7 @@
 namespace vpr {
 namespace {
 
+constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
 constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
 
 void check_settings(const SequenceQuerySettings& settings) {
@@ -61,7 +62,7 @@ std::vector<SequenceThreshold> plan_sequences(const SequenceDatabase& database,
     SequenceThreshold& sequence = planned.emplace_back();
     sequence.name = database.sequences[s].name;
     sequence.frames = spans[s].codes.size();
-    sequence.windows = count_windows(make_query_codes(spans[s]).runs, settings.window_length);
+    sequence.windows = count_windows(readable_runs(spans[s]), settings.window_length);
     sequence.searched = is_searched(settings, sequence.name);
     if (!sequence.searched) continue;
     any = any || sequence.windows > 0;
@@ -86,8 +87,9 @@ ThresholdTable automatic_table(const SequenceDatabase& database,
   warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it from its "
                             "training sequences",
                             settings.window_length));
+  const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
   const ThresholdTable table =
-      compute_thresholds(database, settings.window_length, 1, resources.kernels, monitor);
+      compute_thresholds(database, settings.window_length, factor, resources.kernels, monitor);
   for (const std::string& sentence : overlap_warnings(table, database.sequences))
     warn(monitor, sentence);
   return table;
@@ -151,9 +153,9 @@ std::vector<Recognition> cluster_by_sequence(const std::vector<Cell>& hits, size
 }
 
 void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& database,
-                 const SequenceCodes& query, size_t window_length) {
+                 const SequenceCodes& query, size_t window_length, const Monitor& monitor) {
   const std::vector<Cell> wrong =
-      wrong_cells(cells, code_spans(database), query.codes, window_length);
+      wrong_cells(cells, code_spans(database), query.codes, window_length, monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(
@@ -177,13 +179,16 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
   result.query_name = query_name;
   result.query_frames = query.frames.count();
   result.query_unreadable = query.frames.unreadable;
-  const CodeSpan query_span{query.codes, query.frames.unreadable};
-  if (count_windows(make_query_codes(query_span).runs, settings.window_length) == 0)
+  if (count_windows(readable_runs({query.codes, query.frames.unreadable}),
+                    settings.window_length) == 0)
     throw Error(ErrorKind::usage,
                 fmt::format("the query {} has {} frames, and no {} readable ones in a row (c_l); "
                             "give a smaller --c-l",
                             query_name, result.query_frames, settings.window_length));
   result.query_windows = result.query_frames - settings.window_length + 1;
+  if (!result.query_unreadable.empty())
+    warn(monitor, fmt::format("{}: {} of {} frames can't be decoded and will never match",
+                              query_name, result.query_unreadable.size(), result.query_frames));
   result.sequences = plan_sequences(database, settings, monitor);
   if (settings.distance_threshold) {
     for (SequenceThreshold& sequence : result.sequences) {
@@ -221,7 +226,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   for (const SequenceThreshold& sequence : result.sequences)
     scan_settings.limits.push_back(sequence.distance_limit);
   scan_settings.query_windows = result.query_windows;
-  scan_settings.max_hits = resources.memory_limit / kBytesPerHit;
+  scan_settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
   scan_settings.kernels = resources.kernels;
   HitScan scan(std::move(scan_settings));
   CellScan cells(choose_cells(train.runs, query_codes.runs, match.window_length,
@@ -237,7 +242,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   run.seconds["match"] = watch.elapsed_s();
 
   watch = {};
-  check_cells(cells.result(), database, query, match.window_length);
+  check_cells(cells.result(), database, query, match.window_length, monitor);
   run.verified_cells = cells.result().size();
   if (resources.verify_cells > 0) run.seconds["verify"] = watch.elapsed_s();
 

@@ -29,11 +29,12 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
 
 void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
                              const Monitor& monitor) {
-  for (const TrainSequence& sequence : database.sequences)
-    if (sequence.frame_count() < window_length)
-      warn(monitor, fmt::format("{}: has {} frames, fewer than c_l {}, so it can't be recognised "
+  const std::vector<CodeSpan> spans = code_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s)
+    if (count_windows(readable_runs(spans[s]), window_length) == 0)
+      warn(monitor, fmt::format("{}: has no {} readable frames in a row, so it can't be recognised "
                                 "with this c_l",
-                                sequence.name, sequence.frame_count(), window_length));
+                                database.sequences[s].name, window_length));
 }
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <tuple>
+#include <unordered_set>
 
+#include "base/parallel.h"
 #include "matching/plain.h"
 
 namespace vpr {
@@ -23,6 +25,17 @@ Window find_window(const std::vector<FrameRun>& runs, size_t window_length, uint
   return {};
 }
 
+// Up to `count` different numbers below `bound`: Floyd's algorithm, one draw each.
+std::unordered_set<uint64_t> choose_indices(uint64_t bound, uint64_t count, uint64_t seed) {
+  RandomEngine engine(seed);
+  std::unordered_set<uint64_t> chosen;
+  for (uint64_t j = bound - std::min(bound, count); j < bound; ++j) {
+    const uint64_t drawn = uniform_below(engine, j + 1);
+    if (!chosen.insert(drawn).second) chosen.insert(j);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
@@ -31,45 +44,33 @@ std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
   const uint64_t cols = count_windows(train_runs, window_length);
   const uint64_t rows = count_windows(query_runs, window_length);
   std::vector<Cell> cells;
-  if (rows == 0 || cols == 0) return cells;
-  RandomEngine engine(seed);
-  const auto add = [&](uint64_t row, uint64_t col) {
-    const Window train = find_window(train_runs, window_length, col);
-    cells.push_back({static_cast<uint32_t>(find_window(query_runs, window_length, row).window),
-                     static_cast<uint32_t>(train.sequence), static_cast<uint32_t>(train.window),
-                     0});
+  const auto add = [&](uint64_t index) {
+    const Window train = find_window(train_runs, window_length, index % cols);
+    cells.push_back(
+        {static_cast<uint32_t>(find_window(query_runs, window_length, index / cols).window),
+         static_cast<uint32_t>(train.sequence), static_cast<uint32_t>(train.window), 0});
   };
-  const auto sort_unique = [&] {
-    const auto key = [](const Cell& c) {
-      return std::tie(c.query_window, c.sequence, c.train_window);
-    };
-    std::sort(cells.begin(), cells.end(),
-              [&](const Cell& a, const Cell& b) { return key(a) < key(b); });
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  };
-  if (rows * cols <= count) {
-    for (uint64_t row = 0; row < rows; ++row)
-      for (uint64_t col = 0; col < cols; ++col) add(row, col);
-    sort_unique();
-    return cells;
-  }
-  while (cells.size() < count) {
-    for (size_t missing = count - cells.size(); missing > 0; --missing)
-      add(uniform_below(engine, rows), uniform_below(engine, cols));
-    sort_unique();
-  }
+  for (const uint64_t index : choose_indices(rows * cols, count, seed)) add(index);
+  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) {
+    return std::tie(a.query_window, a.sequence, a.train_window) <
+           std::tie(b.query_window, b.sequence, b.train_window);
+  });
   return cells;
 }
 
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,
-                              std::span<const LdbCode> query, size_t window_length) {
+                              std::span<const LdbCode> query, size_t window_length,
+                              const Monitor& monitor) {
+  std::vector<uint32_t> right(cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t i) {
+    right[i] = plain_window_distance(train[cells[i].sequence].codes, cells[i].train_window, query,
+                                     cells[i].query_window, window_length);
+  });
   std::vector<Cell> wrong;
-  for (Cell cell : cells) {
-    const uint32_t right = plain_window_distance(train[cell.sequence].codes, cell.train_window,
-                                                 query, cell.query_window, window_length);
-    if (cell.distance == right) continue;
-    cell.distance = right;
-    wrong.push_back(cell);
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].distance == right[i]) continue;
+    wrong.push_back(cells[i]);
+    wrong.back().distance = right[i];
   }
   return wrong;
 }

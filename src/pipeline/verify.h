@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "base/monitor.h"
 #include "base/random.h"
 #include "matching/codes.h"
 #include "recognition/row_scan.h"
@@ -18,6 +19,7 @@ std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
 
 /// The cells whose distance is not that of the plain scalar definition, with the right distance.
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,
-                              std::span<const LdbCode> query, size_t window_length);
+                              std::span<const LdbCode> query, size_t window_length,
+                              const Monitor& monitor);
 
 }  // namespace vpr

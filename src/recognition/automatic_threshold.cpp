@@ -13,6 +13,10 @@
 namespace vpr {
 namespace {
 
+// Windows of different places differ by more, whatever the median of all sequences is: a tenth of
+// the bits of a frame.
+constexpr double kSamePlaceBits = kLdbBits / 10.0;
+
 using ClosestTable = std::vector<std::optional<ClosestWindows>>;
 
 void keep_closer(std::optional<ClosestWindows>& kept, const ClosestWindows& candidate) {
@@ -82,7 +86,10 @@ std::vector<std::string> overlap_warnings(const ThresholdTable& table,
   std::set<std::pair<size_t, size_t>> named;
   for (size_t s = 0; s < table.closest.size(); ++s) {
     const auto& closest = table.closest[s];
-    if (!closest || closest->distance >= middle / 2) continue;
+    if (!closest) continue;
+    const double bits =
+        static_cast<double>(closest->distance) / static_cast<double>(table.window_length);
+    if (closest->distance >= middle / 2 && bits >= kSamePlaceBits) continue;
     if (!named.insert(std::minmax(s, closest->other_sequence)).second) continue;
     warnings.push_back(fmt::format(
         "the training sequences {} and {} may show the same place, which makes their automatic "

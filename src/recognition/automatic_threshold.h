@@ -23,7 +23,9 @@ double automatic_threshold(const ClosestWindows& closest, size_t window_length,
                            double safety_factor);
 
 /// One sentence for each pair of sequences that seem to show the same place: those whose distance
-/// is below half the median of all. Frames are named by index: first and last of each window.
+/// is below half the median of all, or below a tenth of the bits (with two
+/// sequences, the median is their own distance). Frames are named by index: first and last of each
+/// window.
 std::vector<std::string> overlap_warnings(const ThresholdTable& table,
                                           std::span<const TrainSequence> sequences);
 

@@ -98,22 +98,20 @@ Table report_table(const Json& report) {
     add("t_p", text(settings["t_p"]));
   } else {
     add("c_l", text(settings["c_l"]));
-    add("t_r", settings["t_r"].is_string()
-                   ? "auto"
-                   : text(settings["t_r"]) + " " + text(settings["t_r_scale"]));
+    add("t_r", text(settings["t_r"]));
+    add("scale", settings["t_r"].is_string() ? "bits" : text(settings["t_r_scale"]));
   }
-  add("hits correct", text(counts["hits"]["correct"]));
-  add("incorrect", text(counts["hits"]["incorrect"]));
-  if (is_fabmap) {
-    add("distinct", text(counts["distinct"]));
-  } else {
-    add("places correct", text(counts["places"]["correct"]));
-    add("incorrect", text(counts["places"]["incorrect"]));
+  add("hits right", text(counts["hits"]["correct"]));
+  add("hits wrong", text(counts["hits"]["incorrect"]));
+  if (!is_fabmap) {
+    add("places right", text(counts["places"]["correct"]));
+    add("places wrong", text(counts["places"]["incorrect"]));
   }
-  add("best match right", text(best["correct"]));
-  add("of", text(best["queries"]));
-  add("rate",
-      best["rate"].is_null() ? "-" : fmt::format("{:.1f} %", 100 * best["rate"].get<double>()));
+  add("distinct", text(counts["distinct"]));
+  add("best right", text(best["correct"]));
+  add("of", std::to_string(best["queries"].get<uint64_t>() - best["ignored"].get<uint64_t>()));
+  add("per cent",
+      best["rate"].is_null() ? "-" : fmt::format("{:.1f}", 100 * best["rate"].get<double>()));
   table.rows = {row};
   return table;
 }

@@ -110,6 +110,7 @@ Json write_fabmap_result(const fs::path& path, const FabmapResult& result,
   add("best", best.indices, {best.scores.size(), kColumns});
   add("best_scores", best.scores, {best.scores.size()});
   add("new_place", result.new_place, {result.new_place.size()});
+  add_result_checksum(json);
   OutputFile main(path, existing);
   main.write(to_text(json));
   for (OutputFile& companion : companions) companion.commit();
@@ -119,10 +120,10 @@ Json write_fabmap_result(const fs::path& path, const FabmapResult& result,
 
 StoredFabmapResult read_fabmap_result(const fs::path& path) {
   const std::string where = path.string();
-  Json json = read_json(path, ErrorKind::data);
-  require_schema(json, "result", where, ErrorKind::data);
+  const Json json = read_result_json(path);
   const Fields fields(json, where);
   StoredFabmapResult stored;
+  stored.fingerprint = fields.text("checksum");
   FabmapResult& result = stored.result;
   try {
     value_from_json(fields["settings"], result.settings, where, "settings");
@@ -145,9 +146,6 @@ StoredFabmapResult read_fabmap_result(const fs::path& path) {
   }
   result.best = read_matches(path, "best", files, result);
   if (result.best.size() != result.query_frames) files.fail("best.npy does not fit the query");
-  json.erase("machine");
-  json.erase("timing");
-  stored.fingerprint = checksum(to_text(json));
   return stored;
 }
 

@@ -25,14 +25,18 @@ Json matrix_layout_json(const MatrixLayout& layout, const SequenceResult& result
 }
 
 MatrixFile::MatrixFile(const std::filesystem::path& path, Existing existing,
-                       const MatrixLayout& layout)
+                       const MatrixLayout& layout, bool has_gaps, const Monitor& monitor)
     : file_(path, existing), layout_(layout) {
   const std::string header = npy_header(npy_type<int32_t>(), {layout.rows, layout.cols});
   header_bytes_ = header.size();
   file_.write(header);
   file_.reserve(header_bytes_ + sizeof(int32_t) * layout.rows * layout.cols);
+  if (!has_gaps) return;
   const std::vector<int32_t> no_distance(layout.cols, -1);
-  for (size_t r = 0; r < layout.rows; ++r) file_.write(std::as_bytes(std::span(no_distance)));
+  for (size_t r = 0; r < layout.rows; ++r) {
+    check_stop(monitor);
+    file_.write(std::as_bytes(std::span(no_distance)));
+  }
 }
 
 void MatrixFile::operator()(const DistanceRow& row) {

@@ -27,7 +27,9 @@ Json matrix_layout_json(const MatrixLayout& layout, const SequenceResult& result
 /// its whole size from the start and is never in memory.
 class MatrixFile {
  public:
-  MatrixFile(const std::filesystem::path& path, Existing existing, const MatrixLayout& layout);
+  /// `has_gaps`: some window has an unreadable frame, so that not every cell will arrive.
+  MatrixFile(const std::filesystem::path& path, Existing existing, const MatrixLayout& layout,
+             bool has_gaps, const Monitor& monitor);
   /// Takes part of a row, from any thread.
   void operator()(const DistanceRow& row);
   void commit();

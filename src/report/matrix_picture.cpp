@@ -123,8 +123,8 @@ void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
   }
 }
 
-void MatrixPicture::write(const std::filesystem::path& path, Existing existing,
-                          const SequenceResult& result, const GroundTruth* truth) const {
+OutputFile MatrixPicture::write(const std::filesystem::path& path, Existing existing,
+                                const SequenceResult& result, const GroundTruth* truth) const {
   cv::Mat image = grey_image();
   if (truth != nullptr) draw_truth(image, result, *truth);
   for (const Cell& hit : result.hits)
@@ -139,7 +139,7 @@ void MatrixPicture::write(const std::filesystem::path& path, Existing existing,
   cv::imencode(".png", image, png);
   OutputFile file(path, existing);
   file.write(std::as_bytes(std::span(png)));
-  file.commit();
+  return file;
 }
 
 }  // namespace vpr

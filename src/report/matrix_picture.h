@@ -23,8 +23,9 @@ class MatrixPicture {
 
   /// Writes a PNG: ground truth (if known) in green; hits orange, or, where the ground truth is
   /// known, blue if correct and red if not (grey-blue if ignored). Sequences are divided by lines.
-  void write(const std::filesystem::path& path, Existing existing, const SequenceResult& result,
-             const GroundTruth* truth) const;
+  /// The caller commits.
+  OutputFile write(const std::filesystem::path& path, Existing existing,
+                   const SequenceResult& result, const GroundTruth* truth) const;
 
  private:
   struct Pixels;

@@ -86,6 +86,13 @@ void check_result_output(const fs::path& path, Existing existing) {
   check_output_file(companion_path(path, "best.npy"), existing);
 }
 
+void add_result_checksum(Json& json) { json["checksum"] = result_checksum(json); }
+
+std::string result_checksum(Json json) {
+  for (const char* key : {"machine", "timing", "checksum"}) json.erase(key);
+  return checksum(to_text(json));
+}
+
 void add_context(Json& json, const ResultContext& context) {
   json["provenance"] = provenance_json(context.run);
   json["provenance"]["database"] = context.database_fingerprint;
@@ -125,6 +132,7 @@ Json write_result(const fs::path& path, const SequenceResult& result, const Resu
   OutputFile best =
       write_rows(companion_path(path, "best.npy"), best_rows(result), existing, best_entry);
   json["files"] = {{"hits", hits_entry}, {"best", best_entry}};
+  add_result_checksum(json);
   OutputFile main(path, existing);
   main.write(to_text(json));
   hits.commit();

@@ -50,6 +50,15 @@ void check_result_output(const std::filesystem::path& path, Existing existing);
 /// Parts of a result that do not depend on the method: provenance, machine and timing.
 void add_context(Json& json, const ResultContext& context);
 
+/// Of everything but "machine" and "timing".
+std::string result_checksum(Json json);
+
+/// Adds "checksum", of everything but "machine" and "timing", as the last key.
+void add_result_checksum(Json& json);
+
+/// A result of any method, its checksum verified. Throws as read_result does.
+Json read_result_json(const std::filesystem::path& path);
+
 /// The method of a result file: "fastable", "openable", "fabmap", ... Throws as read_result does.
 std::string result_method(const std::filesystem::path& path);
 

@@ -118,19 +118,27 @@ void read_cells(const fs::path& path, const Fields& fields, SequenceResult& resu
 
 }  // namespace
 
+Json read_result_json(const fs::path& path) {
+  const std::string where = path.string();
+  Json json = read_json(path, ErrorKind::data);
+  require_schema(json, "result", where, ErrorKind::data);
+  const Fields fields(json, where);
+  if (fields.text("checksum") != result_checksum(json)) fields.fail("its checksum does not fit");
+  return json;
+}
+
 std::string result_method(const fs::path& path) {
   const std::string where = path.string();
-  const Json json = read_json(path, ErrorKind::data);
-  require_schema(json, "result", where, ErrorKind::data);
+  const Json json = read_result_json(path);
   return Fields(json, where).text("method");
 }
 
 StoredResult read_result(const fs::path& path) {
   const std::string where = path.string();
-  Json json = read_json(path, ErrorKind::data);
-  require_schema(json, "result", where, ErrorKind::data);
+  const Json json = read_result_json(path);
   const Fields fields(json, where);
   StoredResult stored;
+  stored.fingerprint = fields.text("checksum");
   SequenceResult& result = stored.result;
   try {
     value_from_json(fields["settings"], result.settings, where, "settings");
@@ -141,7 +149,7 @@ StoredResult read_result(const fs::path& path) {
   result.query_name = query.text("name");
   result.query_frames = query.count("frames", kMostFrames);
   result.query_windows = query.count("windows", result.query_frames);
-  if (result.settings.window_length == 0 ||
+  if (result.settings.window_length == 0 || result.settings.window_length > kMaxWindowLength ||
       result.query_windows != window_count(result.query_frames, result.settings.window_length))
     fields.fail("its numbers of windows and frames do not fit");
   result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
@@ -149,9 +157,6 @@ StoredResult read_result(const fs::path& path) {
   for (const Json& item : fields.list("recognitions"))
     result.places.push_back(read_recognition(Fields(item, where), result));
   read_cells(path, fields, result);
-  json.erase("machine");
-  json.erase("timing");
-  stored.fingerprint = checksum(to_text(json));
   return stored;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,6 +23,8 @@ namespace fs = std::filesystem;
 constexpr int kPixelsPerMetre = 40;
 constexpr int kFrameWidth = 160;
 constexpr int kFrameHeight = 120;
+constexpr std::string_view kNameLetters =
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
 constexpr size_t kMostFrames = 100'000;
 
 int between(RandomEngine& engine, int low, int high) {
@@ -67,10 +70,13 @@ void check_world(const World& world, const std::string& where) {
         "frames_per_s must be above 0 and at most 1000");
   check(world.same_place_m >= 0, where, "same_place_m must not be negative");
   check(!world.walks.empty(), where, "walks must not be empty");
+  std::set<std::string> names;
   for (const Walk& walk : world.walks) {
     const auto on_wall = [&](double m) { return m >= 0 && m <= world.corridor_length_m; };
-    check(!walk.name.empty() && walk.name.find('/') == std::string::npos && walk.name[0] != '.',
-          where, "a walk needs a name that can be a folder's");
+    check(!walk.name.empty() && walk.name.find_first_not_of(kNameLetters) == std::string::npos,
+          where, "a walk's name must be of letters, digits, - and _");
+    check(names.insert(walk.name).second, where, "two walks have the same name");
+    check(walk.brightness >= 0 && walk.brightness <= 100, where, "brightness must be 0 to 100");
     check(walk.corridor < world.corridors, where, "a walk's corridor does not exist");
     check(on_wall(walk.from_m) && on_wall(walk.to_m), where, "a walk leaves its corridor");
     check(walk.speed_m_s > 0.01 && walk.speed_m_s <= 100, where,
@@ -115,15 +121,15 @@ void write_walk(const World& world, const Walk& walk, const fs::path& folder,
 std::string ground_truth_csv(const World& world, const Walk& query) {
   std::string csv = "query,sequence,reference\n";
   const std::vector<double> own = walk_positions(world, query);
-  for (size_t q = 0; q < own.size(); ++q) {
-    for (const Walk& walk : world.walks) {
-      if (walk.is_query || walk.corridor != query.corridor) continue;
-      const std::vector<double> positions = walk_positions(world, walk);
+  std::vector<std::pair<std::string, std::vector<double>>> walks;
+  for (const Walk& walk : world.walks)
+    if (!walk.is_query && walk.corridor == query.corridor)
+      walks.emplace_back(walk.name, walk_positions(world, walk));
+  for (size_t q = 0; q < own.size(); ++q)
+    for (const auto& [name, positions] : walks)
       for (size_t r = 0; r < positions.size(); ++r)
         if (std::abs(positions[r] - own[q]) <= world.same_place_m)
-          csv += fmt::format("{},{},{}\n", q, walk.name, r);
-    }
-  }
+          csv += fmt::format("{},{},{}\n", q, name, r);
   return csv;
 }
 
@@ -159,6 +165,23 @@ World read_world(const fs::path& path) {
   value_from_json(json, world, where, "world");
   check_world(world, where);
   return world;
+}
+
+bool is_world_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "dataset.json", error)) return false;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_directory()) {
+      if (name != "dataset.json" && !name.ends_with(".ground_truth.csv")) return false;
+      continue;
+    }
+    if (!fs::is_regular_file(entry.path() / "positions.csv", error)) return false;
+    for (const auto& file : fs::directory_iterator(entry.path()))
+      if (file.path().filename() != "positions.csv" && file.path().extension() != ".png")
+        return false;
+  }
+  return true;
 }
 
 std::vector<double> walk_positions(const World& world, const Walk& walk) {

@@ -61,6 +61,9 @@ void visit_fields(World& world, Visitor&& visit) {
 /// is out of range.
 World read_world(const std::filesystem::path& path);
 
+/// Whether a folder holds what write_world writes, and nothing else.
+bool is_world_folder(const std::filesystem::path& folder);
+
 /// Positions along the wall, in metres, frame by frame.
 std::vector<double> walk_positions(const World& world, const Walk& walk);
 

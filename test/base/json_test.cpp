@@ -107,3 +107,11 @@ TEST_CASE("schemas of another kind or a newer version are told apart") {
 TEST_CASE("text that is not UTF-8 is written all the same") {
   CHECK(to_text(Json{{"name", "a\xff"}}) == "{\n  \"name\": \"a\xef\xbf\xbd\"\n}\n");
 }
+
+TEST_CASE("text that is nested too deep is no JSON of ours") {
+  CHECK(parse_json("[[1]]").has_value());
+  CHECK(parse_json(std::string(60, '[') + std::string(60, ']')).has_value());
+  CHECK_FALSE(parse_json(std::string(300'000, '[') + std::string(300'000, ']')).has_value());
+  CHECK_FALSE(parse_json(R"({"a":)" + std::string(300'000, '[')).has_value());
+  CHECK_FALSE(parse_json("{").has_value());
+}

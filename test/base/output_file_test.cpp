@@ -6,6 +6,14 @@
 
 using namespace vpr;
 
+namespace {
+
+bool has_marker(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / "marker");
+}
+
+}  // namespace
+
 TEST_CASE("a file appears only when it is committed") {
   const test::TemporaryFolder folder;
   {
@@ -42,7 +50,7 @@ TEST_CASE("a missing parent folder and a folder in the way are errors") {
 TEST_CASE("a folder is replaced in one step, and only one of ours") {
   const test::TemporaryFolder folder;
   const auto write = [&](const std::string& text, Existing existing) {
-    OutputFolder output(folder / "db", existing, "marker");
+    OutputFolder output(folder / "db", existing, has_marker);
     write_file(output.temporary() / "marker", text, Existing::refuse);
     output.commit();
   };
@@ -53,7 +61,7 @@ TEST_CASE("a folder is replaced in one step, and only one of ours") {
   CHECK(test::list_folder(folder.path()) == std::vector<std::string>{"db"});
   std::filesystem::create_directory(folder / "home");
   test::write_text(folder / "home/letter", "dear");
-  CHECK(test::error_kind([&] { OutputFolder(folder / "home", Existing::replace, "marker"); }) ==
+  CHECK(test::error_kind([&] { OutputFolder(folder / "home", Existing::replace, has_marker); }) ==
         ErrorKind::usage);
   CHECK(test::read_text(folder / "home/letter") == "dear");
 }
@@ -62,4 +70,11 @@ TEST_CASE("a full disk is an output error") {
   if (!std::filesystem::exists("/dev/full")) return;
   OutputFile file(std::filesystem::temp_directory_path() / "vpr-full-test", Existing::replace);
   CHECK(test::error_kind([&] { file.reserve(uint64_t{1} << 60); }) == ErrorKind::output);
+}
+
+TEST_CASE("what is no regular file is not replaced") {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("/dev/null", folder / "null");
+  CHECK(test::error_kind([&] { write_file(folder / "null", "x", Existing::replace); }) ==
+        ErrorKind::usage);
 }

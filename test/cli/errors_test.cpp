@@ -153,8 +153,67 @@ TEST_CASE("an existing output is refused before any work, and replaced with --fo
   CHECK(query({"--force"}).exit_code == 0);
   check_failure(
       Bench::train({"--train", bench().folder / "one", "--force", "-o", bench().folder / "two"}), 2,
-      "manifest.json");
+      "is not replaced");
   CHECK(test::list_folder(bench().folder / "two").size() == 8);
+}
+
+TEST_CASE("--force never replaces a folder that holds anything of somebody else") {
+  const test::TemporaryFolder out;
+  fs::create_directory(out / "extension");
+  test::write_text(out / "extension/manifest.json", R"({"manifest_version": 3})");
+  fs::copy(bench().database(), out / "mixed");
+  test::write_text(out / "mixed/notes.txt", "mine");
+  fs::create_directory(out / "recordings");
+  test::write_text(out / "recordings/dataset.json", "{}");
+  fs::create_directory(out / "recordings/rec");
+  test::write_image(out / "recordings/rec/1.png", 1);
+  for (const char* name : {"extension", "mixed"})
+    check_failure(Bench::train({"--train", bench().folder / "one", "--force", "-o", out / name}), 2,
+                  "is not replaced");
+  check_failure(run_program("vpr-synth", {test::source_path("configs/worlds/demo.json"), "--force",
+                                          "-o", out / "recordings"}),
+                2, "is not replaced");
+  CHECK(fs::exists(out / "recordings/rec/1.png"));
+  CHECK(fs::exists(out / "mixed/notes.txt"));
+}
+
+TEST_CASE("hostile nesting is an error, not a crash") {
+  const test::TemporaryFolder out;
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+  test::write_text(out / "c.json", R"({"c_l": )" + deep + "}");
+  check_failure(bench().query({"--config", out / "c.json"}), 2, "not valid JSON");
+  test::write_text(out / "r.json", R"({"schema": "vpr.result/1", "x": )" + deep + "}");
+  check_failure(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"}), 4,
+                "not valid JSON");
+}
+
+TEST_CASE("an output that would be written twice is refused, and a failed one leaves no matrix") {
+  const test::TemporaryFolder out;
+  const std::vector<std::string> base = {
+      bench().database(), "--query", bench().folder / "query", "--c-l", "5", "-o", out / "m.json"};
+  auto twice = base;
+  twice.insert(twice.end(), {"--force", "--save-matrix", out / "m.hits.npy"});
+  check_failure(run_program("vpr-query", twice), 2, "written twice");
+  auto failing = base;
+  failing.insert(failing.end(),
+                 {"--max-memory", "1", "--t-r", "1", "--save-matrix", out / "d.npy"});
+  check_failure(run_program("vpr-query", failing), 2, "hits");
+  CHECK(test::list_folder(out.path()).empty());
+}
+
+TEST_CASE("numbers are read as people write them, and only in range") {
+  const test::TemporaryFolder out;
+  CHECK(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}).exit_code == 0);
+  CHECK(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}).exit_code == 0);
+  for (const char* kind : {"r.json", "r.hits.npy", "r.best.npy"}) fs::remove(bench().folder / kind);
+  check_failure(bench().query({"--threads", "-1"}), 2, "threads");
+  check_failure(bench().query({"--seed", "99999999999999999999999"}), 2, "seed");
+  check_failure(bench().query({"--verify", "-1"}), 2, "verify");
+}
+
+TEST_CASE("flags of the other family are refused") {
+  check_failure(bench().query({"--t-p", "0.5"}), 2, "--t-p");
+  check_failure(bench().query({"--method", "fabmap"}), 4, "fabmap");
 }
 
 TEST_CASE("outputs that can't be written") {

@@ -52,3 +52,14 @@ TEST_CASE("expectations that can't fail, or can't be met, are usage errors") {
       R"({"schema": "vpr.result/1", "counts": {"distinct": 3}})", R"({"schema": 3})");
   CHECK(test::error_kind([&] { unmet(text); }) == ErrorKind::usage);
 }
+
+TEST_CASE("a rate that is none is met by none alone") {
+  const Json none = Json::parse(R"({"counts": {"distinct": 0}, "best_match": {"rate": null}})");
+  const auto unmet_of = [&](const Json& report, const char* expected) {
+    return unmet_expectations(report, Json::parse(expected), "e.json").size();
+  };
+  CHECK(unmet_of(none, R"({"schema": "vpr.expected/1", "counts": {"distinct": 0},
+                           "best_match": {"rate": null}})") == 0);
+  CHECK(unmet_of(none, R"({"schema": "vpr.expected/1", "best_match": {"rate": 0.5}})") == 1);
+  CHECK(unmet_of(kReport, R"({"schema": "vpr.expected/1", "best_match": {"rate": null}})") == 1);
+}

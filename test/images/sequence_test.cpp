@@ -99,6 +99,10 @@ TEST_CASE("sequences are named by their folder, with parents where two are equal
   CHECK(names({"/a/x/ref", "/b/x/ref"}) == std::vector<std::string>{"a/x/ref", "b/x/ref"});
   CHECK(names({"/a/w@0:5", "/a/w@5:9"}) == std::vector<std::string>{"w@:5", "w@5:9"});
   CHECK(names({"/a/list.txt"}) == std::vector<std::string>{"list"});
+  CHECK(names({"/a/w.txt", "/a/w.mp4"}) == std::vector<std::string>{"w.txt", "w.mp4"});
+  CHECK(names({"/a/bad\xff"}) == std::vector<std::string>{"bad%FF"});
+  CHECK(sequence_names({parse_sequence_argument("/a/w")}, {"w"}) ==
+        std::vector<std::string>{"a/w"});
   CHECK(test::error_kind([&] { names({"/a/w", "/a/w"}); }) == ErrorKind::usage);
 }
 

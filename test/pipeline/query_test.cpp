@@ -194,7 +194,7 @@ TEST_CASE("a wrong cell is found") {
   const CodeSpan span{train, {}};
   const uint32_t right = plain_window_distance(train, 3, query, 2, 4);
   const std::vector<Cell> cells = {{2, 0, 3, right}, {2, 0, 4, 1}};
-  const auto wrong = wrong_cells(cells, std::span(&span, 1), query, 4);
+  const auto wrong = wrong_cells(cells, std::span(&span, 1), query, 4, {});
   REQUIRE(wrong.size() == 1);
   CHECK(wrong[0].train_window == 4);
   CHECK(wrong[0].distance == plain_window_distance(train, 4, query, 2, 4));

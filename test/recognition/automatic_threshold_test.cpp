@@ -82,14 +82,22 @@ TEST_CASE("sequences closer than half the median are named, each pair once, with
   const ThresholdTable fine{
       2,
       1,
-      {ClosestWindows{200, 0, 1, 0}, ClosestWindows{200, 0, 0, 0}, ClosestWindows{100, 0, 0, 0},
-       ClosestWindows{210, 0, 0, 0}, ClosestWindows{220, 0, 0, 0}}};
+      {ClosestWindows{600, 0, 1, 0}, ClosestWindows{600, 0, 0, 0}, ClosestWindows{300, 0, 0, 0},
+       ClosestWindows{630, 0, 0, 0}, ClosestWindows{660, 0, 0, 0}}};
   CHECK(overlap_warnings(fine, sequences).empty());  // exactly half is no warning
   ThresholdTable close = fine;
-  close.closest[2] = ClosestWindows{99, 3, 4, 5};
+  close.closest[2] = ClosestWindows{299, 3, 4, 5};
   CHECK(overlap_warnings(close, sequences).size() == 1);
   const std::string text = overlap_warnings(close, sequences).front();
   CHECK(text.find("c and e") != std::string::npos);
   CHECK(text.find("c frames 3 to 4 (3.png to 4.png)") != std::string::npos);
   CHECK(text.find("e frames 5 to 6") != std::string::npos);
+}
+
+TEST_CASE("two sequences that overlap are named although the median is their own distance") {
+  const std::vector<TrainSequence> sequences = {named("a", 9), named("b", 9)};
+  const ThresholdTable same{2, 1, {ClosestWindows{20, 0, 1, 0}, ClosestWindows{20, 0, 0, 0}}};
+  CHECK(overlap_warnings(same, sequences).size() == 1);
+  const ThresholdTable other{2, 1, {ClosestWindows{600, 0, 1, 0}, ClosestWindows{600, 0, 0, 0}}};
+  CHECK(overlap_warnings(other, sequences).empty());
 }

@@ -75,6 +75,8 @@ TEST_CASE("results that were tampered with are refused, never a crash") {
   const auto broken = [&](const std::string& pointer, const Json& value) {
     Json json = whole;
     json[Json::json_pointer(pointer)] = value;
+    json.erase("checksum");
+    add_result_checksum(json);
     test::write_text(path, json.dump());
     return test::error_kind([&] { read_result(path); });
   };
@@ -96,6 +98,18 @@ TEST_CASE("results that were tampered with are refused, never a crash") {
     INFO(pointer);
     CHECK(broken(pointer, value) == ErrorKind::data);
   }
+}
+
+TEST_CASE("a result whose text was changed is refused, unless only machine and timing were") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  Json json = Json::parse(test::read_text(path));
+  json["machine"]["threads"] = 99;
+  test::write_text(path, to_text(json));
+  read_result(path);
+  json["recognitions"] = Json::array();
+  test::write_text(path, to_text(json));
+  CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
 }
 
 TEST_CASE("random damage gives an error or a result, never a crash") {
