@@ -148,12 +148,6 @@ std::span<const LdbCode> CodeStore::view() const {
   return {reinterpret_cast<const LdbCode*>(bytes.data()), bytes.size() / kLdbBytes};
 }
 
-std::span<const LdbCode> SequenceDatabase::sequence_codes(size_t sequence) const {
-  size_t first = 0;
-  for (size_t s = 0; s < sequence; ++s) first += sequences[s].frame_count();
-  return codes.view().subspan(first, sequences[sequence].frame_count());
-}
-
 SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const Archive archive(path);
   const std::string method = manifest_text(archive, archive.manifest(), "method");

@@ -51,8 +51,6 @@ struct SequenceDatabase {
   CodeStore codes;  ///< of all sequences, one after the other
   std::vector<ThresholdTable> thresholds;
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
-
-  std::span<const LdbCode> sequence_codes(size_t sequence) const;
 };
 
 /// Every file is verified. Throws Error(input) if it is missing, Error(data) if it is damaged, of

@@ -107,6 +107,7 @@ Dataset read_dataset(const fs::path& path) {
     value_from_json(*fps, dataset.frames_per_second, where, "fps");
   for (const Json& item : reader.list("pretrain"))
     dataset.pretrain.push_back(sequence_argument(item, folder, where + ", pretrain"));
+  if (!(dataset.frames_per_second >= 0)) reader.fail("\"fps\" must not be negative");
   std::vector<std::string> names;
   for (const Json& item : reader.list("train")) {
     ObjectReader train(item, where + ", train");

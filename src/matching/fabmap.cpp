@@ -15,7 +15,7 @@ namespace vpr {
 namespace {
 
 constexpr double kFixedScale = 1 << 20;
-constexpr double kMostFixed = 1024;  // a word's term, clamped: no sum overflows
+constexpr double kMostFixed = 2000;  // of a term: 2^31 / 2^20 with room to spare
 
 constexpr std::array<FabmapVariant, 5> kVariants = {{
     {"fabmap2", "inverted index: only words of the query and their children",
@@ -25,6 +25,16 @@ constexpr std::array<FabmapVariant, 5> kVariants = {{
     {"lut", "the definition from a table of rounded logarithms", lut_log_likelihoods},
     {"fbo", "fast bail-out: drops views that can't win any more", fbo_log_likelihoods},
 }};
+
+int32_t as_fixed(double value) {
+  return static_cast<int32_t>(
+      std::lround(std::clamp(value, -kMostFixed, kMostFixed) * kFixedScale));
+}
+
+// Sums may leave the range on the way; what counts is that they end in it.
+int32_t add_wrapping(int32_t a, int32_t b) {
+  return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
+}
 
 size_t entry(bool z, bool parent, bool own) {
   return 4 * size_t{z} + 2 * size_t{parent} + size_t{own};
@@ -84,6 +94,7 @@ FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views) 
                            model.log_p[word][entry(false, false, false)];
     }
   }
+  for (const double value : index.defaults) index.fixed_defaults.push_back(as_fixed(value));
   for (const auto& log_p : model.log_p) index.constant += log_p[entry(false, false, false)];
   return index;
 }
@@ -145,19 +156,16 @@ std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query) {
 
 std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query) {
   const FabmapIndex& index = query.index;
-  std::vector<int64_t> sums(index.views);
-  for (size_t v = 0; v < index.views; ++v) sums[v] = std::llround(index.defaults[v] * kFixedScale);
+  std::vector<int32_t> sums = index.fixed_defaults;
   double to_all = index.constant;
   for (const WordTerm& term : query_terms(query)) {
     to_all += term.to_all;
-    const int64_t step =
-        std::llround(std::clamp(term.to_its_views, -kMostFixed, kMostFixed) * kFixedScale);
+    const int32_t step = as_fixed(term.to_its_views);
     for (uint64_t i = index.offsets[term.word]; i < index.offsets[term.word + 1]; ++i)
-      sums[index.lists[i]] += step;
+      sums[index.lists[i]] = add_wrapping(sums[index.lists[i]], step);
   }
   std::vector<double> result(index.views);
-  for (size_t v = 0; v < index.views; ++v)
-    result[v] = static_cast<double>(sums[v]) / kFixedScale + to_all;
+  for (size_t v = 0; v < index.views; ++v) result[v] = sums[v] / kFixedScale + to_all;
   return result;
 }
 

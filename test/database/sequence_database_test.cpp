@@ -36,7 +36,7 @@ TEST_CASE("a database that was written is read back") {
   CHECK(database.sequences[1].frame_names == std::vector<std::string>{"#0", "#1"});
   const std::vector<LdbCode> codes = test::random_codes(5, 1);
   CHECK(std::equal(codes.begin(), codes.end(), database.codes.view().begin()));
-  CHECK(database.sequence_codes(1)[1] == codes[4]);
+  CHECK(database.codes.view()[4] == codes[4]);
   const ThresholdTable* table = find_thresholds(database.thresholds, 2);
   REQUIRE(table != nullptr);
   CHECK(table->safety_factor == 0.9);
