@@ -1,5 +1,7 @@
 #include "query_inputs.h"
 
+#include <algorithm>
+
 #include "evaluation/ground_truth.h"
 
 namespace vpr {
@@ -7,12 +9,15 @@ namespace vpr {
 QuerySource find_query(const QueryInputs& inputs) {
   QuerySource source;
   if (!inputs.ground_truth.empty())
-    source.ground_truth = parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames);
+    source.ground_truth =
+        parse_ground_truth_argument(inputs.ground_truth, std::max(inputs.tolerance_frames, 0));
   if (!inputs.dataset.empty()) {
     const Dataset dataset = read_dataset(inputs.dataset);
     const DatasetQuery& query = select_query(dataset, inputs.query);
     source.sequence = query.sequence;
     if (!source.ground_truth) source.ground_truth = query.sequence_ground_truth;
+    if (source.ground_truth && inputs.tolerance_frames >= 0)
+      source.ground_truth->tolerance_frames = inputs.tolerance_frames;
     return source;
   }
   if (!inputs.query) throw Error(ErrorKind::usage, "give the query sequence, as in --query FOLDER");

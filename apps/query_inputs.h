@@ -16,7 +16,7 @@ struct QueryInputs {
   std::optional<std::string> query;
   std::string dataset;
   std::string ground_truth;
-  int tolerance_frames = 0;
+  int tolerance_frames = -1;  ///< below 0: the data set's, or 0
   std::string matrix;
   std::string max_memory = "8G";
   uint64_t verify_cells = 0;

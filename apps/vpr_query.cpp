@@ -67,7 +67,8 @@ void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySetting
                        "close)"));
   group(app.add_option("--ground-truth", inputs.ground_truth,
                        "pairs file, or the word aligned: drawn into the picture"));
-  group(add_setting(app, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"));
+  group(add_setting(app, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"))
+      ->check(CLI::NonNegativeNumber);
   group(
       add_setting(app, "--verify", inputs.verify_cells,
                   "recompute so many random cells by the definition; exit code 5 if one differs"));

@@ -26,13 +26,21 @@ threshold=()
 [[ $(python3 -c 'import json,sys; print(len(json.load(open(sys.argv[1]))["train"]))' "$dataset") == 1 ]] &&
   threshold=(--t-r 0.4)
 
+# Name, and whether there is a ground truth, of every query.
 mapfile -t queries < <(python3 -c '
 import json, sys
-for query in json.load(open(sys.argv[1]))["queries"]: print(query["name"])' "$dataset")
-for query in "${queries[@]}"; do
+for query in json.load(open(sys.argv[1])).get("queries", []):
+    print(query["name"], "yes" if "ground_truth" in query else "no", sep="\t")' "$dataset")
+for line in "${queries[@]}"; do
+  IFS=$'\t' read -r query has_truth <<<"$line"
+  file=$out/${query//\//_}
   echo; echo "== query $query, and evaluate"
   "$bin/vpr-query" "$out/demo.vprdb" --dataset "$dataset" --query "$query" "${threshold[@]}" \
-    --verify 1000 --save-matrix "$out/$query.png" -o "$out/$query.json" --force
-  "$bin/vpr-eval" "$out/$query.json" --dataset "$dataset" -o "$out/$query.report.json" --force
+    --verify 1000 --save-matrix "$file.png" -o "$file.json" --force
+  if [[ $has_truth == yes ]]; then
+    "$bin/vpr-eval" "$file.json" --dataset "$dataset" -o "$file.report.json" --force
+  else
+    echo "no ground truth to evaluate it with"
+  fi
 done
 echo; echo "Results, reports and pictures of the distances are in $out"
