@@ -149,4 +149,17 @@ void value_from_json(const Json& json, T& value, const std::string& where, const
   }
 }
 
+/// The settings that a file of ours was made with: what is wrong there is damage, Error(data).
+template <Settings S>
+void stored_settings_from_json(const Json& file, S& settings, const std::string& where) {
+  const auto found = file.find("settings");
+  if (found == file.end())
+    throw Error(ErrorKind::data, fmt::format("{}: is damaged: it has no settings", where));
+  try {
+    value_from_json(*found, settings, where, "settings");
+  } catch (const Error& error) {
+    throw Error(ErrorKind::data, error.what());
+  }
+}
+
 }  // namespace vpr

@@ -150,13 +150,7 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
                                              archive.name(), method, kMethod, kMethod));
   FabmapDatabase database;
   database.fingerprint = archive.fingerprint();
-  const auto settings = archive.manifest().find("settings");
-  if (settings == archive.manifest().end()) archive.fail("it has no settings");
-  try {
-    value_from_json(*settings, database.settings, archive.name(), "settings");
-  } catch (const Error& error) {
-    throw Error(ErrorKind::data, error.what());
-  }
+  stored_settings_from_json(archive.manifest(), database.settings, archive.name());
   database.vocabulary = read_vocabulary(archive, database.settings.features.kind);
   const auto words = static_cast<size_t>(database.vocabulary.rows);
   database.tree = read_tree(archive, words);

@@ -158,13 +158,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
                             archive.name(), method, kMethod, kMethod));
   SequenceDatabase database;
   database.fingerprint = archive.fingerprint();
-  const auto settings = archive.manifest().find("settings");
-  if (settings == archive.manifest().end()) archive.fail("it has no settings");
-  try {
-    value_from_json(*settings, database.descriptor, archive.name(), "settings");
-  } catch (const Error& error) {
-    throw Error(ErrorKind::data, error.what());
-  }
+  stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
   database.sequences = read_sequences(archive, split_lines(archive.text(kFramesFile)));
   database.thresholds = read_thresholds(archive, database.sequences);
   size_t frames = 0;

@@ -140,11 +140,7 @@ StoredResult read_result(const fs::path& path) {
   StoredResult stored;
   stored.fingerprint = fields.text("checksum");
   SequenceResult& result = stored.result;
-  try {
-    value_from_json(fields["settings"], result.settings, where, "settings");
-  } catch (const Error& error) {
-    throw Error(ErrorKind::data, error.what());
-  }
+  stored_settings_from_json(json, result.settings, where);
   const Fields query = fields.object("query");
   result.query_name = query.text("name");
   result.query_frames = query.count("frames", kMostFrames);

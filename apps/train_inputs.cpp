@@ -1,0 +1,43 @@
+#include "train_inputs.h"
+
+#include "database/archive.h"
+#include "images/dataset.h"
+
+namespace vpr {
+
+void add_inputs(CLI::App& command, TrainInputs& inputs) {
+  add_list(command, "--train", inputs.sequences,
+           "training sequence: a folder of images, a list (.txt) or a video, with an "
+           "optional range PATH@FIRST:LAST[:STEP]; repeatable");
+  command.add_option("--train-folders", inputs.folders, "each sub-folder is a training sequence");
+}
+
+std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
+                                           const std::vector<std::string>& taken) {
+  std::vector<SequenceArgument> arguments;
+  std::vector<NamedArgument> named;
+  for (const std::string& text : inputs.sequences)
+    arguments.push_back(parse_sequence_argument(text));
+  if (!inputs.folders.empty())
+    for (const SequenceArgument& argument : subfolder_arguments(inputs.folders))
+      arguments.push_back(argument);
+  if (!inputs.dataset.empty()) {
+    if (!arguments.empty())
+      throw Error(ErrorKind::usage, "give either --dataset or training sequences, not both");
+    for (const NamedSequence& train : read_dataset(inputs.dataset).train)
+      named.push_back({train.name, train.sequence});
+  }
+  const std::vector<std::string> names = sequence_names(arguments, taken);
+  for (size_t i = 0; i < arguments.size(); ++i) named.push_back({names[i], arguments[i]});
+  if (named.empty())
+    throw Error(ErrorKind::usage, "give at least one training sequence, as in --train FOLDER");
+  return named;
+}
+
+void require_output(const CommonOptions& options) {
+  if (options.output.empty())
+    throw Error(ErrorKind::usage, "give the database to write, as in -o DB.vprdb");
+  check_output_folder(options.output, options.existing(), is_database_folder);
+}
+
+}  // namespace vpr

@@ -1,0 +1,54 @@
+// What the command lines of vpr-train share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "database/fabmap_database.h"
+#include "pipeline/train.h"
+
+namespace vpr {
+
+struct TrainInputs {
+  std::vector<std::string> sequences;
+  std::string folders;
+  std::string dataset;
+};
+
+/// --train and --train-folders.
+void add_inputs(CLI::App& command, TrainInputs& inputs);
+
+/// The training sequences with their names, none of which is in `taken`. Throws Error(usage) if
+/// there is none.
+std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
+                                           const std::vector<std::string>& taken = {});
+
+/// Throws Error(usage) if no database is named, or as check_output_folder does.
+void require_output(const CommonOptions& options);
+
+struct FabmapInputs {
+  TrainInputs train;
+  std::vector<std::string> pretrain;
+  std::vector<std::string> places;
+  bool from_openfabmap = false;
+  std::string vocabulary;
+  std::string tree;
+  std::string pretrain_bow;
+  std::string train_bow;
+};
+
+/// What the flags of the command `fabmap` write to.
+struct FabmapCommand {
+  FabmapInputs inputs;
+  FabmapTrainSettings settings;
+};
+
+/// The command `fabmap`; `command` must live as long as the program.
+void add_fabmap_command(Program& program, FabmapCommand& command);
+
+/// A FAB-MAP database for people, and for scripts.
+std::string fabmap_summary(const FabmapDatabase& database, const std::string& path);
+Json fabmap_json(const FabmapDatabase& database, const RunInfo& run);
+
+}  // namespace vpr
