@@ -48,6 +48,11 @@ void visit_fields(ConfigKeys<S>& keys, Visitor&& visit) {
   visit_fields(keys.common, visit);
 }
 
+/// For a command whose configuration file holds common keys only.
+struct NoSettings {};
+template <class Visitor>
+void visit_fields(NoSettings&, Visitor&&) {}
+
 /// What a command gets to work with.
 struct Session {
   const CommonOptions& options;

@@ -10,6 +10,8 @@ int main(int argc, char** argv) {
   vpr::Program program("vpr-synth", "Render walks past corridor walls, with their ground truth.",
                        "  vpr-synth configs/worlds/demo.json -o walk");
   std::string world_path;
+  vpr::NoSettings none;
+  program.add_config(program.app(), none);
   program.app().add_option("WORLD", world_path, "world description (JSON)")->required();
   program.set_run([&](vpr::Session& session) {
     if (session.options.output.empty())

@@ -123,6 +123,8 @@ int main(int argc, char** argv) {
                                database_json(database, session.run));
         }
       });
+  NoSettings none;
+  program.add_config(info, none);
   info.add_option("DB", database_path, "database")->required();
 
   TrainInputs added;
@@ -138,6 +140,7 @@ int main(int argc, char** argv) {
         store(session, add_sequences(database, arguments, skip_unreadable, session.kernels,
                                      session.monitor));
       });
+  program.add_config(add, none);
   add.add_option("DB", database_path, "database to start from")->required();
   add_inputs(add, added);
   add.add_flag("--skip-unreadable", skip_unreadable,

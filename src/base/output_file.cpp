@@ -153,7 +153,7 @@ void check_output_folder(const fs::path& given, Existing existing, FolderCheck i
   check_parent(path);
 }
 
-OutputFolder::OutputFolder(fs::path path, Existing existing, FolderCheck is_ours)
+OutputFolder::OutputFolder(const fs::path& path, Existing existing, FolderCheck is_ours)
     : path_(without_trailing_slash(path)), temporary_(temporary_name(path_)), existing_(existing) {
   check_output_folder(path_, existing_, is_ours);
   std::error_code error;

@@ -54,7 +54,7 @@ void check_output_folder(const std::filesystem::path& path, Existing existing, F
 /// the old one, in one step.
 class OutputFolder {
  public:
-  OutputFolder(std::filesystem::path path, Existing existing, FolderCheck is_ours);
+  OutputFolder(const std::filesystem::path& path, Existing existing, FolderCheck is_ours);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;

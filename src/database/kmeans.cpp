@@ -148,7 +148,7 @@ cv::Mat choose_seeds(const cv::Mat& points, size_t count, RandomEngine& engine,
                      const Monitor& monitor) {
   const auto n = static_cast<size_t>(points.rows);
   if (n * count >= kOversampleFrom) {
-    const cv::Mat seeds = oversampled_seeds(points, count, engine, monitor);
+    cv::Mat seeds = oversampled_seeds(points, count, engine, monitor);
     if (!seeds.empty()) return seeds;
   }
   return rows_of(points, plus_plus(points, std::vector<double>(n, 1), count, engine, monitor));

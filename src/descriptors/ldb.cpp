@@ -37,7 +37,7 @@ std::array<std::array<int32_t, 25>, 3> ldb_cell_values(const cv::Mat& integral, 
       const int bottom = (r + 1) * side;
       const int right = (c + 1) * side;
       const int all = sum(top, left, bottom, right);
-      const auto cell = static_cast<size_t>(r * g + c);
+      const auto cell = static_cast<size_t>(r) * static_cast<size_t>(g) + static_cast<size_t>(c);
       values[0][cell] = all;
       values[1][cell] = all - 2 * sum(top, left, bottom, left + half);
       values[2][cell] = all - 2 * sum(top, left, top + half, right);
@@ -54,7 +54,7 @@ LdbCode describe_ldb(const cv::Mat& grey) {
   size_t bit = 0;
   for (int g = 2; g <= 5; ++g) {
     const auto values = ldb_cell_values(integral, g);
-    const auto cells = static_cast<size_t>(g * g);
+    const size_t cells = static_cast<size_t>(g) * static_cast<size_t>(g);
     for (size_t i = 0; i < cells; ++i) {
       for (size_t j = i + 1; j < cells; ++j) {
         for (size_t k = 0; k < 3; ++k, ++bit) {
