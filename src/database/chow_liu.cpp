@@ -25,11 +25,9 @@ bool better(const Edge& x, const Edge& y) {
   return std::tuple(-x.information, x.a, x.b) < std::tuple(-y.information, y.a, y.b);
 }
 
-Edge make_edge(const MutualInformation& information, const std::vector<uint32_t>& counts, size_t u,
-               size_t v, size_t both) {
-  const auto [few, many] = std::minmax(counts[u], counts[v]);
+Edge make_edge(double information, size_t u, size_t v) {
   const auto [a, b] = std::minmax(u, v);
-  return {information(few, many, both), static_cast<uint32_t>(a), static_cast<uint32_t>(b)};
+  return {information, static_cast<uint32_t>(a), static_cast<uint32_t>(b)};
 }
 
 double smoothed(size_t n, size_t of) {
@@ -80,23 +78,21 @@ std::vector<uint32_t> count_words(std::span<const WordSet> frames, size_t words)
 }  // namespace
 
 MutualInformation::MutualInformation(size_t frames) : frames_(frames) {
-  for (size_t n = 0; n <= frames; ++n) {
-    const double f = static_cast<double>(n) / static_cast<double>(frames);
-    x_log_x_.push_back(n == 0 ? 0 : f * std::log(f));
-    log_p_.push_back(std::log(kScale * f + kFloor));
+  const auto n = static_cast<double>(frames);
+  const auto log_p = [&](size_t count) {
+    return std::log(kScale * static_cast<double>(count) / n + kFloor);
+  };
+  for (size_t count = 0; count <= frames; ++count) {
+    const auto seen = static_cast<double>(count);
+    x_log_x_.push_back(count == 0 ? 0 : seen / n * std::log(seen / n));
+    marginal_.push_back((seen * log_p(count) + (n - seen) * log_p(frames - count)) / n);
   }
 }
 
 double MutualInformation::operator()(size_t n_a, size_t n_b, size_t n_ab) const {
-  const auto n = static_cast<double>(frames_);
-  const auto marginal = [&](size_t count) {
-    return (static_cast<double>(count) * log_p_[count] +
-            static_cast<double>(frames_ - count) * log_p_[frames_ - count]) /
-           n;
-  };
   const double joint = (x_log_x_[n_ab] + x_log_x_[frames_ + n_ab - n_a - n_b]) +
                        (x_log_x_[n_a - n_ab] + x_log_x_[n_b - n_ab]);
-  return joint - (marginal(n_a) + marginal(n_b));
+  return joint - (marginal_[n_a] + marginal_[n_b]);
 }
 
 // Prim: each word outside the tree keeps its best edge into it.
@@ -117,9 +113,14 @@ ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const 
     size_t next = 0;
     for (size_t i = 0; i < outside.size(); ++i) {
       const uint32_t v = outside[i];
-      const Edge edge = make_edge(information, counts, added, v, both[v]);
-      if (better(edge, best[v])) best[v] = edge;
-      if (better(best[v], best[outside[next]])) next = i;
+      const double shared = information(counts[added], counts[v], both[v]);
+      if (shared >= best[v].information) {
+        const Edge edge = make_edge(shared, added, v);
+        if (better(edge, best[v])) best[v] = edge;
+      }
+      if (best[v].information >= best[outside[next]].information &&
+          better(best[v], best[outside[next]]))
+        next = i;
     }
     added = outside[next];
     edges.push_back(best[added]);
@@ -141,7 +142,7 @@ ChowLiuTree plain_chow_liu(std::span<const WordSet> frames, size_t words) {
       for (const WordSet& frame : frames)
         both += std::binary_search(frame.begin(), frame.end(), a) &&
                 std::binary_search(frame.begin(), frame.end(), b);
-      all.push_back(make_edge(information, counts, a, b, both));
+      all.push_back(make_edge(information(counts[a], counts[b], both), a, b));
     }
   }
   std::sort(all.begin(), all.end(), better);

@@ -20,9 +20,10 @@ struct ChowLiuTree {
   size_t words() const { return parent.size(); }
 };
 
-/// Mutual information of two words in natural units from counts: of `frames` frames, n_a <= n_b
-/// show a and b, n_ab both. Joint probabilities unsmoothed, marginals smoothed as 0.98 f + 0.01.
-/// The one function by which trees are built, so that the oracle's ties are the fast path's.
+/// Mutual information of two words in natural units from counts: of `frames` frames, n_a show a,
+/// n_b show b, n_ab both; the same if a and b change places. Joint probabilities unsmoothed,
+/// marginals smoothed as 0.98 f + 0.01. The one function by which trees are built, so that the
+/// oracle's ties are the fast path's.
 class MutualInformation {
  public:
   explicit MutualInformation(size_t frames);
@@ -31,7 +32,8 @@ class MutualInformation {
  private:
   size_t frames_;
   std::vector<double> x_log_x_;  // n/N ln(n/N)
-  std::vector<double> log_p_;    // ln(0.98 n/N + 0.01)
+  std::vector<double>
+      marginal_;  // sum over z of the frequency of z times ln(0.98 frequency + 0.01)
 };
 
 /// The maximum spanning tree over mutual information. `frames`: the word set of each pretraining

@@ -18,19 +18,20 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 void CountBothWithAll(const WordColumns& columns, size_t word, uint32_t* out) {
-  const hn::CappedTag<uint64_t, 8> d;
+  const hn::CappedTag<uint64_t, kColumnLanes / 2> d;
   const hn::Rebind<uint32_t, decltype(d)> d32;
   const size_t lanes = hn::Lanes(d);
-  const uint64_t* bits = columns.bits.data();
-  const size_t stride = columns.padded_words;
-  for (size_t v = 0; v < stride; v += 2 * lanes) {
+  std::vector<uint64_t> own(columns.chunks);
+  for (size_t chunk = 0; chunk < own.size(); ++chunk)
+    own[chunk] = columns.bits[columns.at(chunk, word)];
+  for (size_t v = 0; v < columns.padded_words; v += 2 * lanes) {
     auto first = hn::Zero(d);
     auto second = hn::Zero(d);
-    for (size_t chunk = 0; chunk < columns.chunks; ++chunk) {
-      const uint64_t* row = bits + chunk * stride;
-      const auto own = hn::Set(d, row[word]);
-      first = hn::Add(first, hn::PopulationCount(hn::And(own, hn::LoadU(d, row + v))));
-      second = hn::Add(second, hn::PopulationCount(hn::And(own, hn::LoadU(d, row + v + lanes))));
+    const uint64_t* bits = columns.bits.data() + columns.at(0, v);
+    for (size_t chunk = 0; chunk < own.size(); ++chunk, bits += kColumnLanes) {
+      const auto mine = hn::Set(d, own[chunk]);
+      first = hn::Add(first, hn::PopulationCount(hn::And(mine, hn::LoadU(d, bits))));
+      second = hn::Add(second, hn::PopulationCount(hn::And(mine, hn::LoadU(d, bits + lanes))));
     }
     hn::StoreU(hn::TruncateTo(d32, first), d32, out + v);
     hn::StoreU(hn::TruncateTo(d32, second), d32, out + v + lanes);
@@ -51,20 +52,19 @@ HWY_EXPORT(CountBothWithAll);
 WordColumns make_word_columns(std::span<const WordSet> frames, size_t words) {
   WordColumns columns;
   columns.chunks = (frames.size() + 63) / 64;
-  columns.padded_words = (words + 15) / 16 * 16;
+  columns.padded_words = (words + kColumnLanes - 1) / kColumnLanes * kColumnLanes;
   columns.bits.assign(columns.chunks * columns.padded_words, 0);
   for (size_t f = 0; f < frames.size(); ++f)
     for (const uint32_t word : frames[f])
-      columns.bits[f / 64 * columns.padded_words + word] |= uint64_t{1} << f % 64;
+      columns.bits[columns.at(f / 64, word)] |= uint64_t{1} << f % 64;
   return columns;
 }
 
 size_t count_both(const WordColumns& columns, size_t a, size_t b) {
   size_t both = 0;
-  for (size_t chunk = 0; chunk < columns.chunks; ++chunk) {
-    const uint64_t* row = columns.bits.data() + chunk * columns.padded_words;
-    both += static_cast<size_t>(std::popcount(row[a] & row[b]));
-  }
+  for (size_t chunk = 0; chunk < columns.chunks; ++chunk)
+    both += static_cast<size_t>(
+        std::popcount(columns.bits[columns.at(chunk, a)] & columns.bits[columns.at(chunk, b)]));
   return both;
 }
 

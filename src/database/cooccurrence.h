@@ -9,11 +9,18 @@
 
 namespace vpr {
 
-/// Bit f % 64 of bits[(f / 64) * padded_words + q]: frame f shows word q.
+inline constexpr size_t kColumnLanes = 16;
+
+/// Words in blocks of 16 that lie one after the other, so that all words are counted in one pass.
 struct WordColumns {
   size_t chunks = 0;        ///< of 64 frames
   size_t padded_words = 0;  ///< a multiple of 16; the padding occurs nowhere
   std::vector<uint64_t> bits;
+
+  /// Bit f % 64 of bits[at(f / 64, q)]: frame f shows word q.
+  size_t at(size_t chunk, size_t word) const {
+    return (word / kColumnLanes * chunks + chunk) * kColumnLanes + word % kColumnLanes;
+  }
 };
 
 WordColumns make_word_columns(std::span<const WordSet> frames, size_t words);

@@ -1,157 +1,73 @@
 #include "database/kmeans.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cmath>
-#include <limits>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "descriptors/nearest_centre.h"
+#include "database/kmeans_seeds.h"
 #include "descriptors/vocabulary.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kChunk = 1024;                      // points a task
-constexpr size_t kOversampleFrom = size_t{1} << 28;  // points x words from which k-means|| starts
-constexpr size_t kOversampleRounds = 5;
-
-size_t chunk_count(size_t points) { return (points + kChunk - 1) / kChunk; }
-
-template <class Body>
-void for_chunks(size_t points, const Monitor& monitor, Body&& body) {
-  parallel_for(chunk_count(points), monitor,
-               [&](size_t c) { body(c * kChunk, std::min(points, (c + 1) * kChunk)); });
-}
-
-double squared_distance(const cv::Mat& a, size_t i, const cv::Mat& b, size_t j) {
-  if (a.type() == CV_8U)
-    return hamming_bytes(a.ptr(static_cast<int>(i)), b.ptr(static_cast<int>(j)),
-                         static_cast<size_t>(a.cols));
-  const auto* x = a.ptr<float>(static_cast<int>(i));
-  const auto* y = b.ptr<float>(static_cast<int>(j));
-  // Four sums in a fixed order, so that additions do not wait for each other.
-  std::array<float, 4> sums{};
-  int k = 0;
-  for (; k + 4 <= a.cols; k += 4)
-    for (int s = 0; s < 4; ++s)
-      sums[static_cast<size_t>(s)] += (x[k + s] - y[k + s]) * (x[k + s] - y[k + s]);
-  for (; k < a.cols; ++k) sums[0] += (x[k] - y[k]) * (x[k] - y[k]);
-  return static_cast<double>((sums[0] + sums[1]) + (sums[2] + sums[3]));
-}
-
-// The index at which the running sum of values exceeds share * total; sums run in order.
-size_t pick(const std::vector<double>& values, double share) {
-  double total = 0;
-  for (const double value : values) total += value;
-  double left = share * total;
-  size_t last_positive = 0;
-  for (size_t i = 0; i < values.size(); ++i) {
-    if (values[i] <= 0) continue;
-    last_positive = i;
-    if (left < values[i]) return i;
-    left -= values[i];
+/// Some of the centres, whose nearest one is named by its index among all.
+class CentreSubset {
+ public:
+  CentreSubset(const cv::Mat& centres, std::vector<size_t> indices) : indices_(std::move(indices)) {
+    if (!indices_.empty()) vocabulary_ = make_vocabulary(rows_of(centres, indices_));
   }
-  return last_positive;
+  bool empty() const { return indices_.empty(); }
+  void find_nearest(const cv::Mat& points, std::span<const uint32_t> rows,
+                    NearestCentre* nearest) const {
+    find_nearest_words(vocabulary_, points, rows, nearest);
+    for (size_t i = 0; i < rows.size(); ++i)
+      nearest[i].centre = static_cast<uint32_t>(indices_[nearest[i].centre]);
+  }
+
+ private:
+  std::vector<size_t> indices_;  // rising, so that ties stay ties
+  Vocabulary vocabulary_;
+};
+
+/// Which centres moved since points were assigned to them.
+struct MovedCentres {
+  std::vector<char> has_moved;
+  CentreSubset moved;
+  CentreSubset stayed;
+};
+
+MovedCentres split_centres(const cv::Mat& centres, const std::vector<char>& has_moved) {
+  std::vector<size_t> moved;
+  std::vector<size_t> stayed;
+  for (size_t c = 0; c < has_moved.size(); ++c) (has_moved[c] != 0 ? moved : stayed).push_back(c);
+  return {has_moved, {centres, std::move(moved)}, {centres, std::move(stayed)}};
 }
 
-// Lowers each point's squared distance to its nearest seed by one more seed.
-void meet_seed(const cv::Mat& points, size_t seed, std::vector<double>& distances,
-               const Monitor& monitor) {
-  for_chunks(distances.size(), monitor, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      distances[i] = std::min(distances[i], squared_distance(points, i, points, seed));
+// Makes `nearest` right again after centres moved. A centre that stayed is as far as it was, so
+// not nearer than the point's own centre was: it is met only by points whose own centre moved, and
+// for which no moved one is nearer than that. Exact, for a score depends on point and centre alone.
+void reassign(const cv::Mat& points, const MovedCentres& centres,
+              std::vector<NearestCentre>& nearest, const Monitor& monitor) {
+  for_chunks(nearest.size(), monitor, [&](size_t begin, size_t end) {
+    const std::vector<uint32_t> rows = row_range(begin, end);
+    std::vector<NearestCentre> found(rows.size());
+    centres.moved.find_nearest(points, rows, found.data());
+    std::vector<uint32_t> open;
+    for (size_t i = 0; i < rows.size(); ++i) {
+      NearestCentre& own = nearest[begin + i];
+      const bool stayed = centres.has_moved[own.centre] == 0;
+      if (!stayed && !(found[i].score < own.score)) open.push_back(rows[i]);
+      if (!stayed || nearer(found[i], own)) own = found[i];
+    }
+    if (open.empty() || centres.stayed.empty()) return;
+    found.resize(open.size());
+    centres.stayed.find_nearest(points, open, found.data());
+    for (size_t i = 0; i < open.size(); ++i)
+      if (nearer(found[i], nearest[open[i]])) nearest[open[i]] = found[i];
   });
-}
-
-// k-means++ over weighted points: each seed is drawn by weight x squared distance to the nearest.
-// Where all that is left coincides with seeds, the first point that is no seed follows.
-std::vector<size_t> plus_plus(const cv::Mat& points, const std::vector<double>& weights,
-                              size_t count, RandomEngine& engine, const Monitor& monitor) {
-  const auto n = static_cast<size_t>(points.rows);
-  std::vector<double> distances(n, std::numeric_limits<double>::max());
-  std::vector<char> is_seed(n, 0);
-  std::vector<size_t> seeds;
-  std::vector<double> mass = weights;
-  StepCounter counter(monitor, "seed", count);
-  while (seeds.size() < count) {
-    size_t next = pick(mass, uniform_unit(engine));
-    if (is_seed[next] != 0)
-      next = static_cast<size_t>(std::find(is_seed.begin(), is_seed.end(), 0) - is_seed.begin());
-    is_seed[next] = 1;
-    seeds.push_back(next);
-    meet_seed(points, next, distances, monitor);
-    for (size_t i = 0; i < n; ++i) mass[i] = weights[i] * distances[i];
-    counter.add();
-  }
-  return seeds;
-}
-
-cv::Mat rows_of(const cv::Mat& points, const std::vector<size_t>& indices) {
-  cv::Mat rows(static_cast<int>(indices.size()), points.cols, points.type());
-  for (size_t i = 0; i < indices.size(); ++i)
-    points.row(static_cast<int>(indices[i])).copyTo(rows.row(static_cast<int>(i)));
-  return rows;
-}
-
-std::vector<uint32_t> assign(const cv::Mat& points, const cv::Mat& centres,
-                             const Monitor& monitor) {
-  const Vocabulary vocabulary = make_vocabulary(centres);
-  std::vector<uint32_t> assigned(static_cast<size_t>(points.rows));
-  for_chunks(assigned.size(), monitor, [&](size_t begin, size_t end) {
-    const auto words =
-        nearest_words(vocabulary, points.rowRange(static_cast<int>(begin), static_cast<int>(end)));
-    std::copy(words.begin(), words.end(), assigned.begin() + static_cast<ptrdiff_t>(begin));
-  });
-  return assigned;
-}
-
-// k-means||: rounds that each draw about count / 2 candidates independently by squared distance;
-// candidates are weighted by the points nearest to them, and thinned out by k-means++.
-cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& engine,
-                          const Monitor& monitor) {
-  const auto n = static_cast<size_t>(points.rows);
-  std::vector<size_t> candidates = {uniform_below(engine, n)};
-  std::vector<double> distances(n, std::numeric_limits<double>::max());
-  size_t met = 0;
-  for (size_t round = 0; round < kOversampleRounds; ++round) {
-    const cv::Mat fresh =
-        rows_of(points, {candidates.begin() + static_cast<ptrdiff_t>(met), candidates.end()});
-    const std::vector<uint32_t> nearest = assign(points, fresh, monitor);
-    for_chunks(n, monitor, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i)
-        distances[i] = std::min(distances[i], squared_distance(points, i, fresh, nearest[i]));
-    });
-    met = candidates.size();
-    double total = 0;
-    for (const double distance : distances) total += distance;
-    if (total <= 0) break;
-    const double scale = static_cast<double>(count) / 2 / total;
-    for (size_t i = 0; i < n; ++i)
-      if (uniform_unit(engine) < scale * distances[i]) candidates.push_back(i);
-    if (candidates.size() == met) break;
-  }
-  std::sort(candidates.begin(), candidates.end());
-  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-  if (candidates.size() < count) return {};
-  const cv::Mat rows = rows_of(points, candidates);
-  std::vector<double> weights(candidates.size(), 0);
-  for (const uint32_t nearest : assign(points, rows, monitor)) weights[nearest] += 1;
-  return rows_of(rows, plus_plus(rows, weights, count, engine, monitor));
-}
-
-cv::Mat choose_seeds(const cv::Mat& points, size_t count, RandomEngine& engine,
-                     const Monitor& monitor) {
-  const auto n = static_cast<size_t>(points.rows);
-  if (n * count >= kOversampleFrom) {
-    cv::Mat seeds = oversampled_seeds(points, count, engine, monitor);
-    if (!seeds.empty()) return seeds;
-  }
-  return rows_of(points, plus_plus(points, std::vector<double>(n, 1), count, engine, monitor));
 }
 
 /// Points grouped by centre: members of c are points[offsets[c]] .. points[offsets[c + 1]], rising.
@@ -160,15 +76,15 @@ struct Members {
   std::vector<uint32_t> points;
 };
 
-Members group_members(const std::vector<uint32_t>& assigned, size_t centres) {
+Members group_members(const std::vector<NearestCentre>& assigned, size_t centres) {
   Members members;
   members.offsets.assign(centres + 1, 0);
-  for (const uint32_t c : assigned) ++members.offsets[c + 1];
+  for (const NearestCentre& own : assigned) ++members.offsets[own.centre + 1];
   for (size_t c = 0; c < centres; ++c) members.offsets[c + 1] += members.offsets[c];
   members.points.resize(assigned.size());
   std::vector<size_t> at(members.offsets.begin(), members.offsets.end() - 1);
   for (size_t i = 0; i < assigned.size(); ++i)
-    members.points[at[assigned[i]]++] = static_cast<uint32_t>(i);
+    members.points[at[assigned[i].centre]++] = static_cast<uint32_t>(i);
   return members;
 }
 
@@ -197,26 +113,22 @@ void majority_of(const cv::Mat& points, std::span<const uint32_t> members, cv::M
       centre.data[bit / 8] = static_cast<uint8_t>(centre.data[bit / 8] | 1 << bit % 8);
 }
 
-// Moves every centre to its members; returns the indices of those that moved.
-std::vector<size_t> move_centres(const cv::Mat& points, const std::vector<uint32_t>& assigned,
-                                 cv::Mat& centres, const Monitor& monitor) {
+// Moves every centre to its members; says which ones moved.
+std::vector<char> move_centres(const cv::Mat& points, const std::vector<NearestCentre>& assigned,
+                               cv::Mat& centres, const Monitor& monitor) {
   const auto count = static_cast<size_t>(centres.rows);
   const Members members = group_members(assigned, count);
-  const cv::Mat before = centres.clone();
+  std::vector<char> has_moved(count, 0);
   parallel_for(count, monitor, [&](size_t c) {
     const std::span<const uint32_t> own(members.points.data() + members.offsets[c],
                                         members.offsets[c + 1] - members.offsets[c]);
     if (own.empty()) return;
     cv::Mat row = centres.row(static_cast<int>(c));
+    const cv::Mat before = row.clone();
     points.type() == CV_32F ? mean_of(points, own, row) : majority_of(points, own, row);
+    has_moved[c] = !std::equal(row.data, row.data + row.elemSize() * row.total(), before.data);
   });
-  std::vector<size_t> moved;
-  for (size_t c = 0; c < count; ++c)
-    if (!std::equal(centres.ptr(static_cast<int>(c)),
-                    centres.ptr(static_cast<int>(c)) + centres.step[0],
-                    before.ptr(static_cast<int>(c))))
-      moved.push_back(c);
-  return moved;
+  return has_moved;
 }
 
 }  // namespace
@@ -231,13 +143,13 @@ cv::Mat kmeans_words(const cv::Mat& descriptors, const KmeansSettings& settings,
                             settings.words, n));
   RandomEngine engine(settings.seed);
   cv::Mat centres = choose_seeds(descriptors, settings.words, engine, monitor);
-  std::vector<uint32_t> assigned;
+  std::vector<NearestCentre> nearest(n);
+  std::vector<char> has_moved(settings.words, 1);
   StepCounter counter(monitor, "cluster", settings.iterations);
   for (size_t step = 0; step < settings.iterations; ++step) {
-    std::vector<uint32_t> now = assign(descriptors, centres, monitor);
-    if (now == assigned) break;
-    assigned = std::move(now);
-    if (move_centres(descriptors, assigned, centres, monitor).empty()) break;
+    reassign(descriptors, split_centres(centres, has_moved), nearest, monitor);
+    has_moved = move_centres(descriptors, nearest, centres, monitor);
+    if (std::find(has_moved.begin(), has_moved.end(), 1) == has_moved.end()) break;
     counter.add();
   }
   return centres;

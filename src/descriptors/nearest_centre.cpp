@@ -1,7 +1,9 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
 // The settings above come first.
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 #include "descriptors/nearest_centre.h"
@@ -22,21 +24,51 @@ using Tag = hn::CappedTag<float, kCentreLanes>;
 using IndexTag = hn::RebindToSigned<Tag>;
 constexpr size_t kLanes = hn::MaxLanes(Tag());
 constexpr size_t kVectors = kCentreLanes / kLanes < 2 ? 1 : 2;  // that share a broadcast point
-constexpr size_t kPoints = 4;                                   // that share a loaded centre
+constexpr size_t kPoints = 8;                                   // that share a loaded centre
+constexpr size_t kTileBlocks = 16;  // of centres that stay in the cache while many points pass
 
 using Floats = hn::Vec<Tag>;
 using Indices = hn::Vec<IndexTag>;
 
-// Points [0, Count) against all centres. Each lane keeps the first of its best; the lowest index
-// among equal lanes wins at the end, so that the width of a vector does not matter.
+// a * b + c, rounded once, also where the target has no such instruction.
+HWY_INLINE Floats FusedMulAdd(Floats a, Floats b, Floats c) {
+#if HWY_NATIVE_FMA
+  return hn::MulAdd(a, b, c);
+#else
+  const Tag d;
+  float x[kLanes];
+  float y[kLanes];
+  float z[kLanes];
+  hn::StoreU(a, d, x);
+  hn::StoreU(b, d, y);
+  hn::StoreU(c, d, z);
+  for (size_t l = 0; l < kLanes; ++l) z[l] = std::fma(x[l], y[l], z[l]);
+  return hn::LoadU(d, z);
+#endif
+}
+
+// Takes the better of the best so far and each lane's; the lowest index among equals wins, so that
+// the width of a vector does not matter.
+HWY_INLINE void MergeLanes(Floats best, Indices best_block, size_t first_lane,
+                           NearestCentre& nearest) {
+  float scores[kLanes];
+  int32_t in_block[kLanes];
+  hn::StoreU(best, Tag(), scores);
+  hn::StoreU(best_block, IndexTag(), in_block);
+  for (size_t l = 0; l < kLanes; ++l) {
+    const auto index =
+        static_cast<uint32_t>(static_cast<size_t>(in_block[l]) * kCentreLanes + first_lane + l);
+    if (scores[l] < nearest.score || (scores[l] == nearest.score && index < nearest.centre))
+      nearest = {scores[l], index};
+  }
+}
+
+// `Count` points against the blocks [begin, end) of centres. Each lane keeps the first of its best.
 template <size_t Count>
-HWY_INLINE void Search(const CentreBlocks& centres, const float* const* points,
-                       NearestCentre* nearest) {
+HWY_INLINE void Search(const CentreBlocks& centres, size_t begin, size_t end,
+                       const float* const* points, NearestCentre* nearest) {
   const Tag d;
   const IndexTag di;
-  const size_t blocks = centres.half_norms.size() / kCentreLanes;
-  for (size_t p = 0; p < Count; ++p)
-    nearest[p] = {std::numeric_limits<float>::infinity(), std::numeric_limits<uint32_t>::max()};
   for (size_t lane = 0; lane < kCentreLanes; lane += kLanes * kVectors) {
     Floats best[Count][kVectors];
     Indices best_block[Count][kVectors];
@@ -46,7 +78,7 @@ HWY_INLINE void Search(const CentreBlocks& centres, const float* const* points,
         best_block[p][v] = hn::Zero(di);
       }
     }
-    for (size_t b = 0; b < blocks; ++b) {
+    for (size_t b = begin; b < end; ++b) {
       const float* HWY_RESTRICT values =
           centres.values.data() + b * centres.dims * kCentreLanes + lane;
       Floats sums[Count][kVectors];
@@ -57,8 +89,7 @@ HWY_INLINE void Search(const CentreBlocks& centres, const float* const* points,
         for (size_t v = 0; v < kVectors; ++v) centre[v] = hn::LoadU(d, values + v * kLanes);
         for (size_t p = 0; p < Count; ++p) {
           const Floats x = hn::Set(d, points[p][k]);
-          for (size_t v = 0; v < kVectors; ++v)
-            sums[p][v] = hn::Add(sums[p][v], hn::Mul(x, centre[v]));
+          for (size_t v = 0; v < kVectors; ++v) sums[p][v] = FusedMulAdd(x, centre[v], sums[p][v]);
         }
       }
       for (size_t v = 0; v < kVectors; ++v) {
@@ -73,35 +104,22 @@ HWY_INLINE void Search(const CentreBlocks& centres, const float* const* points,
         }
       }
     }
-    for (size_t p = 0; p < Count; ++p) {
-      for (size_t v = 0; v < kVectors; ++v) {
-        float scores[kLanes];
-        int32_t in_block[kLanes];
-        hn::StoreU(best[p][v], d, scores);
-        hn::StoreU(best_block[p][v], di, in_block);
-        for (size_t l = 0; l < kLanes; ++l) {
-          const auto index = static_cast<uint32_t>(static_cast<size_t>(in_block[l]) * kCentreLanes +
-                                                   lane + v * kLanes + l);
-          if (scores[l] < nearest[p].score ||
-              (scores[l] == nearest[p].score && index < nearest[p].centre))
-            nearest[p] = {scores[l], index};
-        }
-      }
-    }
+    for (size_t p = 0; p < Count; ++p)
+      for (size_t v = 0; v < kVectors; ++v)
+        MergeLanes(best[p][v], best_block[p][v], lane + v * kLanes, nearest[p]);
   }
 }
 
-void FindNearest(const CentreBlocks& centres, const MatrixView<const float>& points,
+void FindNearest(const CentreBlocks& centres, const std::span<const float* const>& points,
                  NearestCentre* nearest) {
-  size_t row = 0;
-  const float* rows[kPoints];
-  for (; row + kPoints <= points.rows; row += kPoints) {
-    for (size_t p = 0; p < kPoints; ++p) rows[p] = points.row(row + p).data();
-    Search<kPoints>(centres, rows, nearest + row);
-  }
-  for (; row < points.rows; ++row) {
-    rows[0] = points.row(row).data();
-    Search<1>(centres, rows, nearest + row);
+  const size_t blocks = centres.half_norms.size() / kCentreLanes;
+  std::fill_n(nearest, points.size(), NearestCentre{std::numeric_limits<float>::infinity(), 0});
+  for (size_t begin = 0; begin < blocks; begin += kTileBlocks) {
+    const size_t end = std::min(blocks, begin + kTileBlocks);
+    size_t p = 0;
+    for (; p + kPoints <= points.size(); p += kPoints)
+      Search<kPoints>(centres, begin, end, points.data() + p, nearest + p);
+    for (; p < points.size(); ++p) Search<1>(centres, begin, end, points.data() + p, nearest + p);
   }
 }
 
@@ -136,9 +154,9 @@ CentreBlocks make_centre_blocks(MatrixView<const float> centres) {
   return blocks;
 }
 
-void find_nearest_centres(const CentreBlocks& centres, MatrixView<const float> points,
+void find_nearest_centres(const CentreBlocks& centres, std::span<const float* const> points,
                           NearestCentre* nearest) {
-  assert(centres.count > 0 && points.cols == centres.dims);
+  assert(centres.count > 0);
   HWY_DYNAMIC_DISPATCH(FindNearest)(centres, points, nearest);
 }
 

@@ -27,9 +27,11 @@ struct NearestCentre {
   uint32_t centre = 0;
 };
 
-/// One entry a point. Ties go to the lower index. Sums over dimensions run in order, without fused
-/// multiply-add. `centres` must not be empty; points have centres.dims columns.
-void find_nearest_centres(const CentreBlocks& centres, MatrixView<const float> points,
+/// One entry a point; `points` holds the address of each point's centres.dims values. Ties go to
+/// the lower index. A score is one chain of fused multiply-adds over the dimensions in order,
+/// rounded as IEEE says on every target: it depends on the point and the centre alone. A point that
+/// is not a number gets centre 0. `centres` must not be empty.
+void find_nearest_centres(const CentreBlocks& centres, std::span<const float* const> points,
                           NearestCentre* nearest);
 
 }  // namespace vpr

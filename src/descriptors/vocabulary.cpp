@@ -4,6 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <cstring>
+#include <numeric>
 
 namespace vpr {
 namespace {
@@ -16,7 +17,7 @@ MatrixView<const float> view_of(const cv::Mat& mat) {
   return view;
 }
 
-uint32_t nearest_binary_word(const cv::Mat& words, const uint8_t* descriptor) {
+NearestCentre nearest_binary_word(const cv::Mat& words, const uint8_t* descriptor) {
   uint32_t nearest = 0;
   uint32_t least = ~0U;
   for (int w = 0; w < words.rows; ++w) {
@@ -26,7 +27,7 @@ uint32_t nearest_binary_word(const cv::Mat& words, const uint8_t* descriptor) {
     least = distance;
     nearest = static_cast<uint32_t>(w);
   }
-  return nearest;
+  return {static_cast<float>(least), nearest};
 }
 
 }  // namespace
@@ -53,19 +54,27 @@ Vocabulary make_vocabulary(const cv::Mat& words) {
   return vocabulary;
 }
 
-std::vector<uint32_t> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
+void find_nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors,
+                        std::span<const uint32_t> rows, NearestCentre* nearest) {
   assert(descriptors.type() == vocabulary.words.type());
   assert(descriptors.cols == vocabulary.words.cols);
-  std::vector<uint32_t> words(static_cast<size_t>(descriptors.rows));
-  if (words.empty()) return words;
   if (descriptors.type() == CV_32F) {
-    std::vector<NearestCentre> nearest(words.size());
-    find_nearest_centres(vocabulary.blocks, view_of(descriptors), nearest.data());
-    for (size_t i = 0; i < words.size(); ++i) words[i] = nearest[i].centre;
+    std::vector<const float*> points;
+    for (const uint32_t row : rows) points.push_back(descriptors.ptr<float>(static_cast<int>(row)));
+    find_nearest_centres(vocabulary.blocks, points, nearest);
   } else {
-    for (int i = 0; i < descriptors.rows; ++i)
-      words[static_cast<size_t>(i)] = nearest_binary_word(vocabulary.words, descriptors.ptr(i));
+    for (size_t i = 0; i < rows.size(); ++i)
+      nearest[i] =
+          nearest_binary_word(vocabulary.words, descriptors.ptr(static_cast<int>(rows[i])));
   }
+}
+
+std::vector<uint32_t> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
+  std::vector<uint32_t> words(static_cast<size_t>(descriptors.rows));
+  std::iota(words.begin(), words.end(), 0U);
+  std::vector<NearestCentre> nearest(words.size());
+  find_nearest_words(vocabulary, descriptors, words, nearest.data());
+  for (size_t i = 0; i < words.size(); ++i) words[i] = nearest[i].centre;
   return words;
 }
 

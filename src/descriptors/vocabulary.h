@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -23,7 +24,13 @@ struct Vocabulary {
 /// Throws nothing; `words` is CV_32F or CV_8U with at least one row.
 Vocabulary make_vocabulary(const cv::Mat& words);
 
-/// The nearest word of each descriptor (exact; ties to the lower word). Same type and length.
+/// The nearest word of each of the given rows of `descriptors` (exact; ties to the lower word),
+/// which have the type and length of words. The score of floats is that of find_nearest_centres, of
+/// bits the Hamming distance; it depends on the descriptor and the word alone.
+void find_nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors,
+                        std::span<const uint32_t> rows, NearestCentre* nearest);
+
+/// The nearest word of every descriptor.
 std::vector<uint32_t> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors);
 
 /// The set of the nearest words; empty for no descriptors.
