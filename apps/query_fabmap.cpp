@@ -7,7 +7,8 @@
 #include "base/npy.h"
 #include "base/stopwatch.h"
 #include "database/openfabmap.h"
-#include "pipeline/fabmap.h"
+#include "explain_fabmap.h"
+#include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
 #include "report/fabmap_result_file.h"
 #include "report/table.h"
@@ -20,6 +21,7 @@ constexpr size_t kTableRows = 20;
 struct FabmapQuery {
   std::string name;
   std::string path;
+  std::optional<SequenceArgument> images;  // none for a BOW matrix
   SequenceWords words;
 };
 
@@ -38,6 +40,7 @@ FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database
   const QuerySource source = find_query(inputs);
   query.name = source.sequence.name;
   query.path = source.sequence.sequence.path.string();
+  query.images = source.sequence.sequence;
   query.words =
       describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable, monitor);
   return query;
@@ -61,9 +64,10 @@ class PosteriorFile {
     file_.write(npy_header(npy_type<double>(), {frames, columns_}));
   }
   void add(std::span<const double> posterior) {
-    const std::vector<double> none(posterior.empty() ? columns_ : 0,
-                                   std::numeric_limits<double>::quiet_NaN());
-    file_.write(std::as_bytes(posterior.empty() ? std::span<const double>(none) : posterior));
+    std::vector<double> row(posterior.begin(), posterior.end());
+    // Views that are not known yet (--loop) have 0.
+    row.resize(columns_, posterior.empty() ? std::numeric_limits<double>::quiet_NaN() : 0);
+    file_.write(std::as_bytes(std::span<const double>(row)));
   }
   void commit() { file_.commit(); }
 
@@ -94,18 +98,27 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
                       const FabmapQuerySettings& settings) {
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_fabmap_result_output(options.output, options.existing());
+  if (inputs.explained_frame && !options.output.empty())
+    check_output_file(explanation_picture_path(options.output), options.existing());
   if (!inputs.posteriors.empty()) check_output_file(inputs.posteriors, options.existing());
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);
   const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session.monitor);
   const double describe_s = watch.elapsed_s();
+  const size_t frames = query.words.frames.size();
+  const auto explained = inputs.explained_frame;
+  if (explained && *explained >= frames)
+    throw Error(ErrorKind::usage, fmt::format("--explain {}: the query's frames are 0 to {}",
+                                              *explained, frames - 1));
   std::optional<PosteriorFile> posteriors;
-  PosteriorObserver observe;
-  if (!inputs.posteriors.empty()) {
-    posteriors.emplace(inputs.posteriors, options.existing(), query.words.frames.size(),
-                       database.views.views());
-    observe = [&](size_t, std::span<const double> posterior) { posteriors->add(posterior); };
-  }
+  if (!inputs.posteriors.empty())
+    posteriors.emplace(inputs.posteriors, options.existing(), frames,
+                       database.views.views() + (settings.loop ? frames : 0));
+  std::vector<double> explained_posterior;
+  const auto observe = [&](size_t frame, std::span<const double> posterior) {
+    if (posteriors) posteriors->add(posterior);
+    if (frame == explained) explained_posterior.assign(posterior.begin(), posterior.end());
+  };
   FabmapRun run = query_fabmap(database, query.words, query.name, settings, options.seed, observe,
                                session.monitor);
   run.seconds["describe"] = describe_s;
@@ -117,11 +130,28 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = fingerprint(query.words);
   context.seconds = run.seconds;
+  std::string text = summary(run.result);
+  std::optional<OutputFile> picture;
+  if (explained) {
+    const FabmapDatabase searched =
+        settings.loop ? with_query(database, query.words, query.name) : database;
+    const Explanation explanation = explain_frame(searched, query.words.frames[*explained],
+                                                  *explained, explained_posterior, settings);
+    context.explanation = explanation_json(explanation);
+    text += "\n" + explanation_text(explanation);
+    if (query.images && !options.output.empty() && !explanation.places.empty())
+      picture.emplace(write_explanation_picture(explanation, inputs, *query.images, searched,
+                                                settings.loop, session));
+  }
   if (posteriors) posteriors->commit();
+  if (picture) {
+    picture->commit();
+    text += fmt::format("Drawn in {}\n", picture->path().string());
+  }
   const Json json = options.output.empty() ? fabmap_result_json(run.result, context)
                                            : write_fabmap_result(options.output, run.result,
                                                                  context, options.existing());
-  session.print_result(summary(run.result), json);
+  session.print_result(text, json);
 }
 
 }  // namespace vpr

@@ -22,6 +22,8 @@ struct QueryInputs {
   uint64_t verify_cells = 0;
   std::string query_bow;   ///< FAB-MAP: OpenFABMAP's BOW matrix instead of frames
   std::string posteriors;  ///< FAB-MAP: where to write them
+  std::optional<uint64_t> explained_frame;
+  std::vector<std::string> train_images;  ///< [GROUP=]SEQUENCE
 };
 
 struct QuerySource {

@@ -3,7 +3,7 @@
 
 #include "database/openfabmap.h"
 #include "images/dataset.h"
-#include "pipeline/fabmap.h"
+#include "pipeline/fabmap_train.h"
 #include "report/table.h"
 #include "train_inputs.h"
 
@@ -18,6 +18,11 @@ GroupArgument place_argument(const std::string& text) {
   return {text.substr(0, equals), parse_sequence_argument(text.substr(equals + 1)), true};
 }
 
+bool has_views(const TrainInputs& train, const std::vector<std::string>& places) {
+  return !train.sequences.empty() || !train.folders.empty() || !train.dataset.empty() ||
+         !places.empty();
+}
+
 FabmapDatabase train_fabmap_frames(const FabmapInputs& inputs, const FabmapTrainSettings& settings,
                                    const Session& session) {
   std::vector<SequenceArgument> pretrain;
@@ -29,10 +34,12 @@ FabmapDatabase train_fabmap_frames(const FabmapInputs& inputs, const FabmapTrain
     for (const DatasetPlace& place : dataset.places)
       for (const SequenceArgument& view : place.views) groups.push_back({place.name, view, true});
   }
-  for (const std::string& text : inputs.places) groups.push_back(place_argument(text));
-  if (groups.empty() || !inputs.train.sequences.empty() || !inputs.train.folders.empty())
-    for (const NamedArgument& train : named_arguments(inputs.train))
-      groups.push_back({train.name, train.sequence, false});
+  // Without a place at all, the database is for queries with --loop.
+  TrainInputs train = inputs.train;
+  if (!groups.empty()) train.dataset.clear();
+  if (has_views(train, inputs.places))
+    for (const GroupArgument& group : group_arguments(train, inputs.places))
+      groups.push_back(group);
   if (pretrain.empty())
     throw Error(ErrorKind::usage,
                 "give frames for the vocabulary that show other places, as in --pretrain FOLDER");
@@ -67,16 +74,31 @@ FabmapDatabase import_openfabmap(const FabmapInputs& inputs, const FabmapTrainSe
        read_openfabmap_frames(parse_sequence_argument(inputs.pretrain_bow), database.tree.words()))
     database.pretrain.add(frame);
   const SequenceArgument train = parse_sequence_argument(inputs.train_bow);
+  const std::vector<WordSet> frames = read_openfabmap_frames(train, database.tree.words());
   ViewGroup group{sequence_names({train}).front(), false, {}};
-  for (const WordSet& frame : read_openfabmap_frames(train, database.tree.words())) {
-    group.frame_names.push_back(fmt::format("#{}", group.frame_names.size()));
-    database.views.add(frame);
-  }
-  database.groups.push_back(group);
+  for (size_t f = 0; f < frames.size(); ++f) group.frame_names.push_back(fmt::format("#{}", f));
+  add_group(database, group, frames);
+  index_views(database);
   return database;
 }
 
 }  // namespace
+
+std::vector<GroupArgument> group_arguments(const TrainInputs& train,
+                                           const std::vector<std::string>& places,
+                                           const std::vector<std::string>& taken) {
+  std::vector<GroupArgument> groups;
+  for (const std::string& text : places) groups.push_back(place_argument(text));
+  if (groups.empty() || has_views(train, {}))
+    for (const NamedArgument& named : named_arguments(train, taken))
+      groups.push_back({named.name, named.sequence, false});
+  return groups;
+}
+
+void add_place_option(CLI::App& command, std::vector<std::string>& places) {
+  add_list(command, "--place", places,
+           "NAME=SEQUENCE: its frames are views of one place; repeatable (FAB-MAP)");
+}
 
 std::string fabmap_summary(const FabmapDatabase& database, const std::string& path) {
   Table table;
@@ -131,13 +153,16 @@ void add_fabmap_command(Program& program, FabmapCommand& command) {
   add_list(fabmap, "--pretrain", fabmap_inputs.pretrain,
            "sequence of other places, for the vocabulary and the tree; repeatable");
   add_inputs(fabmap, fabmap_inputs.train);
-  add_list(fabmap, "--place", fabmap_inputs.places,
-           "NAME=SEQUENCE: its frames are views of one place; repeatable");
+  add_place_option(fabmap, fabmap_inputs.places);
   fabmap.add_option("--dataset", fabmap_inputs.train.dataset,
                     "data set description, instead of sequences");
   add_setting(fabmap, "--features", fabmap_settings.features.kind,
               "surf (default), sift, kaze, akaze, orb or brisk");
   add_setting(fabmap, "--words", fabmap_settings.words, "words of the vocabulary (default 1000)");
+  add_setting(fabmap, "--clustering", fabmap_settings.clustering,
+              "kmeans (default), or radius: OpenFABMAP's sequential clustering");
+  add_setting(fabmap, "--radius", fabmap_settings.radius,
+              "of radius clustering, in the unit of the features (bits for binary ones)");
   fabmap.add_flag("--skip-unreadable", fabmap_settings.skip_unreadable,
                   "frames that can't be decoded keep their index and show no words");
   fabmap.add_flag("--from-openfabmap", fabmap_inputs.from_openfabmap,

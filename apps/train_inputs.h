@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "database/fabmap_database.h"
+#include "pipeline/fabmap_train.h"
 #include "pipeline/train.h"
 
 namespace vpr {
@@ -46,6 +47,15 @@ struct FabmapCommand {
 
 /// The command `fabmap`; `command` must live as long as the program.
 void add_fabmap_command(Program& program, FabmapCommand& command);
+
+/// The views of --train, --train-folders and --place. Groups of frames are named apart from those
+/// in `taken`. Throws Error(usage) if there are none.
+std::vector<GroupArgument> group_arguments(const TrainInputs& train,
+                                           const std::vector<std::string>& places,
+                                           const std::vector<std::string>& taken = {});
+
+/// --place, into `places`.
+void add_place_option(CLI::App& command, std::vector<std::string>& places);
 
 /// A FAB-MAP database for people, and for scripts.
 std::string fabmap_summary(const FabmapDatabase& database, const std::string& path);

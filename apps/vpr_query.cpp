@@ -90,6 +90,16 @@ void add_fabmap_flags(CLI::App& app, QueryInputs& inputs, FabmapQuerySettings& s
                     "pretraining frames to draw for it; 0: all (default)"));
   group(app.add_flag("--motion-model", settings.posterior.motion_model,
                      "neighbours of what was likely before are likely now"));
+  group(app.add_flag("--loop", settings.loop,
+                     "frames of the query are places for its later ones, behind the database's"));
+  group(add_setting(app, "--loop-gap", settings.loop_gap,
+                    "but not for so many that follow directly (default 10)"));
+  group(app.add_option("--explain", inputs.explained_frame,
+                       "list the words that speak for and against the best places of this frame, "
+                       "and draw them in RESULT.explain.png"));
+  group(add_list(app, "--train-images", inputs.train_images,
+                 "[GROUP=]SEQUENCE: images of a training sequence, to draw views with --explain; "
+                 "repeatable"));
   group(app.add_option("--query-bow", inputs.query_bow,
                        "OpenFABMAP's BOW matrix (.yml, .yml.gz) instead of --query, with an "
                        "optional range"));

@@ -1,6 +1,7 @@
 // vpr-train: databases from frames; listing, checking and extending them.
 #include <fmt/format.h>
 
+#include "database/openfabmap.h"
 #include "recognition/automatic_threshold.h"
 #include "report/table.h"
 #include "train_inputs.h"
@@ -74,6 +75,48 @@ void store(Session& session, const SequenceDatabase& database) {
                        database_json(database, session.run));
 }
 
+/// What `add` adds.
+struct AddInputs {
+  TrainInputs train;
+  std::vector<std::string> places;
+  bool skip_unreadable = false;
+};
+
+void add_to_sequences(Session& session, const std::string& path, const AddInputs& inputs) {
+  if (!inputs.places.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is a database for fastable, which has no --place", path));
+  const SequenceDatabase database = read_sequence_database(path);
+  std::vector<std::string> taken;
+  for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
+  store(session, add_sequences(database, named_arguments(inputs.train, taken),
+                               inputs.skip_unreadable, session.kernels, session.monitor));
+}
+
+void store(Session& session, const FabmapDatabase& database) {
+  write_fabmap_database(session.options.output, database, session.options.existing());
+  session.print_result(fabmap_summary(database, session.options.output),
+                       fabmap_json(database, session.run));
+}
+
+void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
+  FabmapDatabase database = read_fabmap_database(path);
+  std::vector<std::string> taken;
+  for (const ViewGroup& group : database.groups) taken.push_back(group.name);
+  add_views(database, group_arguments(inputs.train, inputs.places, taken), inputs.skip_unreadable,
+            session.monitor);
+  store(session, database);
+}
+
+void export_openfabmap(Session& session, const std::string& path) {
+  if (session.options.output.empty())
+    throw Error(ErrorKind::usage, "give the folder to write, as in -o FOLDER");
+  check_output_folder(session.options.output, session.options.existing(), is_openfabmap_folder);
+  const FabmapDatabase database = read_fabmap_database(path);
+  write_openfabmap(session.options.output, database, session.options.existing());
+  session.print_result(fabmap_summary(database, path), fabmap_json(database, session.run));
+}
+
 }  // namespace
 }  // namespace vpr
 
@@ -127,23 +170,35 @@ int main(int argc, char** argv) {
   program.add_config(info, none);
   info.add_option("DB", database_path, "database")->required();
 
-  TrainInputs added;
-  bool skip_unreadable = false;
+  AddInputs added;
   CLI::App& add = program.add_command(
       "add", "A new database with more sequences; the old ones are not described again.",
-      "  vpr-train add building.vprdb --train wednesday -o building2.vprdb", [&](Session& session) {
+      "  vpr-train add building.vprdb --train wednesday -o building2.vprdb\n"
+      "  vpr-train add places.vprdb --place lift=lift -o places2.vprdb",
+      [&](Session& session) {
         require_output(session.options);
-        const SequenceDatabase database = read_sequence_database(database_path);
-        std::vector<std::string> taken;
-        for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
-        const std::vector<NamedArgument> arguments = named_arguments(added, taken);
-        store(session, add_sequences(database, arguments, skip_unreadable, session.kernels,
-                                     session.monitor));
+        if (database_method(database_path) == "fabmap")
+          add_to_fabmap(session, database_path, added);
+        else
+          add_to_sequences(session, database_path, added);
       });
   program.add_config(add, none);
   add.add_option("DB", database_path, "database to start from")->required();
-  add_inputs(add, added);
-  add.add_flag("--skip-unreadable", skip_unreadable,
+  add_inputs(add, added.train);
+  add_place_option(add, added.places);
+  add.add_flag("--skip-unreadable", added.skip_unreadable,
                "frames that can't be decoded keep their index and never match");
+
+  bool as_openfabmap = false;
+  CLI::App& export_command = program.add_command(
+      "export", "Write a FAB-MAP database as the files of another program.",
+      "  vpr-train export fabmap.vprdb --openfabmap -o openfabmap-files", [&](Session& session) {
+        if (!as_openfabmap) throw Error(ErrorKind::usage, "say what to export, as in --openfabmap");
+        export_openfabmap(session, database_path);
+      });
+  program.add_config(export_command, none);
+  export_command.add_option("DB", database_path, "FAB-MAP database")->required();
+  export_command.add_flag("--openfabmap", as_openfabmap,
+                          "OpenFABMAP's vocabulary, tree and BOW matrices (OpenCV YAML)");
   return program.main(argc, argv);
 }

@@ -1,6 +1,7 @@
 #include "database/fabmap_database.h"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 
 #include <fmt/format.h>
@@ -62,6 +63,20 @@ ViewWords read_words(const Archive& archive, const std::string& name, size_t wor
   return read;
 }
 
+WordIndex read_index(const Archive& archive, const ViewWords& views, size_t words) {
+  const NpyArray lists = archive.array("index.npy");
+  const NpyArray offsets = archive.array("index_offsets.npy");
+  const auto list_span = lists.values<uint16_t>(1);
+  const auto offset_span = offsets.values<uint64_t>(1);
+  const WordIndex index{words,
+                        views.views(),
+                        {offset_span.begin(), offset_span.end()},
+                        {list_span.begin(), list_span.end()}};
+  if (!is_sound(index) || index.lists.size() != views.words.size())
+    archive.fail("index.npy and its offsets do not fit the places");
+  return index;
+}
+
 void write_tree(ArchiveWriter& writer, const ChowLiuTree& tree) {
   std::vector<double> rows(tree.parent.begin(), tree.parent.end());
   for (const auto* row : {&tree.p, &tree.p_given, &tree.p_given_not})
@@ -121,6 +136,12 @@ std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& na
 
 }  // namespace
 
+ViewOrigin FabmapDatabase::origin(size_t view) const {
+  size_t group = 0;
+  while (view >= groups[group].frame_names.size()) view -= groups[group++].frame_names.size();
+  return {group, view};
+}
+
 std::vector<uint32_t> FabmapDatabase::places() const {
   std::vector<uint32_t> places;
   for_each_view(groups, [&](const ViewGroup&, size_t, uint32_t place) { places.push_back(place); });
@@ -134,6 +155,15 @@ std::vector<std::string> FabmapDatabase::place_names() const {
     names.push_back(group.is_place ? group.name : fmt::format("{}#{}", group.name, frame));
   });
   return names;
+}
+
+void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const WordSet> frames) {
+  for (const WordSet& frame : frames) database.views.add(frame);
+  database.groups.push_back(group);
+}
+
+void index_views(FabmapDatabase& database) {
+  database.index = make_word_index(database.views, database.tree.words());
 }
 
 std::string database_method(const std::filesystem::path& path) {
@@ -151,11 +181,15 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
   FabmapDatabase database;
   database.fingerprint = archive.fingerprint();
   stored_settings_from_json(archive.manifest(), database.settings, archive.name());
+  const auto provenance = archive.manifest().find("provenance");
+  if (provenance == archive.manifest().end()) archive.fail("\"provenance\" is missing");
+  database.seed = manifest_count(archive, *provenance, "seed");
   database.vocabulary = read_vocabulary(archive, database.settings.features.kind);
   const auto words = static_cast<size_t>(database.vocabulary.rows);
   database.tree = read_tree(archive, words);
   database.pretrain = read_words(archive, "pretrain", words);
   database.views = read_words(archive, "places", words);
+  database.index = read_index(archive, database.views, words);
   database.groups = read_groups(archive, archive.text("frames.txt"));
   if (database.places().size() != database.views.views())
     archive.fail("its views do not fit its groups");
@@ -174,6 +208,10 @@ void write_fabmap_database(const std::filesystem::path& path, const FabmapDataba
   write_tree(writer, database.tree);
   add_words(writer, "pretrain", database.pretrain);
   add_words(writer, "places", database.views);
+  const WordIndex& index = database.index;
+  assert(index.views == database.views.views());
+  writer.add_array<uint16_t>("index.npy", index.lists, {index.lists.size()});
+  writer.add_array<uint64_t>("index_offsets.npy", index.offsets, {index.offsets.size()});
   std::string names;
   Json manifest = {{"schema", "vpr.database/1"}, {"method", kMethod}};
   manifest["settings"] = value_to_json(database.settings);

@@ -8,23 +8,31 @@
 #include "base/json.h"
 #include "base/output_file.h"
 #include "database/chow_liu.h"
-#include "database/view_words.h"
+#include "database/word_index.h"
 #include "descriptors/local_features.h"
 
 namespace vpr {
 
+enum class Clustering { kmeans, radius };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<Clustering> = {"kmeans", "radius"};
+
 struct FabmapTrainSettings {
   FeatureSettings features;
-  uint64_t words = 1000;
+  Clustering clustering = Clustering::kmeans;
+  uint64_t words = 1000;     ///< wanted of k-means; in a database: that there are
   uint64_t iterations = 20;  ///< Lloyd steps at most
+  double radius = 0.4;       ///< of radius clustering: who is farther from all centres becomes one
   bool skip_unreadable = false;
 };
 
 template <class Visitor>
 void visit_fields(FabmapTrainSettings& settings, Visitor&& visit) {
   visit_fields(settings.features, visit);
+  visit("clustering", settings.clustering);
   visit("words", settings.words);
   visit("iterations", settings.iterations);
+  visit("radius", settings.radius);
   visit("skip_unreadable", settings.skip_unreadable);
 }
 
@@ -35,6 +43,12 @@ struct ViewGroup {
   std::vector<std::string> frame_names;
 };
 
+/// Where a view comes from.
+struct ViewOrigin {
+  size_t group = 0;
+  size_t frame = 0;  ///< within the group
+};
+
 struct FabmapDatabase {
   FabmapTrainSettings settings;
   uint64_t seed = 1;
@@ -42,17 +56,26 @@ struct FabmapDatabase {
   ChowLiuTree tree;
   ViewWords pretrain;
   ViewWords views;  ///< of all groups, one after the other
+  WordIndex index;  ///< of the views
   std::vector<ViewGroup> groups;
   std::string fingerprint;  ///< of a stored database
 
+  /// `view` is below views.views().
+  ViewOrigin origin(size_t view) const;
   /// Per view, the index of its place: groups of the same name that are places share one.
   std::vector<uint32_t> places() const;
   /// Names by place index: the group's, or "group#frame".
   std::vector<std::string> place_names() const;
 };
 
-/// Every file is verified. Throws Error(input) if it is missing, Error(data) if it is damaged, of
-/// another method or of a newer version.
+/// Appends a group and the words of its frames. The index is out of date then.
+void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const WordSet> frames);
+
+/// Makes the index of all views anew.
+void index_views(FabmapDatabase& database);
+
+/// Every file is verified. The index is loaded, not made. Throws Error(input) if it is missing,
+/// Error(data) if it is damaged, of another method or of a newer version.
 FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 
 /// Byte-identical for the same content.

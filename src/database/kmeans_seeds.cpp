@@ -1,8 +1,8 @@
 #include "database/kmeans_seeds.h"
 
-#include <array>
 #include <limits>
 
+#include "database/point_groups.h"
 #include "descriptors/vocabulary.h"
 
 namespace vpr {
@@ -10,22 +10,6 @@ namespace {
 
 constexpr size_t kOversampleFrom = size_t{1} << 28;  // points x words from which k-means|| starts
 constexpr size_t kOversampleRounds = 5;
-
-double squared_distance(const cv::Mat& a, size_t i, const cv::Mat& b, size_t j) {
-  if (a.type() == CV_8U)
-    return hamming_bytes(a.ptr(static_cast<int>(i)), b.ptr(static_cast<int>(j)),
-                         static_cast<size_t>(a.cols));
-  const auto* x = a.ptr<float>(static_cast<int>(i));
-  const auto* y = b.ptr<float>(static_cast<int>(j));
-  // Four sums in a fixed order, so that additions do not wait for each other.
-  std::array<float, 4> sums{};
-  int k = 0;
-  for (; k + 4 <= a.cols; k += 4)
-    for (int s = 0; s < 4; ++s)
-      sums[static_cast<size_t>(s)] += (x[k + s] - y[k + s]) * (x[k + s] - y[k + s]);
-  for (; k < a.cols; ++k) sums[0] += (x[k] - y[k]) * (x[k] - y[k]);
-  return static_cast<double>((sums[0] + sums[1]) + (sums[2] + sums[3]));
-}
 
 // k-means++ over weighted points: each seed is drawn by weight x squared distance to the nearest
 // one. Proposals come from distances to all seeds but the latest few, and are accepted by the share
@@ -178,13 +162,6 @@ cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& eng
 }
 
 }  // namespace
-
-cv::Mat rows_of(const cv::Mat& points, const std::vector<size_t>& indices) {
-  cv::Mat rows(static_cast<int>(indices.size()), points.cols, points.type());
-  for (size_t i = 0; i < indices.size(); ++i)
-    points.row(static_cast<int>(indices[i])).copyTo(rows.row(static_cast<int>(i)));
-  return rows;
-}
 
 cv::Mat choose_seeds(const cv::Mat& points, size_t count, RandomEngine& engine,
                      const Monitor& monitor) {

@@ -1,5 +1,7 @@
 #include "database/openfabmap.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -50,7 +52,57 @@ void check_parents(const fs::path& path, const std::vector<uint32_t>& parent) {
   }
 }
 
+constexpr std::array<const char*, 4> kFiles = {"vocabulary.yml", "tree.yml", "bow-pretrain.yml",
+                                               "bow-train.yml"};
+
+void write_node(const fs::path& path, const std::string& name, const cv::Mat& mat) {
+  cv::FileStorage storage(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  storage << name << mat;
+  write_file(path, storage.releaseAndGetString(), Existing::refuse);
+}
+
+cv::Mat tree_matrix(const ChowLiuTree& tree) {
+  cv::Mat mat(4, static_cast<int>(tree.words()), CV_64F);
+  for (size_t q = 0; q < tree.words(); ++q) {
+    const int column = static_cast<int>(q);
+    mat.at<double>(0, column) = tree.parent[q];
+    mat.at<double>(1, column) = tree.p[q];
+    mat.at<double>(2, column) = tree.p_given[q];
+    mat.at<double>(3, column) = tree.p_given_not[q];
+  }
+  return mat;
+}
+
+cv::Mat bow_matrix(const ViewWords& views, size_t words) {
+  cv::Mat mat = cv::Mat::zeros(static_cast<int>(views.views()), static_cast<int>(words), CV_32F);
+  for (size_t v = 0; v < views.views(); ++v)
+    for (const uint32_t word : views.view(v))
+      mat.at<float>(static_cast<int>(v), static_cast<int>(word)) = 1;
+  return mat;
+}
+
 }  // namespace
+
+bool is_openfabmap_folder(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (std::find(kFiles.begin(), kFiles.end(), entry.path().filename()) == kFiles.end())
+      return false;
+  return true;
+}
+
+void write_openfabmap(const fs::path& folder, const FabmapDatabase& database, Existing existing) {
+  if (database.vocabulary.type() != CV_32F)
+    throw Error(ErrorKind::usage,
+                fmt::format("OpenFABMAP has no binary words; {} can't be exported",
+                            enum_name(database.settings.features.kind)));
+  const size_t words = database.tree.words();
+  OutputFolder output(folder, existing, is_openfabmap_folder);
+  write_node(output.temporary() / kFiles[0], "Vocabulary", database.vocabulary);
+  write_node(output.temporary() / kFiles[1], "ChowLiuTree", tree_matrix(database.tree));
+  write_node(output.temporary() / kFiles[2], "BOWImageDescs", bow_matrix(database.pretrain, words));
+  write_node(output.temporary() / kFiles[3], "BOWImageDescs", bow_matrix(database.views, words));
+  output.commit();
+}
 
 cv::Mat read_openfabmap_vocabulary(const fs::path& path) {
   cv::Mat words = read_node(path, "Vocabulary", CV_32F);

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/output_file.h"
 #include "database/chow_liu.h"
+#include "database/fabmap_database.h"
 #include "images/sequence.h"
 
 namespace vpr {
@@ -20,5 +22,14 @@ ChowLiuTree read_openfabmap_tree(const std::filesystem::path& path);
 /// Node `BOWImageDescs`: frames x words, float; a frame shows the words above 0. The range picks
 /// rows. `words`: how many there must be.
 std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, size_t words);
+
+/// Writes `vocabulary.yml`, `tree.yml`, `bow-pretrain.yml` and `bow-train.yml` (each word that a
+/// frame shows is 1) into a new folder. Throws Error(usage) for binary words, which OpenFABMAP does
+/// not have.
+void write_openfabmap(const std::filesystem::path& folder, const FabmapDatabase& database,
+                      Existing existing);
+
+/// Whether a folder holds nothing but such files.
+bool is_openfabmap_folder(const std::filesystem::path& folder);
 
 }  // namespace vpr

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <hwy/cache_control.h>
 
 #include "base/error.h"
 #include "matching/fabmap_fbo.h"
@@ -15,6 +15,7 @@ namespace vpr {
 namespace {
 
 constexpr double kFixedScale = 1 << 20;
+constexpr size_t kListsAhead = 4;
 constexpr double kMostFixed = 2000;  // of a term: 2^31 / 2^20 with room to spare
 
 constexpr std::array<FabmapVariant, 5> kVariants = {{
@@ -31,71 +32,99 @@ int32_t as_fixed(double value) {
       std::lround(std::clamp(value, -kMostFixed, kMostFixed) * kFixedScale));
 }
 
-// Sums may leave the range on the way; what counts is that they end in it.
-int32_t add_wrapping(int32_t a, int32_t b) {
-  return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
-}
-
 size_t entry(bool z, bool parent, bool own) {
   return 4 * size_t{z} + 2 * size_t{parent} + size_t{own};
 }
 
 // Words whose entry differs from the one of an empty frame: those of the query, and children of
 // these. Each once.
-std::vector<uint32_t> touched_words(const FabmapModel& model, std::span<const uint32_t> words) {
+std::vector<uint32_t> touched_words(const FabmapModel& model, std::span<const uint32_t> words,
+                                    const std::vector<uint8_t>& seen) {
   std::vector<uint32_t> touched(words.begin(), words.end());
   for (const uint32_t word : words)
-    touched.insert(touched.end(), model.children[word].begin(), model.children[word].end());
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    for (const uint32_t child : model.children[word])
+      if (seen[child] == 0) touched.push_back(child);
   return touched;
 }
 
-/// What one touched word adds to views that show it, and to all.
 struct WordTerm {
   uint32_t word = 0;
   double to_its_views = 0;
-  double to_all = 0;
 };
 
-std::vector<WordTerm> query_terms(const FabmapQuery& query) {
+struct QueryTerms {
+  std::vector<WordTerm> words;  ///< touched, each once
+  double to_all = 0;            ///< what every view gets, beside the index's constant
+};
+
+QueryTerms query_terms(const FabmapQuery& query) {
   const FabmapModel& model = query.model;
   const std::vector<uint8_t> seen = word_flags(query.words, model.words());
-  std::vector<WordTerm> terms;
-  for (const uint32_t word : touched_words(model, query.words)) {
+  QueryTerms terms;
+  for (const uint32_t word : touched_words(model, query.words, seen)) {
     const bool z = seen[word] != 0;
     const bool parent = seen[model.parent[word]] != 0;
     const auto& log_p = model.log_p[word];
     const double all = log_p[entry(z, parent, false)];
     const double all_empty = log_p[entry(false, false, false)];
-    terms.push_back(
-        {word,
-         (log_p[entry(z, parent, true)] - all) - (log_p[entry(false, false, true)] - all_empty),
-         all - all_empty});
+    terms.words.push_back({word, (log_p[entry(z, parent, true)] - all) -
+                                     (log_p[entry(false, false, true)] - all_empty)});
+    terms.to_all += all - all_empty;
   }
   return terms;
 }
 
-}  // namespace
+// The start of a list; the processor finds the rest by itself.
+void prefetch(std::span<const uint16_t> list) {
+  hwy::Prefetch(list.data());
+  hwy::Prefetch(list.data() + 32);
+}
 
-FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views) {
-  FabmapIndex index;
-  index.views = views.views();
-  index.offsets.assign(model.words() + 1, 0);
-  for (const uint32_t word : views.words) ++index.offsets[word + 1];
-  std::partial_sum(index.offsets.begin(), index.offsets.end(), index.offsets.begin());
-  index.lists.resize(views.words.size());
-  index.defaults.assign(index.views, 0);
-  std::vector<uint64_t> at(index.offsets.begin(), index.offsets.end() - 1);
-  for (size_t v = 0; v < index.views; ++v) {
-    for (const uint32_t word : views.view(v)) {
-      index.lists[at[word]++] = static_cast<uint32_t>(v);
-      index.defaults[v] += model.log_p[word][entry(false, false, true)] -
-                           model.log_p[word][entry(false, false, false)];
+// Adds each word's term to the sums of the views that show it, block by block, so that sums stay in
+// a cache. Four at a time: the views of a list differ, so that none waits for another.
+template <class T, class Convert>
+void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
+               Convert&& convert) {
+  for (size_t block = 0; block < index.blocks(); ++block, sums += kIndexBlock) {
+    for (size_t t = 0; t < terms.size(); ++t) {
+      if (t + kListsAhead < terms.size()) prefetch(index.list(block, terms[t + kListsAhead].word));
+      const std::span<const uint16_t> views = index.list(block, terms[t].word);
+      const T step = convert(terms[t].to_its_views);
+      size_t i = 0;
+      for (; i + 4 <= views.size(); i += 4) {
+        const T a = sums[views[i]] + step;
+        const T b = sums[views[i + 1]] + step;
+        const T c = sums[views[i + 2]] + step;
+        const T d = sums[views[i + 3]] + step;
+        sums[views[i]] = a;
+        sums[views[i + 1]] = b;
+        sums[views[i + 2]] = c;
+        sums[views[i + 3]] = d;
+      }
+      for (; i < views.size(); ++i) sums[views[i]] += step;
     }
   }
-  for (const double value : index.defaults) index.fixed_defaults.push_back(as_fixed(value));
-  for (const auto& log_p : model.log_p) index.constant += log_p[entry(false, false, false)];
+}
+
+}  // namespace
+
+FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
+                              const WordIndex& lists) {
+  FabmapIndex index{lists, {}, {}, 0};
+  std::vector<double> step;  // of a word that a view shows and the query does not
+  for (const auto& log_p : model.log_p) {
+    const double all = log_p[entry(false, false, false)];
+    step.push_back(log_p[entry(false, false, true)] - all);
+    index.constant += all;
+  }
+  index.defaults.resize(views.views());
+  index.fixed_defaults.resize(views.views());
+  for (size_t v = 0; v < views.views(); ++v) {
+    double sum = 0;
+    for (const uint32_t word : views.view(v)) sum += step[word];
+    index.defaults[v] = sum;
+    index.fixed_defaults[v] = as_fixed(sum);
+  }
   return index;
 }
 
@@ -114,7 +143,7 @@ const FabmapVariant& find_fabmap_variant(std::string_view name) {
 std::vector<double> fabmap1_log_likelihoods(const FabmapQuery& query) {
   const FabmapModel& model = query.model;
   const std::vector<uint8_t> seen = word_flags(query.words, model.words());
-  std::vector<double> sums(query.views.views(), 0);
+  std::vector<double> sums(query.known_views, 0);
   for (size_t v = 0; v < sums.size(); ++v) {
     const std::vector<uint8_t> own = word_flags(query.views.view(v), model.words());
     for (size_t q = 0; q < model.words(); ++q)
@@ -130,7 +159,7 @@ std::vector<double> lut_log_likelihoods(const FabmapQuery& query) {
   for (size_t q = 0; q < model.words(); ++q)
     for (size_t e = 0; e < 8; ++e) table[q][e] = std::llround(model.log_p[q][e] * scale);
   const std::vector<uint8_t> seen = word_flags(query.words, model.words());
-  std::vector<double> sums(query.views.views());
+  std::vector<double> sums(query.known_views);
   for (size_t v = 0; v < sums.size(); ++v) {
     const std::vector<uint8_t> own = word_flags(query.views.view(v), model.words());
     int64_t sum = 0;
@@ -142,30 +171,25 @@ std::vector<double> lut_log_likelihoods(const FabmapQuery& query) {
 }
 
 std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query) {
-  const FabmapIndex& index = query.index;
-  std::vector<double> sums = index.defaults;
-  double to_all = index.constant;
-  for (const WordTerm& term : query_terms(query)) {
-    to_all += term.to_all;
-    for (uint64_t i = index.offsets[term.word]; i < index.offsets[term.word + 1]; ++i)
-      sums[index.lists[i]] += term.to_its_views;
-  }
+  const QueryTerms terms = query_terms(query);
+  const double to_all = query.index.constant + terms.to_all;
+  std::vector<double> sums = query.index.defaults;
+  add_terms(query.index.lists, terms.words, sums.data(), [](double step) { return step; });
+  sums.resize(query.known_views);
   for (double& sum : sums) sum += to_all;
   return sums;
 }
 
 std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query) {
-  const FabmapIndex& index = query.index;
-  std::vector<int32_t> sums = index.fixed_defaults;
-  double to_all = index.constant;
-  for (const WordTerm& term : query_terms(query)) {
-    to_all += term.to_all;
-    const int32_t step = as_fixed(term.to_its_views);
-    for (uint64_t i = index.offsets[term.word]; i < index.offsets[term.word + 1]; ++i)
-      sums[index.lists[i]] = add_wrapping(sums[index.lists[i]], step);
-  }
-  std::vector<double> result(index.views);
-  for (size_t v = 0; v < index.views; ++v) result[v] = sums[v] / kFixedScale + to_all;
+  const QueryTerms terms = query_terms(query);
+  const double to_all = query.index.constant + terms.to_all;
+  // Unsigned: sums may leave the range on the way, as long as they end in it.
+  std::vector<uint32_t> sums(query.index.fixed_defaults.begin(), query.index.fixed_defaults.end());
+  add_terms(query.index.lists, terms.words, sums.data(),
+            [](double step) { return static_cast<uint32_t>(as_fixed(step)); });
+  std::vector<double> result(query.known_views);
+  for (size_t v = 0; v < result.size(); ++v)
+    result[v] = static_cast<int32_t>(sums[v]) * (1 / kFixedScale) + to_all;
   return result;
 }
 

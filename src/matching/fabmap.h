@@ -5,15 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "database/word_index.h"
 #include "matching/fabmap_model.h"
 
 namespace vpr {
 
-/// Views by word, so that a query touches only the words it shows, and their children.
+/// What a query needs beside the inverted index of the views.
 struct FabmapIndex {
-  size_t views = 0;
-  std::vector<uint64_t> offsets;  ///< words + 1
-  std::vector<uint32_t> lists;    ///< views that show word q: lists[offsets[q]] .. , rising
+  const WordIndex& lists;
   /// Per view: sum over its words of log P(0 | 0, L = 1) - log P(0 | 0, L = 0).
   std::vector<double> defaults;
   std::vector<int32_t> fixed_defaults;  ///< the same in units of 2^-20
@@ -21,7 +20,9 @@ struct FabmapIndex {
   double constant = 0;
 };
 
-FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views);
+/// `lists` are those of `views`, and must outlive the result.
+FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
+                              const WordIndex& lists);
 
 /// What a variant may use.
 struct FabmapQuery {
@@ -29,13 +30,14 @@ struct FabmapQuery {
   const ViewWords& views;
   const FabmapIndex& index;
   std::span<const uint32_t> words;  ///< the observation: word ids, rising, each once
+  size_t known_views;               ///< only views below are asked about
   int lut_digits = 6;               ///< decimal digits of the `lut` variant
 };
 
 struct FabmapVariant {
   std::string_view name;
   std::string_view summary;
-  /// One log-likelihood a view. Same for any number of threads and any SIMD target.
+  /// One log-likelihood for each known view. Same for any number of threads and any SIMD target.
   std::vector<double> (*log_likelihoods)(const FabmapQuery&);
 };
 

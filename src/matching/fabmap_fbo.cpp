@@ -66,8 +66,8 @@ double bail_out_gap(double variance, double largest) {
 
 std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
   const FabmapIndex& index = query.index;
-  std::vector<double> sums(index.views, 0);  // without what every view gets alike
-  std::vector<uint32_t> alive(index.views);
+  std::vector<double> sums(index.lists.views, 0);  // without what every view gets alike
+  std::vector<uint32_t> alive(query.known_views);
   std::iota(alive.begin(), alive.end(), 0U);
   double to_all = 0;
   for (const Step& step : plan_steps(query)) {
@@ -75,12 +75,13 @@ std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
     for (const uint32_t v : alive) best = std::max(best, sums[v]);
     std::erase_if(alive, [&](uint32_t v) { return sums[v] < best - step.gap; });
     to_all += step.without;
-    for (uint64_t i = index.offsets[step.word]; i < index.offsets[step.word + 1]; ++i)
-      sums[index.lists[i]] += step.with - step.without;
+    for (size_t block = 0; block < index.lists.blocks(); ++block)
+      for (const uint16_t v : index.lists.list(block, step.word))
+        sums[block * kIndexBlock + v] += step.with - step.without;
   }
   double best = -std::numeric_limits<double>::infinity();
   for (const uint32_t v : alive) best = std::max(best, sums[v]);
-  std::vector<double> result(index.views, best + to_all + kLogProbability);
+  std::vector<double> result(query.known_views, best + to_all + kLogProbability);
   for (const uint32_t v : alive) result[v] = sums[v] + to_all;
   return result;
 }

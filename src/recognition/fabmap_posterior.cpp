@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recognition/exponentials.h"
+
 namespace vpr {
 namespace {
 
@@ -18,21 +20,17 @@ std::vector<double> fabmap_posterior(std::span<const double> log_likelihoods, do
                                      std::span<const double> previous,
                                      const PosteriorSettings& settings) {
   const size_t views = log_likelihoods.size();
-  std::vector<double> posterior = {new_place};
-  posterior.insert(posterior.end(), log_likelihoods.begin(), log_likelihoods.end());
+  std::vector<double> posterior(views + 1);
+  posterior[0] = new_place;
+  std::copy(log_likelihoods.begin(), log_likelihoods.end(), posterior.begin() + 1);
   if (settings.motion_model && views >= 2 && !previous.empty()) {
     posterior[0] += std::log(settings.new_place_prior);
     for (size_t i = 0; i < views; ++i)
       posterior[i + 1] += std::log(motion_prior(previous.subspan(1), i, settings.motion_bias));
   }
-  const double most = *std::max_element(posterior.begin(), posterior.end());
-  double sum = 0;
-  for (double& value : posterior) {
-    value = std::exp(value - most);
-    sum += value;
-  }
+  const double share = settings.smoothing / exponentiate(posterior);
   const double floor = (1 - settings.smoothing) / static_cast<double>(views + 1);
-  for (double& value : posterior) value = settings.smoothing * (value / sum) + floor;
+  for (double& value : posterior) value = share * value + floor;
   return posterior;
 }
 

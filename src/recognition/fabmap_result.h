@@ -22,6 +22,8 @@ struct FabmapQuerySettings {
   double p_seen_if_there = 0.39;
   double p_seen_if_not = 0;
   int64_t lut_digits = 6;
+  bool loop = false;       ///< frames of the query are places for later ones
+  uint64_t loop_gap = 10;  ///< but not for so many that follow directly
   bool skip_unreadable = false;
   PosteriorSettings posterior;
 };
@@ -38,6 +40,8 @@ void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
   visit("p_seen_if_there", settings.p_seen_if_there);
   visit("p_seen_if_not", settings.p_seen_if_not);
   visit("lut_digits", settings.lut_digits);
+  visit("loop", settings.loop);
+  visit("loop_gap", settings.loop_gap);
   visit("skip_unreadable", settings.skip_unreadable);
   visit("posterior", settings.posterior);
 }

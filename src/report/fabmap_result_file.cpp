@@ -89,6 +89,7 @@ Json fabmap_result_json(const FabmapResult& result, const ResultContext& context
   json["places"] = result.places;
   json["views"] = result.views;
   json["totals"] = {{"hits", result.hits.size()}};
+  if (context.explanation) json["explanation"] = *context.explanation;
   add_context(json, context);
   return json;
 }

@@ -4,8 +4,9 @@
 #include <atomic>
 #include <limits>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "report/png_file.h"
 
 namespace vpr {
 namespace {
@@ -135,11 +136,7 @@ OutputFile MatrixPicture::write(const std::filesystem::path& path, Existing exis
   const size_t side = std::max(pixels_->rows, pixels_->cols);
   const auto enlarge = static_cast<double>((kFewestPixels + side - 1) / side);
   cv::resize(image, image, {}, enlarge, enlarge, cv::INTER_NEAREST);
-  std::vector<uint8_t> png;
-  cv::imencode(".png", image, png);
-  OutputFile file(path, existing);
-  file.write(std::as_bytes(std::span(png)));
-  return file;
+  return write_png(path, image, existing);
 }
 
 }  // namespace vpr

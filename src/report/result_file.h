@@ -23,6 +23,7 @@ struct ResultContext {
   std::map<std::string, double> seconds;
   std::optional<size_t> verified_cells;  ///< recomputed by definition, without a difference
   std::optional<Json> matrix;            ///< layout of a saved matrix
+  std::optional<Json> explanation;       ///< of one frame, by FAB-MAP
 };
 
 /// RESULT.hits.npy for RESULT.json.

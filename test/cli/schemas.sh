@@ -17,7 +17,9 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-train" fabmap --pretrain "$out/walk/corridor-a" --train "$out/walk/corridor-b@0:20" --words 20 \
   -o "$out/f.vprdb" --json >"$out/fi.json"
 "$bin/vpr-query" "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --t-p 0.5 -o "$out/fr.json" --quiet
+"$bin/vpr-query" "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --loop --loop-gap 2 --explain 9 \
+  -o "$out/fl.json" --quiet
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/walk/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/e.json" "$out/x.json" \
-  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fe.json"
+  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json"

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/simd.h"
+#include "database/radius_clustering.h"
 #include "descriptors/vocabulary.h"
 #include "support.h"
 
@@ -105,4 +106,30 @@ TEST_CASE("more words than descriptors are an error that says what to do") {
     kmeans_words(random_floats(5, 2, 1), {6, 5, 1}, {});
   });
   CHECK(text.find("--words") != std::string::npos);
+}
+
+TEST_CASE("radius clustering makes the words of the plain way") {
+  for (const double radius : {0.5, 1.0, 2.0}) {
+    const cv::Mat points = random_floats(3000, 5, 4);
+    CHECK(same(radius_words(points, radius, 10'000, {}), plain_radius_words(points, radius)));
+  }
+  const cv::Mat bits = random_bits(2500, 4, 5);
+  CHECK(same(radius_words(bits, 9, 10'000, {}), plain_radius_words(bits, 9)));
+}
+
+TEST_CASE("radius clustering, worked out by hand") {
+  const cv::Mat points = (cv::Mat_<float>(4, 1) << 0, 1, 1.5, 0.25);
+  // 0 and 1.5 become centres (1 is not farther than 1 from 0); 1 is nearer to 1.5.
+  const cv::Mat words = radius_words(points, 1, 10, {});
+  REQUIRE(words.rows == 2);
+  CHECK(words.at<float>(0) == 0.125F);
+  CHECK(words.at<float>(1) == 1.25F);
+}
+
+TEST_CASE("radius clustering refuses what makes no words, or too many") {
+  const cv::Mat points = random_floats(100, 3, 6);
+  CHECK(test::error_kind([&] { radius_words(points, 0, 10, {}); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { radius_words(points, 1e-9, 10, {}); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { radius_words(cv::Mat(0, 3, CV_32F), 1, 10, {}); }) ==
+        ErrorKind::usage);
 }

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "matching/fabmap_evidence.h"
 #include "matching/fabmap_fbo.h"
 #include "support.h"
 
@@ -69,9 +70,10 @@ TEST_CASE("every variant agrees with the definition within its stated error") {
       for (uint64_t seed = 0; seed < 3; ++seed) {
         const Example example(120, 40, seed);
         const FabmapModel model = make_fabmap_model(example.tree, detector, words);
-        const FabmapIndex index = make_fabmap_index(model, example.views);
+        const WordIndex index_lists = make_word_index(example.views, model.words());
+        const FabmapIndex index = make_fabmap_index(model, example.views, index_lists);
         for (const WordSet& query : example.queries) {
-          const FabmapQuery input{model, example.views, index, query};
+          const FabmapQuery input{model, example.views, index, query, example.views.views()};
           const auto expected = fabmap1_log_likelihoods(input);
           const auto check = [&](const std::vector<double>& found, double error) {
             REQUIRE(found.size() == expected.size());
@@ -111,4 +113,38 @@ TEST_CASE("the bail-out gap meets its bound, and is never below ln 1e6") {
 TEST_CASE("the mean of likelihoods is taken without overflow") {
   CHECK(log_mean_exp(std::vector<double>{-5000, -5000}) == Approx(-5000));
   CHECK(log_mean_exp(std::vector<double>{0, -1e300}) == Approx(-std::log(2)));
+}
+
+TEST_CASE("what words say adds up to the log-odds against a mean-field new place") {
+  const Example example(80, 10, 7);
+  for (const WordModel words : {WordModel::tree, WordModel::naive_bayes}) {
+    const FabmapModel model = make_fabmap_model(example.tree, {}, words);
+    const WordIndex lists = make_word_index(example.views, model.words());
+    const FabmapIndex index = make_fabmap_index(model, example.views, lists);
+    for (const WordSet& query : example.queries) {
+      const auto expected =
+          fabmap1_log_likelihoods({model, example.views, index, query, example.views.views()});
+      for (size_t v = 0; v < expected.size(); ++v) {
+        double sum = 0;
+        for (const WordEvidence& word : word_evidence(model, query, example.views.view(v)))
+          sum += word.log_odds;
+        REQUIRE(sum == Approx(expected[v] - new_place_mean_field(model, query)).margin(1e-9));
+      }
+    }
+  }
+}
+
+TEST_CASE("views that are not known yet change nothing for those that are") {
+  const Example example(80, 10, 8);
+  ViewWords fewer;
+  for (size_t v = 0; v < 4; ++v) fewer.add(example.views.view(v));
+  const FabmapModel model = make_fabmap_model(example.tree, {}, WordModel::tree);
+  const WordIndex lists = make_word_index(example.views, model.words());
+  const WordIndex fewer_lists = make_word_index(fewer, model.words());
+  const FabmapIndex index = make_fabmap_index(model, example.views, lists);
+  const FabmapIndex fewer_index = make_fabmap_index(model, fewer, fewer_lists);
+  for (const FabmapVariant& variant : fabmap_variants())
+    for (const WordSet& query : example.queries)
+      CHECK(variant.log_likelihoods({model, example.views, index, query, 4}) ==
+            variant.log_likelihoods({model, fewer, fewer_index, query, 4}));
 }

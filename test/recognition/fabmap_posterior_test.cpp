@@ -1,8 +1,13 @@
 #include "recognition/fabmap_posterior.h"
 
 #include <cmath>
+#include <limits>
 
 #include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "base/simd.h"
+#include "recognition/exponentials.h"
 
 using namespace vpr;
 
@@ -42,4 +47,34 @@ TEST_CASE("a view is recognised after c_w frames in a row above t_p, strictly") 
   CHECK(window.run == std::vector<uint32_t>{2, 1});
   add({});  // an unreadable frame
   CHECK(window.run == std::vector<uint32_t>{0, 0});
+}
+
+TEST_CASE("exponentials are those of the standard library, alike on every SIMD target") {
+  RandomEngine engine(3);
+  for (const size_t count : {1, 2, 7, 8, 9, 16, 100, 1001}) {
+    std::vector<double> logs(count);
+    for (double& value : logs) value = -1000 * uniform_unit(engine) * uniform_unit(engine) - 5000;
+    logs[count / 2] = -4999;
+    if (count > 2) logs[1] = -std::numeric_limits<double>::infinity();
+    use_simd_target("");
+    std::vector<double> found = logs;
+    const double sum = exponentiate(found);
+    double expected_sum = 0;
+    for (size_t i = 0; i < count; ++i) {
+      const double expected = std::exp(logs[i] + 4999);
+      expected_sum += expected;
+      if (logs[i] + 4999 < -690)
+        REQUIRE(found[i] == 0);
+      else
+        REQUIRE(found[i] == Approx(expected).epsilon(1e-15));
+    }
+    CHECK(sum == Approx(expected_sum).epsilon(1e-14));
+    for (const std::string& target : simd_targets()) {
+      use_simd_target(target);
+      std::vector<double> again = logs;
+      CHECK(exponentiate(again) == sum);
+      CHECK(again == found);
+    }
+  }
+  use_simd_target("");
 }

@@ -44,7 +44,8 @@ void time_queries(const ChowLiuTree& tree, size_t places) {
   ViewWords views;
   for (size_t v = 0; v < places; ++v) views.add(random_frame(engine));
   const FabmapModel model = make_fabmap_model(tree, {}, WordModel::tree);
-  const FabmapIndex index = make_fabmap_index(model, views);
+  const WordIndex index_lists = make_word_index(views, model.words());
+  const FabmapIndex index = make_fabmap_index(model, views, index_lists);
   const std::vector<WordSet> queries = {random_frame(engine), random_frame(engine),
                                         random_frame(engine)};
   for (const FabmapVariant& variant : fabmap_variants()) {
@@ -53,7 +54,8 @@ void time_queries(const ChowLiuTree& tree, size_t places) {
     std::vector<double> ms;
     for (int repeat = 0; repeat < (slow ? 3 : 60); ++repeat) {
       const Stopwatch watch;
-      variant.log_likelihoods({model, views, index, queries[static_cast<size_t>(repeat) % 3]});
+      variant.log_likelihoods(
+          {model, views, index, queries[static_cast<size_t>(repeat) % 3], places});
       ms.push_back(watch.elapsed_ms());
     }
     report(fmt::format("{} query, {} places", variant.name, places), ms);

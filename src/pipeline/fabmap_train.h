@@ -1,15 +1,12 @@
-// FAB-MAP from frames to recognised places (paper, figure 1 A).
+// FAB-MAP from frames: local features, vocabulary, Chow-Liu tree, words.
 #pragma once
 
-#include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "base/monitor.h"
 #include "database/fabmap_database.h"
 #include "images/sequence.h"
-#include "recognition/fabmap_result.h"
 
 namespace vpr {
 
@@ -35,21 +32,12 @@ FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const FabmapTrainSettings& settings, uint64_t seed,
                             const Monitor& monitor);
 
+/// Frames become views of new groups; nothing that the database holds is described again.
+void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
+               bool skip_unreadable, const Monitor& monitor);
+
 /// The words that a sequence shows, in the database's vocabulary.
 SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
                              bool skip_unreadable, const Monitor& monitor);
-
-struct FabmapRun {
-  FabmapResult result;
-  std::map<std::string, double> seconds;  ///< by step
-};
-
-/// Takes the posterior of every frame in order (new place first); empty for an unreadable frame.
-using PosteriorObserver = std::function<void(size_t frame, std::span<const double> posterior)>;
-
-/// Throws Error(usage) for settings out of range.
-FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
-                       const std::string& query_name, const FabmapQuerySettings& settings,
-                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
 
 }  // namespace vpr

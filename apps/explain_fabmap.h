@@ -1,0 +1,27 @@
+// vpr-query --explain: why a frame was taken for a place, as a table, as JSON and as a picture.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "images/sequence.h"
+#include "pipeline/fabmap_explain.h"
+#include "query_inputs.h"
+
+namespace vpr {
+
+std::string explanation_text(const Explanation& explanation);
+Json explanation_json(const Explanation& explanation);
+
+/// The query's frame beside the views of its best places, with the words drawn in. Views have
+/// images where --train-images names them, or where they are the query's own. Written, not
+/// committed.
+OutputFile write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
+                                     const SequenceArgument& query, const FabmapDatabase& searched,
+                                     bool searches_query, const Session& session);
+
+/// RESULT.explain.png for RESULT.json.
+std::filesystem::path explanation_picture_path(const std::string& output);
+
+}  // namespace vpr

@@ -1,0 +1,21 @@
+// A vocabulary by OpenFABMAP's sequential clustering: words no nearer than a radius.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/monitor.h"
+
+namespace vpr {
+
+/// Every row of `descriptors` (CV_32F or CV_8U) that is farther than `radius` from all centres so
+/// far becomes one; then each row is assigned to its nearest centre (ties to the lower one), and
+/// centres move to their members once. The distance of floats is Euclidean, of bits Hamming.
+/// Depends on the order of rows. Throws Error(usage) if there is no descriptor, the radius is not
+/// above 0, or there are more than `most_words` centres.
+cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_words,
+                     const Monitor& monitor);
+
+/// The same by comparing every row with every centre, one by one. The oracle.
+cv::Mat plain_radius_words(const cv::Mat& descriptors, double radius);
+
+}  // namespace vpr

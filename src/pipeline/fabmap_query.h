@@ -1,0 +1,35 @@
+// FAB-MAP in one call: words in, posteriors and recognitions out.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+
+#include "base/monitor.h"
+#include "pipeline/fabmap_train.h"
+#include "recognition/fabmap_result.h"
+
+namespace vpr {
+
+struct FabmapRun {
+  FabmapResult result;
+  std::map<std::string, double> seconds;  ///< by step
+};
+
+/// Takes the posterior of every frame in order (new place first); empty for an unreadable frame.
+/// With `loop` it grows: views come in the order of frames, and are no part of it before they are
+/// known.
+using PosteriorObserver = std::function<void(size_t frame, std::span<const double> posterior)>;
+
+/// The database with every frame of the query as a place of its own behind it: what `loop`
+/// searches.
+FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
+                          const std::string& query_name);
+
+/// Throws Error(usage) for settings out of range, or a database without places unless `loop`.
+FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                       const std::string& query_name, const FabmapQuerySettings& settings,
+                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
+
+}  // namespace vpr

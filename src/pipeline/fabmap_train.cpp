@@ -1,0 +1,126 @@
+#include "pipeline/fabmap_train.h"
+
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "base/parallel.h"
+#include "database/kmeans.h"
+#include "database/radius_clustering.h"
+#include "images/frames.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostWords = 10'000'000;
+
+Unreadable on_unreadable(bool skip) { return skip ? Unreadable::skip : Unreadable::fail; }
+
+// Descriptors by frame; `make` turns them into what is kept.
+template <class T, class Make>
+std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSettings& settings,
+                                    Unreadable unreadable, const Monitor& monitor,
+                                    FrameList& frames, Make&& make) {
+  std::vector<T> kept(sequence.files.size());
+  std::mutex mutex;  // a video's length is not known before its end
+  frames = for_each_frame(sequence, PixelFormat::grey, unreadable, monitor,
+                          [&](size_t index, const cv::Mat& image) {
+                            T made = make(find_features(image, settings).descriptors);
+                            const std::lock_guard lock(mutex);
+                            if (index >= kept.size()) kept.resize(index + 1);
+                            kept[index] = std::move(made);
+                          });
+  kept.resize(frames.count());
+  return kept;
+}
+
+std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& pretrain,
+                                          const FabmapTrainSettings& settings,
+                                          const Monitor& monitor) {
+  std::vector<cv::Mat> all;
+  for (const SequenceArgument& argument : pretrain) {
+    FrameList frames;
+    for (cv::Mat& descriptors : for_each_descriptors<cv::Mat>(
+             open_sequence(argument), settings.features, on_unreadable(settings.skip_unreadable),
+             monitor, frames, [](const cv::Mat& found) { return found; }))
+      all.push_back(descriptors);
+  }
+  return all;
+}
+
+cv::Mat stacked(const std::vector<cv::Mat>& parts, const FeatureSettings& settings) {
+  cv::Mat all(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
+  for (const cv::Mat& part : parts)
+    if (!part.empty()) all.push_back(part);
+  return all;
+}
+
+void check_train_settings(const FabmapTrainSettings& settings) {
+  check_feature_settings(settings.features);
+  if (settings.words < 2 || settings.words > kMostWords)
+    throw Error(ErrorKind::usage,
+                fmt::format("words must be from 2 to {}, found {}", kMostWords, settings.words));
+  if (settings.iterations < 1)
+    throw Error(ErrorKind::usage, "iterations must be 1 or more, found 0");
+}
+
+cv::Mat make_words(const cv::Mat& descriptors, const FabmapTrainSettings& settings, uint64_t seed,
+                   const Monitor& monitor) {
+  if (settings.clustering == Clustering::radius)
+    return radius_words(descriptors, settings.radius, kMostWords, monitor);
+  return kmeans_words(descriptors, {settings.words, settings.iterations, seed}, monitor);
+}
+
+}  // namespace
+
+FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
+                            const std::vector<GroupArgument>& train,
+                            const FabmapTrainSettings& settings, uint64_t seed,
+                            const Monitor& monitor) {
+  check_train_settings(settings);
+  FabmapDatabase database;
+  database.settings = settings;
+  database.seed = seed;
+  std::vector<WordSet> frames;
+  {
+    const std::vector<cv::Mat> descriptors = pretrain_descriptors(pretrain, settings, monitor);
+    database.vocabulary =
+        make_words(stacked(descriptors, settings.features), settings, seed, monitor);
+    const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
+    frames.resize(descriptors.size());
+    parallel_for(frames.size(), monitor, [&](size_t f) {
+      if (!descriptors[f].empty()) frames[f] = quantise(vocabulary, descriptors[f]);
+    });
+  }
+  const auto words = static_cast<size_t>(database.vocabulary.rows);
+  database.settings.words = words;
+  for (const WordSet& frame : frames) database.pretrain.add(frame);
+  database.tree = train_chow_liu(frames, words, monitor);
+  add_views(database, train, settings.skip_unreadable, monitor);
+  return database;
+}
+
+void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
+               bool skip_unreadable, const Monitor& monitor) {
+  for (const GroupArgument& group : groups) {
+    const SequenceWords words =
+        describe_words(open_sequence(group.sequence), database, skip_unreadable, monitor);
+    add_group(database, {group.name, group.is_place, words.names}, words.frames);
+  }
+  index_views(database);
+}
+
+SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
+                             bool skip_unreadable, const Monitor& monitor) {
+  const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
+  FrameList frames;
+  SequenceWords words;
+  words.frames = for_each_descriptors<WordSet>(
+      sequence, database.settings.features, on_unreadable(skip_unreadable), monitor, frames,
+      [&](const cv::Mat& descriptors) { return quantise(vocabulary, descriptors); });
+  words.names = std::move(frames.names);
+  words.unreadable = std::move(frames.unreadable);
+  return words;
+}
+
+}  // namespace vpr

@@ -1,0 +1,15 @@
+// Pictures as PNG files.
+#pragma once
+
+#include <filesystem>
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/output_file.h"
+
+namespace vpr {
+
+/// Grey or BGR, 8 bits. The caller commits. Throws Error(output).
+OutputFile write_png(const std::filesystem::path& path, const cv::Mat& image, Existing existing);
+
+}  // namespace vpr

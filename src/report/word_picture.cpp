@@ -1,0 +1,86 @@
+#include "report/word_picture.h"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+namespace vpr {
+namespace {
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 480;
+constexpr int kTitleHeight = 28;
+const cv::Scalar kFor(80, 220, 80);
+const cv::Scalar kAgainst(60, 60, 235);
+const cv::Scalar kText(40, 40, 40);
+const cv::Scalar kPaper(245, 245, 245);
+
+/// Where an image stands on the canvas, in its pixels.
+struct Placement {
+  double scale = 1;
+  cv::Point2d origin;
+
+  cv::Point operator()(cv::Point2f at) const {
+    return {cvRound(origin.x + scale * static_cast<double>(at.x)),
+            cvRound(origin.y + scale * static_cast<double>(at.y))};
+  }
+};
+
+Placement place_image(cv::Mat& canvas, const MarkedImage& image, int left, int top) {
+  cv::putText(canvas, image.title, {left + 6, top + 20}, cv::FONT_HERSHEY_SIMPLEX, 0.5, kText, 1,
+              cv::LINE_AA);
+  Placement placement;
+  placement.origin = {static_cast<double>(left), static_cast<double>(top + kTitleHeight)};
+  if (image.grey.empty()) return placement;
+  placement.scale = std::min(static_cast<double>(kWidth) / image.grey.cols,
+                             static_cast<double>(kHeight) / image.grey.rows);
+  cv::Mat scaled;
+  cv::resize(image.grey, scaled, {}, placement.scale, placement.scale, cv::INTER_LINEAR);
+  cv::cvtColor(scaled, scaled, cv::COLOR_GRAY2BGR);
+  scaled = scaled(cv::Rect(0, 0, std::min(scaled.cols, kWidth), std::min(scaled.rows, kHeight)));
+  scaled.copyTo(canvas(cv::Rect(left, top + kTitleHeight, scaled.cols, scaled.rows)));
+  return placement;
+}
+
+void mark(cv::Mat& canvas, const MarkedImage& image, const Placement& placement) {
+  for (const MarkedPoint& point : image.points) {
+    const cv::Point at = placement(point.at);
+    cv::circle(canvas, at, 7, point.speaks_for ? kFor : kAgainst, 2, cv::LINE_AA);
+    cv::putText(canvas, std::to_string(point.word), at + cv::Point(9, 4), cv::FONT_HERSHEY_SIMPLEX,
+                0.4, point.speaks_for ? kFor : kAgainst, 1, cv::LINE_AA);
+  }
+}
+
+// One line a word: from its first point here to its first point there.
+void join(cv::Mat& canvas, const ImagePair& pair, const Placement& query, const Placement& view) {
+  std::vector<uint32_t> joined;
+  for (const MarkedPoint& from : pair.query.points) {
+    if (!from.speaks_for || std::find(joined.begin(), joined.end(), from.word) != joined.end())
+      continue;
+    const auto to = std::find_if(pair.view.points.begin(), pair.view.points.end(),
+                                 [&](const MarkedPoint& p) { return p.word == from.word; });
+    if (to == pair.view.points.end()) continue;
+    joined.push_back(from.word);
+    cv::line(canvas, query(from.at), view(to->at), kFor, 1, cv::LINE_AA);
+  }
+}
+
+}  // namespace
+
+cv::Mat draw_word_pairs(const std::vector<ImagePair>& pairs) {
+  const int row_height = kTitleHeight + kHeight;
+  cv::Mat canvas(std::max<int>(1, static_cast<int>(pairs.size())) * row_height, 2 * kWidth, CV_8UC3,
+                 kPaper);
+  int top = 0;
+  for (const ImagePair& pair : pairs) {
+    const Placement query = place_image(canvas, pair.query, 0, top);
+    const Placement view = place_image(canvas, pair.view, kWidth, top);
+    join(canvas, pair, query, view);
+    mark(canvas, pair.query, query);
+    mark(canvas, pair.view, view);
+    top += row_height;
+  }
+  return canvas;
+}
+
+}  // namespace vpr

@@ -1,0 +1,306 @@
+// FAB-MAP's commands as a user runs them, and every file of theirs tried broken.
+#include <catch2/catch.hpp>
+
+#include "base/json.h"
+#include "base/npy.h"
+#include "base/simd.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kWorld = R"({"schema": "vpr.world/1", "name": "test", "seed": 4,
+  "corridors": 3, "corridor_length_m": 14, "walks": [
+    {"name": "other", "corridor": 2, "from_m": 0, "to_m": 12},
+    {"name": "one", "corridor": 0, "from_m": 0, "to_m": 12},
+    {"name": "back", "is_query": true, "corridor": 0, "from_m": 2, "to_m": 11, "noise": 4}]})";
+
+/// A rendered world and its database of 60 words, each frame of "one" a place.
+struct World {
+  test::TemporaryFolder folder;
+  World() {
+    test::write_text(folder / "world.json", kWorld);
+    REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
+            0);
+    REQUIRE(train({"--train", walk("one"), "-o", database()}).exit_code == 0);
+  }
+  std::string walk(const std::string& name) const { return folder / "walk" / name; }
+  std::string database() const { return folder / "f.vprdb"; }
+  test::RunOutcome train(std::vector<std::string> more) const {
+    std::vector<std::string> words = {"fabmap", "--pretrain", walk("other"), "--features",
+                                      "sift",   "--words",    "60"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-train", words);
+  }
+  test::RunOutcome query(std::vector<std::string> more) const {
+    std::vector<std::string> words = {database(), "--query", walk("back"), "--t-p", "0.5"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-query", words);
+  }
+};
+
+const World& world() {
+  static const World kShared;
+  return kShared;
+}
+
+Json parse(const std::string& text) { return Json::parse(text); }
+
+void check_failure(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == exit_code);
+  CHECK(outcome.err.find(word) != std::string::npos);
+  CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+}
+
+void copy_database(const fs::path& from, const fs::path& to) {
+  fs::remove_all(to);
+  fs::copy(from, to);
+}
+
+std::string without_last_bit(std::string text) {
+  text.back() = static_cast<char>(text.back() ^ 1);
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("a FAB-MAP database is byte-identical for any number of threads and SIMD target") {
+  const test::TemporaryFolder out;
+  std::vector<std::string> targets = simd_targets();
+  for (const std::string& target : {targets.front(), targets.back()}) {
+    fs::remove_all(out / "t.vprdb");
+    std::vector<std::string> words = {"fabmap",
+                                      "--pretrain",
+                                      world().walk("other"),
+                                      "--train",
+                                      world().walk("one"),
+                                      "--features",
+                                      "sift",
+                                      "--words",
+                                      "60",
+                                      "--threads",
+                                      "1",
+                                      "-o",
+                                      out / "t.vprdb"};
+    REQUIRE(run_program("vpr-train", words, {"VPR_SIMD=" + target}).exit_code == 0);
+    for (const std::string& name : test::list_folder(world().database())) {
+      INFO(target << " " << name);
+      CHECK(test::read_text(out / "t.vprdb" / name) ==
+            test::read_text(fs::path(world().database()) / name));
+    }
+  }
+}
+
+TEST_CASE("adding views gives the database of training them together") {
+  const test::TemporaryFolder out;
+  REQUIRE(world()
+              .train({"--train", world().walk("one"), "--train", world().walk("back"), "-o",
+                      out / "both.vprdb"})
+              .exit_code == 0);
+  REQUIRE(run_program("vpr-train", {"add", world().database(), "--train", world().walk("back"),
+                                    "-o", out / "added.vprdb"})
+              .exit_code == 0);
+  for (const std::string& name : test::list_folder(out / "both.vprdb"))
+    CHECK(test::read_text(out / "both.vprdb" / name) ==
+          test::read_text(out / "added.vprdb" / name));
+}
+
+TEST_CASE("exported to OpenFABMAP and imported again, a database gives the same posteriors") {
+  const test::TemporaryFolder out;
+  const fs::path files = out / "files";
+  REQUIRE(
+      run_program("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
+                                world().walk("one"), "--features", "sift", "--words", "60",
+                                "--clustering", "radius", "--radius", "300", "-o", out / "r.vprdb"})
+          .exit_code == 0);
+  REQUIRE(run_program("vpr-train", {"export", out / "r.vprdb", "--openfabmap", "-o", files})
+              .exit_code == 0);
+  REQUIRE(run_program(
+              "vpr-train",
+              {"fabmap", "--from-openfabmap", "--vocabulary", files / "vocabulary.yml", "--tree",
+               files / "tree.yml", "--pretrain-bow", files / "bow-pretrain.yml", "--features",
+               "sift", "--train-bow", files / "bow-train.yml", "-o", out / "i.vprdb"})
+              .exit_code == 0);
+  for (const std::string name : {"r", "i"})
+    REQUIRE(run_program("vpr-query", {out / (name + ".vprdb"), "--query", world().walk("back"),
+                                      "--save-posteriors", out / (name + ".npy"), "--json"})
+                .exit_code == 0);
+  CHECK(test::read_text(out / "r.npy") == test::read_text(out / "i.npy"));
+}
+
+TEST_CASE("with --loop, a recording that comes back recognises its own frames, none too near") {
+  const test::TemporaryFolder out;
+  fs::create_directory(out / "lap");
+  auto names = test::list_folder(world().walk("one"));
+  std::erase_if(names,
+                [](const std::string& name) { return fs::path(name).extension() == ".csv"; });
+  for (size_t lap = 0; lap < 2; ++lap)
+    for (size_t i = 0; i < names.size(); ++i)
+      fs::copy(fs::path(world().walk("one")) / names[i],
+               out / "lap" / (std::to_string(lap * names.size() + i) + ".png"));
+  REQUIRE(world().train({"-o", out / "v.vprdb"}).exit_code == 0);
+  check_failure(run_program("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--json"}), 2,
+                "--loop");
+  REQUIRE(run_program("vpr-query",
+                      {out / "v.vprdb", "--query", out / "lap", "--loop", "--loop-gap", "20",
+                       "--t-p", "0.2", "--save-posteriors", out / "p.npy", "-o", out / "r.json"})
+              .exit_code == 0);
+  const NpyArray best(out / "r.best.npy");
+  const auto rows = best.values<int32_t>(2);
+  const auto lap = static_cast<int32_t>(names.size());
+  size_t right = 0;
+  for (int32_t frame = 0; frame < 2 * lap; ++frame) {
+    const int32_t view = rows[static_cast<size_t>(3 * frame + 2)];
+    REQUIRE(view < std::max(frame - 20, 0));
+    if (frame >= lap && std::abs(view - (frame - lap)) <= 1) ++right;
+  }
+  CHECK(right > names.size() * 9 / 10);
+  const NpyArray posteriors(out / "p.npy");
+  REQUIRE(posteriors.shape() == std::vector<size_t>{2 * names.size(), 1 + 2 * names.size()});
+  for (size_t frame = 0; frame < 2 * names.size(); ++frame) {
+    double sum = 0;
+    for (size_t i = 0; i <= 2 * names.size(); ++i)
+      sum += posteriors.values<double>(2)[frame * (1 + 2 * names.size()) + i];
+    REQUIRE(sum == Approx(1));
+  }
+}
+
+TEST_CASE("an explanation lists words, and draws them") {
+  const test::TemporaryFolder out;
+  const auto outcome = world().query(
+      {"--explain", "20", "--train-images", world().walk("one"), "-o", out / "r.json"});
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.out.find("Frame 20:") != std::string::npos);
+  CHECK(test::read_text(out / "r.explain.png").substr(1, 3) == "PNG");
+  const Json explanation = parse(test::read_text(out / "r.json"))["explanation"];
+  REQUIRE(explanation["places"].size() == 3);
+  for (const Json& place : explanation["places"]) {
+    CHECK(place["for"][0]["log_odds"].get<double>() >= place["for"][1]["log_odds"].get<double>());
+    CHECK(place["against"][0]["log_odds"].get<double>() < 0);
+  }
+  check_failure(world().query({"--explain", "999", "--json"}), 2, "--explain 999");
+  check_failure(world().query({"--explain", "2", "--train-images", "none=x", "-o", out / "s.json"}),
+                2, "none");
+  CHECK(!fs::exists(out / "s.json"));
+}
+
+TEST_CASE("a frame without features keeps its index; all of them are no vocabulary") {
+  const test::TemporaryFolder out;
+  fs::create_directory(out / "grey");
+  for (const char* name : {"1.pgm", "2.pgm"})
+    test::write_text(out / "grey" / name, "P5\n32 32\n255\n" + std::string(1024, '\x80'));
+  check_failure(run_program("vpr-train", {"fabmap", "--pretrain", out / "grey", "--train",
+                                          world().walk("one"), "-o", out / "x.vprdb"}),
+                2, "0 descriptors");
+  check_failure(run_program("vpr-train", {"fabmap", "--pretrain", out / "grey", "--clustering",
+                                          "radius", "-o", out / "x.vprdb"}),
+                2, "no descriptor");
+  REQUIRE(
+      run_program("vpr-query", {world().database(), "--query", out / "grey", "-o", out / "r.json"})
+          .exit_code == 0);
+  const NpyArray best(out / "r.best.npy");
+  CHECK(best.shape()[0] == 2);
+  CHECK(best.values<int32_t>(2)[1] == -1);
+}
+
+TEST_CASE("FAB-MAP settings out of range") {
+  const test::TemporaryFolder out;
+  for (const auto& [flag, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--t-p", "1.5"},
+                                                        {"--t-p", "nan"},
+                                                        {"--c-w", "0"},
+                                                        {"--c-w", "-1"},
+                                                        {"--variant", "fabmap3"},
+                                                        {"--word-model", "x"},
+                                                        {"--loop-gap", "-1"},
+                                                        {"--new-place", "never"}})
+    check_failure(run_program("vpr-query", {world().database(), "--query", world().walk("back"),
+                                            flag, value, "--json"}),
+                  2, "");
+  for (const auto& [flag, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--words", "0"},
+                                                        {"--words", "1"},
+                                                        {"--words", "100000000"},
+                                                        {"--features", "surff"},
+                                                        {"--words", "999999"},
+                                                        {"--place", "x"},
+                                                        {"--clustering", "tree"}})
+    check_failure(world().train({flag, value, "-o", out / "x.vprdb"}), 2, "");
+  CHECK(test::list_folder(out.path()).empty());
+}
+
+TEST_CASE("every file of a FAB-MAP database is tried broken") {
+  const test::TemporaryFolder out;
+  const fs::path broken = out / "d.vprdb";
+  for (const std::string& name : test::list_folder(world().database())) {
+    INFO(name);
+    const std::string whole = test::read_text(fs::path(world().database()) / name);
+    for (const std::string& text :
+         {without_last_bit(whole), whole.substr(0, whole.size() / 2), std::string()}) {
+      copy_database(world().database(), broken);
+      test::write_text(broken / name, text);
+      check_failure(run_program("vpr-train", {"info", broken}), 4, "");
+      check_failure(run_program("vpr-query", {broken, "--query", world().walk("back"), "--json"}),
+                    4, "");
+    }
+    copy_database(world().database(), broken);
+    fs::remove(broken / name);
+    const int exit_code = run_program("vpr-train", {"info", broken}).exit_code;
+    CHECK((exit_code == 3 || exit_code == 4));
+  }
+}
+
+TEST_CASE("every file of a FAB-MAP result is tried broken") {
+  const test::TemporaryFolder out;
+  REQUIRE(world().query({"-o", out / "r.json"}).exit_code == 0);
+  const auto eval = [&] {
+    return run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"});
+  };
+  REQUIRE(eval().exit_code == 0);
+  for (const std::string name :
+       {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy", "r.best_scores.npy"}) {
+    INFO(name);
+    const std::string whole = test::read_text(out / name);
+    for (const std::string& text :
+         {whole.substr(0, whole.size() / 2), without_last_bit(whole), std::string()}) {
+      test::write_text(out / name, text);
+      // The last byte of a JSON file is a line end, which another byte may replace.
+      if (name != "r.json" || text.size() < whole.size()) check_failure(eval(), 4, "r.");
+    }
+    test::write_text(out / name, whole);
+  }
+}
+
+TEST_CASE("OpenFABMAP's files, broken") {
+  const test::TemporaryFolder out;
+  const fs::path files = out / "files";
+  REQUIRE(run_program("vpr-train", {"export", world().database(), "--openfabmap", "-o", files})
+              .exit_code == 0);
+  const auto import = [&] {
+    return run_program(
+        "vpr-train",
+        {"fabmap", "--from-openfabmap", "--vocabulary", files / "vocabulary.yml", "--tree",
+         files / "tree.yml", "--pretrain-bow", files / "bow-pretrain.yml", "--features", "sift",
+         "--train-bow", files / "bow-train.yml", "-o", out / "x.vprdb"});
+  };
+  for (const std::string name :
+       {"vocabulary.yml", "tree.yml", "bow-pretrain.yml", "bow-train.yml"}) {
+    INFO(name);
+    const std::string whole = test::read_text(files / name);
+    for (const std::string& text :
+         {whole.substr(0, whole.size() / 2), std::string("x: 3\n"), std::string()}) {
+      test::write_text(files / name, text);
+      const auto outcome = import();
+      CHECK(outcome.exit_code == 4);
+      CHECK(outcome.err.find(name) != std::string::npos);
+    }
+    fs::remove(files / name);
+    CHECK(import().exit_code == 3);
+    test::write_text(files / name, whole);
+  }
+  CHECK(!fs::exists(out / "x.vprdb"));
+}
