@@ -44,6 +44,11 @@ std::string summary(const QueryRun& run) {
   if (result.places.size() > kTableRows)
     text += fmt::format("... and {} more\n", result.places.size() - kTableRows);
   if (run.verified_cells > 0) text += fmt::format("{} cells, 0 differences\n", run.verified_cells);
+  if (result.recall)
+    text += fmt::format(
+        "Against an exact search: the best match of {} of {} windows was found, and {} of {} "
+        "hits\n",
+        result.recall->found_best, result.recall->windows, result.hits.size(), result.recall->hits);
   return text;
 }
 
@@ -80,6 +85,10 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_result_output(options.output, options.existing());
   check_matrix_output(inputs, options.output, options.existing());
+  if (!find_sequence_method(settings.method).is_exact && !inputs.matrix.empty())
+    throw Error(ErrorKind::usage, fmt::format("{} does not see every window: there is no whole "
+                                              "matrix to save",
+                                              settings.method));
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.memory_limit = parse_bytes(inputs.max_memory, "--max-memory");

@@ -1,5 +1,6 @@
 #include "evaluation/counts.h"
 
+#include <algorithm>
 #include <set>
 
 namespace vpr {
@@ -19,12 +20,18 @@ void count(LabelCounts& counts, PlaceLabel label) {
   }
 }
 
+bool shows_unreadable(const SequenceResult& result, size_t window) {
+  const auto& frames = result.query_unreadable;
+  const auto found = std::lower_bound(frames.begin(), frames.end(), window);
+  return found != frames.end() && *found <= result.anchor(window);
+}
+
 BestMatchCounts count_best_matches(const SequenceResult& result, const GroundTruth& truth) {
   BestMatchCounts counts;
   for (size_t window = 0; window < result.best.size(); ++window) {
     const auto& best = result.best[window];
     const size_t anchor = result.anchor(window);
-    if (!best) {
+    if (!best && shows_unreadable(result, window)) {
       ++counts.unreadable;
       continue;
     }
@@ -33,7 +40,10 @@ BestMatchCounts count_best_matches(const SequenceResult& result, const GroundTru
       continue;
     }
     ++counts.queries;
-    const PlaceLabel label = truth.label(anchor, best->sequence, result.anchor(best->train_window));
+    // An approximate method may find nothing at all, which is wrong.
+    const PlaceLabel label =
+        best ? truth.label(anchor, best->sequence, result.anchor(best->train_window))
+             : PlaceLabel::different;
     if (label == PlaceLabel::same) ++counts.correct;
     if (label == PlaceLabel::ignore) ++counts.ignored;
   }

@@ -34,6 +34,7 @@ std::vector<FrameRun> readable_runs(const CodeSpan& sequence) {
 
 TrainCodes make_train_codes(std::span<const CodeSpan> sequences) {
   TrainCodes train;
+  train.sequences.assign(sequences.begin(), sequences.end());
   for (size_t s = 0; s < sequences.size(); ++s) {
     append_runs(train.runs, train.frame_count, s, sequences[s]);
     train.frame_count += sequences[s].codes.size();
@@ -53,6 +54,7 @@ TrainCodes make_train_codes(std::span<const CodeSpan> sequences) {
 
 QueryCodes make_query_codes(const CodeSpan& sequence) {
   QueryCodes query;
+  query.codes = sequence.codes;
   query.words.reserve(sequence.codes.size());
   for (const LdbCode& code : sequence.codes) query.words.push_back(code_words(code));
   append_runs(query.runs, 0, 0, sequence);

@@ -36,23 +36,25 @@ struct FrameRun {
   }
 };
 
+/// What one sequence adds to a set: its codes and the frames among them that were unreadable.
+struct CodeSpan {
+  std::span<const LdbCode> codes;
+  std::span<const size_t> unreadable;  ///< rising
+};
+
 /// The frames of one or more sequences, one after the other. Only `runs` says where a sequence
 /// ends.
 struct TrainCodes {
   std::vector<CodeBlock> blocks;  ///< padded with zero codes to whole blocks
   size_t frame_count = 0;
-  std::vector<FrameRun> runs;  ///< rising
+  std::vector<FrameRun> runs;       ///< rising
+  std::vector<CodeSpan> sequences;  ///< as given: somebody else's
 };
 
 struct QueryCodes {
   std::vector<CodeWords> words;
   std::vector<FrameRun> runs;
-};
-
-/// What one sequence adds to a set: its codes and the frames among them that were unreadable.
-struct CodeSpan {
-  std::span<const LdbCode> codes;
-  std::span<const size_t> unreadable;  ///< rising
+  std::span<const LdbCode> codes;  ///< as given: somebody else's
 };
 
 TrainCodes make_train_codes(std::span<const CodeSpan> sequences);

@@ -10,16 +10,19 @@
 #include "base/error.h"
 #include "matching/fastable_batch.h"
 #include "matching/fastable_online.h"
+#include "matching/lsh.h"
 #include "matching/openable.h"
 
 namespace vpr {
 namespace {
 
-constexpr std::array<SequenceMethod, 3> kMethods = {{
-    {"fastable", "distances re-used from row to row, the whole query at once", match_fastable},
-    {"fastable-online", "the same, one query frame after the other as on a phone",
+constexpr std::array<SequenceMethod, 4> kMethods = {{
+    {"fastable", "distances re-used from row to row, the whole query at once", true,
+     match_fastable},
+    {"fastable-online", "the same, one query frame after the other as on a phone", true,
      match_fastable_online},
-    {"openable", "every window distance by its definition (slow)", match_openable},
+    {"openable", "every window distance by its definition (slow)", true, match_openable},
+    {"lsh", "hashing, approximate: near windows only, and not all of them", false, match_lsh},
 }};
 
 }  // namespace

@@ -8,10 +8,12 @@
 
 namespace vpr {
 
-/// A way to compute the matrix of sequence distances. All exact methods give the same cells.
+/// A way to compute the matrix of sequence distances. All exact methods give the same cells; the
+/// others give some of them.
 struct SequenceMethod {
   std::string_view name;
   std::string_view summary;
+  bool is_exact;
   void (*match)(const TrainCodes&, const QueryCodes&, const MatchSettings&, const Monitor&,
                 const RowConsumer&);
 };

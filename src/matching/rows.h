@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 
+#include "base/json.h"
 #include "base/monitor.h"
 #include "matching/codes.h"
 #include "matching/hamming_kernels.h"
@@ -22,13 +23,29 @@ struct DistanceRow {
 };
 
 /// Called several times for a row, in any order, from several threads at once. Every cell of every
-/// valid window pair arrives exactly once.
+/// valid window pair arrives exactly once; of an approximate method, some.
 using RowConsumer = std::function<void(const DistanceRow&)>;
+
+/// Of the method `lsh`.
+struct LshSettings {
+  uint64_t tables = 8;
+  uint64_t key_bits = 0;     ///< of a bucket; 0: log2 of the windows of a sequence, and three
+  uint64_t probe_level = 2;  ///< keys that differ in so many bits are looked up, too
+};
+
+template <class Visitor>
+void visit_fields(LshSettings& settings, Visitor&& visit) {
+  visit("tables", settings.tables);
+  visit("key_bits", settings.key_bits);
+  visit("probe_level", settings.probe_level);
+}
 
 struct MatchSettings {
   size_t window_length = 40;              ///< c_l, at least 1, at most kMaxWindowLength
   size_t memory_limit = size_t{1} << 33;  ///< bytes for rings; beyond, work is done twice instead
   HammingKernels kernels;
+  LshSettings lsh = {};
+  uint64_t seed = 1;  ///< of lsh
 };
 
 /// Sums of distances stay below 2^32.

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/stopwatch.h"
+#include "matching/fastable_batch.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
 #include "recognition/automatic_threshold.h"
@@ -37,6 +38,16 @@ void check_names(const SequenceDatabase& database, const SequenceQuerySettings& 
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
                                                 name, fmt::join(names, ", ")));
+}
+
+// Of an approximate method, the largest distance is not known.
+void check_exactness(const SequenceQuerySettings& settings) {
+  if (find_sequence_method(settings.method).is_exact) return;
+  if (settings.distance_threshold && settings.threshold_scale == ThresholdScale::relative)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} does not see every window, and so not max(D); give t_r in bits a "
+                            "frame, as in --t-r 200 --t-r-scale bits, or auto",
+                            settings.method));
 }
 
 bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
@@ -152,6 +163,34 @@ std::vector<Recognition> cluster_by_sequence(const std::vector<Cell>& hits, size
   return places;
 }
 
+HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources) {
+  HitScanSettings settings;
+  for (const SequenceThreshold& sequence : result.sequences)
+    settings.limits.push_back(sequence.distance_limit);
+  settings.query_windows = result.query_windows;
+  settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
+  settings.kernels = resources.kernels;
+  return settings;
+}
+
+// Compares with an exact search of everything.
+SearchRecall measure_recall(const SequenceResult& result, const TrainCodes& train,
+                            const QueryCodes& query, const MatchSettings& match,
+                            const QueryResources& resources, const Monitor& monitor) {
+  HitScan scan(scan_settings(result, resources));
+  match_fastable(train, query, match, monitor, std::ref(scan));
+  const HitScanResult exact = scan.result();
+  SearchRecall recall;
+  recall.hits = exact.hits.size();
+  for (size_t window = 0; window < exact.best.size(); ++window) {
+    if (!exact.best[window]) continue;
+    ++recall.windows;
+    const auto& found = result.best[window];
+    if (found && found->distance == exact.best[window]->distance) ++recall.found_best;
+  }
+  return recall;
+}
+
 void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& database,
                  const SequenceCodes& query, size_t window_length, const Monitor& monitor) {
   const std::vector<Cell> wrong =
@@ -172,7 +211,7 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
                           const std::string& query_name, const SequenceQuerySettings& settings,
                           const QueryResources& resources, const Monitor& monitor) {
   check_settings(settings);
-  find_sequence_method(settings.method);
+  check_exactness(settings);
   check_names(database, settings);
   SequenceResult result;
   result.settings = settings;
@@ -209,7 +248,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   SequenceResult& result = run.result;
   const SequenceMethod& method = find_sequence_method(result.settings.method);
   const MatchSettings match{result.settings.window_length, resources.memory_limit,
-                            resources.kernels};
+                            resources.kernels, result.settings.lsh, resources.seed};
   const TrainCodes train = searched_codes(database, result);
   const QueryCodes query_codes = make_query_codes({query.codes, query.frames.unreadable});
 
@@ -222,15 +261,9 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   }
 
   watch = {};
-  HitScanSettings scan_settings;
-  for (const SequenceThreshold& sequence : result.sequences)
-    scan_settings.limits.push_back(sequence.distance_limit);
-  scan_settings.query_windows = result.query_windows;
-  scan_settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
-  scan_settings.kernels = resources.kernels;
-  HitScan scan(std::move(scan_settings));
+  HitScan scan(scan_settings(result, resources));
   CellScan cells(choose_cells(train.runs, query_codes.runs, match.window_length,
-                              resources.verify_cells, resources.seed));
+                              method.is_exact ? resources.verify_cells : 0, resources.seed));
   method.match(train, query_codes, match, monitor, [&](const DistanceRow& row) {
     scan(row);
     cells(row);
@@ -240,6 +273,12 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   result.hits = std::move(found.hits);
   result.best = std::move(found.best);
   run.seconds["match"] = watch.elapsed_s();
+
+  if (!method.is_exact) {
+    watch = {};
+    result.recall = measure_recall(result, train, query_codes, match, resources, monitor);
+    run.seconds["recall"] = watch.elapsed_s();
+  }
 
   watch = {};
   check_cells(cells.result(), database, query, match.window_length, monitor);

@@ -21,6 +21,7 @@ struct SequenceQuerySettings {
   std::vector<std::string> only_sequences;  ///< empty: all
   bool skip_unreadable = false;
   ClusterSettings clustering;
+  LshSettings lsh;  ///< of the method lsh
 };
 
 template <class Visitor>
@@ -33,6 +34,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("only_sequence", settings.only_sequences);
   visit("skip_unreadable", settings.skip_unreadable);
   visit("clustering", settings.clustering);
+  visit("lsh", settings.lsh);
 }
 
 /// A training sequence of the database, and the threshold used for it.
@@ -47,6 +49,13 @@ struct SequenceThreshold {
   std::optional<uint32_t> max_distance;  ///< max(D), where the scale is relative
 };
 
+/// What an approximate method found of what there is.
+struct SearchRecall {
+  size_t windows = 0;     ///< query windows that have a best match
+  size_t found_best = 0;  ///< whose smallest distance was found
+  size_t hits = 0;        ///< that there are below the thresholds
+};
+
 struct SequenceResult {
   SequenceQuerySettings settings;
   std::string query_name;
@@ -57,6 +66,7 @@ struct SequenceResult {
   std::vector<Cell> hits;                 ///< by query window, sequence, train window
   std::vector<std::optional<Cell>> best;  ///< per query window
   std::vector<Recognition> places;        ///< by sequence, then first hit
+  std::optional<SearchRecall> recall;     ///< of an approximate method
 
   /// Where the user is at the end of a window that starts at this frame.
   size_t anchor(size_t window) const { return window + settings.window_length - 1; }

@@ -112,6 +112,11 @@ Json result_json(const SequenceResult& result, const ResultContext& context) {
   for (const SequenceThreshold& sequence : result.sequences)
     json["sequences"].push_back(sequence_json(sequence));
   json["totals"] = {{"hits", result.hits.size()}, {"places", result.places.size()}};
+  if (result.recall)
+    json["recall"] = {{"windows", result.recall->windows},
+                      {"found_best", result.recall->found_best},
+                      {"hits", result.recall->hits},
+                      {"found_hits", result.hits.size()}};
   json["recognitions"] = Json::array();
   for (const Recognition& place : result.places)
     json["recognitions"].push_back(recognition_json(result, place));

@@ -10,6 +10,7 @@ trap 'rm -rf "$out"' EXIT
   --save-matrix "$out/d.npy" -o "$out/r.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/walk/query-a" --t-r 0.3 --only-sequence corridor-a \
   -o "$out/r2.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/walk/query-a" --method lsh -o "$out/r3.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" -o "$out/e.json" --quiet
 echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" --expect "$out/x.json" --quiet
@@ -21,5 +22,5 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   -o "$out/fl.json" --quiet
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/walk/dataset.json" \
-  "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/e.json" "$out/x.json" \
+  "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json"

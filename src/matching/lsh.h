@@ -1,0 +1,46 @@
+// Multi-probe locality-sensitive hashing of windows, as ABLE-M searches long sequences:
+// approximate.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/json.h"
+#include "matching/rows.h"
+
+namespace vpr {
+
+/// A training window that shares a bucket with a query window.
+struct LshCandidate {
+  uint32_t sequence = 0;
+  uint32_t train_window = 0;
+  uint32_t distance = 0;  ///< D, exact
+
+  bool operator==(const LshCandidate&) const = default;
+};
+
+/// Hash tables over all windows of a database. Nothing is copied: the windows of a sequence are
+/// rows of its codes that overlap, c_l x 176 bytes wide and 176 bytes apart. (The tables are
+/// OpenCV's.)
+class LshIndex {
+ public:
+  /// `train` and the codes it was made of must outlive the index. The same seed gives the same
+  /// tables for any number of threads. Throws Error(usage) for settings out of range.
+  LshIndex(const TrainCodes& train, size_t window_length, const LshSettings& settings,
+           uint64_t seed, const Monitor& monitor);
+  ~LshIndex();
+
+  /// By sequence, then window; each once. `window`: the first code of c_l that lie one after the
+  /// other. May be called from several threads.
+  std::vector<LshCandidate> find(const LdbCode* window) const;
+
+ private:
+  struct Tables;
+  std::vector<std::unique_ptr<Tables>> tables_;  // one a run
+};
+
+/// Rows hold only the windows that were found; the others do not arrive.
+void match_lsh(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+               const Monitor& monitor, const RowConsumer& consume);
+
+}  // namespace vpr
