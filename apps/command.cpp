@@ -101,7 +101,10 @@ void Program::set_run(std::function<void(Session&)> run) {
 
 void Program::add_common_flags(CLI::App& command) {
   command.add_option("-o,--output", common_.output, "where the result goes");
-  add_setting(command, "--threads", common_.threads, "threads to use; 0: all cores (default)");
+  add_setting(command, "--threads", common_.threads,
+              fmt::format("threads to use; 0: all cores{}",
+                          common_.threads == 0 ? " (default)"
+                                               : fmt::format("; default {}", common_.threads)));
   add_setting(command, "--seed", common_.seed, "seed of everything that is random (default 1)");
   command.add_flag("--quiet", common_.quiet, "no progress, no warnings, no table");
   command.add_flag("-v,--verbose", common_.verbose, "say more");

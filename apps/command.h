@@ -72,6 +72,8 @@ class Program {
   Program(const std::string& name, const std::string& description, const std::string& example);
 
   CLI::App& app() { return app_; }
+  /// Threads where --threads is not given; 0: all cores.
+  void set_default_threads(uint64_t threads) { common_.threads = threads; }
   /// A command with its own --help and the common flags. The work is done by `run`.
   CLI::App& add_command(const std::string& name, const std::string& description,
                         const std::string& example, std::function<void(Session&)> run);

@@ -64,6 +64,11 @@ std::optional<E> enum_value(std::string_view name) {
 }
 
 namespace detail {
+template <class T>
+inline constexpr bool kIsList = false;
+template <class T>
+inline constexpr bool kIsList<std::vector<T>> = true;
+
 
 struct AnyVisitor {
   template <class T>
@@ -121,8 +126,8 @@ void value_from_json(const Json& json, T& value, const std::string& where, const
     } else {
       detail::bad_value(where, key, "a number or \"auto\"", json);
     }
-  } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
-    if (!json.is_array()) detail::bad_value(where, key, "a list of texts", json);
+  } else if constexpr (detail::kIsList<T>) {
+    if (!json.is_array()) detail::bad_value(where, key, "a list", json);
     value.clear();
     for (const Json& item : json) value_from_json(item, value.emplace_back(), where, key);
   } else if constexpr (std::is_enum_v<T>) {

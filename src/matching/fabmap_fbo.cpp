@@ -10,13 +10,15 @@ namespace {
 
 const double kLogProbability = std::log(1e-6);
 
+constexpr size_t kStepsBetween = 32;  // words between two times that views are dropped
+
 /// A word in the order of evaluation, and what may still come from it and later ones on.
 struct Step {
   uint32_t word = 0;
   double p_observed = 0;  // P(z_q | z_parent) of what was observed: small speaks loudest
   double without = 0;     // log-likelihood of a view that does not show the word
   double with = 0;
-  double gap = 0;  // a view further behind the best before this step is dropped
+  double gap = 0;  // a view further behind the best before this step is dropped; 0: none is
 };
 
 std::vector<Step> plan_steps(const FabmapQuery& query) {
@@ -34,15 +36,22 @@ std::vector<Step> plan_steps(const FabmapQuery& query) {
                    [](const Step& a, const Step& b) { return a.p_observed < b.p_observed; });
   double variance = 0;
   double largest = 0;
-  for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
-    const double difference = step->with - step->without;
-    const double p = model.p[step->word];
+  for (size_t s = steps.size(); s-- > 0;) {
+    Step& step = steps[s];
+    const double difference = step.with - step.without;
+    const double p = model.p[step.word];
     // Two views differ by the difference, one way or the other, where just one shows the word.
     variance += 2 * p * (1 - p) * difference * difference;
     largest = std::max(largest, std::abs(difference));
-    step->gap = bail_out_gap(variance, largest);
+    if (s % kStepsBetween == 0) step.gap = bail_out_gap(variance, largest);
   }
   return steps;
+}
+
+double best_of(const std::vector<uint32_t>& views, const std::vector<double>& sums) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const uint32_t v : views) best = std::max(best, sums[v]);
+  return best;
 }
 
 }  // namespace
@@ -71,16 +80,16 @@ std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
   std::iota(alive.begin(), alive.end(), 0U);
   double to_all = 0;
   for (const Step& step : plan_steps(query)) {
-    double best = -std::numeric_limits<double>::infinity();
-    for (const uint32_t v : alive) best = std::max(best, sums[v]);
-    std::erase_if(alive, [&](uint32_t v) { return sums[v] < best - step.gap; });
+    if (step.gap > 0) {
+      const double best = best_of(alive, sums);
+      std::erase_if(alive, [&](uint32_t v) { return sums[v] < best - step.gap; });
+    }
     to_all += step.without;
     for (size_t block = 0; block < index.lists.blocks(); ++block)
       for (const uint16_t v : index.lists.list(block, step.word))
         sums[block * kIndexBlock + v] += step.with - step.without;
   }
-  double best = -std::numeric_limits<double>::infinity();
-  for (const uint32_t v : alive) best = std::max(best, sums[v]);
+  const double best = best_of(alive, sums);
   std::vector<double> result(query.known_views, best + to_all + kLogProbability);
   for (const uint32_t v : alive) result[v] = sums[v] + to_all;
   return result;

@@ -41,8 +41,7 @@ class Fields {
   }
   Fields object(const std::string& key) const { return {(*this)[key], where_}; }
   [[noreturn]] void fail(std::string_view what) const {
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is damaged: {}; run vpr-query again", where_, what));
+    throw Error(ErrorKind::data, fmt::format("{}: is damaged: {}; make it again", where_, what));
   }
 
  private:

@@ -21,6 +21,8 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-query" "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --loop --loop-gap 2 --explain 9 \
   -o "$out/fl.json" --quiet
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
+"$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
+"$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/walk/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
-  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json"
+  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json"

@@ -1,0 +1,17 @@
+// Benchmarks as files (vpr.bench/1).
+#pragma once
+
+#include <filesystem>
+
+#include "bench/bench_result.h"
+#include "report/run_info.h"
+
+namespace vpr {
+
+Json bench_json(const BenchResult& result, const RunInfo& run);
+
+/// Rows, name and settings of a stored benchmark. Throws Error(input) if it can't be read,
+/// Error(data) if it is none, or damaged.
+BenchResult read_bench(const std::filesystem::path& path);
+
+}  // namespace vpr

@@ -1,0 +1,37 @@
+// Two runs of a benchmark on one machine: what became slower?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/bench_result.h"
+
+namespace vpr {
+
+/// A row that both runs have, by work and parameters.
+struct BenchRatio {
+  std::string work;
+  NamedNumbers parameters;
+  double old_ms = 0;
+  double new_ms = 0;
+  double ratio = 0;  ///< new median / old median: above 1 is slower
+  double low = 0;    ///< new lower quartile / old upper quartile
+  double high = 0;   ///< new upper quartile / old lower quartile
+};
+
+struct BenchComparison {
+  std::vector<BenchRatio> ratios;        ///< in the order of the old run
+  std::vector<std::string> only_in_one;  ///< rows without a partner, in words
+};
+
+/// Throws Error(data) if the two are different benchmarks, or have no row in common.
+BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer);
+
+/// `factor`: ratios above it are marked.
+Table comparison_table(const BenchComparison& comparison, double factor);
+Json comparison_json(const BenchComparison& comparison, double factor);
+
+/// Rows whose ratio is above the factor (strict).
+size_t count_slower(const BenchComparison& comparison, double factor);
+
+}  // namespace vpr

@@ -1,0 +1,162 @@
+#include "bench/describe_bench.h"
+
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "bench/generated.h"
+#include "bench/paper_times.h"
+#include "descriptors/describe.h"
+#include "descriptors/ldb.h"
+#include "images/decode.h"
+#include "images/frames.h"
+
+namespace vpr {
+namespace {
+
+/// Encoded files and decoded frames.
+struct Frames {
+  std::vector<std::vector<uint8_t>> files;
+  std::vector<cv::Mat> grey;
+};
+
+std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+Frames load_frames(const std::optional<Sequence>& images, uint64_t count, uint64_t seed) {
+  Frames frames;
+  if (images && images->files.empty())
+    throw Error(ErrorKind::usage, fmt::format("{}: give a folder or list of images, not a video",
+                                              images->argument.path.string()));
+  for (uint64_t i = 0; i < count; ++i) {
+    if (images) {
+      if (i == images->files.size()) break;
+      frames.grey.push_back(decode_image(images->files[i], PixelFormat::grey));
+      frames.files.push_back(read_bytes(images->files[i]));
+    } else {
+      cv::imencode(".jpg", generate_frame(seed + i), frames.files.emplace_back());
+      frames.grey.push_back(cv::imdecode(frames.files.back(), cv::IMREAD_GRAYSCALE));
+    }
+  }
+  return frames;
+}
+
+// A feature may not depend on what was described before: the same frame twice gives the same.
+void check_feature(const cv::Mat& frame, const FeatureSettings& settings) {
+  const LocalFeatures first = find_features(frame, settings);
+  const LocalFeatures second = find_features(frame, settings);
+  if (first.descriptors.size() != second.descriptors.size() ||
+      cv::norm(first.descriptors, second.descriptors, cv::NORM_INF) > 0)
+    throw Error(ErrorKind::expectation,
+                fmt::format("{}: describes a frame differently the second time; nothing was timed",
+                            enum_name(settings.kind)));
+}
+
+// The first bits of the code by hand: the quarters of the window, by their sums of pixels.
+void check_ldb(const cv::Mat& frame) {
+  cv::Mat small;
+  cv::resize(frame, small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
+  cv::GaussianBlur(small, small, {7, 7}, 2, 2, cv::BORDER_REFLECT_101);
+  std::array<double, 4> sums{};
+  for (int cell = 0; cell < 4; ++cell)
+    sums[static_cast<size_t>(cell)] =
+        cv::sum(small(cv::Rect(3 + cell % 2 * 30 + 1, 3 + cell / 2 * 30 + 1, 29, 29)))[0];
+  const LdbCode code = describe_ldb(frame);
+  size_t bit = 0;
+  for (size_t i = 0; i < 4; ++i) {
+    for (size_t j = i + 1; j < 4; ++j, bit += 3) {
+      if ((code[bit / 8] >> bit % 8 & 1) != (sums[i] > sums[j] ? 1 : 0))
+        throw Error(ErrorKind::expectation,
+                    "LDB: a bit differs from the sums of its cells; nothing was timed");
+    }
+  }
+}
+
+// What training does, with all threads: decoding alone, and with describing.
+void add_whole_sequence(BenchResult& result, const Sequence& images,
+                        const DescribeBenchSettings& settings, const Monitor& monitor) {
+  const auto add = [&](const std::string& work, const std::function<void()>& run) {
+    BenchRow row{work, {{"files", static_cast<double>(images.files.size())}}, "frame", {}, {}, ""};
+    std::vector<double> times_ms = time_repeatedly({settings.seconds}, run, monitor);
+    for (double& ms : times_ms) ms /= static_cast<double>(images.files.size());
+    row.time = summarise(std::move(times_ms));
+    result.rows.push_back(std::move(row));
+  };
+  add("decode all", [&] {
+    for_each_frame(images, PixelFormat::grey, Unreadable::fail, {}, [](size_t, const cv::Mat&) {});
+  });
+  add("decode and describe all", [&] { describe_sequence(images, {}, Unreadable::fail, {}); });
+}
+
+}  // namespace
+
+BenchResult bench_describe(const DescribeBenchSettings& settings,
+                           const std::optional<Sequence>& images, uint64_t seed,
+                           const Monitor& monitor) {
+  if (settings.frames < 1 || settings.frames > 10'000)
+    throw Error(ErrorKind::usage,
+                fmt::format("frames must be from 1 to 10000, found {}", settings.frames));
+  if (!(settings.seconds > 0 && settings.seconds <= 3600))
+    throw Error(ErrorKind::usage, fmt::format("seconds must be above 0 and at most 3600, found {}",
+                                              settings.seconds));
+  check_feature_settings(settings.feature_settings);
+  std::vector<FeatureKind> kinds;
+  for (const std::string& name : settings.features)
+    value_from_json(Json(name), kinds.emplace_back(), "feature_kinds", "feature_kinds");
+  BenchResult result;
+  result.bench = "describe";
+  result.settings = value_to_json(settings);
+  result.settings["images"] = images ? "recorded" : "generated, 640x480";
+  const Frames frames = load_frames(images, settings.frames, seed);
+  size_t next = 0;
+  StepCounter counter(monitor, "measure", 3 + kinds.size());
+  const auto add = [&](const std::string& work, auto&& run) {
+    BenchRow row{work,
+                 {{"width", static_cast<double>(frames.grey[0].cols)},
+                  {"height", static_cast<double>(frames.grey[0].rows)}},
+                 "frame",
+                 {},
+                 {},
+                 ""};
+    row.time = summarise(time_repeatedly(
+        {settings.seconds},
+        [&] {
+          run(next);
+          next = (next + 1) % frames.grey.size();
+        },
+        monitor));
+    row.values.emplace_back("fps", 1000 / row.time.median_ms);
+    result.rows.push_back(std::move(row));
+    counter.add();
+  };
+  check_ldb(frames.grey[0]);
+  add("decode", [&](size_t i) { cv::imdecode(frames.files[i], cv::IMREAD_GRAYSCALE); });
+  add("resize", [&](size_t i) {
+    cv::Mat small;
+    cv::resize(frames.grey[i], small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
+  });
+  add("ldb", [&](size_t i) { describe_ldb(frames.grey[i]); });
+  for (const FeatureKind kind : kinds) {
+    FeatureSettings feature = settings.feature_settings;
+    feature.kind = kind;
+    check_feature(frames.grey[0], feature);
+    size_t points = 0;
+    for (const cv::Mat& frame : frames.grey) points += find_features(frame, feature).points.size();
+    add(std::string(enum_name(kind)), [&](size_t i) { find_features(frames.grey[i], feature); });
+    result.rows.back().values.emplace_back(
+        "features", static_cast<double>(points) / static_cast<double>(frames.grey.size()));
+  }
+  if (images) add_whole_sequence(result, *images, settings, monitor);
+  for (const PaperFrameTime& paper : kPaperFrameTimes)
+    for (const BenchRow& row : result.rows)
+      if (row.work == paper.our_work)
+        result.paper.push_back({"image times", paper.what, {}, "ms", paper.ms, row.time.median_ms});
+  return result;
+}
+
+}  // namespace vpr

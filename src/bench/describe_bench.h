@@ -1,0 +1,31 @@
+// What one frame costs before matching: decoding, resizing, LDB and each local feature.
+#pragma once
+
+#include "bench/bench_result.h"
+#include "descriptors/local_features.h"
+#include "images/sequence.h"
+
+namespace vpr {
+
+struct DescribeBenchSettings {
+  std::vector<std::string> features = {"surf", "sift", "kaze", "akaze", "orb", "brisk"};
+  uint64_t frames = 20;  ///< different ones, in turn
+  double seconds = 1;    ///< of each measurement
+  FeatureSettings feature_settings;
+};
+
+template <class Visitor>
+void visit_fields(DescribeBenchSettings& settings, Visitor&& visit) {
+  visit("feature_kinds", settings.features);
+  visit("frames", settings.frames);
+  visit("seconds", settings.seconds);
+  visit("feature_settings", settings.feature_settings);
+}
+
+/// `images`: a folder or list of images; without it, generated 640x480 JPEG files in memory. Codes
+/// are compared with those of a plain computation of the same cells first.
+BenchResult bench_describe(const DescribeBenchSettings& settings,
+                           const std::optional<Sequence>& images, uint64_t seed,
+                           const Monitor& monitor);
+
+}  // namespace vpr

@@ -1,0 +1,214 @@
+#include "bench/fabmap_bench.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/random.h"
+#include "base/stopwatch.h"
+#include "bench/generated.h"
+#include "database/kmeans.h"
+#include "matching/fabmap.h"
+#include "recognition/fabmap_posterior.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kQueries = 20;
+constexpr size_t kCheckedPlaces = 100;
+
+void check_settings(const FabmapBenchSettings& settings) {
+  const auto require = [](std::string_view name, const std::vector<uint64_t>& values, uint64_t low,
+                          uint64_t high) {
+    for (const uint64_t value : values)
+      if (value < low || value > high)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{} must be from {} to {}, found {}", name, low, high, value));
+  };
+  require("places", settings.places, 1, 100'000'000);
+  require("words", settings.words, 2, 10'000'000);
+  require("words_per_frame", settings.words_per_frame, 1, 100'000);
+  require("descriptors", {settings.descriptors}, 0, 100'000'000);
+  require("pretrain_frames", {settings.pretrain_frames}, 1, 1'000'000);
+  if (!(settings.seconds > 0 && settings.seconds <= 3600))
+    throw Error(ErrorKind::usage, fmt::format("seconds must be above 0 and at most 3600, found {}",
+                                              settings.seconds));
+  for (const std::string& variant : settings.variants) find_fabmap_variant(variant);
+}
+
+/// Views, and what queries need of them.
+struct Example {
+  ViewWords views;
+  WordIndex lists;
+  FabmapIndex index;
+  std::vector<WordSet> queries;
+
+  Example(const FabmapModel& model, size_t places, size_t per_frame, uint64_t seed)
+      : views(draw(model.words(), places, per_frame, seed)),
+        lists(make_word_index(views, model.words())),
+        index(make_fabmap_index(model, views, lists)) {
+    for (size_t q = 0; q < kQueries; ++q)
+      queries.push_back(generate_words(model.words(), per_frame, seed + places + q));
+  }
+  Example(const Example&) = delete;
+
+  static ViewWords draw(size_t words, size_t places, size_t per_frame, uint64_t seed) {
+    ViewWords views;
+    for (size_t v = 0; v < places; ++v) views.add(generate_words(words, per_frame, seed + v));
+    return views;
+  }
+  FabmapQuery query(const FabmapModel& model, size_t q) const {
+    return {model, views, index, queries[q % queries.size()], views.views()};
+  }
+  // Views whose sums a query touches: what the inverted index has to do.
+  double postings(const FabmapModel& model) const {
+    size_t sum = 0;
+    for (const WordSet& query : queries) {
+      std::vector<uint8_t> touched = word_flags(query, model.words());
+      for (const uint32_t word : query)
+        for (const uint32_t child : model.children[word]) touched[child] = 1;
+      for (size_t block = 0; block < lists.blocks(); ++block)
+        for (size_t word = 0; word < model.words(); ++word)
+          if (touched[word] != 0) sum += lists.list(block, word).size();
+    }
+    return static_cast<double>(sum) / static_cast<double>(queries.size());
+  }
+};
+
+// How far a variant may be from the definition: what it states, and rounding.
+double stated_error(const std::string& variant, size_t words, size_t per_frame) {
+  if (variant == "lut") return 0.5e-6 * static_cast<double>(words) + 1e-9;
+  if (variant == "fabmap2-fixed") return static_cast<double>(per_frame + 1) / 2 / (1 << 20) + 1e-9;
+  return 1e-9 * static_cast<double>(words) / 1000 + 1e-9;  // sums of many terms
+}
+
+void check_variants(const FabmapModel& model, const FabmapBenchSettings& settings, size_t per_frame,
+                    uint64_t seed) {
+  const Example example(model, kCheckedPlaces, per_frame, seed);
+  for (size_t q = 0; q < 3; ++q) {
+    const FabmapQuery query = example.query(model, q);
+    const auto expected = fabmap1_log_likelihoods(query);
+    const double best = *std::max_element(expected.begin(), expected.end());
+    for (const std::string& variant : settings.variants) {
+      const auto found = find_fabmap_variant(variant).log_likelihoods(query);
+      for (size_t v = 0; v < found.size(); ++v) {
+        // Bail-out says of views that can't win any more only that they can't.
+        if (variant == "fbo" && expected[v] < best - 5) continue;
+        if (std::abs(found[v] - expected[v]) > stated_error(variant, model.words(), per_frame))
+          throw Error(ErrorKind::expectation,
+                      fmt::format("{}: a log-likelihood differs from its definition by more than "
+                                  "stated; nothing was timed",
+                                  variant));
+      }
+    }
+  }
+}
+
+// Numbers drawn evenly: nothing converges early, so that this is the slowest case.
+BenchRow time_kmeans(const FabmapBenchSettings& settings, uint64_t words, uint64_t seed,
+                     const Monitor& monitor) {
+  RandomEngine engine(seed);
+  cv::Mat descriptors(static_cast<int>(settings.descriptors), 64, CV_32F);
+  for (int r = 0; r < descriptors.rows; ++r)
+    for (int c = 0; c < descriptors.cols; ++c)
+      descriptors.at<float>(r, c) = static_cast<float>(uniform_unit(engine));
+  BenchRow row{"k-means",
+               {{"descriptors", static_cast<double>(settings.descriptors)},
+                {"words", static_cast<double>(words)},
+                {"iterations", static_cast<double>(settings.iterations)}},
+               "vocabulary",
+               {},
+               {},
+               ""};
+  const Stopwatch watch;
+  kmeans_words(descriptors, {words, settings.iterations, seed}, monitor);
+  row.time = summarise({watch.elapsed_ms()});
+  return row;
+}
+
+bool is_slow(const std::string& variant) { return !variant.starts_with("fabmap2"); }
+
+}  // namespace
+
+BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
+                         const Monitor& monitor) {
+  check_settings(settings);
+  BenchResult result;
+  result.bench = "fabmap";
+  result.settings = value_to_json(settings);
+  const Effort effort{settings.seconds};
+  StepCounter counter(
+      monitor, "measure",
+      settings.words.size() * settings.words_per_frame.size() * settings.places.size());
+  for (const uint64_t words : settings.words) {
+    if (settings.descriptors >= words)
+      result.rows.push_back(time_kmeans(settings, words, seed, monitor));
+    for (const uint64_t per_frame : settings.words_per_frame) {
+      std::vector<WordSet> frames;
+      for (size_t f = 0; f < settings.pretrain_frames; ++f)
+        frames.push_back(generate_words(words, per_frame, seed + 1'000'000 + f));
+      const NamedNumbers shape = {{"words", static_cast<double>(words)},
+                                  {"words_per_frame", static_cast<double>(per_frame)}};
+      Stopwatch watch;
+      const ChowLiuTree tree = train_chow_liu(frames, words, monitor);
+      BenchRow training{"chow-liu tree", shape, "tree", summarise({watch.elapsed_ms()}), {}, ""};
+      training.parameters.insert(
+          training.parameters.begin(),
+          {"pretrain_frames", static_cast<double>(settings.pretrain_frames)});
+      result.rows.push_back(std::move(training));
+      const FabmapModel model = make_fabmap_model(tree, {}, WordModel::tree);
+      check_variants(model, settings, per_frame, seed);
+      for (const uint64_t places : settings.places) {
+        const Example example(model, places, per_frame, seed);
+        NamedNumbers parameters = {{"places", static_cast<double>(places)}};
+        parameters.insert(parameters.end(), shape.begin(), shape.end());
+        const double postings = example.postings(model);
+        for (const std::string& variant : settings.variants) {
+          if (is_slow(variant) &&
+              static_cast<double>(places) * static_cast<double>(words) > settings.slow_limit) {
+            result.left_out.push_back(
+                fmt::format("{} with {} places: above slow_limit", variant, places));
+            continue;
+          }
+          BenchRow row{variant, parameters, "query frame", {}, {}, ""};
+          size_t q = 0;
+          row.time = summarise(time_repeatedly(
+              effort,
+              [&] { find_fabmap_variant(variant).log_likelihoods(example.query(model, q++)); },
+              monitor));
+          row.values.emplace_back("fps", 1000 / row.time.median_ms);
+          if (!is_slow(variant)) row.values.emplace_back("views_touched", postings);
+          result.rows.push_back(std::move(row));
+        }
+        const auto logs = fabmap2_log_likelihoods(example.query(model, 0));
+        BenchRow row{"posterior", parameters, "query frame", {}, {}, ""};
+        row.time = summarise(time_repeatedly(
+            effort, [&] { fabmap_posterior(logs, logs[0], {}, {}); }, monitor));
+        result.rows.push_back(std::move(row));
+        counter.add();
+      }
+    }
+  }
+  Plot plot{"fabmap",
+            fmt::format("FAB-MAP query time, {} words, {} a frame", settings.words.front(),
+                        settings.words_per_frame.front()),
+            "places",
+            "milliseconds",
+            true,
+            true,
+            {}};
+  for (const std::string& variant : settings.variants) {
+    PlotLine line{variant, {}};
+    for (const BenchRow& row : result.rows)
+      if (row.work == variant &&
+          row.parameter("words") == static_cast<double>(settings.words.front()) &&
+          row.parameter("words_per_frame") == static_cast<double>(settings.words_per_frame.front()))
+        line.points.emplace_back(row.parameter("places"), row.time.median_ms);
+    if (!line.points.empty()) plot.lines.push_back(line);
+  }
+  result.plots.push_back(plot);
+  return result;
+}
+
+}  // namespace vpr

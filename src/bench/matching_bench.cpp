@@ -1,0 +1,164 @@
+#include "bench/matching_bench.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/random.h"
+#include "bench/generated.h"
+#include "bench/matching_timers.h"
+#include "bench/paper_times.h"
+#include "recognition/clustering.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostFrames = 50'000'000;
+
+void check_settings(const MatchingBenchSettings& settings) {
+  const auto require = [](std::string_view name, const std::vector<uint64_t>& values) {
+    if (values.empty()) throw Error(ErrorKind::usage, fmt::format("{} is empty", name));
+    for (const uint64_t value : values)
+      if (value < 1 || value > kMostFrames)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{} must be from 1 to {}, found {}", name, kMostFrames, value));
+  };
+  require("databases", settings.databases);
+  require("c_l", settings.window_lengths);
+  require("query_frames", settings.query_frames);
+  if (!(settings.seconds > 0 && settings.seconds <= 3600))
+    throw Error(ErrorKind::usage, fmt::format("seconds must be above 0 and at most 3600, found {}",
+                                              settings.seconds));
+  if (settings.changed_bits > kLdbBits)
+    throw Error(ErrorKind::usage, fmt::format("changed_bits must be at most {}, found {}", kLdbBits,
+                                              settings.changed_bits));
+  for (const std::string& method : settings.methods) find_matching_timer(method);
+}
+
+NamedNumbers parameters_of(uint64_t frames, uint64_t length, uint64_t query) {
+  return {{"frames", static_cast<double>(frames)},
+          {"c_l", static_cast<double>(length)},
+          {"query_frames", static_cast<double>(query)}};
+}
+
+// What the paper says of a time per frame: frames a second, and the share of one core at 10 Hz.
+void add_rates(BenchRow& row) {
+  row.values.emplace_back("fps", 1000 / row.time.median_ms);
+  row.values.emplace_back("cpu_at_10_hz_percent", row.time.median_ms);
+}
+
+// Hits as dense as a fine threshold leaves them: a quarter of a band of 400 windows.
+BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
+                         const Monitor& monitor) {
+  RandomEngine engine(seed);
+  std::vector<Cell> hits;
+  for (uint32_t query = 0; hits.size() < count; ++query)
+    for (uint32_t train = 0; train < 400 && hits.size() < count; ++train)
+      if (uniform_below(engine, 4) == 0) hits.push_back({query, 0, train, 1});
+  BenchRow row{"cluster", {{"hits", static_cast<double>(count)}}, "set of hits", {}, {}, ""};
+  size_t places = 0;
+  row.time = summarise(time_repeatedly(
+      effort, [&] { places = cluster_hits(hits, {}).size(); }, monitor));
+  row.values.emplace_back("places", static_cast<double>(places));
+  return row;
+}
+
+Plot time_plot(const BenchResult& result, const MatchingBenchSettings& settings,
+               const std::string& x, const std::string& fixed, uint64_t fixed_value) {
+  Plot plot;
+  plot.file = fmt::format("time-by-{}", x);
+  plot.title = fmt::format("Matching time per query frame, {} {}", fixed, fixed_value);
+  plot.x_label = x == "frames" ? "database frames"
+                 : x == "c_l"  ? "window length c_l (frames)"
+                               : "query frames";
+  plot.y_label = "milliseconds";
+  plot.is_log_x = x == "frames";
+  plot.is_log_y = true;
+  for (const std::string& method : settings.methods) {
+    PlotLine line{method, {}};
+    for (const BenchRow& row : result.rows)
+      if (row.work == method && row.parameter(fixed) == static_cast<double>(fixed_value))
+        line.points.emplace_back(row.parameter(x), row.time.median_ms);
+    if (!line.points.empty()) plot.lines.push_back(line);
+  }
+  return plot;
+}
+
+}  // namespace
+
+BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
+                           const HammingKernels& kernels, const Monitor& monitor) {
+  check_settings(settings);
+  BenchResult result;
+  result.bench = "matching";
+  result.settings = value_to_json(settings);
+  const Effort effort{settings.seconds};
+  StepCounter counter(monitor, "measure",
+                      settings.databases.size() * settings.window_lengths.size() *
+                          settings.query_frames.size() * settings.methods.size());
+  for (const uint64_t frames : settings.databases) {
+    const std::vector<LdbCode> train = generate_walk(frames, seed);
+    for (const uint64_t query : settings.query_frames) {
+      const std::vector<LdbCode> again =
+          walk_again(train, frames / 3, query, settings.changed_bits, seed + 1);
+      for (const uint64_t length : settings.window_lengths) {
+        if (length >= frames || length >= query) {
+          result.left_out.push_back(
+              fmt::format("c_l {} needs more than {} database frames and {} query frames", length,
+                          frames, query));
+          continue;
+        }
+        MatchSettings match{length, size_t{1} << 33, kernels, settings.lsh, seed};
+        const MatchingCase example(train, again, match);
+        check_methods(example, settings.methods, monitor);
+        for (const std::string& method : settings.methods) {
+          BenchRow row{method, parameters_of(frames, length, query), "query frame", {}, {}, ""};
+          find_matching_timer(method).measure(example, effort, monitor, row);
+          add_rates(row);
+          result.rows.push_back(std::move(row));
+          counter.add();
+        }
+      }
+    }
+  }
+  if (settings.clustered_hits > 0)
+    result.rows.push_back(time_clustering(settings.clustered_hits, effort, seed, monitor));
+  return result;
+}
+
+void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& settings) {
+  add_method_speed_ups(result);
+  std::vector<PlotLine> speed_ups;
+  for (const uint64_t length : settings.window_lengths) {
+    PlotLine line{fmt::format("c_l {}", length), {}};
+    for (const uint64_t frames : settings.databases) {
+      const NamedNumbers parameters = parameters_of(frames, length, settings.query_frames.front());
+      const auto fast = find_median(result, "fastable", parameters);
+      const auto slow = find_median(result, "openable", parameters);
+      if (!fast || !slow) continue;
+      line.points.emplace_back(static_cast<double>(frames), *slow / *fast);
+      for (const PaperSpeedUp& paper : kPaperSpeedUps)
+        if (paper.frames == frames && paper.window_length == length)
+          result.paper.push_back(
+              {"tab6",
+               fmt::format("FastABLE over OpenABLE, {}", paper.device),
+               {{"frames", static_cast<double>(frames)}, {"c_l", static_cast<double>(length)}},
+               "times",
+               paper.ratio,
+               *slow / *fast});
+    }
+    if (!line.points.empty()) speed_ups.push_back(line);
+  }
+  if (!speed_ups.empty())
+    result.plots.push_back({"speed-up", "FastABLE over OpenABLE, same kernels", "database frames",
+                            "times faster", true, false, speed_ups});
+  result.plots.push_back(
+      time_plot(result, settings, "frames", "c_l", settings.window_lengths.back()));
+  if (settings.window_lengths.size() > 1)
+    result.plots.push_back(time_plot(result, settings, "c_l", "frames", settings.databases.back()));
+  if (settings.query_frames.size() > 1)
+    result.plots.push_back(
+        time_plot(result, settings, "query_frames", "frames", settings.databases.back()));
+}
+
+}  // namespace vpr

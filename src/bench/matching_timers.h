@@ -1,0 +1,47 @@
+// How each matcher is checked and timed on one database and query.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/bench_result.h"
+#include "matching/rows.h"
+
+namespace vpr {
+
+/// One database and one query in all layouts.
+struct MatchingCase {
+  const std::vector<LdbCode>& train_codes;
+  std::vector<LdbCode> query_codes;
+  MatchSettings settings;
+  TrainCodes train;
+  QueryCodes query;
+
+  MatchingCase(const std::vector<LdbCode>& train_frames, std::vector<LdbCode> query_frames,
+               const MatchSettings& match);
+  MatchingCase(const MatchingCase&) = delete;
+  size_t rows() const { return query_codes.size() - settings.window_length + 1; }
+};
+
+struct MatchingTimer {
+  std::string_view name;
+  std::string_view summary;
+  /// Milliseconds per query frame. Adds to values and note what there is to say.
+  void (*measure)(const MatchingCase&, const Effort&, const Monitor&, BenchRow&);
+};
+
+std::span<const MatchingTimer> matching_timers();
+/// Throws Error(usage) listing the names for an unknown one.
+const MatchingTimer& find_matching_timer(std::string_view name);
+
+/// How many times faster than OpenABLE and plain FastABLE, where those were timed.
+void add_method_speed_ups(BenchResult& result);
+
+/// Recomputes a few hundred random cells of every exact method by the definition. Throws
+/// Error(expectation) if one differs.
+void check_methods(const MatchingCase& example, const std::vector<std::string>& methods,
+                   const Monitor& monitor);
+
+}  // namespace vpr

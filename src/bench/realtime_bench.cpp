@@ -1,0 +1,184 @@
+#include "bench/realtime_bench.h"
+
+#include <chrono>
+#include <ctime>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "base/statistics.h"
+#include "bench/generated.h"
+#include "bench/matching_timers.h"
+#include "images/decode.h"
+#include "matching/fabmap.h"
+#include "matching/fastable_online.h"
+#include "pipeline/train.h"
+#include "recognition/fabmap_posterior.h"
+
+namespace vpr {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr size_t kSmallestTried = 1000;
+constexpr size_t kRingBytes = size_t{512} << 20;
+
+double process_cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+}
+
+void check_settings(const RealtimeBenchSettings& settings) {
+  if (!(settings.rate_hz > 0 && settings.rate_hz <= 10'000))
+    throw Error(ErrorKind::usage,
+                fmt::format("rate must be above 0 and at most 10000, found {}", settings.rate_hz));
+  if (settings.frames < 1) throw Error(ErrorKind::usage, "frames must be 1 or more, found 0");
+  if (!(settings.share_percent > 0 && settings.share_percent <= 100))
+    throw Error(ErrorKind::usage, fmt::format("share must be above 0 and at most 100, found {}",
+                                              settings.share_percent));
+  if (settings.window_length < 1 || settings.window_length > kMaxWindowLength)
+    throw Error(ErrorKind::usage, fmt::format("c_l must be from 1 to {}, found {}",
+                                              kMaxWindowLength, settings.window_length));
+}
+
+/// Milliseconds of one online step against a generated database.
+BenchRow time_database(uint64_t frames, const RealtimeBenchSettings& settings,
+                       const HammingKernels& kernels, uint64_t seed, const Monitor& monitor) {
+  const std::vector<LdbCode> train = generate_walk(frames, seed);
+  const MatchingCase example(train,
+                             walk_again(train, 0, settings.window_length + 50, 100, seed + 1),
+                             {settings.window_length, kRingBytes, kernels, {}, seed});
+  check_methods(example, {"fastable"}, monitor);
+  BenchRow row{"fastable",
+               {{"frames", static_cast<double>(frames)},
+                {"c_l", static_cast<double>(settings.window_length)}},
+               "query frame",
+               {},
+               {},
+               ""};
+  find_matching_timer("fastable").measure(example, {0.3}, monitor, row);
+  row.values.emplace_back("cpu_percent", row.time.median_ms * settings.rate_hz / 10);
+  return row;
+}
+
+}  // namespace
+
+FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
+                        const HammingKernels& kernels) {
+  struct Online {
+    TrainCodes train;
+    FastableState state;
+  };
+  auto online = std::make_shared<Online>();
+  online->train = make_train_codes(code_spans(database));
+  online->state = start_fastable(online->train, {window_length, kRingBytes, kernels});
+  return [online, kernels](const cv::Mat& grey) {
+    advance_fastable(online->state, online->train, kernels, code_words(describe_ldb(grey)));
+  };
+}
+
+FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings) {
+  struct Online {
+    Vocabulary vocabulary;
+    FabmapModel model;
+    FabmapIndex index;
+    std::vector<double> previous;
+  };
+  FabmapModel model = make_fabmap_model(
+      database.tree, {settings.p_seen_if_there, settings.p_seen_if_not}, settings.word_model);
+  FabmapIndex index = make_fabmap_index(model, database.views, database.index);
+  auto online = std::make_shared<Online>(
+      Online{make_vocabulary(database.vocabulary), std::move(model), std::move(index), {}});
+  return [online, &database, settings](const cv::Mat& grey) {
+    const WordSet words =
+        quantise(online->vocabulary, find_features(grey, database.settings.features).descriptors);
+    const auto views =
+        find_fabmap_variant(settings.variant)
+            .log_likelihoods({online->model, database.views, online->index, words,
+                              database.views.views(), static_cast<int>(settings.lut_digits)});
+    online->previous = fabmap_posterior(views, new_place_mean_field(online->model, words),
+                                        online->previous, settings.posterior);
+  };
+}
+
+BenchResult bench_realtime(const Sequence& query, const FrameWork& work,
+                           const RealtimeBenchSettings& settings, const Monitor& monitor) {
+  check_settings(settings);
+  if (query.files.empty())
+    throw Error(ErrorKind::usage, fmt::format("{}: give a folder or list of images, not a video",
+                                              query.argument.path.string()));
+  BenchResult result;
+  result.bench = "realtime";
+  result.settings = value_to_json(settings);
+  const size_t frames = std::min<size_t>(settings.frames, query.files.size());
+  const double period_ms = 1000 / settings.rate_hz;
+  std::vector<double> latencies_ms;
+  StepCounter counter(monitor, "replay", frames);
+  const double cpu_before = process_cpu_s();
+  const auto start = Clock::now();
+  for (size_t f = 0; f < frames; ++f) {
+    check_stop(monitor);
+    const auto due =
+        start + std::chrono::duration_cast<Clock::duration>(
+                    std::chrono::duration<double, std::milli>(static_cast<double>(f) * period_ms));
+    std::this_thread::sleep_until(due);
+    work(decode_image(query.files[f], PixelFormat::grey));
+    latencies_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+    counter.add();
+  }
+  const double wall_s = std::max(std::chrono::duration<double>(Clock::now() - start).count(),
+                                 static_cast<double>(frames) * period_ms / 1000);
+  const double cpu_s = process_cpu_s() - cpu_before;
+  BenchRow row{"replay", {{"rate_hz", settings.rate_hz}}, "frame", summarise(latencies_ms), {}, ""};
+  for (const int percent : {50, 95, 99, 100})
+    row.values.emplace_back(
+        percent == 100 ? "latency_max_ms" : fmt::format("latency_{}_ms", percent),
+        quantile(latencies_ms, percent / 100.0));
+  row.values.emplace_back(
+      "missed", static_cast<double>(std::count_if(latencies_ms.begin(), latencies_ms.end(),
+                                                  [&](double ms) { return ms > period_ms; })));
+  row.values.emplace_back("cpu_percent", 100 * cpu_s / wall_s);
+  result.rows.push_back(std::move(row));
+  return result;
+}
+
+void find_largest_database(BenchResult& result, const RealtimeBenchSettings& settings,
+                           const HammingKernels& kernels, uint64_t seed, const Monitor& monitor) {
+  check_settings(settings);
+  const double budget_ms = settings.share_percent / 100 * 1000 / settings.rate_hz;
+  uint64_t fits = 0;
+  uint64_t too_large = 0;
+  const auto fits_budget = [&](uint64_t frames) {
+    const BenchRow row = time_database(frames, settings, kernels, seed, monitor);
+    result.rows.push_back(row);
+    return row.time.median_ms <= budget_ms;
+  };
+  uint64_t frames = std::max<uint64_t>(kSmallestTried, settings.window_length + 1);
+  while (too_large == 0 && frames <= settings.most_frames) {
+    if (fits_budget(frames)) {
+      fits = frames;
+      frames *= 4;
+    } else {
+      too_large = frames;
+    }
+  }
+  for (int step = 0; step < 3 && too_large != 0 && fits != 0; ++step) {
+    const uint64_t middle = fits + (too_large - fits) / 2;
+    (fits_budget(middle) ? fits : too_large) = middle;
+  }
+  BenchRow& last = result.rows.back();
+  BenchRow summary{"largest database",
+                   {{"rate_hz", settings.rate_hz}, {"share_percent", settings.share_percent}},
+                   "query frame",
+                   last.time,
+                   {{"largest_frames", static_cast<double>(fits)}},
+                   too_large == 0 ? "the largest that was tried fits" : ""};
+  for (const BenchRow& row : result.rows)
+    if (row.work == "fastable" && row.parameter("frames") == static_cast<double>(fits))
+      summary.time = row.time;
+  result.rows.push_back(std::move(summary));
+}
+
+}  // namespace vpr

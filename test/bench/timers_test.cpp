@@ -1,0 +1,103 @@
+#include <catch2/catch.hpp>
+
+#include "bench/fabmap_bench.h"
+#include "bench/generated.h"
+#include "bench/matching_bench.h"
+#include "bench/matching_timers.h"
+#include "bench/nordland_bench.h"
+#include "bench/paper_times.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+MatchingBenchSettings small_settings() {
+  MatchingBenchSettings settings;
+  settings.methods.clear();
+  for (const MatchingTimer& timer : matching_timers()) settings.methods.emplace_back(timer.name);
+  settings.databases = {30, 500};
+  settings.window_lengths = {1, 20};
+  settings.query_frames = {25};
+  settings.clustered_hits = 1000;
+  settings.seconds = 1e-3;
+  return settings;
+}
+
+}  // namespace
+
+TEST_CASE("every method has a row for every case, and the paper's number beside it") {
+  const MatchingBenchSettings settings = small_settings();
+  BenchResult result = bench_matching(settings, 1, select_kernels(), {});
+  add_matching_comparisons(result, settings);
+  CHECK(result.left_out.empty());
+  REQUIRE(result.rows.size() == 4 * settings.methods.size() + 1);
+  for (const BenchRow& row : result.rows) {
+    CHECK(row.time.median_ms > 0);
+    CHECK(row.time.repetitions >= 5);
+  }
+  REQUIRE(result.paper.size() == 2);  // 500 frames, c_l 20, two devices
+  CHECK(result.paper[0].paper == 11.4);
+  const auto fast = find_median(result, "fastable", result.rows.front().parameters);
+  CHECK(fast == result.rows.front().time.median_ms);
+  CHECK(!find_median(result, "fastable", {{"frames", 3}}));
+}
+
+TEST_CASE("a window that does not fit is left out, and said") {
+  MatchingBenchSettings settings = small_settings();
+  settings.window_lengths = {25, 5};
+  const BenchResult result = bench_matching(settings, 1, select_kernels(), {});
+  CHECK(result.left_out.size() == 2);
+  settings.databases = {};
+  CHECK(test::error_kind([&] { bench_matching(settings, 1, select_kernels(), {}); }) ==
+        ErrorKind::usage);
+}
+
+TEST_CASE("nothing is timed where a distance is wrong") {
+  const auto train = generate_walk(100, 1);
+  HammingKernels broken = select_kernels();
+  broken.slide = [](const uint32_t* before, const uint16_t* entering, const uint16_t*,
+                    uint32_t* after, size_t count) {
+    for (size_t i = count; i-- > 0;) after[i] = before[i] + entering[i];  // nothing leaves
+  };
+  const MatchingCase example(train, walk_again(train, 0, 50, 30, 2),
+                             {5, size_t{1} << 30, broken, {}, 1});
+  CHECK(test::error_kind([&] { check_methods(example, {"fastable"}, {}); }) ==
+        ErrorKind::expectation);
+  CHECK(!test::error_kind([&] { check_methods(example, {"openable"}, {}); }));
+}
+
+TEST_CASE("hashing is timed at every probe level, and finds more with each") {
+  NordlandBenchSettings settings;
+  settings.methods = {"fastable", "lsh"};
+  settings.databases = {400};
+  settings.window_length = 5;
+  settings.query_frames = 100;
+  settings.seconds = 1e-3;
+  settings.changed_bits = 300;
+  const BenchResult result = bench_nordland(settings, {}, 1, select_kernels(), {});
+  REQUIRE(result.rows.size() == 4);
+  double before = 0;
+  for (size_t level = 0; level < 3; ++level) {
+    const BenchRow& row = result.rows[1 + level];
+    CHECK(row.work == "lsh-level-" + std::to_string(level));
+    REQUIRE(row.values[1].first == "recall");
+    CHECK(row.values[1].second >= before);
+    before = row.values[1].second;
+  }
+  CHECK(before > 0);
+}
+
+TEST_CASE("FAB-MAP's variants are timed for every number of places") {
+  FabmapBenchSettings settings;
+  settings.places = {1, 50};
+  settings.words = {300};
+  settings.words_per_frame = {20};
+  settings.pretrain_frames = 40;
+  settings.descriptors = 500;
+  settings.seconds = 1e-3;
+  const BenchResult result = bench_fabmap(settings, 1, {});
+  CHECK(result.rows.size() == 2 + 2 * (settings.variants.size() + 1));
+  settings.slow_limit = 0;
+  CHECK(bench_fabmap(settings, 1, {}).left_out.size() == 2 * 3);
+}
