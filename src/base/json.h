@@ -69,7 +69,6 @@ inline constexpr bool kIsList = false;
 template <class T>
 inline constexpr bool kIsList<std::vector<T>> = true;
 
-
 struct AnyVisitor {
   template <class T>
   void operator()(const char*, T&) const {}

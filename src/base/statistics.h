@@ -1,6 +1,8 @@
 // Order statistics of measured values.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vpr {
@@ -11,5 +13,16 @@ double quantile(std::vector<double> values, double p);
 
 /// The middle value, or the mean of the two middle values. values must not be empty.
 double median(std::vector<double> values);
+
+struct Interval {
+  double low = 0;
+  double high = 0;
+};
+
+/// The central 95 % of the sum of `values` under the circular block bootstrap (Politis & Romano
+/// 1992): stretches of `block` values that follow each other are drawn with replacement until there
+/// are as many as there were. For values that depend on their neighbours, as frames do. The same
+/// seed gives the same interval. values must not be empty; block is at least 1.
+Interval bootstrap_sum(const std::vector<double>& values, size_t block, uint64_t seed);
 
 }  // namespace vpr

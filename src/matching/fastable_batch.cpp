@@ -31,8 +31,8 @@ size_t round_up(size_t value, size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-StripLayout plan_strips(size_t diagonals, const MatchSettings& settings) {
-  const size_t ring_row = sizeof(uint16_t) * settings.window_length;
+StripLayout plan_strips(size_t diagonals, const MatchSettings& settings, size_t longest) {
+  const size_t ring_row = sizeof(uint16_t) * longest;
   const size_t by_cache = kStripRingBytes / ring_row / kTileQueries * kTileQueries;
   const size_t by_threads = round_up(diagonals / (4 * thread_count()) + 1, kTileQueries);
   StripLayout layout;
@@ -68,19 +68,24 @@ void fill_tile(Tile& tile, const TrainCodes& train, const QueryCodes& query,
                          train.blocks.data() + block, blocks, tile.values.data(), tile.stride);
 }
 
-/// Works through one strip, tile after tile. Rows outside the matrix count as distance 0.
+/// Works through one strip, tile after tile, for windows of several lengths at once: they share the
+/// distances that enter. Rows outside the matrix count as distance 0.
 class StripMatcher {
  public:
-  StripMatcher(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
-               const RowConsumer& consume, Strip strip, bool has_ring)
+  StripMatcher(const TrainCodes& train, const QueryCodes& query,
+               std::span<const size_t> window_lengths, const HammingKernels& kernels,
+               const LengthRowConsumer& consume, Strip strip, bool has_ring)
       : train_(train),
         query_(query),
-        settings_(settings),
+        lengths_(window_lengths),
+        longest_(*std::max_element(window_lengths.begin(), window_lengths.end())),
+        kernels_(kernels),
         consume_(consume),
         strip_(strip),
-        sums_(strip.width, 0),
-        ring_(has_ring ? strip.width * settings.window_length : 0, 0),
-        zeros_(strip.width, 0) {}
+        sums_(window_lengths.size(), std::vector<uint32_t>(strip.width, 0)),
+        ring_(has_ring ? strip.width * longest_ : 0, 0),
+        zeros_(strip.width, 0),
+        leaving_(window_lengths.size()) {}
 
   void run(const Monitor& monitor) {
     const size_t first = strip_.first + ptrdiff_t(strip_.width) > 0
@@ -92,8 +97,9 @@ class StripMatcher {
       const size_t train_first = train_begin(query);
       const size_t train_last = train_end(end - 1);
       if (train_first >= train_last) break;
-      fill_tile(entering_, train_, query_, settings_.kernels, query, end, train_first, train_last);
-      if (ring_.empty()) fill_leaving(query, end);
+      fill_tile(entering_, train_, query_, kernels_, query, end, train_first, train_last);
+      for (size_t l = 0; ring_.empty() && l < lengths_.size(); ++l)
+        fill_leaving(leaving_[l], lengths_[l], query, end);
       for (size_t frame = query; frame < end; ++frame) advance(frame);
     }
   }
@@ -109,15 +115,13 @@ class StripMatcher {
   }
 
   // Without a ring: the distances of the frames that leave, computed a second time.
-  void fill_leaving(size_t query, size_t end) {
-    const size_t length = settings_.window_length;
+  void fill_leaving(Tile& leaving, size_t length, size_t query, size_t end) const {
     if (end <= length) return;
     const size_t first = query < length ? 0 : query - length;
     const size_t train_first = train_begin(first);
     const size_t train_last = train_end(end - 1 - length);
     if (train_first < train_last)
-      fill_tile(leaving_, train_, query_, settings_.kernels, first, end - length, train_first,
-                train_last);
+      fill_tile(leaving, train_, query_, kernels_, first, end - length, train_first, train_last);
   }
 
   void advance(size_t query) {
@@ -125,58 +129,78 @@ class StripMatcher {
     const size_t to = train_end(query);
     if (from >= to) return;
     const auto lane = static_cast<size_t>(ptrdiff_t(from) - ptrdiff_t(query) - strip_.first);
-    uint32_t* sums = sums_.data() + lane;
     const uint16_t* entering = entering_.at(query, from);
-    if (!ring_.empty()) {
-      uint16_t* row = ring_.data() + query % settings_.window_length * strip_.width + lane;
-      settings_.kernels.slide(sums, entering, row, sums, to - from);
-      std::copy(entering, entering + (to - from), row);
-    } else {
-      slide_without_ring(query, from, to, entering, sums);
+    for (size_t l = 0; l < lengths_.size(); ++l) {
+      uint32_t* sums = sums_[l].data() + lane;
+      if (!ring_.empty())
+        kernels_.slide(sums, entering, ring_row(query + longest_ - lengths_[l]) + lane, sums,
+                       to - from);
+      else
+        slide_without_ring(l, query, from, to, entering, sums);
+      if (ends_window(query_, lengths_[l], query))
+        emit_row(train_, lengths_[l], query, from, {sums, to - from},
+                 [&](const DistanceRow& row) { consume_(l, row); });
     }
-    if (ends_window(query_, settings_.window_length, query))
-      emit_row(train_, settings_.window_length, query, from, {sums, to - from}, consume_);
+    if (!ring_.empty()) std::copy(entering, entering + (to - from), ring_row(query) + lane);
   }
 
+  // Distances that entered at a query frame f, or longest_ before: the row of f mod longest_. Rows
+  // that nothing has entered yet are 0.
+  uint16_t* ring_row(size_t query) { return ring_.data() + query % longest_ * strip_.width; }
+
   // The leaving pair of (train frame i, query frame f) is (i - c_l, f - c_l), if there is one.
-  void slide_without_ring(size_t query, size_t from, size_t to, const uint16_t* entering,
-                          uint32_t* sums) {
-    const size_t length = settings_.window_length;
+  void slide_without_ring(size_t l, size_t query, size_t from, size_t to, const uint16_t* entering,
+                          uint32_t* sums) const {
+    const size_t length = lengths_[l];
     const size_t split = query < length ? to : std::clamp(length, from, to);
-    settings_.kernels.slide(sums, entering, zeros_.data(), sums, split - from);
+    kernels_.slide(sums, entering, zeros_.data(), sums, split - from);
     if (split < to)
-      settings_.kernels.slide(sums + (split - from), entering + (split - from),
-                              leaving_.at(query - length, split - length), sums + (split - from),
-                              to - split);
+      kernels_.slide(sums + (split - from), entering + (split - from),
+                     leaving_[l].at(query - length, split - length), sums + (split - from),
+                     to - split);
   }
 
   const TrainCodes& train_;
   const QueryCodes& query_;
-  const MatchSettings& settings_;
-  const RowConsumer& consume_;
+  std::span<const size_t> lengths_;
+  size_t longest_;
+  const HammingKernels& kernels_;
+  const LengthRowConsumer& consume_;
   Strip strip_;
-  std::vector<uint32_t> sums_;
-  std::vector<uint16_t> ring_;  // row f mod window_length: distances that entered at query frame f
+  std::vector<std::vector<uint32_t>> sums_;  // per length
+  std::vector<uint16_t> ring_;
   std::vector<uint16_t> zeros_;
   Tile entering_;
-  Tile leaving_;
+  std::vector<Tile> leaving_;  // per length, without a ring
 };
 
 }  // namespace
 
-void match_fastable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
-                    const Monitor& monitor, const RowConsumer& consume) {
-  assert(settings.window_length >= 1 && settings.window_length <= kMaxWindowLength);
-  if (!any_window_pair(train, query, settings.window_length)) return;
+void match_fastable_lengths(const TrainCodes& train, const QueryCodes& query,
+                            std::span<const size_t> window_lengths, const MatchSettings& settings,
+                            const Monitor& monitor, const LengthRowConsumer& consume) {
+  assert(std::all_of(window_lengths.begin(), window_lengths.end(),
+                     [](size_t length) { return length >= 1 && length <= kMaxWindowLength; }));
+  if (window_lengths.empty()) return;
+  const auto [shortest, longest] =
+      std::minmax_element(window_lengths.begin(), window_lengths.end());
+  if (!any_window_pair(train, query, *shortest)) return;
   const size_t diagonals = train.frame_count + query.words.size() - 1;
-  const StripLayout layout = plan_strips(diagonals, settings);
+  const StripLayout layout = plan_strips(diagonals, settings, *longest);
   const ptrdiff_t first_diagonal = 1 - ptrdiff_t(query.words.size());
   StepCounter counter(monitor, "match", layout.count);
   parallel_for(layout.count, monitor, [&](size_t s) {
     const Strip strip{first_diagonal + ptrdiff_t(s * layout.width), layout.width};
-    StripMatcher(train, query, settings, consume, strip, layout.has_ring).run(monitor);
+    StripMatcher(train, query, window_lengths, settings.kernels, consume, strip, layout.has_ring)
+        .run(monitor);
     counter.add();
   });
+}
+
+void match_fastable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+                    const Monitor& monitor, const RowConsumer& consume) {
+  match_fastable_lengths(train, query, {&settings.window_length, 1}, settings, monitor,
+                         [&](size_t, const DistanceRow& row) { consume(row); });
 }
 
 }  // namespace vpr

@@ -11,4 +11,13 @@ namespace vpr {
 void match_fastable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
                     const Monitor& monitor, const RowConsumer& consume);
 
+/// Takes rows of windows of window_lengths[index].
+using LengthRowConsumer = std::function<void(size_t index, const DistanceRow&)>;
+
+/// The same for several window lengths in one pass: distances of frames are computed once.
+/// settings.window_length does not matter.
+void match_fastable_lengths(const TrainCodes& train, const QueryCodes& query,
+                            std::span<const size_t> window_lengths, const MatchSettings& settings,
+                            const Monitor& monitor, const LengthRowConsumer& consume);
+
 }  // namespace vpr

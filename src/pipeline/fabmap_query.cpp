@@ -20,21 +20,6 @@ void check_share(std::string_view name, double value) {
     throw Error(ErrorKind::usage, fmt::format("{} must be from 0 to 1, found {}", name, value));
 }
 
-void check_query_settings(const FabmapQuerySettings& settings) {
-  check_share("t_p", settings.place_threshold);
-  check_share("posterior.smoothing", settings.posterior.smoothing);
-  check_share("posterior.motion_bias", settings.posterior.motion_bias);
-  if (!(settings.posterior.new_place_prior > 0 && settings.posterior.new_place_prior <= 1))
-    throw Error(ErrorKind::usage, "posterior.new_place_prior must be above 0 and at most 1");
-  if (settings.window < 1 || settings.window > 1'000'000)
-    throw Error(ErrorKind::usage,
-                fmt::format("c_w must be from 1 to 1000000, found {}", settings.window));
-  if (settings.lut_digits < 1 || settings.lut_digits > 12)
-    throw Error(ErrorKind::usage,
-                fmt::format("lut_digits must be from 1 to 12, found {}", settings.lut_digits));
-  find_fabmap_variant(settings.variant);
-}
-
 // The pretraining frames whose average likelihood is the new place's.
 ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySettings& settings,
                           uint64_t seed) {
@@ -90,19 +75,6 @@ PlaceMatch likeliest_view(size_t frame, std::span<const double> posterior,
   return {static_cast<uint32_t>(frame), place_of[view], view, *best};
 }
 
-// The places whose views have been above t_p for c_w frames, each by its likeliest such view.
-void append_hits(FabmapResult& result, size_t frame, std::span<const double> posterior,
-                 const ViewWindow& window, const std::vector<uint32_t>& place_of) {
-  std::map<uint32_t, PlaceMatch> found;
-  for (uint32_t view = 0; view + 1 < posterior.size(); ++view) {
-    if (window.run[view] < result.settings.window) continue;
-    const PlaceMatch match{static_cast<uint32_t>(frame), place_of[view], view, posterior[view + 1]};
-    const auto [entry, is_new] = found.emplace(match.place, match);
-    if (!is_new && match.probability > entry->second.probability) entry->second = match;
-  }
-  for (const auto& [place, match] : found) result.hits.push_back(match);
-}
-
 // Views that frame `frame` may be at: with `loop`, of the recording only what lies more than the
 // gap behind.
 size_t known_views(const FabmapDatabase& searched, size_t query_frames, size_t frame,
@@ -119,6 +91,34 @@ void extend_previous(std::vector<double>& previous, size_t views, double smoothi
 }
 
 }  // namespace
+
+void check_query_settings(const FabmapQuerySettings& settings) {
+  check_share("t_p", settings.place_threshold);
+  check_share("posterior.smoothing", settings.posterior.smoothing);
+  check_share("posterior.motion_bias", settings.posterior.motion_bias);
+  if (!(settings.posterior.new_place_prior > 0 && settings.posterior.new_place_prior <= 1))
+    throw Error(ErrorKind::usage, "posterior.new_place_prior must be above 0 and at most 1");
+  if (settings.window < 1 || settings.window > 1'000'000)
+    throw Error(ErrorKind::usage,
+                fmt::format("c_w must be from 1 to 1000000, found {}", settings.window));
+  if (settings.lut_digits < 1 || settings.lut_digits > 12)
+    throw Error(ErrorKind::usage,
+                fmt::format("lut_digits must be from 1 to 12, found {}", settings.lut_digits));
+  find_fabmap_variant(settings.variant);
+}
+
+void append_hits(std::vector<PlaceMatch>& hits, size_t frame, std::span<const double> posterior,
+                 const ViewWindow& window, uint64_t frames_in_a_row,
+                 const std::vector<uint32_t>& place_of) {
+  std::map<uint32_t, PlaceMatch> found;
+  for (uint32_t view = 0; view + 1 < posterior.size(); ++view) {
+    if (window.run[view] < frames_in_a_row) continue;
+    const PlaceMatch match{static_cast<uint32_t>(frame), place_of[view], view, posterior[view + 1]};
+    const auto [entry, is_new] = found.emplace(match.place, match);
+    if (!is_new && match.probability > entry->second.probability) entry->second = match;
+  }
+  for (const auto& [place, match] : found) hits.push_back(match);
+}
 
 FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
                           const std::string& query_name) {
@@ -187,7 +187,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
       if (unreadable) continue;
       if (!query.frames[frame].empty() && !views[i].empty())
         result.best.back() = likeliest_view(frame, posterior, place_of);
-      append_hits(result, frame, posterior, window, place_of);
+      append_hits(result.hits, frame, posterior, window, settings.window, place_of);
       previous = std::move(posterior);
     }
   }

@@ -22,6 +22,15 @@ struct FabmapRun {
 /// known.
 using PosteriorObserver = std::function<void(size_t frame, std::span<const double> posterior)>;
 
+/// Throws Error(usage) for settings out of range.
+void check_query_settings(const FabmapQuerySettings& settings);
+
+/// Appends the places whose views have been above t_p for so many frames in a row, each by its
+/// likeliest such view. `posterior`: new place first.
+void append_hits(std::vector<PlaceMatch>& hits, size_t frame, std::span<const double> posterior,
+                 const ViewWindow& window, uint64_t frames_in_a_row,
+                 const std::vector<uint32_t>& place_of);
+
 /// The database with every frame of the query as a place of its own behind it: what `loop`
 /// searches.
 FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,

@@ -8,15 +8,13 @@
 
 #include "base/stopwatch.h"
 #include "matching/fastable_batch.h"
+#include "pipeline/query_steps.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
 #include "recognition/automatic_threshold.h"
 
 namespace vpr {
 namespace {
-
-constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
-constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
 
 void check_settings(const SequenceQuerySettings& settings) {
   check_window_length(settings.window_length);
@@ -53,14 +51,6 @@ void check_exactness(const SequenceQuerySettings& settings) {
 bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
   const auto& only = settings.only_sequences;
   return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
-}
-
-// The database's codes; a sequence that is not searched has none, so that indices stay the same.
-TrainCodes searched_codes(const SequenceDatabase& database, const SequenceResult& result) {
-  std::vector<CodeSpan> spans = code_spans(database);
-  for (size_t s = 0; s < spans.size(); ++s)
-    if (!result.sequences[s].searched) spans[s] = {};
-  return make_train_codes(spans);
 }
 
 std::vector<SequenceThreshold> plan_sequences(const SequenceDatabase& database,
@@ -134,43 +124,6 @@ void plan_limits(SequenceResult& result) {
     if (sequence.threshold && sequence.scale == ThresholdScale::bits)
       sequence.distance_limit =
           distance_limit(*sequence.threshold, static_cast<uint32_t>(result.settings.window_length));
-}
-
-bool needs_maxima(const SequenceResult& result) {
-  return result.settings.distance_threshold &&
-         result.settings.threshold_scale == ThresholdScale::relative;
-}
-
-void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& maxima) {
-  for (size_t s = 0; s < result.sequences.size(); ++s) {
-    SequenceThreshold& sequence = result.sequences[s];
-    if (!sequence.searched || sequence.windows == 0) continue;
-    sequence.max_distance = maxima[s];
-    sequence.distance_limit = distance_limit(*sequence.threshold, maxima[s]);
-  }
-}
-
-std::vector<Recognition> cluster_by_sequence(const std::vector<Cell>& hits, size_t sequences,
-                                             const ClusterSettings& settings) {
-  std::vector<std::vector<Cell>> by_sequence(sequences);
-  for (const Cell& hit : hits) by_sequence[hit.sequence].push_back(hit);
-  std::vector<Recognition> places;
-  for (std::vector<Cell>& own : by_sequence) {
-    const std::vector<Recognition> found = cluster_hits(own, settings);
-    places.insert(places.end(), found.begin(), found.end());
-    std::vector<Cell>().swap(own);
-  }
-  return places;
-}
-
-HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources) {
-  HitScanSettings settings;
-  for (const SequenceThreshold& sequence : result.sequences)
-    settings.limits.push_back(sequence.distance_limit);
-  settings.query_windows = result.query_windows;
-  settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
-  settings.kernels = resources.kernels;
-  return settings;
 }
 
 // Compares with an exact search of everything.

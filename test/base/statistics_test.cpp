@@ -18,3 +18,29 @@ TEST_CASE("quantiles are NumPy's") {
   CHECK(quantile(values, 0.25) == 20);
   CHECK(quantile(values, 0.4) == Approx(29));  // 20 + 0.6 * (35 - 20)
 }
+
+TEST_CASE("the bootstrap of a sum has its closed forms") {
+  // Equal values: every resample has the same sum.
+  const Interval same = bootstrap_sum(std::vector<double>(50, 2), 7, 1);
+  CHECK(same.low == 100);
+  CHECK(same.high == 100);
+  // One block as long as the whole: every resample is a rotation.
+  std::vector<double> values;
+  for (int i = 0; i < 40; ++i) values.push_back(i % 3);
+  const Interval rotated = bootstrap_sum(values, 40, 1);
+  CHECK(rotated.low == Approx(39));
+  CHECK(rotated.high == Approx(39));
+  // Independent values of variance 1/4, block 1: the sum of n is normal, +- 1.96 sqrt(n) / 2.
+  std::vector<double> coins;
+  for (int i = 0; i < 400; ++i) coins.push_back(i % 2);
+  const Interval coin = bootstrap_sum(coins, 1, 3);
+  CHECK(coin.low == Approx(200 - 19.6).margin(3));
+  CHECK(coin.high == Approx(200 + 19.6).margin(3));
+  // The same values in stretches of 20: blocks of 20 see how they hang together.
+  std::sort(coins.begin(), coins.end());
+  std::vector<double> stretches;
+  for (int i = 0; i < 400; ++i) stretches.push_back(i / 20 % 2);
+  const Interval wide = bootstrap_sum(stretches, 20, 3);
+  CHECK(wide.high - wide.low > 2 * (coin.high - coin.low));
+  CHECK(bootstrap_sum(stretches, 20, 3).low == wide.low);
+}

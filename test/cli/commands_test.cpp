@@ -259,7 +259,7 @@ TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
 
 TEST_CASE("every program has help with an example, and a version") {
   for (const std::string program :
-       {"vpr-train", "vpr-query", "vpr-eval", "vpr-bench", "vpr-synth"}) {
+       {"vpr-train", "vpr-query", "vpr-eval", "vpr-tune", "vpr-bench", "vpr-synth"}) {
     const auto help = run_program(program, {"--help"});
     CHECK(help.exit_code == 0);
     CHECK(help.out.find("Example:") != std::string::npos);

@@ -21,8 +21,14 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-query" "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --loop --loop-gap 2 --explain 9 \
   -o "$out/fl.json" --quiet
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
+"$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/walk/dataset.json" --query query-a --c-l 5,10 --t-r 0.3,auto \
+  -o "$out/s.json" --quiet
+"$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
+  --validate "$out/walk/corridor-b@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
+"$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/walk/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
-  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json"
+  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
+  "$out/s.json" "$out/sf.json" "$out/t.json"

@@ -57,6 +57,7 @@ TEST_CASE("best matches count over the windows that have a match") {
   for (uint32_t window = 0; window < 8; ++window) result.best[window] = Cell{window, 0, window, 5};
   result.best[1] = Cell{1, 0, 7, 5};  // wrong
   result.best[2] = std::nullopt;      // an unreadable frame
+  result.query_unreadable = {2};
   result.best[5] = Cell{5, 0, 7, 5};  // anchors 7 and 9: ignored
   const BestMatchCounts best = count_recognitions(result, truth).best_match;
   CHECK(best.queries == 5);
@@ -65,6 +66,15 @@ TEST_CASE("best matches count over the windows that have a match") {
   CHECK(best.without_match == 2);
   CHECK(best.unreadable == 1);
   CHECK(best.rate() == 0.75);
+}
+
+TEST_CASE("a window for which an approximate method found nothing is wrong") {
+  SequenceResult result = example();
+  result.best[4] = Cell{4, 0, 4, 5};
+  const BestMatchCounts best = count_recognitions(result, aligned(0)).best_match;
+  CHECK(best.queries == 8);
+  CHECK(best.correct == 1);
+  CHECK(best.unreadable == 0);
 }
 
 TEST_CASE("without queries there is no rate") { CHECK_FALSE(BestMatchCounts{}.rate().has_value()); }

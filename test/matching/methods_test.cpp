@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
+#include "matching/fastable_batch.h"
 #include "matching/plain.h"
 #include "support.h"
 
@@ -177,6 +178,32 @@ TEST_CASE("a database that is shared between threads online gives the definition
           .match(codes, query_codes, {length, memory, select_kernels()}, {}, check);
       CHECK(cells > 0);
     }
+  }
+}
+
+TEST_CASE("several window lengths in one pass give the rows of each alone") {
+  Example example = make_example({300, 7, 90}, 150, 9);
+  example.train_unreadable[0] = {100};
+  example.query_unreadable = {70};
+  const std::vector<size_t> lengths = {5, 1, 40, 12, 40, 149};
+  std::vector<CodeSpan> spans;
+  for (size_t s = 0; s < example.train.size(); ++s)
+    spans.push_back({example.train[s], example.train_unreadable[s]});
+  for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
+    std::vector<Cells> cells(lengths.size());
+    std::mutex mutex;
+    match_fastable_lengths(
+        make_train_codes(spans), make_query_codes({example.query, example.query_unreadable}),
+        lengths, {1, memory, select_kernels()}, {}, [&](size_t l, const DistanceRow& row) {
+          const std::lock_guard lock(mutex);
+          for (size_t x = 0; x < row.distances.size(); ++x)
+            REQUIRE(cells[l]
+                        .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
+                                 row.distances[x])
+                        .second);
+        });
+    for (size_t l = 0; l < lengths.size(); ++l)
+      REQUIRE(cells[l] == by_definition(example, lengths[l]));
   }
 }
 

@@ -1,0 +1,26 @@
+// The steps that a query and a sweep over many settings share.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/query.h"
+
+namespace vpr {
+
+/// The database's codes; a sequence that is not searched has none, so that indices stay the same.
+TrainCodes searched_codes(const SequenceDatabase& database, const SequenceResult& result);
+
+/// Whether limits depend on the largest distances.
+bool needs_maxima(const SequenceResult& result);
+
+/// The limits of thresholds relative to max(D), by sequence.
+void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& maxima);
+
+/// A scan for hits below the result's limits.
+HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources);
+
+/// Places of each sequence, one after the other. `hits`: by query window, sequence, train window.
+std::vector<Recognition> cluster_by_sequence(const std::vector<Cell>& hits, size_t sequences,
+                                             const ClusterSettings& settings);
+
+}  // namespace vpr

@@ -1,0 +1,179 @@
+#include "pipeline/sweep.h"
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "base/parallel.h"
+#include "matching/fastable_batch.h"
+#include "pipeline/query_steps.h"
+
+namespace vpr {
+namespace {
+
+/// One window length: a planned result for each threshold, and what the passes find.
+struct LengthSweep {
+  std::vector<SequenceResult> planned;  // as many as thresholds
+  std::unique_ptr<MaximumScan> maxima;
+  std::unique_ptr<HitScan> hits;
+  HitScanResult found;
+};
+
+std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const SequenceCodes& query,
+                                    const std::string& query_name,
+                                    const SequenceQuerySettings& base, const SequenceGrid& grid,
+                                    const QueryResources& resources, const Monitor& monitor) {
+  if (grid.window_lengths.empty() || grid.distance_thresholds.empty())
+    throw Error(ErrorKind::usage, "give at least one c_l and one t_r");
+  std::vector<LengthSweep> sweeps;
+  for (const uint64_t length : grid.window_lengths) {
+    LengthSweep& sweep = sweeps.emplace_back();
+    for (const auto& threshold : grid.distance_thresholds) {
+      SequenceQuerySettings settings = base;
+      settings.window_length = length;
+      settings.distance_threshold = threshold;
+      // What there is to warn of is the same for every threshold.
+      const bool is_first = sweep.planned.empty();
+      Monitor quiet = monitor;
+      if (!is_first) quiet.warn = nullptr;
+      sweep.planned.push_back(plan_query(database, query, query_name, settings, resources, quiet));
+    }
+  }
+  return sweeps;
+}
+
+bool any_relative(const std::vector<LengthSweep>& sweeps) {
+  return std::any_of(sweeps.front().planned.begin(), sweeps.front().planned.end(), needs_maxima);
+}
+
+// Hits below the largest limit of any threshold, sequence by sequence.
+HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
+  HitScanSettings widest = scan_settings(sweep.planned.front(), resources);
+  for (const SequenceResult& result : sweep.planned) {
+    const HitScanSettings settings = scan_settings(result, resources);
+    for (size_t s = 0; s < widest.limits.size(); ++s)
+      widest.limits[s] = std::max(widest.limits[s], settings.limits[s]);
+  }
+  return widest;
+}
+
+SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,
+                              const GroundTruth& truth) {
+  for (const Cell& hit : sweep.found.hits)
+    if (hit.distance < result.sequences[hit.sequence].distance_limit) result.hits.push_back(hit);
+  result.best = sweep.found.best;
+  result.places =
+      cluster_by_sequence(result.hits, result.sequences.size(), result.settings.clustering);
+  return {
+      result.settings.window_length, result.settings.distance_threshold,
+      result.settings.distance_threshold ? result.settings.threshold_scale : ThresholdScale::bits,
+      count_recognitions(result, truth)};
+}
+
+}  // namespace
+
+std::vector<SequenceCellCounts> sweep_sequences(
+    const SequenceDatabase& database, const SequenceCodes& query, const std::string& query_name,
+    const SequenceQuerySettings& base, const SequenceGrid& grid, const TruthReader& read_truth,
+    const QueryResources& resources, const Monitor& monitor) {
+  std::vector<LengthSweep> sweeps =
+      plan_sweep(database, query, query_name, base, grid, resources, monitor);
+  const GroundTruth truth = read_truth(scope_of(sweeps.front().planned.front()));
+  const TrainCodes train = searched_codes(database, sweeps.front().planned.front());
+  const QueryCodes query_codes = make_query_codes({query.codes, query.frames.unreadable});
+  const std::vector<size_t> lengths(grid.window_lengths.begin(), grid.window_lengths.end());
+  const MatchSettings match{1, resources.memory_limit, resources.kernels};
+  if (any_relative(sweeps)) {
+    for (LengthSweep& sweep : sweeps)
+      sweep.maxima = std::make_unique<MaximumScan>(database.sequences.size(), resources.kernels);
+    match_fastable_lengths(train, query_codes, lengths, match, monitor,
+                           [&](size_t l, const DistanceRow& row) { (*sweeps[l].maxima)(row); });
+    for (LengthSweep& sweep : sweeps)
+      for (SequenceResult& result : sweep.planned)
+        if (needs_maxima(result)) set_relative_limits(result, sweep.maxima->result());
+  }
+  for (LengthSweep& sweep : sweeps)
+    sweep.hits = std::make_unique<HitScan>(widest_scan(sweep, resources));
+  match_fastable_lengths(train, query_codes, lengths, match, monitor,
+                         [&](size_t l, const DistanceRow& row) { (*sweeps[l].hits)(row); });
+  for (LengthSweep& sweep : sweeps) {
+    sweep.found = sweep.hits->result();
+    sweep.hits.reset();
+  }
+  const size_t thresholds = grid.distance_thresholds.size();
+  std::vector<SequenceCellCounts> cells(sweeps.size() * thresholds);
+  StepCounter counter(monitor, "count", cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    const LengthSweep& sweep = sweeps[c / thresholds];
+    cells[c] = count_cell(sweep, sweep.planned[c % thresholds], truth);
+    counter.add();
+  });
+  return cells;
+}
+
+SweepIntervals sequence_intervals(const SequenceDatabase& database, const SequenceCodes& query,
+                                  const SequenceQuerySettings& settings,
+                                  const TruthReader& read_truth, const QueryResources& resources,
+                                  const Monitor& monitor) {
+  const SequenceResult result =
+      run_query(plan_query(database, query, "", settings, resources, monitor), database, query,
+                resources, {}, monitor)
+          .result;
+  const GroundTruth truth = read_truth(scope_of(result));
+  std::vector<double> correct(result.query_windows, 0);
+  std::vector<double> incorrect(result.query_windows, 0);
+  for (const Cell& hit : result.hits) {
+    const PlaceLabel label =
+        truth.label(result.anchor(hit.query_window), hit.sequence, result.anchor(hit.train_window));
+    if (label == PlaceLabel::same) correct[hit.query_window] += 1;
+    if (label == PlaceLabel::different) incorrect[hit.query_window] += 1;
+  }
+  const size_t block = std::min<size_t>(settings.window_length, result.query_windows);
+  return {block, bootstrap_sum(correct, block, resources.seed),
+          bootstrap_sum(incorrect, block, resources.seed)};
+}
+
+std::vector<FabmapCellCounts> sweep_fabmap(const FabmapDatabase& database,
+                                           const SequenceWords& query,
+                                           const std::string& query_name,
+                                           const FabmapQuerySettings& base, const FabmapGrid& grid,
+                                           const TruthReader& read_truth, uint64_t seed,
+                                           const Monitor& monitor) {
+  if (grid.windows.empty() || grid.place_thresholds.empty())
+    throw Error(ErrorKind::usage, "give at least one c_w and one t_p");
+  for (const uint64_t window : grid.windows)
+    for (const double threshold : grid.place_thresholds) {
+      FabmapQuerySettings settings = base;
+      settings.window = window;
+      settings.place_threshold = threshold;
+      check_query_settings(settings);
+    }
+  const std::vector<uint32_t> place_of = database.places();
+  const size_t thresholds = grid.place_thresholds.size();
+  std::vector<std::vector<PlaceMatch>> hits(grid.windows.size() * thresholds);
+  std::vector<ViewWindow> windows(thresholds);
+  const auto observe = [&](size_t frame, std::span<const double> posterior) {
+    for (size_t t = 0; t < thresholds; ++t) {
+      windows[t].add(posterior, grid.place_thresholds[t], place_of.size());
+      if (posterior.empty()) continue;
+      for (size_t w = 0; w < grid.windows.size(); ++w)
+        append_hits(hits[w * thresholds + t], frame, posterior, windows[t], grid.windows[w],
+                    place_of);
+    }
+  };
+  FabmapResult result =
+      query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
+  const GroundTruth truth = read_truth(scope_of(result));
+  std::vector<FabmapCellCounts> cells;
+  for (size_t w = 0; w < grid.windows.size(); ++w) {
+    for (size_t t = 0; t < thresholds; ++t) {
+      result.hits = std::move(hits[w * thresholds + t]);
+      cells.push_back(
+          {grid.windows[w], grid.place_thresholds[t], count_recognitions(result, truth)});
+    }
+  }
+  return cells;
+}
+
+}  // namespace vpr

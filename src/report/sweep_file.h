@@ -1,0 +1,48 @@
+// Sweeps (vpr.sweep/1): JSON, and tables in the layout of the paper's (tables 1, 3 and 4).
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/json.h"
+#include "base/statistics.h"
+#include "evaluation/sweep.h"
+#include "report/plot.h"
+#include "report/table.h"
+
+namespace vpr {
+
+/// What is known of the uncertainty of the recommended setting: 95 % intervals of its counts.
+struct SweepIntervals {
+  size_t block = 1;  ///< frames that are drawn together
+  Interval correct_hits;
+  Interval incorrect_hits;
+};
+
+/// One query's sweep. Exactly one of the two lists has cells.
+struct Sweep {
+  std::string query_name;
+  std::vector<SequenceCellCounts> sequence_cells;  ///< by c_l, then t_r
+  std::vector<FabmapCellCounts> fabmap_cells;      ///< by c_w, then t_p
+  Recommendation recommendation;
+  std::optional<SweepIntervals> intervals;
+  std::optional<Json> validation;  ///< query and counts of the recommended setting elsewhere
+  std::string protocol;            ///< of the ground truth, in words
+};
+
+/// The cells of all sweeps ("cells", each with its "query"), and of each what to choose ("queries",
+/// which name cells by their index in the whole list).
+void add_sweeps(Json& json, const std::vector<Sweep>& sweeps);
+
+/// Correct and incorrect counts: a row a threshold, two columns a window.
+Table sweep_table(const Sweep& sweep);
+
+/// The recommendation in words, for people.
+std::string recommendation_text(const Sweep& sweep);
+
+/// Correct against incorrect, a line a window.
+Plot sweep_plot(const Sweep& sweep);
+
+/// Correct and incorrect over the grid, side by side: BGR, 8 bits.
+cv::Mat draw_sweep(const Sweep& sweep);
+
+}  // namespace vpr

@@ -1,0 +1,170 @@
+// vpr-tune as a user runs it.
+#include <catch2/catch.hpp>
+
+#include "base/json.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kWorld = R"({"schema": "vpr.world/1", "name": "test", "seed": 6,
+  "corridors": 3, "corridor_length_m": 14, "walks": [
+    {"name": "one", "corridor": 0, "from_m": 0, "to_m": 12},
+    {"name": "two", "corridor": 1, "from_m": 0, "to_m": 12},
+    {"name": "other", "corridor": 2, "from_m": 0, "to_m": 12},
+    {"name": "back", "is_query": true, "corridor": 0, "from_m": 2, "to_m": 11, "noise": 6},
+    {"name": "again", "is_query": true, "corridor": 1, "from_m": 2, "to_m": 11, "noise": 8}]})";
+
+struct World {
+  test::TemporaryFolder folder;
+  World() {
+    test::write_text(folder / "world.json", kWorld);
+    REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
+            0);
+    REQUIRE(run_program("vpr-train", {"fastable", "--train", walk("one"), "--train", walk("two"),
+                                      "--c-l", "10", "-o", database()})
+                .exit_code == 0);
+    REQUIRE(run_program("vpr-train", {"fabmap", "--pretrain", walk("other"), "--train", walk("one"),
+                                      "--features", "sift", "--words", "60", "-o", fabmap()})
+                .exit_code == 0);
+  }
+  std::string walk(const std::string& name) const { return folder / "walk" / name; }
+  std::string truth(const std::string& name) const {
+    return folder / "walk" / (name + ".ground_truth.csv");
+  }
+  std::string database() const { return folder / "w.vprdb"; }
+  std::string fabmap() const { return folder / "f.vprdb"; }
+};
+
+const World& world() {
+  static const World kShared;
+  return kShared;
+}
+
+Json parse(const std::string& text) { return Json::parse(text); }
+
+std::vector<std::string> fastable(std::vector<std::string> more) {
+  std::vector<std::string> words = {
+      "fastable",       world().database(),    "--query", world().walk("back"),
+      "--ground-truth", world().truth("back"), "--c-l",   "2,10:20:10",
+      "--t-r",          "0.3:0.5:0.1,auto"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+}  // namespace
+
+TEST_CASE("a sweep's counts are those of vpr-query and vpr-eval, one by one") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-tune", fastable({"-o", out / "s.json"})).exit_code == 0);
+  const Json cells = parse(test::read_text(out / "s.json"))["cells"];
+  REQUIRE(cells.size() == 3 * 4);
+  for (const Json& cell : cells) {
+    const std::string t_r = cell["t_r"].is_string() ? "auto" : cell["t_r"].dump();
+    REQUIRE(run_program("vpr-query",
+                        {world().database(), "--query", world().walk("back"), "--c-l",
+                         cell["c_l"].dump(), "--t-r", t_r, "--force", "-o", out / "r.json"})
+                .exit_code == 0);
+    const Json report = parse(
+        run_program("vpr-eval", {out / "r.json", "--ground-truth", world().truth("back"), "--json"})
+            .out);
+    INFO(cell.dump());
+    CHECK(cell["counts"] == report["counts"]);
+    CHECK(cell["best_match"]["correct"] == report["best_match"]["correct"]);
+  }
+}
+
+TEST_CASE("FAB-MAP's sweep has the counts of single queries, too") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-tune", {"fabmap", world().fabmap(), "--query", world().walk("back"),
+                                   "--ground-truth", "aligned", "--tolerance", "25", "--c-w", "1:3",
+                                   "--t-p", "0.2,0.6,0.99", "-o", out / "s.json"})
+              .exit_code == 0);
+  const Json cells = parse(test::read_text(out / "s.json"))["cells"];
+  REQUIRE(cells.size() == 9);
+  uint64_t correct = 0;
+  for (const Json& cell : cells) {
+    REQUIRE(run_program("vpr-query", {world().fabmap(), "--query", world().walk("back"), "--c-w",
+                                      cell["c_w"].dump(), "--t-p", cell["t_p"].dump(), "--force",
+                                      "-o", out / "r.json"})
+                .exit_code == 0);
+    const Json report = parse(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned",
+                                                       "--tolerance", "25", "--json"})
+                                  .out);
+    CHECK(cell["counts"] == report["counts"]);
+    correct += cell["counts"]["hits"]["correct"].get<uint64_t>();
+  }
+  CHECK(correct > 0);
+}
+
+TEST_CASE("a sweep is byte-identical for any number of threads") {
+  const test::TemporaryFolder out;
+  std::string first;
+  for (const char* threads : {"1", "2", "5"}) {
+    REQUIRE(
+        run_program("vpr-tune", fastable({"--threads", threads, "--force", "-o", out / "s.json"}))
+            .exit_code == 0);
+    Json json = parse(test::read_text(out / "s.json"));
+    json.erase("machine");
+    json.erase("timing");
+    if (first.empty()) first = json.dump();
+    CHECK(json.dump() == first);
+  }
+}
+
+TEST_CASE("the recommended setting is reported on another sequence") {
+  const test::TemporaryFolder out;
+  const auto outcome = run_program(
+      "vpr-tune",
+      fastable({"--validate", world().walk("again"), "--validate-ground-truth",
+                world().truth("again"), "--heat-map", out / "h.png", "-o", out / "s.json"}));
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.out.find("Recommended: c_l") != std::string::npos);
+  CHECK(outcome.err.find("not seen") == std::string::npos);
+  const Json query = parse(test::read_text(out / "s.json"))["queries"][0];
+  CHECK(query["validation"]["query"] == "again");
+  CHECK(query["intervals"]["correct_hits"][0] <= query["intervals"]["correct_hits"][1]);
+  CHECK(test::read_text(out / "h.png").substr(1, 3) == "PNG");
+  const auto same = run_program(
+      "vpr-tune", fastable({"--validate", world().walk("back"), "--validate-ground-truth",
+                            world().truth("back"), "--json"}));
+  CHECK(same.exit_code == 0);
+  CHECK(same.err.find("not seen") != std::string::npos);
+}
+
+TEST_CASE("automatic thresholds are listed with their frames, and kept with --write") {
+  const test::TemporaryFolder out;
+  fs::copy(world().database(), out / "w.vprdb");
+  const auto outcome =
+      run_program("vpr-tune", {"threshold", out / "w.vprdb", "--c-l", "5,10", "--write", "--json"});
+  REQUIRE(outcome.exit_code == 0);
+  const Json thresholds = parse(outcome.out)["thresholds"];
+  REQUIRE(thresholds.size() == 4);
+  const Json info = parse(run_program("vpr-train", {"info", out / "w.vprdb", "--json"}).out);
+  for (const Json& t_r : info["sequences"][0]["t_r"])
+    for (const Json& item : thresholds)
+      if (item["sequence"] == info["sequences"][0]["name"] && item["c_l"] == t_r["c_l"])
+        CHECK(item["t_r"] == t_r["bits"]);
+  CHECK(info["sequences"][0]["t_r"].size() == 2);
+}
+
+TEST_CASE("lists and ranges of vpr-tune") {
+  const auto check = [&](const std::string& c_l, const std::string& t_r, int exit_code) {
+    const auto outcome =
+        run_program("vpr-tune", {"fastable", world().database(), "--query", world().walk("back"),
+                                 "--ground-truth", world().truth("back"), "--c-l", c_l, "--t-r",
+                                 t_r, "--json"});
+    INFO(c_l << " " << t_r << ": " << outcome.err);
+    CHECK(outcome.exit_code == exit_code);
+    return outcome.out;
+  };
+  CHECK(parse(check("5", "auto", 0))["cells"].size() == 1);
+  CHECK(parse(check("5", "auto,0.3", 0))["cells"].size() == 2);
+  CHECK(parse(check("5", "0.1:0.9:0.2", 0))["cells"][4]["t_r"] == 0.9);
+  for (const char* wrong : {"", "x", "0", "2.5", "5:1", "1:5:0", "1:2:3:4", "5,,6", "99999"})
+    check(wrong, "0.3", 2);
+  for (const char* wrong : {"", "x", "0.5:0.1:0.1", "-1", "nan"}) check("5", wrong, 2);
+}

@@ -1,0 +1,94 @@
+// A sweep's cells are those of queries run one by one.
+#include "pipeline/sweep.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "pipeline/train.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+std::vector<uint64_t> numbers(const LabelCounts& counts) {
+  return {counts.correct, counts.incorrect, counts.ignored};
+}
+
+SequenceDatabase make_database() {
+  SequenceDatabase database;
+  for (uint64_t s = 0; s < 3; ++s) {
+    TrainSequence& sequence = database.sequences.emplace_back();
+    sequence.name = std::string(1, static_cast<char>('a' + s));
+    const auto codes = test::walk_codes(90, 10 + s, 40);
+    for (size_t i = 0; i < codes.size(); ++i) sequence.frame_names.push_back(std::to_string(i));
+    database.codes.owned.insert(database.codes.owned.end(), codes.begin(), codes.end());
+  }
+  database.sequences[1].unreadable = {40};
+  return database;
+}
+
+GroundTruth make_truth(const GroundTruthScope& scope) {
+  GroundTruth truth;
+  truth.tolerance_frames = 2;
+  truth.pairs.resize(scope.query_frames);
+  for (uint32_t f = 0; f < scope.query_frames; ++f)
+    truth.pairs[f].push_back({0, f + 10, f % 9 == 0 ? PlaceLabel::ignore : PlaceLabel::same});
+  return truth;
+}
+
+}  // namespace
+
+TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
+  const SequenceDatabase database = make_database();
+  SequenceCodes query{test::walk_codes(90, 10, 40), {}};
+  query.codes.erase(query.codes.begin(), query.codes.begin() + 10);
+  RandomEngine engine(5);
+  for (LdbCode& code : query.codes)
+    for (int i = 0; i < 200; ++i) {
+      uint8_t& byte = code[uniform_below(engine, 173)];
+      byte = static_cast<uint8_t>(byte ^ 1U << uniform_below(engine, 8));
+    }
+  for (size_t i = 0; i < query.codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  query.frames.unreadable = {30};
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  for (const ThresholdScale scale : {ThresholdScale::relative, ThresholdScale::bits}) {
+    SequenceQuerySettings base;
+    base.threshold_scale = scale;
+    const SequenceGrid grid = scale == ThresholdScale::bits
+                                  ? SequenceGrid{{1, 20, 5}, {250, 400, 650, 0, std::nullopt}}
+                                  : SequenceGrid{{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}};
+    const auto cells = sweep_sequences(database, query, "q", base, grid, make_truth, resources, {});
+    REQUIRE(cells.size() == 15);
+    size_t hits = 0;
+    for (size_t c = 0; c < cells.size(); ++c) {
+      SequenceQuerySettings settings = base;
+      settings.window_length = grid.window_lengths[c / 5];
+      settings.distance_threshold = grid.distance_thresholds[c % 5];
+      const SequenceResult result =
+          run_query(plan_query(database, query, "q", settings, resources, {}), database, query,
+                    resources, {}, {})
+              .result;
+      const SequenceCounts alone = count_recognitions(result, make_truth(scope_of(result)));
+      INFO("c_l " << settings.window_length << ", cell " << c);
+      CHECK(cells[c].window_length == settings.window_length);
+      CHECK(cells[c].distance_threshold == settings.distance_threshold);
+      CHECK(numbers(cells[c].counts.hits) == numbers(alone.hits));
+      CHECK(numbers(cells[c].counts.places) == numbers(alone.places));
+      CHECK(cells[c].counts.distinct == alone.distinct);
+      CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
+      CHECK(cells[c].counts.best_match.queries == alone.best_match.queries);
+      hits += alone.hits.correct;
+    }
+    CHECK(hits > 0);
+  }
+}
+
+TEST_CASE("an empty grid is refused") {
+  const SequenceDatabase database = make_database();
+  const SequenceCodes query{test::walk_codes(90, 10, 40), {}};
+  CHECK(test::error_kind([&] {
+          sweep_sequences(database, query, "q", {}, {{}, {0.3}}, make_truth, {}, {});
+        }) == ErrorKind::usage);
+}
