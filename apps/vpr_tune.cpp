@@ -2,142 +2,12 @@
 #include <fmt/format.h>
 
 #include "base/stopwatch.h"
-#include "command.h"
-#include "images/dataset.h"
 #include "number_lists.h"
-#include "pipeline/sweep.h"
 #include "pipeline/train.h"
-#include "recognition/automatic_threshold.h"
-#include "report/evaluation_report.h"
-#include "report/png_file.h"
-#include "report/run_info.h"
+#include "tune_inputs.h"
 
 namespace vpr {
 namespace {
-
-struct TuneInputs {
-  std::string database;
-  std::string query;
-  std::string ground_truth;
-  int tolerance_frames = -1;  ///< below 0: the data set's, or 0
-  std::vector<std::string> datasets;
-  std::string windows;     ///< c_l or c_w
-  std::string thresholds;  ///< t_r or t_p
-  std::string validate;
-  std::string validate_ground_truth;
-  std::string plots;
-  std::string heat_map;
-  TableFormat format = TableFormat::text;
-};
-
-/// A query and what it is judged by.
-struct Source {
-  NamedSequence sequence;
-  GroundTruthArgument ground_truth;
-};
-
-std::vector<Source> find_sources(const TuneInputs& inputs, bool is_fabmap) {
-  std::vector<Source> sources;
-  for (const std::string& path : inputs.datasets) {
-    const Dataset dataset = read_dataset(path);
-    const DatasetQuery& query =
-        select_query(dataset, inputs.query.empty() ? std::nullopt : std::optional(inputs.query));
-    const auto& truth = is_fabmap ? query.place_ground_truth : query.sequence_ground_truth;
-    if (!truth)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: the query {} has no ground truth", path, query.sequence.name));
-    Source& source = sources.emplace_back(Source{query.sequence, *truth});
-    if (inputs.tolerance_frames >= 0)
-      source.ground_truth.tolerance_frames = inputs.tolerance_frames;
-  }
-  if (!sources.empty()) return sources;
-  if (inputs.query.empty() || inputs.ground_truth.empty())
-    throw Error(ErrorKind::usage,
-                "give --query and --ground-truth, or data sets that have both (--dataset)");
-  const SequenceArgument argument = parse_sequence_argument(inputs.query);
-  sources.push_back(
-      {{sequence_names({argument}).front(), argument},
-       parse_ground_truth_argument(inputs.ground_truth, std::max(inputs.tolerance_frames, 0))});
-  return sources;
-}
-
-std::optional<Source> find_validation(const TuneInputs& inputs, const std::vector<Source>& sources,
-                                      const Monitor& monitor) {
-  if (inputs.validate.empty() != inputs.validate_ground_truth.empty())
-    throw Error(ErrorKind::usage, "give both --validate and --validate-ground-truth, or neither");
-  if (inputs.validate.empty()) return std::nullopt;
-  const SequenceArgument argument = parse_sequence_argument(inputs.validate);
-  for (const Source& source : sources)
-    if (source.sequence.sequence.path == argument.path)
-      warn(monitor, fmt::format("{}: is also what the setting is chosen on; a validation needs "
-                                "frames that were not seen",
-                                argument.path.string()));
-  return Source{{sequence_names({argument}).front(), argument},
-                parse_ground_truth_argument(inputs.validate_ground_truth,
-                                            std::max(inputs.tolerance_frames, 0))};
-}
-
-TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol) {
-  return [argument, &protocol](const GroundTruthScope& scope) {
-    GroundTruth truth = read_ground_truth(argument, scope);
-    protocol = truth.protocol;
-    return truth;
-  };
-}
-
-void check_outputs(const TuneInputs& inputs, const CommonOptions& options) {
-  if (options.output.empty() && !options.json)
-    throw Error(ErrorKind::usage, "give the sweep to write, as in -o SWEEP.json, or --json");
-  if (!options.output.empty()) check_output_file(options.output, options.existing());
-  if (!inputs.heat_map.empty()) check_output_file(inputs.heat_map, options.existing());
-  if (!inputs.plots.empty()) check_output_folder(inputs.plots, options.existing(), is_plot_folder);
-}
-
-/// Writes pictures, plots and JSON, and prints the table.
-void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps,
-             const std::string& method, const Json& settings, double seconds) {
-  const CommonOptions& options = session.options;
-  Json json = {{"schema", "vpr.sweep/1"}, {"method", method}, {"settings", settings}};
-  add_sweeps(json, sweeps);
-  json["provenance"] = provenance_json(session.run);
-  session.run.simd_target = session.kernels.target;
-  session.run.paths = {{"database", inputs.database}};
-  json["machine"] = machine_json(session.run);
-  json["timing"] = timing_json({{"sweep", seconds}});
-  std::optional<OutputFile> picture;
-  if (!inputs.heat_map.empty())
-    picture.emplace(write_png(inputs.heat_map, draw_sweep(sweeps.front()), options.existing()));
-  if (!inputs.plots.empty() && !can_draw_plots()) {
-    warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
-  } else if (!inputs.plots.empty()) {
-    OutputFolder folder(inputs.plots, options.existing(), is_plot_folder);
-    for (const Sweep& sweep : sweeps) {
-      Plot plot = sweep_plot(sweep);
-      if (sweeps.size() > 1) plot.file += "-" + sweep.query_name;
-      draw_plot(plot, folder.temporary());
-    }
-    folder.commit();
-  }
-  if (picture) picture->commit();
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
-  std::string text;
-  for (const Sweep& sweep : sweeps) {
-    text += render_table(sweep_table(sweep), inputs.format);
-    if (inputs.format == TableFormat::csv) continue;
-    text += recommendation_text(sweep);
-    if (sweep.validation)
-      text += fmt::format("On {}: {}\n", (*sweep.validation)["query"].get<std::string>(),
-                          (*sweep.validation)["counts"].dump());
-  }
-  session.print_result(text, json);
-}
-
-template <class Cell>
-Recommendation recommend_cell(const std::vector<Cell>& cells) {
-  std::vector<SweepScore> scores;
-  for (const Cell& cell : cells) scores.push_back(score_of(cell));
-  return recommend(scores);
-}
 
 /// What vpr-tune fastable sets beside the grid.
 struct FastableTune {
@@ -162,12 +32,32 @@ SequenceGrid sequence_grid(const TuneInputs& inputs) {
   return grid;
 }
 
+// What stays the same for all cells.
+template <class Settings>
+Json settings_json(const Settings& settings, const std::vector<const char*>& of_the_grid) {
+  Json json = value_to_json(settings);
+  for (const char* key : of_the_grid) json.erase(key);
+  return json;
+}
+
 SequenceQuerySettings settings_of(const SequenceQuerySettings& base,
                                   const SequenceCellCounts& cell) {
   SequenceQuerySettings settings = base;
   settings.window_length = cell.window_length;
   settings.distance_threshold = cell.distance_threshold;
   return settings;
+}
+
+// A sweep of one cell, as JSON.
+Json single_cell_json(const std::string& query, std::vector<SequenceCellCounts> sequence_cells,
+                      std::vector<FabmapCellCounts> fabmap_cells) {
+  Sweep sweep;
+  sweep.query_name = query;
+  sweep.sequence_cells = std::move(sequence_cells);
+  sweep.fabmap_cells = std::move(fabmap_cells);
+  Json json;
+  add_sweeps(json, {sweep});
+  return json["cells"][0];
 }
 
 void tune_fastable(Session& session, const FastableTune& command) {
@@ -181,40 +71,42 @@ void tune_fastable(Session& session, const FastableTune& command) {
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.seed = session.options.seed;
-  const auto unreadable = command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail;
   const auto describe = [&](const Source& source) {
     return describe_sequence(open_sequence(source.sequence.sequence), database.descriptor,
-                             unreadable, session.monitor);
+                             command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail,
+                             session.monitor);
   };
-  std::vector<Sweep> sweeps;
-  for (const Source& source : sources) {
-    Sweep& sweep = sweeps.emplace_back();
-    sweep.query_name = source.sequence.name;
-    const SequenceCodes query = describe(source);
-    const TruthReader reader = reader_of(source.ground_truth, sweep.protocol);
+  const auto validate = [&](const SequenceCellCounts& chosen) {
+    std::string protocol;
+    const std::string& name = validation->sequence.name;
+    return single_cell_json(
+        name,
+        sweep_sequences(database, describe(*validation), name, command.settings,
+                        {{chosen.window_length}, {chosen.distance_threshold}},
+                        reader_of(validation->ground_truth, protocol), resources, session.monitor),
+        {});
+  };
+  const Json settings = settings_json(command.settings, {"c_l", "t_r"});
+  PartialSweeps partial(inputs, session.options,
+                        sweep_key(inputs, settings, database.fingerprint, resources.seed));
+  for (size_t s = partial.finished().size(); s < sources.size(); ++s) {
+    Sweep sweep;
+    sweep.query_name = sources[s].sequence.name;
+    const SequenceCodes query = describe(sources[s]);
+    const TruthReader reader = reader_of(sources[s].ground_truth, sweep.protocol);
     sweep.sequence_cells = sweep_sequences(database, query, sweep.query_name, command.settings,
                                            grid, reader, resources, session.monitor);
     sweep.recommendation = recommend_cell(sweep.sequence_cells);
-    if (!sweep.recommendation.cell) continue;
-    const SequenceCellCounts& chosen = sweep.sequence_cells[*sweep.recommendation.cell];
-    sweep.intervals = sequence_intervals(database, query, settings_of(command.settings, chosen),
-                                         reader, resources, session.monitor);
-    if (!validation) continue;
-    std::string protocol;
-    const auto cells =
-        sweep_sequences(database, describe(*validation), validation->sequence.name,
-                        command.settings, {{chosen.window_length}, {chosen.distance_threshold}},
-                        reader_of(validation->ground_truth, protocol), resources, session.monitor);
-    Sweep elsewhere;
-    elsewhere.sequence_cells = cells;
-    elsewhere.query_name = validation->sequence.name;
-    Json json;
-    add_sweeps(json, {elsewhere});
-    sweep.validation = json["cells"][0];
+    if (sweep.recommendation.cell) {
+      const SequenceCellCounts& chosen = sweep.sequence_cells[*sweep.recommendation.cell];
+      sweep.intervals = sequence_intervals(database, query, settings_of(command.settings, chosen),
+                                           reader, resources, session.monitor);
+      if (validation) sweep.validation = validate(chosen);
+    }
+    partial.add(sweep);
   }
-  Json settings = value_to_json(command.settings);
-  for (const char* key : {"c_l", "t_r"}) settings.erase(key);
-  present(session, inputs, sweeps, "fastable", settings, watch.elapsed_s());
+  present(session, inputs, partial.finished(), "fastable", settings, watch.elapsed_s());
+  partial.remove();
 }
 
 struct FabmapTune {
@@ -231,121 +123,44 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
   const std::vector<Source> sources = find_sources(inputs, true);
   const auto validation = find_validation(inputs, sources, session.monitor);
   const FabmapDatabase database = read_fabmap_database(inputs.database);
-  const auto run = [&](const Source& source, const FabmapGrid& cells, std::string& protocol) {
-    const SequenceWords query = describe_words(open_sequence(source.sequence.sequence), database,
-                                               command.settings.skip_unreadable, session.monitor);
-    return sweep_fabmap(database, query, source.sequence.name, command.settings, cells,
-                        reader_of(source.ground_truth, protocol), session.options.seed,
-                        session.monitor);
+  const uint64_t seed = session.options.seed;
+  const auto describe = [&](const Source& source) {
+    return describe_words(open_sequence(source.sequence.sequence), database,
+                          command.settings.skip_unreadable, session.monitor);
   };
-  std::vector<Sweep> sweeps;
-  for (const Source& source : sources) {
-    Sweep& sweep = sweeps.emplace_back();
-    sweep.query_name = source.sequence.name;
-    sweep.fabmap_cells = run(source, grid, sweep.protocol);
+  const auto validate = [&](const FabmapCellCounts& chosen) {
+    std::string protocol;
+    const std::string& name = validation->sequence.name;
+    return single_cell_json(
+        name, {},
+        sweep_fabmap(database, describe(*validation), name, command.settings,
+                     {{chosen.window}, {chosen.place_threshold}},
+                     reader_of(validation->ground_truth, protocol), seed, session.monitor));
+  };
+  const Json settings = settings_json(command.settings, {"c_w", "t_p"});
+  PartialSweeps partial(inputs, session.options,
+                        sweep_key(inputs, settings, database.fingerprint, seed));
+  for (size_t s = partial.finished().size(); s < sources.size(); ++s) {
+    Sweep sweep;
+    sweep.query_name = sources[s].sequence.name;
+    const SequenceWords query = describe(sources[s]);
+    const TruthReader reader = reader_of(sources[s].ground_truth, sweep.protocol);
+    sweep.fabmap_cells = sweep_fabmap(database, query, sweep.query_name, command.settings, grid,
+                                      reader, seed, session.monitor);
     sweep.recommendation = recommend_cell(sweep.fabmap_cells);
-    if (!sweep.recommendation.cell || !validation) continue;
-    const FabmapCellCounts& chosen = sweep.fabmap_cells[*sweep.recommendation.cell];
-    Sweep elsewhere;
-    elsewhere.query_name = validation->sequence.name;
-    elsewhere.fabmap_cells =
-        run(*validation, {{chosen.window}, {chosen.place_threshold}}, elsewhere.protocol);
-    Json json;
-    add_sweeps(json, {elsewhere});
-    sweep.validation = json["cells"][0];
-  }
-  Json settings = value_to_json(command.settings);
-  for (const char* key : {"c_w", "t_p"}) settings.erase(key);
-  present(session, inputs, sweeps, "fabmap", settings, watch.elapsed_s());
-}
-
-struct ThresholdTune {
-  std::string database;
-  std::string windows = "40";
-  double safety_factor = 1;
-  bool write = false;
-  TableFormat format = TableFormat::text;
-};
-
-template <class Visitor>
-void visit_fields(ThresholdTune& settings, Visitor&& visit) {
-  visit("safety_factor", settings.safety_factor);
-}
-
-std::string frame_span(const TrainSequence& sequence, size_t window, size_t length) {
-  const std::string& first = sequence.frame_names[window];
-  const std::string& last = sequence.frame_names[window + length - 1];
-  return fmt::format("{}: {} to {}", sequence.name, first, last);
-}
-
-void tune_threshold(Session& session, const ThresholdTune& command) {
-  check_safety_factor(command.safety_factor);
-  SequenceDatabase database = read_sequence_database(command.database);
-  if (database.sequences.size() < 2)
-    throw Error(ErrorKind::usage, fmt::format("{}: an automatic t_r needs at least two training "
-                                              "sequences, and it holds one",
-                                              command.database));
-  Table table;
-  table.title =
-      fmt::format("{}: automatic t_r, safety factor {:g}", command.database, command.safety_factor);
-  table.columns = {"sequence", "c_l", "t_r (bits)", "own frames", "closest other frames"};
-  Json json = {{"schema", "vpr.thresholds/1"}, {"safety_factor", command.safety_factor}};
-  json["thresholds"] = Json::array();
-  for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
-    const ThresholdTable thresholds = compute_thresholds(database, length, command.safety_factor,
-                                                         session.kernels, session.monitor);
-    for (const std::string& sentence : overlap_warnings(thresholds, database.sequences))
-      warn(session.monitor, sentence);
-    for (size_t s = 0; s < database.sequences.size(); ++s) {
-      const TrainSequence& own = database.sequences[s];
-      const auto& closest = thresholds.closest[s];
-      Json item = {{"sequence", own.name}, {"c_l", length}};
-      if (!closest) {
-        table.rows.push_back({own.name, std::to_string(length), "-", "-", "-"});
-        item["t_r"] = nullptr;
-      } else {
-        const double t_r = automatic_threshold(*closest, length, command.safety_factor);
-        const std::string mine = frame_span(own, closest->window, length);
-        const std::string other =
-            frame_span(database.sequences[closest->other_sequence], closest->other_window, length);
-        table.rows.push_back(
-            {own.name, std::to_string(length), fmt::format("{:.2f}", t_r), mine, other});
-        item["t_r"] = t_r;
-        item["distance"] = closest->distance;
-        item["own_frames"] = mine;
-        item["closest_frames"] = other;
-      }
-      json["thresholds"].push_back(item);
+    if (sweep.recommendation.cell) {
+      const FabmapCellCounts& chosen = sweep.fabmap_cells[*sweep.recommendation.cell];
+      FabmapQuerySettings chosen_settings = command.settings;
+      chosen_settings.window = chosen.window;
+      chosen_settings.place_threshold = chosen.place_threshold;
+      sweep.intervals =
+          fabmap_intervals(database, query, chosen_settings, reader, seed, session.monitor);
+      if (validation) sweep.validation = validate(chosen);
     }
-    if (command.write) {
-      std::erase_if(database.thresholds,
-                    [&](const ThresholdTable& stored) { return stored.window_length == length; });
-      database.thresholds.push_back(thresholds);
-    }
+    partial.add(sweep);
   }
-  if (command.write) write_sequence_database(command.database, database, Existing::replace);
-  json["provenance"] = provenance_json(session.run);
-  if (!session.options.output.empty())
-    write_file(session.options.output, to_text(json), session.options.existing());
-  session.print_result(render_table(table, command.format), json);
-}
-
-void add_tune_inputs(CLI::App& command, TuneInputs& inputs) {
-  command.add_option("DB", inputs.database, "database made by vpr-train")->required();
-  command.add_option("--query", inputs.query, "query sequence, or with --dataset the name of one");
-  command.add_option("--ground-truth", inputs.ground_truth, "pairs file, or the word aligned");
-  add_setting(command, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames")
-      ->check(CLI::NonNegativeNumber);
-  add_list(command, "--dataset", inputs.datasets,
-           "data set description with query and ground truth; repeatable");
-  command.add_option("--validate", inputs.validate,
-                     "another query, on which the recommended setting is reported");
-  command.add_option("--validate-ground-truth", inputs.validate_ground_truth, "its ground truth");
-  command.add_option("--heat-map", inputs.heat_map,
-                     "picture (PNG) of correct and incorrect over the grid");
-  command.add_option("--plot", inputs.plots, "folder for plots of correct against incorrect");
-  add_setting(command, "--format", inputs.format,
-              "of the table: text (default), csv, markdown or latex");
+  present(session, inputs, partial.finished(), "fabmap", settings, watch.elapsed_s());
+  partial.remove();
 }
 
 void add_fastable(Program& program, FastableTune& tune) {
@@ -381,21 +196,6 @@ void add_fabmap(Program& program, FabmapTune& tune) {
       ->required();
   command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,
                    "frames that can't be decoded keep their index and show no words");
-}
-
-void add_threshold(Program& program, ThresholdTune& tune) {
-  CLI::App& command = program.add_command(
-      "threshold", "The automatic t_r of every training sequence, and where it comes from.",
-      "  vpr-tune threshold building.vprdb --c-l 20,40,60,80\n"
-      "  vpr-tune threshold building.vprdb --c-l 60 --safety-factor 0.9 --write",
-      [&tune](Session& session) { tune_threshold(session, tune); });
-  program.add_config(command, tune);
-  command.add_option("DB", tune.database, "database of sequences")->required();
-  command.add_option("--c-l", tune.windows, "window lengths, as in 20,40 (default 40)");
-  add_setting(command, "--safety-factor", tune.safety_factor, "multiplies t_r (default 1)");
-  command.add_flag("--write", tune.write, "keep them in the database");
-  add_setting(command, "--format", tune.format,
-              "of the table: text (default), csv, markdown or latex");
 }
 
 }  // namespace

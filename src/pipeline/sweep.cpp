@@ -176,4 +176,22 @@ std::vector<FabmapCellCounts> sweep_fabmap(const FabmapDatabase& database,
   return cells;
 }
 
+SweepIntervals fabmap_intervals(const FabmapDatabase& database, const SequenceWords& query,
+                                const FabmapQuerySettings& settings, const TruthReader& read_truth,
+                                uint64_t seed, const Monitor& monitor) {
+  constexpr size_t kFewestFrames = 8;  // about a second of walking
+  const FabmapResult result = query_fabmap(database, query, "", settings, seed, {}, monitor).result;
+  const GroundTruth truth = read_truth(scope_of(result));
+  std::vector<double> correct(result.query_frames, 0);
+  std::vector<double> incorrect(result.query_frames, 0);
+  for (const PlaceMatch& hit : result.hits) {
+    const PlaceLabel label = truth.label(hit.frame, 0, hit.place);
+    if (label == PlaceLabel::same) correct[hit.frame] += 1;
+    if (label == PlaceLabel::different) incorrect[hit.frame] += 1;
+  }
+  const size_t block =
+      std::min(std::max<size_t>(settings.window, kFewestFrames), result.query_frames);
+  return {block, bootstrap_sum(correct, block, seed), bootstrap_sum(incorrect, block, seed)};
+}
+
 }  // namespace vpr

@@ -50,4 +50,9 @@ std::vector<FabmapCellCounts> sweep_fabmap(const FabmapDatabase& database,
                                            const TruthReader& read_truth, uint64_t seed,
                                            const Monitor& monitor);
 
+/// The same intervals for FAB-MAP: blocks of c_w frames, but at least 8.
+SweepIntervals fabmap_intervals(const FabmapDatabase& database, const SequenceWords& query,
+                                const FabmapQuerySettings& settings, const TruthReader& read_truth,
+                                uint64_t seed, const Monitor& monitor);
+
 }  // namespace vpr

@@ -119,27 +119,22 @@ void add_sweeps(Json& json, const std::vector<Sweep>& sweeps) {
   }
 }
 
-Table sweep_table(const Sweep& sweep) {
-  const std::vector<GridCell> cells = grid_cells(sweep);
-  const auto windows = distinct_values(cells, &GridCell::window);
-  const auto thresholds = distinct_values(cells, &GridCell::threshold);
+Table sweep_table(const std::vector<Sweep>& sweeps) {
   Table table;
-  table.title = fmt::format("{}: {}, correct and incorrect", sweep.query_name,
-                            is_fabmap(sweep) ? "recognitions by c_w" : "places by c_l");
-  table.columns = {is_fabmap(sweep) ? "t_p" : "t_r"};
-  for (const std::string& window : windows) {
-    table.columns.push_back(window + " right");
-    table.columns.push_back("wrong");
-  }
-  for (const std::string& threshold : thresholds) {
-    std::vector<std::string>& row = table.rows.emplace_back();
-    row.push_back(threshold);
-    for (const std::string& window : windows) {
-      const auto cell = std::find_if(cells.begin(), cells.end(), [&](const GridCell& c) {
-        return c.window == window && c.threshold == threshold;
-      });
-      row.push_back(std::to_string(cell->correct));
-      row.push_back(std::to_string(cell->incorrect));
+  const bool fabmap = is_fabmap(sweeps.front());
+  table.title = fabmap ? "Recognitions by c_w, right and wrong" : "Places by c_l, right and wrong";
+  const auto windows = distinct_values(grid_cells(sweeps.front()), &GridCell::window);
+  table.columns = {"sequence", fabmap ? "t_p" : "t_r"};
+  for (const std::string& window : windows)
+    table.columns.insert(table.columns.end(), {window + " right", "wrong"});
+  for (const Sweep& sweep : sweeps) {
+    const std::vector<GridCell> cells = grid_cells(sweep);
+    for (const std::string& threshold : distinct_values(cells, &GridCell::threshold)) {
+      std::vector<std::string>& row = table.rows.emplace_back();
+      row = {sweep.query_name, threshold};
+      for (const GridCell& cell : cells)
+        if (cell.threshold == threshold)
+          row.insert(row.end(), {std::to_string(cell.correct), std::to_string(cell.incorrect)});
     }
   }
   return table;
@@ -147,9 +142,10 @@ Table sweep_table(const Sweep& sweep) {
 
 std::string recommendation_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
-  if (!choice.cell) return fmt::format("No recommendation: {}.\n", choice.reason);
-  std::string text =
-      fmt::format("Recommended: {}: {}.\n", cell_name(sweep, *choice.cell), choice.reason);
+  if (!choice.cell)
+    return fmt::format("{}: no recommendation: {}.\n", sweep.query_name, choice.reason);
+  std::string text = fmt::format("{}: recommended: {}: {}.\n", sweep.query_name,
+                                 cell_name(sweep, *choice.cell), choice.reason);
   text += choice.nearest_error
               ? fmt::format("The nearest setting of this window with an error is {}.\n",
                             cell_name(sweep, *choice.nearest_error))
@@ -184,7 +180,9 @@ Plot sweep_plot(const Sweep& sweep) {
   return plot;
 }
 
-cv::Mat draw_sweep(const Sweep& sweep) {
+namespace {
+
+cv::Mat draw_grid(const Sweep& sweep) {
   constexpr int kCellWidth = 64;
   constexpr int kCellHeight = 36;
   constexpr int kMargin = 70;
@@ -201,7 +199,7 @@ cv::Mat draw_sweep(const Sweep& sweep) {
                         const cv::Scalar& full) {
     uint64_t most = 1;
     for (const GridCell& cell : cells) most = std::max(most, cell.*count);
-    write(title, left + kMargin, 20, {0, 0, 0});
+    write(sweep.query_name + ": " + title, left + kMargin, 20, {0, 0, 0});
     for (size_t w = 0; w < windows.size(); ++w)
       write((is_fabmap(sweep) ? "c_w " : "c_l ") + windows[w],
             left + kMargin + static_cast<int>(w) * kCellWidth + 4, kMargin - 10, {0, 0, 0});
@@ -225,6 +223,14 @@ cv::Mat draw_sweep(const Sweep& sweep) {
   draw("correct", &GridCell::correct, 0, {110, 150, 30});
   draw("incorrect", &GridCell::incorrect, panel, {40, 40, 190});
   return canvas;
+}
+
+}  // namespace
+
+cv::Mat draw_sweeps(const std::vector<Sweep>& sweeps) {
+  cv::Mat all;
+  for (const Sweep& sweep : sweeps) all.push_back(draw_grid(sweep));
+  return all;
 }
 
 }  // namespace vpr

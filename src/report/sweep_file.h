@@ -33,8 +33,12 @@ struct Sweep {
 /// which name cells by their index in the whole list).
 void add_sweeps(Json& json, const std::vector<Sweep>& sweeps);
 
-/// Correct and incorrect counts: a row a threshold, two columns a window.
-Table sweep_table(const Sweep& sweep);
+/// The sweeps that add_sweeps wrote. Throws Error(data) if anything is not as it writes it.
+std::vector<Sweep> read_sweeps(const Json& json, const std::string& where);
+
+/// Correct and incorrect counts: a row a query and threshold, two columns a window. All sweeps have
+/// the same grid, and there is at least one.
+Table sweep_table(const std::vector<Sweep>& sweeps);
 
 /// The recommendation in words, for people.
 std::string recommendation_text(const Sweep& sweep);
@@ -42,7 +46,7 @@ std::string recommendation_text(const Sweep& sweep);
 /// Correct against incorrect, a line a window.
 Plot sweep_plot(const Sweep& sweep);
 
-/// Correct and incorrect over the grid, side by side: BGR, 8 bits.
-cv::Mat draw_sweep(const Sweep& sweep);
+/// Correct and incorrect over the grid, side by side, one sweep below the other: BGR, 8 bits.
+cv::Mat draw_sweeps(const std::vector<Sweep>& sweeps);
 
 }  // namespace vpr

@@ -122,7 +122,7 @@ TEST_CASE("the recommended setting is reported on another sequence") {
       fastable({"--validate", world().walk("again"), "--validate-ground-truth",
                 world().truth("again"), "--heat-map", out / "h.png", "-o", out / "s.json"}));
   REQUIRE(outcome.exit_code == 0);
-  CHECK(outcome.out.find("Recommended: c_l") != std::string::npos);
+  CHECK(outcome.out.find("recommended: c_l") != std::string::npos);
   CHECK(outcome.err.find("not seen") == std::string::npos);
   const Json query = parse(test::read_text(out / "s.json"))["queries"][0];
   CHECK(query["validation"]["query"] == "again");
@@ -167,4 +167,47 @@ TEST_CASE("lists and ranges of vpr-tune") {
   for (const char* wrong : {"", "x", "0", "2.5", "5:1", "1:5:0", "1:2:3:4", "5,,6", "99999"})
     check(wrong, "0.3", 2);
   for (const char* wrong : {"", "x", "0.5:0.1:0.1", "-1", "nan"}) check("5", wrong, 2);
+}
+
+TEST_CASE("an interrupted batch goes on where it stopped, and gives the same file") {
+  const test::TemporaryFolder out;
+  const auto dataset = [&](const std::string& name) {
+    test::write_text(
+        out / (name + ".json"),
+        R"({"schema": "vpr.dataset/1", "name": ")" + name + R"(", "queries": [{"name": ")" + name +
+            R"(", "sequence": ")" + world().walk(name) +
+            R"(", "ground_truth": {"format": "pairs", "path": ")" + name + R"(.csv"}}]})");
+    return std::string(out / (name + ".json"));
+  };
+  const auto run = [&](const std::string& output, std::vector<std::string> more) {
+    std::vector<std::string> words = {
+        "fastable",  world().database(), "--dataset", out / "back.json",
+        "--dataset", out / "again.json", "--c-l",     "5,10",
+        "--t-r",     "0.3,0.4",          "-o",        out / output};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-tune", words).exit_code;
+  };
+  dataset("back");
+  dataset("again");
+  fs::copy(world().truth("back"), out / "back.csv");
+  test::write_text(out / "again.csv", "broken");
+  CHECK(run("s.json", {}) == 4);
+  CHECK(!fs::exists(out / "s.json"));
+  REQUIRE(fs::exists(out / "s.json.partial"));
+  fs::copy(world().truth("again"), out / "again.csv", fs::copy_options::overwrite_existing);
+  // Of another grid, sweeps are not used again.
+  CHECK(run("s.json", {"--resume", "--seed", "9"}) == 2);
+  fs::rename(out / "back.csv", out / "moved.csv");  // what is finished is not read again
+  CHECK(run("s.json", {"--resume"}) == 0);
+  CHECK(!fs::exists(out / "s.json.partial"));
+  fs::rename(out / "moved.csv", out / "back.csv");
+  CHECK(run("t.json", {}) == 0);
+  const auto comparable = [&](const std::string& name) {
+    Json json = parse(test::read_text(out / name));
+    json.erase("machine");
+    json.erase("timing");
+    return json.dump();
+  };
+  CHECK(comparable("s.json") == comparable("t.json"));
+  CHECK(parse(test::read_text(out / "s.json"))["queries"].size() == 2);
 }

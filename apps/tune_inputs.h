@@ -1,0 +1,101 @@
+// What the commands of vpr-tune share: queries and their ground truth, partial results,
+// presentation.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "images/dataset.h"
+#include "pipeline/sweep.h"
+
+namespace vpr {
+
+struct TuneInputs {
+  std::string database;
+  std::string query;
+  std::string ground_truth;
+  int tolerance_frames = -1;  ///< below 0: the data set's, or 0
+  std::vector<std::string> datasets;
+  std::string windows;     ///< c_l or c_w
+  std::string thresholds;  ///< t_r or t_p
+  std::string validate;
+  std::string validate_ground_truth;
+  bool resume = false;
+  std::string plots;
+  std::string heat_map;
+  TableFormat format = TableFormat::text;
+};
+
+/// A query and what it is judged by.
+struct Source {
+  NamedSequence sequence;
+  GroundTruthArgument ground_truth;
+};
+
+void add_tune_inputs(CLI::App& command, TuneInputs& inputs);
+
+/// The queries of --query or --dataset. Throws Error(usage) if there is none, or no ground truth.
+std::vector<Source> find_sources(const TuneInputs& inputs, bool is_fabmap);
+
+/// The query of --validate; warns if a setting is chosen on it.
+std::optional<Source> find_validation(const TuneInputs& inputs, const std::vector<Source>& sources,
+                                      const Monitor& monitor);
+
+/// Reads the ground truth for a scope, and keeps what it says of itself.
+TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol);
+
+/// Throws Error(usage) if nothing is to be written, or as the checks of outputs do.
+void check_outputs(const TuneInputs& inputs, const CommonOptions& options);
+
+/// What a sweep depends on beside its settings: grid, data and database.
+Json sweep_key(const TuneInputs& inputs, const Json& settings, const std::string& fingerprint,
+               uint64_t seed);
+
+/// The sweeps that are finished, beside the output (SWEEP.json.partial) until all are: with several
+/// data sets, --resume goes on behind them.
+class PartialSweeps {
+ public:
+  /// `key`: whatever must be the same for sweeps to be used again. Throws Error(usage) where
+  /// --resume finds sweeps of another key, Error(data) where they are damaged.
+  PartialSweeps(const TuneInputs& inputs, const CommonOptions& options, const Json& key);
+  const std::vector<Sweep>& finished() const { return finished_; }
+  void add(const Sweep& sweep);
+  /// Everything is written: nothing is left to go on with.
+  void remove();
+
+ private:
+  std::string path_;  // empty: nothing is kept
+  Json key_;
+  std::vector<Sweep> finished_;
+};
+
+/// Writes pictures, plots and JSON, and prints the table.
+void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps,
+             const std::string& method, const Json& settings, double seconds);
+
+template <class Cell>
+Recommendation recommend_cell(const std::vector<Cell>& cells) {
+  std::vector<SweepScore> scores;
+  for (const Cell& cell : cells) scores.push_back(score_of(cell));
+  return recommend(scores);
+}
+
+/// vpr-tune threshold; `tune` must live as long as the program.
+struct ThresholdTune {
+  std::string database;
+  std::string windows = "40";
+  double safety_factor = 1;
+  bool write = false;
+  TableFormat format = TableFormat::text;
+};
+
+template <class Visitor>
+void visit_fields(ThresholdTune& settings, Visitor&& visit) {
+  visit("safety_factor", settings.safety_factor);
+}
+
+void add_threshold(Program& program, ThresholdTune& tune);
+
+}  // namespace vpr
