@@ -34,30 +34,6 @@ std::string place_title(const PlaceExplanation& place) {
                      place.match.probability, place.log_odds);
 }
 
-// The training sequences by group: [GROUP=]SEQUENCE, in the order of groups of that name.
-std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
-                                                   const FabmapDatabase& database) {
-  std::map<size_t, SequenceArgument> images;
-  for (const std::string& text : inputs.train_images) {
-    const size_t equals = text.find('=');
-    const SequenceArgument argument =
-        parse_sequence_argument(equals == std::string::npos ? text : text.substr(equals + 1));
-    const std::string name =
-        equals == std::string::npos ? sequence_names({argument}).front() : text.substr(0, equals);
-    size_t group = 0;
-    while (group < database.groups.size() &&
-           (database.groups[group].name != name || images.contains(group)))
-      ++group;
-    if (group == database.groups.size())
-      throw Error(ErrorKind::usage,
-                  fmt::format("--train-images: the database has no further group named {}; "
-                              "vpr-train info lists them",
-                              name));
-    images[group] = argument;
-  }
-  return images;
-}
-
 MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
                        const std::string& title) {
   MarkedImage image{features.grey, {}, title};
@@ -106,6 +82,31 @@ std::filesystem::path explanation_picture_path(const std::string& output) {
   return companion_path(output, "explain.png");
 }
 
+std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
+                                                   const FabmapDatabase& database) {
+  std::map<size_t, SequenceArgument> images;
+  for (const std::string& text : inputs.train_images) {
+    // A path that exists as it is wins over a group's name.
+    const bool is_path = std::filesystem::exists(parse_sequence_argument(text).path);
+    const size_t equals = is_path ? std::string::npos : text.find('=');
+    const SequenceArgument argument =
+        parse_sequence_argument(equals == std::string::npos ? text : text.substr(equals + 1));
+    const std::string name =
+        equals == std::string::npos ? sequence_names({argument}).front() : text.substr(0, equals);
+    size_t group = 0;
+    while (group < database.groups.size() &&
+           (database.groups[group].name != name || images.contains(group)))
+      ++group;
+    if (group == database.groups.size())
+      throw Error(ErrorKind::usage,
+                  fmt::format("--train-images: the database has no further group named {}; "
+                              "vpr-train info lists them",
+                              name));
+    images[group] = argument;
+  }
+  return images;
+}
+
 OutputFile write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
                                      const SequenceArgument& query, const FabmapDatabase& searched,
                                      bool searches_query, const Session& session) {
@@ -125,9 +126,14 @@ OutputFile write_explanation_picture(const Explanation& explanation, const Query
       pair.view.title += " (its images: --train-images)";
       continue;
     }
-    const FrameFeatures view =
-        locate_words(open_sequence(source->second), origin.frame, searched, session.monitor);
-    pair.view = mark_words(view, place, pair.view.title);
+    try {
+      const FrameFeatures view =
+          locate_words(open_sequence(source->second), origin.frame, searched, session.monitor);
+      pair.view = mark_words(view, place, pair.view.title);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      pair.view.title += " (can't be decoded)";
+    }
   }
   return write_png(explanation_picture_path(session.options.output), draw_word_pairs(pairs),
                    session.options.existing());

@@ -1,6 +1,7 @@
 // vpr-query --explain: why a frame was taken for a place, as a table, as JSON and as a picture.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,11 @@ namespace vpr {
 
 std::string explanation_text(const Explanation& explanation);
 Json explanation_json(const Explanation& explanation);
+
+/// The training sequences of --train-images by group: [GROUP=]SEQUENCE, in the order of groups of
+/// that name. Throws Error(usage) for a name that the database does not have (so often).
+std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
+                                                   const FabmapDatabase& database);
 
 /// The query's frame beside the views of its best places, with the words drawn in. Views have
 /// images where --train-images names them, or where they are the query's own. Written, not

@@ -1,5 +1,6 @@
 #include "number_lists.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -54,7 +55,11 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& fl
     for (double i = 0; i <= count; ++i)
       numbers.push_back(std::round((first + i * step) * 1e9) / 1e9);
   }
-  return numbers;
+  // A value that is given twice counts once, where it comes first.
+  std::vector<double> once;
+  for (const double number : numbers)
+    if (std::find(once.begin(), once.end(), number) == once.end()) once.push_back(number);
+  return once;
 }
 
 std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag) {

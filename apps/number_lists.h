@@ -8,8 +8,8 @@
 namespace vpr {
 
 /// "2,5,10", "0.2:0.6:0.05" (both ends included where the steps meet them), "1:5" (in steps of 1),
-/// or a mixture. Values of a range are rounded to nine decimals, so that 0.3 is 0.3. Throws
-/// Error(usage), naming the flag.
+/// or a mixture; repeated values count once. Values of a range are rounded to nine decimals, so
+/// that 0.3 is 0.3. Throws Error(usage), naming the flag.
 std::vector<double> parse_numbers(const std::string& text, const std::string& flag);
 
 /// The same for whole numbers from 1 on.

@@ -53,6 +53,7 @@ std::string fingerprint(const SequenceWords& words) {
     sum.add(std::as_bytes(std::span(&count, 1)));
     sum.add(std::as_bytes(std::span(frame)));
   }
+  sum.add(std::as_bytes(std::span(words.unreadable)));
   return sum.text();
 }
 
@@ -106,6 +107,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session.monitor);
   const double describe_s = watch.elapsed_s();
   const size_t frames = query.words.frames.size();
+  images_by_group(inputs, database);  // a wrong name should not cost the whole query
   const auto explained = inputs.explained_frame;
   if (explained && *explained >= frames)
     throw Error(ErrorKind::usage, fmt::format("--explain {}: the query's frames are 0 to {}",

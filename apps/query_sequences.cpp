@@ -65,7 +65,9 @@ void check_matrix_output(const QueryInputs& inputs, const std::string& output, E
                 "vpr-eval");
   if (inputs.matrix.empty()) return;
   const std::filesystem::path matrix = std::filesystem::absolute(inputs.matrix).lexically_normal();
-  const std::filesystem::path result = std::filesystem::absolute(output).lexically_normal();
+  const std::filesystem::path result = output.empty()
+                                           ? std::filesystem::path()
+                                           : std::filesystem::absolute(output).lexically_normal();
   for (const auto& other :
        {result, companion_path(result, "hits.npy"), companion_path(result, "best.npy")})
     if (matrix == other)
@@ -137,11 +139,11 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   if (picture)
     picture_file.emplace(
         picture->write(inputs.matrix, options.existing(), found.result, truth ? &*truth : nullptr));
+  if (matrix) matrix->commit();
+  if (picture_file) picture_file->commit();
   const Json json = options.output.empty()
                         ? result_json(found.result, context)
                         : write_result(options.output, found.result, context, options.existing());
-  if (matrix) matrix->commit();
-  if (picture_file) picture_file->commit();
   session.print_result(summary(found), json);
 }
 

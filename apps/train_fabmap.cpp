@@ -53,6 +53,7 @@ FabmapDatabase import_openfabmap(const FabmapInputs& inputs, const FabmapTrainSe
       throw Error(ErrorKind::usage,
                   "--from-openfabmap needs --vocabulary, --tree, --pretrain-bow "
                   "and --train-bow");
+  check_feature_settings(settings.features);
   FabmapDatabase database;
   database.settings = settings;
   database.vocabulary = read_openfabmap_vocabulary(inputs.vocabulary);

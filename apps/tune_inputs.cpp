@@ -72,6 +72,9 @@ void check_outputs(const TuneInputs& inputs, const CommonOptions& options) {
   if (options.output.empty() && !options.json)
     throw Error(ErrorKind::usage, "give the sweep to write, as in -o SWEEP.json, or --json");
   if (!options.output.empty()) check_output_file(options.output, options.existing());
+  if (!inputs.heat_map.empty() && inputs.heat_map == options.output)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is written twice; give --heat-map another name", options.output));
   if (!inputs.heat_map.empty()) check_output_file(inputs.heat_map, options.existing());
   if (!inputs.plots.empty()) check_output_folder(inputs.plots, options.existing(), is_plot_folder);
 }
@@ -132,19 +135,19 @@ void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep
   std::optional<OutputFile> picture;
   if (!inputs.heat_map.empty())
     picture.emplace(write_png(inputs.heat_map, draw_sweeps(sweeps), options.existing()));
+  if (picture) picture->commit();
+  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
   if (!inputs.plots.empty() && !can_draw_plots()) {
     warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
   } else if (!inputs.plots.empty()) {
     OutputFolder folder(inputs.plots, options.existing(), is_plot_folder);
-    for (const Sweep& sweep : sweeps) {
-      Plot plot = sweep_plot(sweep);
-      if (sweeps.size() > 1) plot.file += "-" + sweep.query_name;
+    for (size_t s = 0; s < sweeps.size(); ++s) {
+      Plot plot = sweep_plot(sweeps[s]);
+      if (sweeps.size() > 1) plot.file += fmt::format("-{}", s + 1);
       draw_plot(plot, folder.temporary());
     }
     folder.commit();
   }
-  if (picture) picture->commit();
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
   std::string text = render_table(sweep_table(sweeps), inputs.format);
   for (const Sweep& sweep : sweeps) {
     if (inputs.format == TableFormat::csv) break;

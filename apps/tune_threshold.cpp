@@ -19,6 +19,8 @@ std::string frame_span(const TrainSequence& sequence, size_t window, size_t leng
 
 void tune_threshold(Session& session, const ThresholdTune& command) {
   check_safety_factor(command.safety_factor);
+  if (!session.options.output.empty())
+    check_output_file(session.options.output, session.options.existing());
   SequenceDatabase database = read_sequence_database(command.database);
   if (database.sequences.size() < 2)
     throw Error(ErrorKind::usage, fmt::format("{}: an automatic t_r needs at least two training "

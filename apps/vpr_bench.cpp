@@ -64,14 +64,15 @@ void present(Session& session, const BenchResult& result, const Presentation& pr
   const CommonOptions& options = session.options;
   session.run.simd_target = session.kernels.target;
   const Json json = bench_json(result, session.run);
+  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
   if (!presentation.plots.empty() && !can_draw_plots()) {
     warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
   } else if (!presentation.plots.empty()) {
     OutputFolder folder(presentation.plots, options.existing(), is_plot_folder);
-    for (const Plot& plot : result.plots) draw_plot(plot, folder.temporary());
+    for (const Plot& plot : result.plots)
+      if (!plot.lines.empty()) draw_plot(plot, folder.temporary());
     folder.commit();
   }
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
   session.print_result(report_text(result, presentation.format), json);
 }
 

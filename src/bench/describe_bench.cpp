@@ -152,10 +152,13 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
         "features", static_cast<double>(points) / static_cast<double>(frames.grey.size()));
   }
   if (images) add_whole_sequence(result, *images, settings, monitor);
+  const bool is_paper_size = frames.grey[0].size() == cv::Size(640, 480);
   for (const PaperFrameTime& paper : kPaperFrameTimes)
-    for (const BenchRow& row : result.rows)
-      if (row.work == paper.our_work)
-        result.paper.push_back({"image times", paper.what, {}, "ms", paper.ms, row.time.median_ms});
+    if (is_paper_size)
+      for (const BenchRow& row : result.rows)
+        if (row.work == paper.our_work)
+          result.paper.push_back(
+              {"image times", paper.what, {}, "ms", paper.ms, row.time.median_ms});
   return result;
 }
 

@@ -16,11 +16,15 @@ namespace vpr {
 namespace {
 
 constexpr size_t kQueries = 20;
+// Views, pretraining frames and queries are drawn from seeds of their own.
+constexpr uint64_t kPretrainSeed = uint64_t{1} << 40;
+constexpr uint64_t kQuerySeed = uint64_t{2} << 40;
 constexpr size_t kCheckedPlaces = 100;
 
 void check_settings(const FabmapBenchSettings& settings) {
   const auto require = [](std::string_view name, const std::vector<uint64_t>& values, uint64_t low,
                           uint64_t high) {
+    if (values.empty()) throw Error(ErrorKind::usage, fmt::format("{} is empty", name));
     for (const uint64_t value : values)
       if (value < low || value > high)
         throw Error(ErrorKind::usage,
@@ -49,7 +53,7 @@ struct Example {
         lists(make_word_index(views, model.words())),
         index(make_fabmap_index(model, views, lists)) {
     for (size_t q = 0; q < kQueries; ++q)
-      queries.push_back(generate_words(model.words(), per_frame, seed + places + q));
+      queries.push_back(generate_words(model.words(), per_frame, seed + kQuerySeed + q));
   }
   Example(const Example&) = delete;
 
@@ -61,7 +65,7 @@ struct Example {
   FabmapQuery query(const FabmapModel& model, size_t q) const {
     return {model, views, index, queries[q % queries.size()], views.views()};
   }
-  // Views whose sums a query touches: what the inverted index has to do.
+  // Entries of the lists that a query follows: what the inverted index has to do.
   double postings(const FabmapModel& model) const {
     size_t sum = 0;
     for (const WordSet& query : queries) {
@@ -147,7 +151,7 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
     for (const uint64_t per_frame : settings.words_per_frame) {
       std::vector<WordSet> frames;
       for (size_t f = 0; f < settings.pretrain_frames; ++f)
-        frames.push_back(generate_words(words, per_frame, seed + 1'000'000 + f));
+        frames.push_back(generate_words(words, per_frame, seed + kPretrainSeed + f));
       const NamedNumbers shape = {{"words", static_cast<double>(words)},
                                   {"words_per_frame", static_cast<double>(per_frame)}};
       Stopwatch watch;
@@ -178,7 +182,7 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
               [&] { find_fabmap_variant(variant).log_likelihoods(example.query(model, q++)); },
               monitor));
           row.values.emplace_back("fps", 1000 / row.time.median_ms);
-          if (!is_slow(variant)) row.values.emplace_back("views_touched", postings);
+          if (!is_slow(variant)) row.values.emplace_back("postings", postings);
           result.rows.push_back(std::move(row));
         }
         const auto logs = fabmap2_log_likelihoods(example.query(model, 0));

@@ -64,10 +64,11 @@ BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
 }
 
 Plot time_plot(const BenchResult& result, const MatchingBenchSettings& settings,
-               const std::string& x, const std::string& fixed, uint64_t fixed_value) {
+               const std::string& x, const NamedNumbers& fixed) {
   Plot plot;
   plot.file = fmt::format("time-by-{}", x);
-  plot.title = fmt::format("Matching time per query frame, {} {}", fixed, fixed_value);
+  plot.title = "Matching time per query frame";
+  for (const auto& [name, value] : fixed) plot.title += fmt::format(", {} {:g}", name, value);
   plot.x_label = x == "frames" ? "database frames"
                  : x == "c_l"  ? "window length c_l (frames)"
                                : "query frames";
@@ -77,7 +78,9 @@ Plot time_plot(const BenchResult& result, const MatchingBenchSettings& settings,
   for (const std::string& method : settings.methods) {
     PlotLine line{method, {}};
     for (const BenchRow& row : result.rows)
-      if (row.work == method && row.parameter(fixed) == static_cast<double>(fixed_value))
+      if (row.work == method && std::all_of(fixed.begin(), fixed.end(), [&](const auto& parameter) {
+            return row.parameter(parameter.first) == parameter.second;
+          }))
         line.points.emplace_back(row.parameter(x), row.time.median_ms);
     if (!line.points.empty()) plot.lines.push_back(line);
   }
@@ -152,13 +155,14 @@ void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& 
   if (!speed_ups.empty())
     result.plots.push_back({"speed-up", "FastABLE over OpenABLE, same kernels", "database frames",
                             "times faster", true, false, speed_ups});
-  result.plots.push_back(
-      time_plot(result, settings, "frames", "c_l", settings.window_lengths.back()));
+  const NamedNumbers longest = {{"c_l", static_cast<double>(settings.window_lengths.back())}};
+  const NamedNumbers largest = {{"frames", static_cast<double>(settings.databases.back())}};
+  const NamedNumbers query = {{"query_frames", static_cast<double>(settings.query_frames.front())}};
+  result.plots.push_back(time_plot(result, settings, "frames", {longest[0], query[0]}));
   if (settings.window_lengths.size() > 1)
-    result.plots.push_back(time_plot(result, settings, "c_l", "frames", settings.databases.back()));
+    result.plots.push_back(time_plot(result, settings, "c_l", {largest[0], query[0]}));
   if (settings.query_frames.size() > 1)
-    result.plots.push_back(
-        time_plot(result, settings, "query_frames", "frames", settings.databases.back()));
+    result.plots.push_back(time_plot(result, settings, "query_frames", {largest[0], longest[0]}));
 }
 
 }  // namespace vpr

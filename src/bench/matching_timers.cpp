@@ -115,8 +115,9 @@ void time_plain_fastable(const MatchingCase& example, const Effort& effort, cons
       sums[i] = sums[i - 1] + plain_hamming(train[i - 1 + length], entering) -
                 plain_hamming(train[i - 1], leaving);
   };
-  row.time = summarise(divided(time_repeatedly(effort, step, monitor),
-                               static_cast<double>(cells) / static_cast<double>(train.size())));
+  row.time =
+      summarise(divided(time_repeatedly(effort, step, monitor),
+                        static_cast<double>(cells) / static_cast<double>(train.size() - length)));
   if (cells < train.size() - length) row.note = fmt::format("{} cells of a row sampled", cells);
 }
 

@@ -70,12 +70,24 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
   struct Online {
     TrainCodes train;
     FastableState state;
+    size_t best = 0;  // kept, so that the search for it is not left out
   };
+  if (database.descriptor.illumination_invariant)
+    throw Error(ErrorKind::usage,
+                "a replay decodes in grey; train the database without --illumination-invariant");
   auto online = std::make_shared<Online>();
   online->train = make_train_codes(code_spans(database));
   online->state = start_fastable(online->train, {window_length, kRingBytes, kernels});
-  return [online, kernels](const cv::Mat& grey) {
-    advance_fastable(online->state, online->train, kernels, code_words(describe_ldb(grey)));
+  return [online, kernels, window_length](const cv::Mat& grey) {
+    const auto sums =
+        advance_fastable(online->state, online->train, kernels, code_words(describe_ldb(grey)));
+    if (online->state.frames_seen < window_length) return;
+    emit_row(online->train, window_length, online->state.frames_seen - 1, 0, sums,
+             [&](const DistanceRow& row) {
+               const uint32_t least = kernels.minimum(row.distances.data(), row.distances.size());
+               online->best =
+                   kernels.find_below(row.distances.data(), 0, row.distances.size(), least + 1);
+             });
   };
 }
 
@@ -84,22 +96,33 @@ FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings&
     Vocabulary vocabulary;
     FabmapModel model;
     FabmapIndex index;
+    WordIndex sample_lists;
     std::vector<double> previous;
   };
   FabmapModel model = make_fabmap_model(
       database.tree, {settings.p_seen_if_there, settings.p_seen_if_not}, settings.word_model);
   FabmapIndex index = make_fabmap_index(model, database.views, database.index);
-  auto online = std::make_shared<Online>(
-      Online{make_vocabulary(database.vocabulary), std::move(model), std::move(index), {}});
-  return [online, &database, settings](const cv::Mat& grey) {
+  auto online =
+      std::make_shared<Online>(Online{make_vocabulary(database.vocabulary),
+                                      std::move(model),
+                                      std::move(index),
+                                      make_word_index(database.pretrain, database.tree.words()),
+                                      {}});
+  const auto samples = std::make_shared<FabmapIndex>(
+      make_fabmap_index(online->model, database.pretrain, online->sample_lists));
+  return [online, samples, &database, settings](const cv::Mat& grey) {
     const WordSet words =
         quantise(online->vocabulary, find_features(grey, database.settings.features).descriptors);
     const auto views =
         find_fabmap_variant(settings.variant)
             .log_likelihoods({online->model, database.views, online->index, words,
                               database.views.views(), static_cast<int>(settings.lut_digits)});
-    online->previous = fabmap_posterior(views, new_place_mean_field(online->model, words),
-                                        online->previous, settings.posterior);
+    const double new_place =
+        settings.new_place == NewPlaceModel::mean_field
+            ? new_place_mean_field(online->model, words)
+            : log_mean_exp(fabmap2_log_likelihoods(
+                  {online->model, database.pretrain, *samples, words, database.pretrain.views()}));
+    online->previous = fabmap_posterior(views, new_place, online->previous, settings.posterior);
   };
 }
 
@@ -156,6 +179,9 @@ void find_largest_database(BenchResult& result, const RealtimeBenchSettings& set
     return row.time.median_ms <= budget_ms;
   };
   uint64_t frames = std::max<uint64_t>(kSmallestTried, settings.window_length + 1);
+  if (settings.most_frames < frames)
+    throw Error(ErrorKind::usage, fmt::format("most_frames must be at least {}, found {}", frames,
+                                              settings.most_frames));
   while (too_large == 0 && frames <= settings.most_frames) {
     if (fits_budget(frames)) {
       fits = frames;

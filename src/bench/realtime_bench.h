@@ -32,7 +32,8 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
 /// What is done with a decoded grey frame.
 using FrameWork = std::function<void(const cv::Mat&)>;
 
-/// LDB and one step of FastABLE over all sequences. The database must outlive it.
+/// LDB, one step of FastABLE over all sequences, and the best match of each. The database must
+/// outlive it. Throws Error(usage) for illumination-invariant codes, which need colour.
 FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
                         const HammingKernels& kernels);
 

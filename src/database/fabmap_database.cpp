@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include "base/provenance.h"
 #include "database/archive.h"
@@ -13,6 +15,7 @@ namespace vpr {
 namespace {
 
 constexpr const char* kMethod = "fabmap";
+constexpr double kLeastProbability = 1e-300;
 
 /// Calls visit(group, frame, place index) for every view.
 template <class Visit>
@@ -90,16 +93,18 @@ ChowLiuTree read_tree(const Archive& archive, size_t words) {
   if (array.shape() != std::vector<size_t>{4, words}) archive.fail("tree.npy is not 4 x words");
   ChowLiuTree tree;
   for (size_t q = 0; q < words; ++q) {
-    if (!(values[q] >= 0 && values[q] < static_cast<double>(words)))
+    if (!(values[q] >= 0 && values[q] < static_cast<double>(words)) ||
+        values[q] != std::floor(values[q]))
       archive.fail("a parent in tree.npy is no word");
     tree.parent.push_back(static_cast<uint32_t>(values[q]));
     for (size_t row = 1; row < 4; ++row)
-      if (!(values[row * words + q] > 0 && values[row * words + q] < 1))
+      if (!(values[row * words + q] > kLeastProbability && values[row * words + q] < 1))
         archive.fail("a probability in tree.npy is not between 0 and 1");
     tree.p.push_back(values[words + q]);
     tree.p_given.push_back(values[2 * words + q]);
     tree.p_given_not.push_back(values[3 * words + q]);
   }
+  if (!reach_roots(tree.parent)) archive.fail("the words in tree.npy form a cycle");
   return tree;
 }
 
@@ -113,7 +118,9 @@ cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
   if (is_binary(kind))
     return cv::Mat(rows, cols, CV_8U, const_cast<uint8_t*>(array.values<uint8_t>(2).data()))
         .clone();
-  return cv::Mat(rows, cols, CV_32F, const_cast<float*>(array.values<float>(2).data())).clone();
+  const cv::Mat words(rows, cols, CV_32F, const_cast<float*>(array.values<float>(2).data()));
+  if (!cv::checkRange(words)) archive.fail("a word in vocabulary.npy is not finite");
+  return words.clone();
 }
 
 std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& names) {
@@ -123,7 +130,14 @@ std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& na
     ViewGroup& group = groups.emplace_back();
     group.name = manifest_text(archive, json, "name");
     group.is_place = manifest_text(archive, json, "places") == "one";
-    for (size_t frames = manifest_count(archive, json, "frames"); frames > 0; --frames) {
+    const size_t count = manifest_count(archive, json, "frames");
+    if (count == 0) archive.fail("a group has no frames");
+    for (const Json& frame : manifest_list(archive, json, "unreadable")) {
+      if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= count)
+        archive.fail("an unreadable frame is out of range");
+      group.unreadable.push_back(frame.get<size_t>());
+    }
+    for (size_t frames = count; frames > 0; --frames) {
       const size_t end = names.find('\n', at);
       if (end == std::string::npos) archive.fail("its numbers of frames do not fit frames.txt");
       group.frame_names.push_back(names.substr(at, end - at));
@@ -140,6 +154,16 @@ ViewOrigin FabmapDatabase::origin(size_t view) const {
   size_t group = 0;
   while (view >= groups[group].frame_names.size()) view -= groups[group++].frame_names.size();
   return {group, view};
+}
+
+std::vector<size_t> FabmapDatabase::unreadable_views() const {
+  std::vector<size_t> unreadable;
+  size_t first = 0;
+  for (const ViewGroup& group : groups) {
+    for (const size_t frame : group.unreadable) unreadable.push_back(first + frame);
+    first += group.frame_names.size();
+  }
+  return unreadable;
 }
 
 std::vector<uint32_t> FabmapDatabase::places() const {
@@ -188,6 +212,7 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
   const auto words = static_cast<size_t>(database.vocabulary.rows);
   database.tree = read_tree(archive, words);
   database.pretrain = read_words(archive, "pretrain", words);
+  if (database.pretrain.views() == 0) archive.fail("there are no pretraining frames");
   database.views = read_words(archive, "places", words);
   database.index = read_index(archive, database.views, words);
   database.groups = read_groups(archive, archive.text("frames.txt"));
@@ -219,7 +244,8 @@ void write_fabmap_database(const std::filesystem::path& path, const FabmapDataba
   for (const ViewGroup& group : database.groups) {
     manifest["groups"].push_back({{"name", group.name},
                                   {"places", group.is_place ? "one" : "each frame"},
-                                  {"frames", group.frame_names.size()}});
+                                  {"frames", group.frame_names.size()},
+                                  {"unreadable", group.unreadable}});
     for (std::string name : group.frame_names) {
       std::replace(name.begin(), name.end(), '\n', ' ');
       names += name + "\n";

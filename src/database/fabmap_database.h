@@ -41,6 +41,7 @@ struct ViewGroup {
   std::string name;
   bool is_place = false;
   std::vector<std::string> frame_names;
+  std::vector<size_t> unreadable = {};  ///< frames that could not be decoded: they never match
 };
 
 /// Where a view comes from.
@@ -62,6 +63,8 @@ struct FabmapDatabase {
 
   /// `view` is below views.views().
   ViewOrigin origin(size_t view) const;
+  /// Views of frames that could not be decoded, rising.
+  std::vector<size_t> unreadable_views() const;
   /// Per view, the index of its place: groups of the same name that are places share one.
   std::vector<uint32_t> places() const;
   /// Names by place index: the group's, or "group#frame".

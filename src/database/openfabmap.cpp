@@ -35,23 +35,6 @@ cv::Mat read_node(const fs::path& path, const std::string& name, int type) {
   return mat;
 }
 
-// Every word must reach a root: no cycles.
-void check_parents(const fs::path& path, const std::vector<uint32_t>& parent) {
-  std::vector<uint8_t> state(parent.size(), 0);  // 1: on the way, 2: reaches a root
-  for (uint32_t start = 0; start < parent.size(); ++start) {
-    std::vector<uint32_t> way;
-    uint32_t q = start;
-    while (state[q] == 0 && parent[q] != q) {
-      state[q] = 1;
-      way.push_back(q);
-      q = parent[q];
-    }
-    if (state[q] == 1) fail(path, "its words form a cycle, not a tree");
-    state[q] = 2;
-    for (const uint32_t passed : way) state[passed] = 2;
-  }
-}
-
 constexpr std::array<const char*, 4> kFiles = {"vocabulary.yml", "tree.yml", "bow-pretrain.yml",
                                                "bow-train.yml"};
 
@@ -126,7 +109,7 @@ ChowLiuTree read_openfabmap_tree(const fs::path& path) {
     tree.p_given.push_back(mat.at<double>(2, q));
     tree.p_given_not.push_back(mat.at<double>(3, q));
   }
-  check_parents(path, tree.parent);
+  if (!reach_roots(tree.parent)) fail(path, "its words form a cycle, not a tree");
   return tree;
 }
 

@@ -63,7 +63,7 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
     const size_t known = centres.size();
     const std::vector<double> distances = distances_to(descriptors, centres, begin, end, monitor);
     for (size_t i = begin; i < end; ++i) {
-      bool is_far = distances[i - begin] > limit;
+      bool is_far = centres.empty() || distances[i - begin] > limit;
       for (size_t c = known; is_far && c < centres.size(); ++c)
         is_far = squared_distance(descriptors, i, descriptors, centres[c]) > limit;
       if (is_far) centres.push_back(i);
@@ -93,7 +93,7 @@ cv::Mat plain_radius_words(const cv::Mat& descriptors, double radius) {
   };
   const auto n = static_cast<size_t>(descriptors.rows);
   for (size_t i = 0; i < n; ++i)
-    if (nearest_of(i).second > limit) centres.push_back(i);
+    if (centres.empty() || nearest_of(i).second > limit) centres.push_back(i);
   std::vector<NearestCentre> assigned;
   for (size_t i = 0; i < n; ++i)
     assigned.push_back({0, static_cast<uint32_t>(nearest_of(i).first)});

@@ -30,12 +30,13 @@ std::vector<size_t> pareto_front(std::span<const SweepScore> scores) {
 
 std::optional<size_t> find_nearest_error(std::span<const SweepScore> scores, size_t chosen) {
   std::optional<size_t> nearest;
+  if (!scores[chosen].threshold) return nearest;
   const auto distance = [&](size_t i) {
-    return std::abs(scores[i].threshold - scores[chosen].threshold);
+    return std::abs(*scores[i].threshold - *scores[chosen].threshold);
   };
   for (size_t i = 0; i < scores.size(); ++i)
-    if (scores[i].incorrect > 0 && scores[i].window == scores[chosen].window &&
-        (!nearest || distance(i) < distance(*nearest)))
+    if (scores[i].threshold && scores[i].incorrect > 0 &&
+        scores[i].window == scores[chosen].window && (!nearest || distance(i) < distance(*nearest)))
       nearest = i;
   return nearest;
 }
@@ -44,7 +45,7 @@ std::optional<size_t> find_nearest_error(std::span<const SweepScore> scores, siz
 
 SweepScore score_of(const SequenceCellCounts& cell) {
   return {cell.counts.distinct, cell.counts.places.incorrect, cell.counts.hits.correct,
-          cell.window_length, cell.distance_threshold.value_or(0)};
+          cell.window_length, cell.distance_threshold};
 }
 
 SweepScore score_of(const FabmapCellCounts& cell) {

@@ -25,11 +25,11 @@ struct FabmapCellCounts {
 
 /// What a choice looks at: places for sequences, (frame, place) recognitions for FAB-MAP.
 struct SweepScore {
-  uint64_t distinct = 0;   ///< places recognised correctly
-  uint64_t incorrect = 0;  ///< wrong ones
-  uint64_t hits = 0;       ///< correct hits
-  uint64_t window = 0;     ///< c_l or c_w
-  double threshold = 0;    ///< t_r or t_p; automatic ones are 0
+  uint64_t distinct = 0;            ///< places recognised correctly
+  uint64_t incorrect = 0;           ///< wrong ones
+  uint64_t hits = 0;                ///< correct hits
+  uint64_t window = 0;              ///< c_l or c_w
+  std::optional<double> threshold;  ///< t_r or t_p; none: automatic
 };
 
 SweepScore score_of(const SequenceCellCounts& cell);
@@ -43,7 +43,7 @@ struct Recommendation {
   std::string reason;          ///< in words
   std::vector<size_t> pareto;  ///< cells that no other beats in both distinct and incorrect places
   /// The cell with an incorrect place and the same window whose threshold is nearest to the
-  /// recommended one; none where there is none.
+  /// recommended one; automatic ones are not compared. None where there is none.
   std::optional<size_t> nearest_error;
 };
 

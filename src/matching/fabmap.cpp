@@ -110,7 +110,7 @@ void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
 
 FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
                               const WordIndex& lists) {
-  FabmapIndex index{lists, {}, {}, 0};
+  FabmapIndex index{lists, {}, {}, true, 0};
   std::vector<double> step;  // of a word that a view shows and the query does not
   for (const auto& log_p : model.log_p) {
     const double all = log_p[entry(false, false, false)];
@@ -124,6 +124,7 @@ FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
     for (const uint32_t word : views.view(v)) sum += step[word];
     index.defaults[v] = sum;
     index.fixed_defaults[v] = as_fixed(sum);
+    index.fits_fixed = index.fits_fixed && std::abs(sum) < kMostFixed / 2;
   }
   return index;
 }
@@ -182,6 +183,9 @@ std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query) {
 
 std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query) {
   const QueryTerms terms = query_terms(query);
+  double largest = 0;  // that a query may add to a view
+  for (const WordTerm& term : terms.words) largest += std::abs(term.to_its_views);
+  if (!query.index.fits_fixed || largest > kMostFixed / 2) return fabmap2_log_likelihoods(query);
   const double to_all = query.index.constant + terms.to_all;
   // Unsigned: sums may leave the range on the way, as long as they end in it.
   std::vector<uint32_t> sums(query.index.fixed_defaults.begin(), query.index.fixed_defaults.end());

@@ -16,6 +16,7 @@ struct FabmapIndex {
   /// Per view: sum over its words of log P(0 | 0, L = 1) - log P(0 | 0, L = 0).
   std::vector<double> defaults;
   std::vector<int32_t> fixed_defaults;  ///< the same in units of 2^-20
+  bool fits_fixed = true;               ///< whether all of them do, with room for a query
   /// Sum over all words of log P(0 | 0, L = 0).
   double constant = 0;
 };
@@ -55,8 +56,8 @@ std::vector<double> lut_log_likelihoods(const FabmapQuery& query);
 std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query);
 
 /// The inverted index with sums in units of 2^-20, whose order does not matter: off by at most
-/// (words the view shows + 1) / 2 units, under 1e-4 for a view of 200 words. A
-/// view's sum must stay within +-2000, which no view of real words comes near.
+/// (words the view shows + 1) / 2 units, under 1e-4 for a view of 200 words. Where
+/// a view's sum could leave +-2000, the sums of fabmap2 are given instead.
 std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query);
 
 /// Fast bail-out: words by rising P(z_q | z_parent); a view that has fallen behind the best by more

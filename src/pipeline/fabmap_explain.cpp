@@ -77,7 +77,7 @@ FrameFeatures locate_words(const Sequence& sequence, size_t frame, const FabmapD
                    });
   }
   if (features.grey.empty())
-    throw Error(ErrorKind::usage, fmt::format("{}: has no readable frame {}",
+    throw Error(ErrorKind::input, fmt::format("{}: has no readable frame {}",
                                               sequence.argument.path.string(), frame));
   const LocalFeatures found = find_features(features.grey, database.settings.features);
   features.points = found.points;

@@ -42,7 +42,7 @@ struct FrameFeatures {
   std::vector<uint32_t> words;  ///< per point
 };
 
-/// Throws Error(usage) if the sequence has no such frame, Error(input) if it can't be decoded.
+/// Throws Error(input) if the sequence has no such frame, or it can't be decoded.
 FrameFeatures locate_words(const Sequence& sequence, size_t frame, const FabmapDatabase& database,
                            const Monitor& monitor);
 

@@ -1,6 +1,8 @@
 #include "pipeline/fabmap_query.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -123,7 +125,7 @@ void append_hits(std::vector<PlaceMatch>& hits, size_t frame, std::span<const do
 FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
                           const std::string& query_name) {
   FabmapDatabase extended = database;
-  ViewGroup group{query_name, false, query.names};
+  ViewGroup group{query_name, false, query.names, query.unreadable};
   group.frame_names.resize(query.frames.size());
   add_group(extended, group, query.frames);
   index_views(extended);
@@ -153,6 +155,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   result.views = place_of.size();
 
   Stopwatch watch;
+  const std::vector<size_t> unreadable_views = searched.unreadable_views();
   const Matcher matcher(searched, settings, seed);
   run.seconds["index"] = watch.elapsed_s();
   watch = {};
@@ -168,6 +171,9 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
     parallel_for(count, monitor, [&](size_t i) {
       const size_t frame = begin + i;
       views[i] = matcher.views(query.frames[frame], known_views(searched, frames, frame, settings));
+      // Frames that could not be decoded show no words, which is no likeness.
+      for (const size_t view : unreadable_views)
+        if (view < views[i].size()) views[i][view] = -std::numeric_limits<double>::infinity();
       new_place[i] = matcher.new_place(query.frames[frame]);
       counter.add();
     });
@@ -185,8 +191,10 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
       result.new_place.push_back(unreadable ? 0 : posterior[0]);
       result.best.emplace_back();
       if (unreadable) continue;
-      if (!query.frames[frame].empty() && !views[i].empty())
-        result.best.back() = likeliest_view(frame, posterior, place_of);
+      if (!query.frames[frame].empty() && !views[i].empty()) {
+        const PlaceMatch best = likeliest_view(frame, posterior, place_of);
+        if (std::isfinite(views[i][best.view])) result.best.back() = best;
+      }
       append_hits(result.hits, frame, posterior, window, settings.window, place_of);
       previous = std::move(posterior);
     }

@@ -105,7 +105,7 @@ void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& group
   for (const GroupArgument& group : groups) {
     const SequenceWords words =
         describe_words(open_sequence(group.sequence), database, skip_unreadable, monitor);
-    add_group(database, {group.name, group.is_place, words.names}, words.frames);
+    add_group(database, {group.name, group.is_place, words.names, words.unreadable}, words.frames);
   }
   index_views(database);
 }

@@ -25,8 +25,8 @@ struct SequenceWords {
 };
 
 /// Local features of the pretraining frames become a vocabulary and a Chow-Liu tree; training
-/// frames become views. Throws Error(usage) for settings out of range, no pretraining or training
-/// frames, or more words than descriptors, and what for_each_frame throws.
+/// frames become views. Throws Error(usage) for settings out of range, no pretraining frames, or
+/// more words than descriptors, and what for_each_frame throws.
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
                             const FabmapTrainSettings& settings, uint64_t seed,

@@ -26,6 +26,10 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Sequ
                                     const QueryResources& resources, const Monitor& monitor) {
   if (grid.window_lengths.empty() || grid.distance_thresholds.empty())
     throw Error(ErrorKind::usage, "give at least one c_l and one t_r");
+  if (!find_sequence_method(base.method).is_exact)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("a sweep is exact; {} is not, leave it out of the settings", base.method));
   std::vector<LengthSweep> sweeps;
   for (const uint64_t length : grid.window_lengths) {
     LengthSweep& sweep = sweeps.emplace_back();
@@ -142,6 +146,8 @@ std::vector<FabmapCellCounts> sweep_fabmap(const FabmapDatabase& database,
                                            const Monitor& monitor) {
   if (grid.windows.empty() || grid.place_thresholds.empty())
     throw Error(ErrorKind::usage, "give at least one c_w and one t_p");
+  if (base.loop)
+    throw Error(ErrorKind::usage, "a sweep has no loop mode; leave \"loop\" out of the settings");
   for (const uint64_t window : grid.windows)
     for (const double threshold : grid.place_thresholds) {
       FabmapQuerySettings settings = base;

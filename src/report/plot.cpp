@@ -14,10 +14,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string quoted(std::string text) {
-  std::replace(text.begin(), text.end(), '"', '\'');
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return '"' + text + '"';
+// In single quotes gnuplot takes everything as it is, but for the quote, which is doubled.
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'') result += '\'';
+    result += c == '\n' ? ' ' : c;
+  }
+  return result + "'";
 }
 
 std::string data_block(const PlotLine& line, size_t index) {

@@ -46,7 +46,7 @@ struct GridCell {
   uint64_t incorrect = 0;
 };
 
-std::string number(double value) { return fmt::format("{:.6g}", value); }
+std::string number(double value) { return fmt::format("{}", value); }
 
 std::vector<GridCell> grid_cells(const Sweep& sweep) {
   std::vector<GridCell> cells;

@@ -207,6 +207,32 @@ TEST_CASE("a frame without features keeps its index; all of them are no vocabula
   CHECK(best.values<int32_t>(2)[1] == -1);
 }
 
+TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop") {
+  const test::TemporaryFolder out;
+  fs::copy(world().walk("one"), out / "one");
+  const std::string broken = test::list_folder(out / "one")[3];
+  test::write_text(out / "one" / broken, "broken");
+  REQUIRE(world()
+              .train({"--train", out / "one", "--skip-unreadable", "-o", out / "b.vprdb"})
+              .exit_code == 0);
+  fs::create_directory(out / "grey");
+  test::write_text(out / "grey/1.pgm", "P5\n32 32\n255\n" + std::string(1024, '\x80'));
+  REQUIRE(run_program("vpr-query", {out / "b.vprdb", "--query", out / "grey", "--save-posteriors",
+                                    out / "p.npy", "-o", out / "r.json"})
+              .exit_code == 0);
+  const NpyArray posteriors(out / "p.npy");
+  const double floor = 0.01 / static_cast<double>(posteriors.shape()[1]);
+  CHECK(posteriors.values<double>(2)[1 + 3] == Approx(floor));
+  // A grey frame after the broken one, with nothing else to be like.
+  fs::copy(out / "grey/1.pgm", out / "one/zz.pgm");
+  REQUIRE(world().train({"-o", out / "v.vprdb"}).exit_code == 0);
+  REQUIRE(run_program("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop",
+                                    "--skip-unreadable", "--t-p", "0.5", "-o", out / "l.json"})
+              .exit_code == 0);
+  const NpyArray hits(out / "l.hits.npy");
+  for (size_t i = 0; i < hits.shape()[0]; ++i) CHECK(hits.values<int32_t>(2)[3 * i + 2] != 3);
+}
+
 TEST_CASE("FAB-MAP settings out of range") {
   const test::TemporaryFolder out;
   for (const auto& [flag, value] :

@@ -163,6 +163,7 @@ TEST_CASE("lists and ranges of vpr-tune") {
   };
   CHECK(parse(check("5", "auto", 0))["cells"].size() == 1);
   CHECK(parse(check("5", "auto,0.3", 0))["cells"].size() == 2);
+  CHECK(parse(check("5,5,4:5", "0.2:0.4:0.1,0.3", 0))["cells"].size() == 2 * 3);
   CHECK(parse(check("5", "0.1:0.9:0.2", 0))["cells"][4]["t_r"] == 0.9);
   for (const char* wrong : {"", "x", "0", "2.5", "5:1", "1:5:0", "1:2:3:4", "5,,6", "99999"})
     check(wrong, "0.3", 2);

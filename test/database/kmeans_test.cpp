@@ -126,6 +126,12 @@ TEST_CASE("radius clustering, worked out by hand") {
   CHECK(words.at<float>(1) == 1.25F);
 }
 
+TEST_CASE("a radius larger than everything makes one word") {
+  const cv::Mat points = random_floats(50, 3, 6);
+  CHECK(radius_words(points, 1e200, 10, {}).rows == 1);
+  CHECK(plain_radius_words(points, 1e200).rows == 1);
+}
+
 TEST_CASE("radius clustering refuses what makes no words, or too many") {
   const cv::Mat points = random_floats(100, 3, 6);
   CHECK(test::error_kind([&] { radius_words(points, 0, 10, {}); }) == ErrorKind::usage);
