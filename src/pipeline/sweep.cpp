@@ -125,17 +125,19 @@ SweepIntervals sequence_intervals(const SequenceDatabase& database, const Sequen
                 resources, {}, monitor)
           .result;
   const GroundTruth truth = read_truth(scope_of(result));
-  std::vector<double> correct(result.query_windows, 0);
-  std::vector<double> incorrect(result.query_windows, 0);
-  for (const Cell& hit : result.hits) {
-    const PlaceLabel label =
-        truth.label(result.anchor(hit.query_window), hit.sequence, result.anchor(hit.train_window));
-    if (label == PlaceLabel::same) correct[hit.query_window] += 1;
-    if (label == PlaceLabel::different) incorrect[hit.query_window] += 1;
-  }
-  const size_t block = std::min<size_t>(settings.window_length, result.query_windows);
-  return {block, bootstrap_sum(correct, block, resources.seed),
-          bootstrap_sum(incorrect, block, resources.seed)};
+  const auto interval = [&](const auto& pairs, PlaceLabel wanted) {
+    std::vector<double> counts(result.query_windows, 0);
+    for (const auto& pair : pairs)
+      if (truth.label(result.anchor(pair.query_window), pair.sequence,
+                      result.anchor(pair.train_window)) == wanted)
+        counts[pair.query_window] += 1;
+    return bootstrap_sum(counts, std::min<size_t>(settings.window_length, counts.size()),
+                         resources.seed);
+  };
+  return {std::min<size_t>(settings.window_length, result.query_windows),
+          interval(result.hits, PlaceLabel::same), interval(result.hits, PlaceLabel::different),
+          interval(result.places, PlaceLabel::same),
+          interval(result.places, PlaceLabel::different)};
 }
 
 std::vector<FabmapCellCounts> sweep_fabmap(const FabmapDatabase& database,
@@ -197,7 +199,8 @@ SweepIntervals fabmap_intervals(const FabmapDatabase& database, const SequenceWo
   }
   const size_t block =
       std::min(std::max<size_t>(settings.window, kFewestFrames), result.query_frames);
-  return {block, bootstrap_sum(correct, block, seed), bootstrap_sum(incorrect, block, seed)};
+  return {
+      block, bootstrap_sum(correct, block, seed), bootstrap_sum(incorrect, block, seed), {}, {}};
 }
 
 }  // namespace vpr

@@ -94,10 +94,15 @@ Json choice_json(const Sweep& sweep, size_t first) {
                {"nearest_error", index(choice.nearest_error)}};
   json["pareto"] = Json::array();
   for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
-  if (sweep.intervals)
+  if (sweep.intervals) {
     json["intervals"] = {{"block", sweep.intervals->block},
                          {"correct_hits", interval_json(sweep.intervals->correct_hits)},
                          {"incorrect_hits", interval_json(sweep.intervals->incorrect_hits)}};
+    if (!is_fabmap(sweep)) {
+      json["intervals"]["correct_places"] = interval_json(sweep.intervals->correct_places);
+      json["intervals"]["incorrect_places"] = interval_json(sweep.intervals->incorrect_places);
+    }
+  }
   if (sweep.validation) json["validation"] = *sweep.validation;
   return json;
 }
@@ -150,6 +155,11 @@ std::string recommendation_text(const Sweep& sweep) {
               ? fmt::format("The nearest setting of this window with an error is {}.\n",
                             cell_name(sweep, *choice.nearest_error))
               : "No setting of this window in the grid has an error.\n";
+  if (sweep.intervals && !is_fabmap(sweep))
+    text +=
+        fmt::format("Correct places {:.0f} to {:.0f}, incorrect {:.0f} to {:.0f}. ",
+                    sweep.intervals->correct_places.low, sweep.intervals->correct_places.high,
+                    sweep.intervals->incorrect_places.low, sweep.intervals->incorrect_places.high);
   if (sweep.intervals)
     text += fmt::format(
         "Correct hits {:.0f} to {:.0f}, incorrect {:.0f} to {:.0f} (95 %, blocks of "

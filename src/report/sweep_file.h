@@ -16,6 +16,8 @@ struct SweepIntervals {
   size_t block = 1;  ///< frames that are drawn together
   Interval correct_hits;
   Interval incorrect_hits;
+  Interval correct_places = {};  ///< of sequences; a place counts at its mean query window
+  Interval incorrect_places = {};
 };
 
 /// One query's sweep. Exactly one of the two lists has cells.

@@ -72,8 +72,15 @@ std::vector<Sweep> read_sweeps(const Json& json, const std::string& where) {
     sweep.protocol = query.text("ground_truth");
     if (item.contains("intervals")) {
       const Fields intervals = query.object("intervals");
-      sweep.intervals = {intervals.count("block", kMost), read_interval(intervals, "correct_hits"),
-                         read_interval(intervals, "incorrect_hits")};
+      sweep.intervals = {intervals.count("block", kMost),
+                         read_interval(intervals, "correct_hits"),
+                         read_interval(intervals, "incorrect_hits"),
+                         {},
+                         {}};
+      if (item["intervals"].contains("correct_places")) {
+        sweep.intervals->correct_places = read_interval(intervals, "correct_places");
+        sweep.intervals->incorrect_places = read_interval(intervals, "incorrect_places");
+      }
     }
     if (item.contains("validation")) sweep.validation = item["validation"];
   }
