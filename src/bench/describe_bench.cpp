@@ -101,9 +101,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   if (settings.frames < 1 || settings.frames > 10'000)
     throw Error(ErrorKind::usage,
                 fmt::format("frames must be from 1 to 10000, found {}", settings.frames));
-  if (!(settings.seconds > 0 && settings.seconds <= 3600))
-    throw Error(ErrorKind::usage, fmt::format("seconds must be above 0 and at most 3600, found {}",
-                                              settings.seconds));
+  check_seconds(settings.seconds);
   check_feature_settings(settings.feature_settings);
   std::vector<FeatureKind> kinds;
   for (const std::string& name : settings.features)

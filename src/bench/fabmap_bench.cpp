@@ -35,9 +35,7 @@ void check_settings(const FabmapBenchSettings& settings) {
   require("words_per_frame", settings.words_per_frame, 1, 100'000);
   require("descriptors", {settings.descriptors}, 0, 100'000'000);
   require("pretrain_frames", {settings.pretrain_frames}, 1, 1'000'000);
-  if (!(settings.seconds > 0 && settings.seconds <= 3600))
-    throw Error(ErrorKind::usage, fmt::format("seconds must be above 0 and at most 3600, found {}",
-                                              settings.seconds));
+  check_seconds(settings.seconds);
   for (const std::string& variant : settings.variants) find_fabmap_variant(variant);
 }
 

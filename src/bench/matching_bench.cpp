@@ -26,9 +26,7 @@ void check_settings(const MatchingBenchSettings& settings) {
   require("databases", settings.databases);
   require("c_l", settings.window_lengths);
   require("query_frames", settings.query_frames);
-  if (!(settings.seconds > 0 && settings.seconds <= 3600))
-    throw Error(ErrorKind::usage, fmt::format("seconds must be above 0 and at most 3600, found {}",
-                                              settings.seconds));
+  check_seconds(settings.seconds);
   if (settings.changed_bits > kLdbBits)
     throw Error(ErrorKind::usage, fmt::format("changed_bits must be at most {}, found {}", kLdbBits,
                                               settings.changed_bits));

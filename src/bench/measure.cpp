@@ -4,8 +4,10 @@
 #include <fstream>
 #include <string>
 
+#include <fmt/format.h>
 #include <sched.h>
 
+#include "base/error.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
 
@@ -30,6 +32,12 @@ TimeSummary summarise(std::vector<double> times_ms) {
   std::sort(times_ms.begin(), times_ms.end());
   return {median(times_ms), quantile(times_ms, 0.25), quantile(times_ms, 0.75),
           times_ms.front(), times_ms.back(),          times_ms.size()};
+}
+
+void check_seconds(double seconds) {
+  if (!(seconds > 0 && seconds <= 3600))
+    throw Error(ErrorKind::usage,
+                fmt::format("seconds must be above 0 and at most 3600, found {}", seconds));
 }
 
 std::vector<double> time_repeatedly(const Effort& effort, const std::function<void()>& work,

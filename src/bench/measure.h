@@ -29,6 +29,9 @@ struct Effort {
   size_t warm_ups = 1;     ///< runs before, which do not count
 };
 
+/// Throws Error(usage) unless a measurement may take so long: above 0, at most an hour.
+void check_seconds(double seconds);
+
 /// Milliseconds of each run of `work`. Stops between runs when asked to.
 std::vector<double> time_repeatedly(const Effort& effort, const std::function<void()>& work,
                                     const Monitor& monitor);

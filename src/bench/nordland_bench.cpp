@@ -18,7 +18,6 @@ size_t needed_memory(const NordlandBenchSettings& settings, uint64_t frames) {
 }
 
 void check_settings(const NordlandBenchSettings& settings) {
-  MatchingBenchSettings matching;
   for (const std::string& method : settings.methods) find_matching_timer(method);
   if (settings.window_length < 1 || settings.window_length > kMaxWindowLength)
     throw Error(ErrorKind::usage, fmt::format("c_l must be from 1 to {}, found {}",
@@ -31,9 +30,7 @@ void check_settings(const NordlandBenchSettings& settings) {
       throw Error(ErrorKind::usage,
                   fmt::format("databases must be above c_l {} and at most 100000000, found {}",
                               settings.window_length, frames));
-  if (!(settings.seconds > 0 && settings.seconds <= 3600))
-    throw Error(ErrorKind::usage, fmt::format("seconds must be above 0 and at most 3600, found {}",
-                                              settings.seconds));
+  check_seconds(settings.seconds);
   if (settings.changed_bits > kLdbBits)
     throw Error(ErrorKind::usage, fmt::format("changed_bits must be at most {}, found {}", kLdbBits,
                                               settings.changed_bits));

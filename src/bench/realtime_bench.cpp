@@ -11,8 +11,8 @@
 #include "bench/generated.h"
 #include "bench/matching_timers.h"
 #include "images/decode.h"
-#include "matching/fabmap.h"
 #include "matching/fastable_online.h"
+#include "pipeline/fabmap_matcher.h"
 #include "pipeline/train.h"
 #include "recognition/fabmap_posterior.h"
 
@@ -93,36 +93,21 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
 
 FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings) {
   struct Online {
-    Vocabulary vocabulary;
-    FabmapModel model;
-    FabmapIndex index;
-    WordIndex sample_lists;
-    std::vector<double> previous;
+    const FabmapQuerySettings settings;
+    const Vocabulary vocabulary;
+    const FabmapMatcher matcher;
+    std::vector<double> previous = {};
+
+    Online(const FabmapDatabase& db, const FabmapQuerySettings& s)
+        : settings(s), vocabulary(make_vocabulary(db.vocabulary)), matcher(db, settings, 1) {}
   };
-  FabmapModel model = make_fabmap_model(
-      database.tree, {settings.p_seen_if_there, settings.p_seen_if_not}, settings.word_model);
-  FabmapIndex index = make_fabmap_index(model, database.views, database.index);
-  auto online =
-      std::make_shared<Online>(Online{make_vocabulary(database.vocabulary),
-                                      std::move(model),
-                                      std::move(index),
-                                      make_word_index(database.pretrain, database.tree.words()),
-                                      {}});
-  const auto samples = std::make_shared<FabmapIndex>(
-      make_fabmap_index(online->model, database.pretrain, online->sample_lists));
-  return [online, samples, &database, settings](const cv::Mat& grey) {
+  const auto online = std::make_shared<Online>(database, settings);
+  return [online, &database](const cv::Mat& grey) {
     const WordSet words =
         quantise(online->vocabulary, find_features(grey, database.settings.features).descriptors);
-    const auto views =
-        find_fabmap_variant(settings.variant)
-            .log_likelihoods({online->model, database.views, online->index, words,
-                              database.views.views(), static_cast<int>(settings.lut_digits)});
-    const double new_place =
-        settings.new_place == NewPlaceModel::mean_field
-            ? new_place_mean_field(online->model, words)
-            : log_mean_exp(fabmap2_log_likelihoods(
-                  {online->model, database.pretrain, *samples, words, database.pretrain.views()}));
-    online->previous = fabmap_posterior(views, new_place, online->previous, settings.posterior);
+    online->previous = fabmap_posterior(online->matcher.views(words, database.views.views()),
+                                        online->matcher.new_place(words), online->previous,
+                                        online->settings.posterior);
   };
 }
 

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "base/parallel.h"
-#include "base/random.h"
 #include "base/stopwatch.h"
 #include "matching/fabmap.h"
+#include "pipeline/fabmap_matcher.h"
 
 namespace vpr {
 namespace {
@@ -21,54 +20,6 @@ void check_share(std::string_view name, double value) {
   if (!(value >= 0 && value <= 1))
     throw Error(ErrorKind::usage, fmt::format("{} must be from 0 to 1, found {}", name, value));
 }
-
-// The pretraining frames whose average likelihood is the new place's.
-ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySettings& settings,
-                          uint64_t seed) {
-  const size_t all = database.pretrain.views();
-  if (settings.new_place_samples == 0 || settings.new_place_samples >= all)
-    return database.pretrain;
-  std::vector<size_t> order(all);
-  for (size_t i = 0; i < all; ++i) order[i] = i;
-  RandomEngine engine(seed);
-  for (size_t i = 0; i < settings.new_place_samples; ++i)
-    std::swap(order[i], order[i + uniform_below(engine, all - i)]);
-  ViewWords sample;
-  for (size_t i = 0; i < settings.new_place_samples; ++i)
-    sample.add(database.pretrain.view(order[i]));
-  return sample;
-}
-
-/// Everything that stays the same for all frames of a query.
-struct Matcher {
-  FabmapModel model;
-  FabmapIndex index;
-  ViewWords samples;
-  WordIndex sample_lists;
-  FabmapIndex sample_index;
-  const FabmapDatabase& database;
-  const FabmapQuerySettings& settings;
-
-  Matcher(const FabmapDatabase& db, const FabmapQuerySettings& s, uint64_t seed)
-      : model(make_fabmap_model(db.tree, {s.p_seen_if_there, s.p_seen_if_not}, s.word_model)),
-        index(make_fabmap_index(model, db.views, db.index)),
-        samples(new_place_views(db, s, seed)),
-        sample_lists(make_word_index(samples, model.words())),
-        sample_index(make_fabmap_index(model, samples, sample_lists)),
-        database(db),
-        settings(s) {}
-
-  std::vector<double> views(const WordSet& words, size_t known_views) const {
-    return find_fabmap_variant(settings.variant)
-        .log_likelihoods({model, database.views, index, words, known_views,
-                          static_cast<int>(settings.lut_digits)});
-  }
-  double new_place(const WordSet& words) const {
-    if (settings.new_place == NewPlaceModel::mean_field) return new_place_mean_field(model, words);
-    return log_mean_exp(
-        fabmap2_log_likelihoods({model, samples, sample_index, words, samples.views()}));
-  }
-};
 
 PlaceMatch likeliest_view(size_t frame, std::span<const double> posterior,
                           const std::vector<uint32_t>& place_of) {
@@ -155,8 +106,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   result.views = place_of.size();
 
   Stopwatch watch;
-  const std::vector<size_t> unreadable_views = searched.unreadable_views();
-  const Matcher matcher(searched, settings, seed);
+  const FabmapMatcher matcher(searched, settings, seed);
   run.seconds["index"] = watch.elapsed_s();
   watch = {};
   StepCounter counter(monitor, "match", frames);
@@ -171,9 +121,6 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
     parallel_for(count, monitor, [&](size_t i) {
       const size_t frame = begin + i;
       views[i] = matcher.views(query.frames[frame], known_views(searched, frames, frame, settings));
-      // Frames that could not be decoded show no words, which is no likeness.
-      for (const size_t view : unreadable_views)
-        if (view < views[i].size()) views[i][view] = -std::numeric_limits<double>::infinity();
       new_place[i] = matcher.new_place(query.frames[frame]);
       counter.add();
     });
