@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # From nothing to a table of counts:
-#   scripts/demo.sh                  on a small generated walk
+#   scripts/demo.sh                  on a small rendered building
 #   scripts/demo.sh DATASET.json     on a data set description of your own
 # Results stay in out/demo.
 set -euo pipefail
@@ -14,9 +14,9 @@ out=out/demo
 mkdir -p "$out"
 
 if [[ -z $dataset ]]; then
-  echo; echo "== generate a walk past corridor walls"
-  "$bin/vpr-synth" configs/worlds/demo.json -o "$out/walk" --force
-  dataset=$out/walk/dataset.json
+  echo; echo "== render walks through a small building"
+  "$bin/vpr-synth" configs/worlds/small.json -o "$out/building" --force
+  dataset=$out/building/dataset.json
 fi
 
 echo; echo "== train"

@@ -1,8 +1,16 @@
 #include "base/random.h"
 
 #include <cassert>
+#include <vector>
 
 namespace vpr {
+
+RandomEngine named_engine(uint64_t seed, std::string_view name) {
+  std::vector<uint32_t> words = {static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32)};
+  for (const char c : name) words.push_back(static_cast<uint8_t>(c));
+  std::seed_seq sequence(words.begin(), words.end());
+  return RandomEngine(sequence);
+}
 
 uint64_t uniform_below(RandomEngine& engine, uint64_t bound) {
   assert(bound > 0);

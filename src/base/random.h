@@ -3,10 +3,14 @@
 
 #include <cstdint>
 #include <random>
+#include <string_view>
 
 namespace vpr {
 
 using RandomEngine = std::mt19937_64;
+
+/// An engine of its own for every purpose: (seed, name) starts it, by the standard's seed_seq.
+RandomEngine named_engine(uint64_t seed, std::string_view name);
 
 /// Uniform in [0, bound), without bias. bound > 0.
 uint64_t uniform_below(RandomEngine& engine, uint64_t bound);

@@ -63,9 +63,16 @@ SequenceArgument sequence_argument(const Json& json, const fs::path& folder,
   return parse_sequence_argument(path.string());
 }
 
+// Relative to the description; empty where the key is missing.
+fs::path optional_path(ObjectReader& reader, const std::string& key, const fs::path& folder) {
+  if (reader.find(key) == nullptr) return {};
+  return folder / reader.text(key);
+}
+
 NamedSequence named_sequence(ObjectReader& reader, const fs::path& folder) {
   return {reader.text("name"),
-          sequence_argument(reader.require("sequence"), folder, reader.where())};
+          sequence_argument(reader.require("sequence"), folder, reader.where()),
+          optional_path(reader, "poses", folder)};
 }
 
 std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::string& key,
@@ -139,6 +146,8 @@ Dataset read_dataset(const fs::path& path) {
     names.push_back(added.sequence.name);
   }
   check_names(names, where + ", queries");
+  dataset.plan = optional_path(reader, "plan", folder);
+  dataset.place_poses = optional_path(reader, "place_poses", folder);
   reader.finish();
   return dataset;
 }

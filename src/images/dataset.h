@@ -14,6 +14,7 @@ namespace vpr {
 struct NamedSequence {
   std::string name;
   SequenceArgument sequence;
+  std::filesystem::path poses = {};  ///< CSV frame,x,y[,heading]; empty: not known
 };
 
 /// Where a ground truth stands and how it is read. The format is "aligned" (without a path) or the
@@ -42,6 +43,8 @@ struct Dataset {
   std::vector<NamedSequence> train;
   std::vector<DatasetPlace> places;
   std::vector<DatasetQuery> queries;
+  std::filesystem::path plan;         ///< CSV x0,y0,x1,y1[,floor] of the walls; empty: none
+  std::filesystem::path place_poses;  ///< CSV place,x,y[,heading,floor]; empty: not known
 };
 
 /// Paths in the file are relative to it. Throws Error(input) if it can't be read, Error(usage) if

@@ -4,6 +4,7 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/simd.h"
+#include "cli/building.h"
 #include "support.h"
 
 using namespace vpr;
@@ -12,17 +13,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kWorld = R"({"schema": "vpr.world/1", "name": "test", "seed": 3,
-  "corridors": 2, "corridor_length_m": 14, "walks": [
-    {"name": "one", "corridor": 0, "from_m": 0, "to_m": 12},
-    {"name": "two", "corridor": 1, "from_m": 0, "to_m": 12},
-    {"name": "back", "is_query": true, "corridor": 0, "from_m": 2, "to_m": 11, "brightness": 0.9}]})";
-
 /// One world, rendered and trained once for all tests of this file.
 struct World {
   test::TemporaryFolder folder;
   World() {
-    test::write_text(folder / "world.json", kWorld);
+    test::write_text(folder / "world.json", test::building(3, {"one", "two", "back"}));
     REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
             0);
     REQUIRE(run_program("vpr-train",
@@ -70,7 +65,7 @@ TEST_CASE("train, query and evaluate give counts that are right") {
   CHECK(report["counts"]["hits"]["correct"].get<int>() > 20);
   CHECK(report["counts"]["hits"]["incorrect"] == 0);
   CHECK(report["counts"]["distinct"].get<int>() >= 1);
-  CHECK(report["best_match"]["rate"].get<double>() > 0.9);
+  CHECK(report["best_match"]["rate"].get<double>() > 0.8);
 }
 
 TEST_CASE("results are byte-identical for any threads, SIMD target and method") {

@@ -170,7 +170,7 @@ TEST_CASE("--force never replaces a folder that holds anything of somebody else"
   for (const char* name : {"extension", "mixed"})
     check_failure(Bench::train({"--train", bench().folder / "one", "--force", "-o", out / name}), 2,
                   "is not replaced");
-  check_failure(run_program("vpr-synth", {test::source_path("configs/worlds/demo.json"), "--force",
+  check_failure(run_program("vpr-synth", {test::source_path("configs/worlds/small.json"), "--force",
                                           "-o", out / "recordings"}),
                 2, "is not replaced");
   CHECK(fs::exists(out / "recordings/rec/1.png"));

@@ -4,6 +4,7 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/simd.h"
+#include "cli/building.h"
 #include "support.h"
 
 using namespace vpr;
@@ -12,17 +13,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kWorld = R"({"schema": "vpr.world/1", "name": "test", "seed": 4,
-  "corridors": 3, "corridor_length_m": 14, "walks": [
-    {"name": "other", "corridor": 2, "from_m": 0, "to_m": 12},
-    {"name": "one", "corridor": 0, "from_m": 0, "to_m": 12},
-    {"name": "back", "is_query": true, "corridor": 0, "from_m": 2, "to_m": 11, "noise": 4}]})";
-
 /// A rendered world and its database of 60 words, each frame of "one" a place.
 struct World {
   test::TemporaryFolder folder;
   World() {
-    test::write_text(folder / "world.json", kWorld);
+    test::write_text(folder / "world.json", test::building(4, {"other", "one", "back"}));
     REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
             0);
     REQUIRE(train({"--train", walk("one"), "-o", database()}).exit_code == 0);

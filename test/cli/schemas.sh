@@ -4,31 +4,31 @@ set -euo pipefail
 source=$1 bin=$2 python=$3
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-"$bin/vpr-synth" "$source/configs/worlds/demo.json" -o "$out/walk" --quiet
-"$bin/vpr-train" fastable --dataset "$out/walk/dataset.json" -o "$out/w.vprdb" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/walk/dataset.json" --query query-a --verify 10 \
+"$bin/vpr-synth" "$source/configs/worlds/small.json" -o "$out/building" --quiet
+"$bin/vpr-train" fastable --dataset "$out/building/dataset.json" -o "$out/w.vprdb" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --verify 10 \
   --save-matrix "$out/d.npy" -o "$out/r.json" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --query "$out/walk/query-a" --t-r 0.3 --only-sequence corridor-a \
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --t-r 0.3 --only-sequence corridor \
   -o "$out/r2.json" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --query "$out/walk/query-a" --method lsh -o "$out/r3.json" --quiet
-"$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" -o "$out/e.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --method lsh -o "$out/r3.json" --quiet
+"$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" -o "$out/e.json" --quiet
 echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
-"$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" --expect "$out/x.json" --quiet
+"$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
 "$bin/vpr-train" info "$out/w.vprdb" --json >"$out/i.json"
-"$bin/vpr-train" fabmap --pretrain "$out/walk/corridor-a" --train "$out/walk/corridor-b@0:20" --words 20 \
+"$bin/vpr-train" fabmap --pretrain "$out/building/corridor" --train "$out/building/hall@0:20" --words 20 \
   -o "$out/f.vprdb" --json >"$out/fi.json"
-"$bin/vpr-query" "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --t-p 0.5 -o "$out/fr.json" --quiet
-"$bin/vpr-query" "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --loop --loop-gap 2 --explain 9 \
+"$bin/vpr-query" "$out/f.vprdb" --query "$out/building/hall@0:20" --t-p 0.5 -o "$out/fr.json" --quiet
+"$bin/vpr-query" "$out/f.vprdb" --query "$out/building/hall@0:20" --loop --loop-gap 2 --explain 9 \
   -o "$out/fl.json" --quiet
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
-"$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/walk/dataset.json" --query query-a --c-l 5,10 --t-r 0.3,auto \
+"$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
   -o "$out/s.json" --quiet
-"$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/walk/corridor-b@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
-  --validate "$out/walk/corridor-b@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
+"$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/building/hall@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
+  --validate "$out/building/hall@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
-"$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/walk/dataset.json" \
+"$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json"

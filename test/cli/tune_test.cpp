@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
+#include "cli/building.h"
 #include "support.h"
 
 using namespace vpr;
@@ -10,18 +11,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kWorld = R"({"schema": "vpr.world/1", "name": "test", "seed": 6,
-  "corridors": 3, "corridor_length_m": 14, "walks": [
-    {"name": "one", "corridor": 0, "from_m": 0, "to_m": 12},
-    {"name": "two", "corridor": 1, "from_m": 0, "to_m": 12},
-    {"name": "other", "corridor": 2, "from_m": 0, "to_m": 12},
-    {"name": "back", "is_query": true, "corridor": 0, "from_m": 2, "to_m": 11, "noise": 6},
-    {"name": "again", "is_query": true, "corridor": 1, "from_m": 2, "to_m": 11, "noise": 8}]})";
-
 struct World {
   test::TemporaryFolder folder;
   World() {
-    test::write_text(folder / "world.json", kWorld);
+    test::write_text(folder / "world.json",
+                     test::building(6, {"one", "two", "other", "back", "again"}));
     REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
             0);
     REQUIRE(run_program("vpr-train", {"fastable", "--train", walk("one"), "--train", walk("two"),

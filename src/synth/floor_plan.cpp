@@ -1,0 +1,224 @@
+#include "synth/floor_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vpr {
+namespace {
+
+constexpr double kLampSpacingM = 3;
+constexpr double kHallLampSpacingM = 4;
+
+struct Step {
+  int column;
+  int row;
+};
+
+constexpr std::array<Step, 4> kSteps = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+
+int cell(double metres) { return static_cast<int>(std::lround(metres / kPlanCellM)); }
+
+size_t cell_index(const FloorPlan& plan, int column, int row) {
+  return static_cast<size_t>(row) * static_cast<size_t>(plan.columns) + static_cast<size_t>(column);
+}
+
+uint8_t open_at(const FloorPlan& plan, int column, int row) {
+  const bool inside = column >= 0 && row >= 0 && column < plan.columns && row < plan.rows;
+  return inside ? plan.open[cell_index(plan, column, row)] : 0;
+}
+
+// One solid cell all around, so that rays always end.
+void lay_grid(const Floor& floor, FloorPlan& plan) {
+  double left = std::numeric_limits<double>::max(), bottom = left, right = -left, top = -left;
+  for (const Room& room : floor.rooms) {
+    left = std::min(left, room.x);
+    bottom = std::min(bottom, room.y);
+    right = std::max(right, room.x + room.width);
+    top = std::max(top, room.y + room.depth);
+  }
+  plan.origin = {left - kPlanCellM, bottom - kPlanCellM};
+  plan.columns = cell(right - left) + 2;
+  plan.rows = cell(top - bottom) + 2;
+  plan.open.assign(static_cast<size_t>(plan.columns) * static_cast<size_t>(plan.rows), 0);
+}
+
+void open_rooms(const Floor& floor, FloorPlan& plan) {
+  for (const Room& room : floor.rooms)
+    for (int row = 0; row < cell(room.depth); ++row)
+      for (int column = 0; column < cell(room.width); ++column) {
+        uint8_t& open = plan.open[cell_index(plan, cell(room.x - plan.origin.x) + column,
+                                             cell(room.y - plan.origin.y) + row)];
+        open = std::max<uint8_t>(open, room.kind == RoomKind::hall ? 2 : 1);
+      }
+}
+
+void place_pillars(const Floor& floor, FloorPlan& plan) {
+  for (const Pillar& pillar : floor.pillars)
+    plan.open[cell_index(plan, cell(pillar.x - plan.origin.x), cell(pillar.y - plan.origin.y))] = 0;
+}
+
+double distance_to_line(Point p, const GlassFront& line) {
+  const double dx = line.to_x - line.from_x, dy = line.to_y - line.from_y;
+  const double length = dx * dx + dy * dy;
+  const double t =
+      length == 0
+          ? 0
+          : std::clamp(((p.x - line.from_x) * dx + (p.y - line.from_y) * dy) / length, 0.0, 1.0);
+  return std::hypot(p.x - line.from_x - t * dx, p.y - line.from_y - t * dy);
+}
+
+bool is_glass(const Floor& floor, Point middle) {
+  return std::any_of(floor.glass.begin(), floor.glass.end(),
+                     [&](const GlassFront& line) { return distance_to_line(middle, line) < kPlanCellM / 2; });
+}
+
+// The corner at which a face begins for who looks at it from the open cell.
+Point face_start(const FloorPlan& plan, int column, int row, Side side) {
+  const Point corner{plan.origin.x + column * kPlanCellM, plan.origin.y + row * kPlanCellM};
+  switch (side) {
+    case Side::right:
+      return {corner.x + kPlanCellM, corner.y + kPlanCellM};
+    case Side::up:
+      return {corner.x, corner.y + kPlanCellM};
+    case Side::left:
+      return corner;
+    case Side::down:
+      break;
+  }
+  return {corner.x + kPlanCellM, corner.y};
+}
+
+bool is_face(const FloorPlan& plan, int column, int row, Side side) {
+  const Step& step = kSteps[static_cast<size_t>(side)];
+  return open_at(plan, column, row) != 0 &&
+         open_at(plan, column + step.column, row + step.row) == 0;
+}
+
+bool face_is_glass(const Floor& floor, const FloorPlan& plan, int column, int row, Side side) {
+  const Point start = face_start(plan, column, row, side), way = wall_direction(side);
+  return is_glass(floor, {start.x + way.x * kPlanCellM / 2, start.y + way.y * kPlanCellM / 2});
+}
+
+// Follows the wall to the right from a face that no wall has yet and that starts one.
+void trace_wall(const Floor& floor, FloorPlan& plan, int column, int row, Side side) {
+  const Point way = wall_direction(side);
+  const auto dc = static_cast<int>(way.x), dr = static_cast<int>(way.y);
+  Wall wall{face_start(plan, column, row, side), side, 0,
+            face_is_glass(floor, plan, column, row, side), false};
+  while (is_face(plan, column, row, side) &&
+         face_is_glass(floor, plan, column, row, side) == wall.is_glass) {
+    plan.wall_of[cell_index(plan, column, row) * 4 + static_cast<size_t>(side)] =
+        static_cast<int32_t>(plan.walls.size());
+    wall.length_m += kPlanCellM;
+    column += dc;
+    row += dr;
+  }
+  wall.is_pillar = wall.length_m <= kPlanCellM && !wall.is_glass;
+  plan.walls.push_back(wall);
+}
+
+void trace_walls(const Floor& floor, FloorPlan& plan) {
+  plan.wall_of.assign(plan.open.size() * 4, -1);
+  for (const Side side : {Side::right, Side::up, Side::left, Side::down}) {
+    const Point way = wall_direction(side);
+    for (int row = 0; row < plan.rows; ++row)
+      for (int column = 0; column < plan.columns; ++column) {
+        if (!is_face(plan, column, row, side)) continue;
+        const int before_column = column - static_cast<int>(way.x);
+        const int before_row = row - static_cast<int>(way.y);
+        const bool starts = !is_face(plan, before_column, before_row, side) ||
+                            face_is_glass(floor, plan, before_column, before_row, side) !=
+                                face_is_glass(floor, plan, column, row, side);
+        if (starts) trace_wall(floor, plan, column, row, side);
+      }
+  }
+}
+
+void hang_lamps(const Floor& floor, FloorPlan& plan) {
+  for (const Room& room : floor.rooms) {
+    const bool hall = room.kind == RoomKind::hall;
+    const double spacing = hall ? kHallLampSpacingM : kLampSpacingM;
+    const auto steps = [&](double length) {
+      return hall || length > 4 ? std::max(1, static_cast<int>(length / spacing)) : 1;
+    };
+    const int across = steps(room.width), up = steps(room.depth);
+    for (int i = 0; i < across; ++i)
+      for (int j = 0; j < up; ++j)
+        plan.lamps.push_back(
+            {room.x + room.width * (i + 0.5) / across, room.y + room.depth * (j + 0.5) / up});
+  }
+}
+
+double along(const Wall& wall, Point point) {
+  const Point way = wall_direction(wall.side);
+  return (point.x - wall.start.x) * way.x + (point.y - wall.start.y) * way.y;
+}
+
+}  // namespace
+
+Point wall_direction(Side side) {
+  switch (side) {
+    case Side::right:
+      return {0, -1};
+    case Side::up:
+      return {1, 0};
+    case Side::left:
+      return {0, 1};
+    case Side::down:
+      break;
+  }
+  return {-1, 0};
+}
+
+bool FloorPlan::is_open(Point point) const {
+  return open_at(*this, static_cast<int>(std::floor((point.x - origin.x) / kPlanCellM)),
+                 static_cast<int>(std::floor((point.y - origin.y) / kPlanCellM))) != 0;
+}
+
+FloorPlan make_floor_plan(const Floor& floor) {
+  FloorPlan plan;
+  lay_grid(floor, plan);
+  open_rooms(floor, plan);
+  place_pillars(floor, plan);
+  trace_walls(floor, plan);
+  hang_lamps(floor, plan);
+  return plan;
+}
+
+// From cell to cell along the ray (Amanatides & Woo 1987).
+std::optional<WallHit> cast_ray(const FloorPlan& plan, Point from, Point direction) {
+  if (!plan.is_open(from)) return std::nullopt;
+  const double x = (from.x - plan.origin.x) / kPlanCellM, y = (from.y - plan.origin.y) / kPlanCellM;
+  int column = static_cast<int>(x), row = static_cast<int>(y);
+  const double dx = direction.x / kPlanCellM, dy = direction.y / kPlanCellM;
+  const double never = std::numeric_limits<double>::infinity();
+  const double step_x = dx == 0 ? never : 1 / std::abs(dx);
+  const double step_y = dy == 0 ? never : 1 / std::abs(dy);
+  double next_x = dx == 0 ? never : (dx > 0 ? column + 1 - x : x - column) * step_x;
+  double next_y = dy == 0 ? never : (dy > 0 ? row + 1 - y : y - row) * step_y;
+  while (true) {
+    const bool in_x = next_x < next_y;
+    const Side side = in_x ? (dx > 0 ? Side::right : Side::left) : (dy > 0 ? Side::up : Side::down);
+    const Step& step = kSteps[static_cast<size_t>(side)];
+    const double distance = in_x ? next_x : next_y;
+    if (open_at(plan, column + step.column, row + step.row) == 0) {
+      const int32_t wall =
+          plan.wall_of[cell_index(plan, column, row) * 4 + static_cast<size_t>(side)];
+      const Point hit{from.x + distance * direction.x, from.y + distance * direction.y};
+      return WallHit{distance, wall, along(plan.walls[static_cast<size_t>(wall)], hit)};
+    }
+    column += step.column;
+    row += step.row;
+    (in_x ? next_x : next_y) += in_x ? step_x : step_y;
+  }
+}
+
+bool can_see(const FloorPlan& plan, Point from, Point to) {
+  const Point way{to.x - from.x, to.y - from.y};
+  if (way.x == 0 && way.y == 0) return plan.is_open(from);
+  const auto hit = cast_ray(plan, from, way);
+  return hit && hit->distance >= 1;
+}
+
+}  // namespace vpr

@@ -1,0 +1,58 @@
+// A floor plan as a grid of open and solid cells, its walls, and rays that hit them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "synth/world.h"
+
+namespace vpr {
+
+struct Point {
+  double x = 0;
+  double y = 0;
+};
+
+enum class Side { right, up, left, down };
+
+/// A straight piece of wall, from corner to corner, as seen from the room: `start` is its left end.
+struct Wall {
+  Point start;
+  Side side = Side::right;  ///< where it lies, seen from the room
+  double length_m = 0;
+  bool is_glass = false;
+  bool is_pillar = false;
+};
+
+/// Which way `along` grows on a wall that lies at `side`: to the right of who looks at it.
+Point wall_direction(Side side);
+
+struct FloorPlan {
+  Point origin;  ///< lower left corner of the grid, outside all rooms
+  int columns = 0;
+  int rows = 0;
+  std::vector<uint8_t> open;     ///< rows x columns: 0 solid, 1 corridor, 2 hall
+  std::vector<int32_t> wall_of;  ///< rows x columns x 4 sides: the wall there, or -1
+  std::vector<Wall> walls;
+  std::vector<Point> lamps;  ///< on the ceiling
+
+  bool is_open(Point point) const;
+};
+
+FloorPlan make_floor_plan(const Floor& floor);
+
+struct WallHit {
+  double distance = 0;  ///< in lengths of the ray's direction
+  int32_t wall = 0;
+  double along_m = 0;  ///< from the wall's left end
+};
+
+/// The first wall in the direction (any length > 0) from an open point. Nothing if the point is in
+/// a wall.
+std::optional<WallHit> cast_ray(const FloorPlan& plan, Point from, Point direction);
+
+/// Whether no wall stands between two points.
+bool can_see(const FloorPlan& plan, Point from, Point to);
+
+}  // namespace vpr

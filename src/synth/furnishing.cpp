@@ -1,0 +1,312 @@
+#include "synth/furnishing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "synth/texture.h"
+#include "synth/world.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kDaylight = 255;
+
+int texels(double metres) { return static_cast<int>(std::lround(metres * kTexelsPerMetre)); }
+
+bool chance(RandomEngine& engine, double probability) { return uniform_unit(engine) < probability; }
+
+cv::Scalar darker(const cv::Scalar& c, double factor) {
+  return {c[0] * factor, c[1] * factor, c[2] * factor, c[3]};
+}
+
+cv::Scalar any_colour(RandomEngine& engine, double low, double high) {
+  const double blue = between(engine, low, high), green = between(engine, low, high);
+  return colour(blue, green, between(engine, low, high));
+}
+
+std::string letters(RandomEngine& engine, size_t count) {
+  std::string text;
+  for (size_t i = 0; i < count; ++i)
+    text += chance(engine, 0.17) ? ' ' : static_cast<char>('a' + uniform_below(engine, 26));
+  return text;
+}
+
+void put_text(WallBrush& brush, double x, double bottom, double height, const std::string& text,
+              const cv::Scalar& ink, int thickness) {
+  const cv::Rect place = brush.area(x, bottom, 0, height);
+  // Hershey's simplex letters are 21 units high at scale 1.
+  cv::putText(brush.picture, text, {place.x, place.y + place.height}, cv::FONT_HERSHEY_SIMPLEX,
+              place.height / 21.0, ink, thickness, cv::LINE_AA);
+}
+
+// A frame with a shadow below and to its right, so that things do not look painted on.
+void framed(WallBrush& brush, double x, double bottom, double width, double height,
+            const cv::Scalar& inside, const cv::Scalar& frame, double frame_m) {
+  cv::Mat& picture = brush.picture;
+  const cv::Rect shadow = brush.area(x + 0.02, bottom - 0.03, width, height) &
+                          cv::Rect(0, 0, picture.cols, picture.rows);
+  if (!shadow.empty()) {
+    cv::Mat part = picture(shadow);
+    part.convertTo(part, -1, 0.7);
+  }
+  brush.fill(x, bottom, width, height, frame);
+  brush.fill(x + frame_m, bottom + frame_m, width - 2 * frame_m, height - 2 * frame_m, inside);
+}
+
+void paint_sheet(WallBrush& brush, double x, double bottom, double width, double height) {
+  RandomEngine& chance_of = brush.detail;
+  brush.fill(x, bottom, width, height,
+             colour(between(chance_of, 205, 245), between(chance_of, 215, 250),
+                    between(chance_of, 205, 250)));
+  const double picture_height = chance(chance_of, 0.5) ? height * between(chance_of, 0.2, 0.5) : 0;
+  if (picture_height > 0)
+    brush.fill(x + width * 0.1, bottom + height * 0.92 - picture_height, width * 0.8,
+               picture_height, any_colour(chance_of, 40, 230));
+  brush.write(x + width * 0.1, bottom + height * 0.06, width * 0.8, height * 0.82 - picture_height,
+              0.035, any_colour(chance_of, 10, 90));
+}
+
+void paint_board(WallBrush& brush, double x, double width) {
+  const double bottom = between(brush.style, 0.95, 1.1), height = between(brush.style, 0.85, 1.05);
+  const std::array<cv::Scalar, 3> cloths = {colour(70, 125, 165), colour(120, 80, 50),
+                                            colour(85, 110, 70)};
+  framed(brush, x, bottom, width, height, cloths[uniform_below(brush.style, cloths.size())],
+         colour(110, 120, 125), 0.035);
+  const int columns = std::max(1, static_cast<int>(width / 0.3));
+  for (int column = 0; column < columns; ++column)
+    for (int row = 0; row < 2; ++row) {
+      if (chance(brush.detail, 0.2)) continue;
+      const double dx = between(brush.detail, 0.02, 0.07), dy = between(brush.detail, 0.03, 0.1);
+      paint_sheet(brush, x + 0.04 + column * 0.3 + dx, bottom + 0.03 + row * height * 0.47 + dy,
+                  0.21, 0.3);
+    }
+}
+
+void paint_poster(WallBrush& brush, double x, double width) {
+  const double height = width * 1.35, bottom = between(brush.style, 0.8, 1.1);
+  const cv::Scalar ground = any_colour(brush.detail, 60, 235);
+  framed(brush, x, bottom, width, height, ground, colour(40, 40, 45), 0.02);
+  const int blots = static_cast<int>(between(brush.detail, 3, 8));
+  for (int i = 0; i < blots; ++i) {
+    const cv::Rect inside = brush.area(x + 0.1, bottom + 0.12, width - 0.2, height * 0.6);
+    const cv::Point centre(inside.x + static_cast<int>(between(brush.detail, 0, inside.width)),
+                           inside.y + static_cast<int>(between(brush.detail, 0, inside.height)));
+    const int radius = texels(between(brush.detail, 0.03, 0.12));
+    if (chance(brush.detail, 0.5)) {
+      cv::circle(brush.picture, centre, radius, any_colour(brush.detail, 20, 250), cv::FILLED,
+                 cv::LINE_AA);
+    } else {
+      cv::rectangle(brush.picture,
+                    cv::Rect(centre.x - radius, centre.y - radius / 2, 2 * radius, radius),
+                    any_colour(brush.detail, 20, 250), cv::FILLED);
+    }
+  }
+  const cv::Scalar ink = ground[1] > 140 ? colour(20, 20, 30) : colour(240, 245, 245);
+  brush.write(x + 0.07, bottom + height * 0.8, width - 0.14, height * 0.15, 0.11, ink);
+  brush.write(x + 0.07, bottom + 0.05, width - 0.14, height * 0.14, 0.04, ink);
+}
+
+void paint_door(WallBrush& brush, double x) {
+  constexpr double kWidth = 0.95, kHeight = 2.05;
+  const std::array<cv::Scalar, 4> woods = {colour(75, 115, 160), colour(60, 85, 115),
+                                           colour(165, 170, 172), colour(125, 95, 70)};
+  const cv::Scalar wood = woods[uniform_below(brush.style, woods.size())];
+  framed(brush, x - 0.07, 0, kWidth + 0.14, kHeight + 0.07, wood, darker(wood, 0.55), 0.06);
+  brush.fill(x, 0, kWidth, kHeight, wood);
+  cv::Mat leaf = brush.picture(brush.area(x, 0, kWidth, kHeight) &
+                               cv::Rect(0, 0, brush.picture.cols, brush.picture.rows));
+  for (int i = 0; i < 40 && leaf.cols > 0; ++i) {  // grain
+    const int at = static_cast<int>(uniform_below(brush.detail, static_cast<uint64_t>(leaf.cols)));
+    cv::line(leaf, {at, 0}, {at, leaf.rows}, darker(wood, between(brush.detail, 0.85, 1.06)));
+  }
+  if (chance(brush.style, 0.4))
+    framed(brush, x + 0.3, 1.25, 0.35, 0.6, colour(120, 110, 95), darker(wood, 0.7), 0.03);
+  brush.fill(x + 0.02, 0, kWidth - 0.04, 0.2, darker(wood, 0.75));
+  const double handle = chance(brush.style, 0.5) ? x + 0.07 : x + kWidth - 0.19;
+  brush.fill(handle, 0.98, 0.12, 0.025, colour(200, 200, 200));
+  brush.fill(handle + 0.04, 0.9, 0.04, 0.18, colour(140, 145, 145));
+  const double sign = x + kWidth + 0.12;
+  framed(brush, sign, 1.5, 0.26, 0.2, colour(230, 235, 235), colour(120, 100, 60), 0.012);
+  put_text(brush, sign + 0.03, 1.6, 0.06, fmt::format("{}", 100 + uniform_below(brush.detail, 300)),
+           colour(30, 30, 30), 1);
+  brush.write(sign + 0.03, 1.52, 0.2, 0.06, 0.025, colour(60, 60, 60));
+  if (chance(brush.detail, 0.3)) paint_sheet(brush, x + 0.3, 1.3, 0.21, 0.3);
+}
+
+void paint_lockers(WallBrush& brush, double x, double width) {
+  const cv::Scalar steel = any_colour(brush.style, 90, 180);
+  const double each = 0.36;
+  framed(brush, x, 0.08, width, 1.8, darker(steel, 0.8), darker(steel, 0.5), 0.015);
+  for (double left = x + 0.02; left + each <= x + width; left += each) {
+    brush.fill(left, 0.1, each - 0.02, 1.75, steel);
+    for (int slit = 0; slit < 5; ++slit)
+      brush.fill(left + 0.08, 1.55 + slit * 0.04, 0.18, 0.012, darker(steel, 0.45));
+    brush.fill(left + 0.26, 1.0, 0.03, 0.08, colour(50, 50, 50));
+    put_text(brush, left + 0.09, 1.42, 0.05, fmt::format("{}", uniform_below(brush.detail, 400)),
+             colour(235, 235, 235), 1);
+    if (chance(brush.detail, 0.25))
+      brush.fill(left + between(brush.detail, 0.03, 0.2), between(brush.detail, 0.4, 1.2), 0.1,
+                 0.08, any_colour(brush.detail, 40, 250));
+  }
+}
+
+void paint_radiator(WallBrush& brush, double x, double width) {
+  const cv::Scalar white = colour(205, 212, 215);
+  framed(brush, x, 0.12, width, 0.6, white, darker(white, 0.8), 0.015);
+  for (double left = x + 0.03; left < x + width - 0.04; left += 0.06)
+    brush.fill(left, 0.15, 0.022, 0.54, darker(white, 0.62));
+}
+
+// What is outside: sky, houses or trees, ground; in daylight.
+void paint_view(WallBrush& brush, double x, double bottom, double width, double height) {
+  const auto shine = [](double b, double g, double r) { return cv::Scalar(b, g, r, kDaylight); };
+  brush.fill(x, bottom, width, height, shine(250, 240, 225));
+  const double skyline = std::clamp(1.5 - bottom, 0.0, height);
+  if (skyline > 0) brush.fill(x, bottom, width, skyline, shine(110, 150, 130));
+  cv::Mat& picture = brush.picture;
+  const cv::Rect pane =
+      brush.area(x, bottom, width, height) & cv::Rect(0, 0, picture.cols, picture.rows);
+  if (pane.empty()) return;
+  cv::Mat view = picture(pane);
+  const int horizon = pane.height - texels(skyline);
+  for (int i = 0; i < static_cast<int>(width * 5) + 2; ++i) {
+    const int at = static_cast<int>(between(brush.detail, 0, pane.width));
+    const int size = texels(between(brush.detail, 0.08, 0.35));
+    const double shade = between(brush.detail, 70, 170);
+    if (chance(brush.detail, 0.6)) {
+      cv::circle(view, {at, horizon - size / 2}, size, shine(shade * 0.6, shade, shade * 0.8),
+                 cv::FILLED, cv::LINE_AA);
+    } else {
+      cv::rectangle(view, cv::Rect(at, horizon - size, 2 * size, size),
+                    shine(shade, shade * 1.05, shade * 1.15), cv::FILLED);
+    }
+  }
+}
+
+void paint_window(WallBrush& brush, double x, double width) {
+  constexpr double kBottom = 0.95, kHeight = 1.45;
+  const cv::Scalar frame = colour(190, 195, 200);
+  framed(brush, x, kBottom, width, kHeight, frame, darker(frame, 0.7), 0.02);
+  const double pane = (width - 0.18) / 2;
+  for (int i = 0; i < 2; ++i)
+    paint_view(brush, x + 0.06 + i * (pane + 0.06), kBottom + 0.06, pane, kHeight - 0.12);
+  brush.fill(x - 0.06, kBottom - 0.05, width + 0.12, 0.05, colour(215, 220, 222));
+  paint_radiator(brush, x + 0.1, width - 0.2);
+}
+
+void paint_extinguisher(WallBrush& brush, double x) {
+  framed(brush, x, 1.65, 0.2, 0.2, colour(40, 40, 200), colour(230, 230, 230), 0.012);
+  const cv::Rect body = brush.area(x + 0.02, 0.75, 0.16, 0.5);
+  cv::rectangle(brush.picture, body, colour(35, 30, 190), cv::FILLED);
+  cv::rectangle(brush.picture,
+                cv::Rect(body.x + body.width / 4, body.y, body.width / 5, body.height),
+                colour(120, 120, 240), cv::FILLED);
+  brush.fill(x + 0.06, 1.25, 0.08, 0.07, colour(25, 25, 25));
+  brush.write(x + 0.04, 0.9, 0.12, 0.14, 0.03, colour(235, 235, 235));
+}
+
+void paint_exit_sign(WallBrush& brush, double x) {
+  framed(brush, x, 2.3, 0.42, 0.21, colour(80, 150, 30), colour(225, 230, 225), 0.012);
+  const cv::Rect sign = brush.area(x, 2.3, 0.42, 0.21);
+  const int y = sign.y + sign.height / 2;
+  cv::arrowedLine(brush.picture, {sign.x + sign.width / 5, y}, {sign.x + sign.width * 4 / 5, y},
+                  colour(240, 245, 240), 5, cv::LINE_AA);
+}
+
+void paint_bench(WallBrush& brush, double x, double width) {
+  const cv::Scalar wood = any_colour(brush.style, 50, 130);
+  brush.fill(x, 0.4, width, 0.07, wood);
+  brush.fill(x + 0.02, 0.34, width - 0.04, 0.06, darker(wood, 0.5));
+  for (const double leg : {0.08, width - 0.14})
+    brush.fill(x + leg, 0, 0.06, 0.35, colour(40, 40, 42));
+}
+
+// A cable duct, sockets, switches and scratches: what is on any wall.
+void paint_fittings(WallBrush& brush) {
+  const cv::Scalar duct = colour(185, 190, 192);
+  brush.fill(0, 2.55, kSlotM, 0.06, duct);
+  brush.fill(0, 2.545, kSlotM, 0.008, darker(duct, 0.5));
+  for (int i = 0; i < 2; ++i)
+    framed(brush, between(brush.detail, 0.05, 1.8), i == 0 ? 0.3 : 1.1, 0.09, 0.09,
+           colour(225, 228, 228), colour(140, 142, 142), 0.01);
+  for (int i = 0; i < 4; ++i) {
+    const double shade = between(brush.detail, 60, 130);
+    brush.fill(between(brush.detail, 0, 1.9), between(brush.detail, 0.1, 1.3),
+               between(brush.detail, 0.02, 0.2), 0.012, colour(shade, shade, shade));
+  }
+}
+
+}  // namespace
+
+double between(RandomEngine& engine, double low, double high) {
+  return low + (high - low) * uniform_unit(engine);
+}
+
+cv::Scalar colour(double blue, double green, double red) { return {blue, green, red, 0}; }
+
+cv::Rect WallBrush::area(double x, double bottom, double width, double height) const {
+  const int top = texels(kRoomHeightM - bottom - height);
+  return {texels(left_m + x), top, texels(width), texels(kRoomHeightM - bottom) - top};
+}
+
+void WallBrush::fill(double x, double bottom, double width, double height,
+                     const cv::Scalar& paint) {
+  const cv::Rect place = area(x, bottom, width, height);
+  if (!place.empty()) cv::rectangle(picture, place, paint, cv::FILLED);
+}
+
+void WallBrush::write(double x, double bottom, double width, double height, double line_m,
+                      const cv::Scalar& ink) {
+  const double letter = line_m * 0.55;
+  const auto count = static_cast<size_t>(std::max(0.0, width / (letter * 0.85)));
+  if (count == 0) return;
+  for (double y = bottom + height - letter; y >= bottom; y -= line_m) {
+    const size_t length = std::min<size_t>(count, 1 + uniform_below(detail, count + count / 2 + 1));
+    put_text(*this, x, y, letter, letters(detail, length), ink, line_m > 0.08 ? 2 : 1);
+  }
+}
+
+void furnish_slot(WallBrush& brush, bool is_hall, bool has_windows) {
+  const double what = uniform_unit(brush.style), shift = between(brush.style, 0.1, 0.3);
+  if (has_windows && what < 0.7) {
+    paint_window(brush, shift, between(brush.style, 1.2, 1.6));
+  } else if (what < (is_hall ? 0.15 : 0.42)) {
+    paint_door(brush, shift);
+  } else if (what < 0.66) {
+    paint_board(brush, shift, is_hall ? 1.6 : between(brush.style, 1.0, 1.6));
+  } else if (what < 0.82) {
+    paint_poster(brush, shift, between(brush.style, 0.55, 0.85));
+    if (chance(brush.style, 0.5)) paint_poster(brush, shift + 0.95, between(brush.style, 0.5, 0.7));
+  } else if (what < 0.88) {
+    paint_lockers(brush, shift, 1.48);
+  } else if (what < 0.93) {
+    paint_radiator(brush, shift, 1.2);
+    if (chance(brush.detail, 0.5)) paint_sheet(brush, shift + 0.3, 1.3, 0.3, 0.42);
+  } else if (what < 0.97) {
+    paint_bench(brush, shift, 1.4);
+    if (chance(brush.style, 0.7)) paint_poster(brush, shift + 0.2, 0.8);
+  }
+  if (chance(brush.style, 0.15)) paint_extinguisher(brush, 1.75);
+  if (chance(brush.style, 0.12)) paint_exit_sign(brush, 0.5);
+  paint_fittings(brush);
+}
+
+void paint_glass_front(WallBrush& brush) {
+  const double width = static_cast<double>(brush.picture.cols) / kTexelsPerMetre;
+  paint_view(brush, 0, 0, width, kRoomHeightM);
+  const cv::Scalar metal = colour(70, 72, 75);
+  for (double x = 0; x < width + 0.05; x += 1.25)
+    brush.fill(x - 0.035, 0, 0.07, kRoomHeightM, metal);
+  for (const double z : {0.0, 0.9, 2.2, kRoomHeightM - 0.08}) brush.fill(0, z, width, 0.06, metal);
+  for (double x = 0.3; x < width - 0.6; x += 1.25) {
+    if (!chance(brush.detail, 0.3)) continue;
+    paint_sheet(brush, x, between(brush.detail, 1.1, 1.5), 0.3, 0.42);
+  }
+}
+
+}  // namespace vpr

@@ -1,0 +1,55 @@
+// People who walk by, or stand at the walls and cover part of the view.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/random.h"
+#include "synth/texture.h"
+#include "synth/walking.h"
+
+namespace vpr {
+
+inline constexpr double kFigureWidthM = 0.8;
+inline constexpr double kFigureHeightM = 1.9;  ///< of the picture; people are a little smaller
+
+/// One person's looks: standing, and two halves of a step.
+struct Looks {
+  std::array<Texture, 3> postures;
+};
+
+/// A cast of people, the same for all walks of a world.
+std::vector<Looks> make_cast(uint64_t seed);
+
+struct Figure {
+  Point position;
+  size_t looks = 0;
+  size_t posture = 0;
+};
+
+/// All people of one walk.
+class Crowd {
+ public:
+  Crowd(const World& world, const Walk& walk, const FloorPlan& plan,
+        const std::vector<CameraPose>& poses, size_t cast_size);
+  /// Who is where at a time of the walk, in seconds.
+  std::vector<Figure> at(double time_s) const;
+
+ private:
+  struct Member {
+    double way_m = 0;      // where on the path at time 0
+    double speed_m_s = 0;  // along the path; 0: stands
+    double aside_m = 0;    // to the left of the path
+    size_t looks = 0;
+  };
+
+  void add_passers_by(RandomEngine& engine, const std::vector<CameraPose>& poses, size_t groups);
+  void add_standing(RandomEngine& engine, size_t groups);
+
+  const FloorPlan& plan_;
+  Path path_;
+  size_t cast_size_;
+  std::vector<Member> members_;
+};
+
+}  // namespace vpr

@@ -1,0 +1,37 @@
+// What is known of a rendered world: poses, ground truth, and the data set that names it all.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "synth/walking.h"
+#include "synth/world.h"
+
+namespace vpr {
+
+struct RecordedWalk {
+  const Walk* walk = nullptr;  ///< of the world
+  std::vector<CameraPose> poses;
+};
+
+/// The poses of all walks, in the order of the world. Throws Error(usage) if a walk or a view of a
+/// place stands in a wall.
+std::vector<RecordedWalk> record_walks(const World& world);
+
+/// The camera of one view of a place: it stands still.
+CameraPose view_pose(const WorldPlace& place, size_t view);
+
+/// frame,time,x,y,heading,floor
+std::string poses_csv(const RecordedWalk& recorded);
+
+/// Names and texts of all files beside the frames' folders:
+/// - training and query frames show the same place if they are on one floor, at most same_place_m
+///   apart and look the same way within same_heading_deg; they are ignored up to ignore_m;
+/// - a query frame shows a place if it is within place_radius_m and looks as one of its views does
+///   within same_heading_deg; it is ignored up to place_ignore_m;
+/// - stretches of pretraining walks that would show a place are left out of the data set.
+std::vector<std::pair<std::string, std::string>> recording_texts(
+    const World& world, const std::vector<RecordedWalk>& walks);
+
+}  // namespace vpr

@@ -1,0 +1,37 @@
+// From a scene and a camera pose to a picture: a ray for each column of the picture, over the floor
+// plan, then the strip of wall that it hits, and floor and ceiling above and below.
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/random.h"
+#include "synth/people.h"
+#include "synth/scene.h"
+#include "synth/walking.h"
+
+namespace vpr {
+
+struct Camera {
+  int width = 640;
+  int height = 480;
+  double focal_px = 493;
+};
+
+Camera make_camera(const World& world);
+
+/// What there is to see at one moment.
+struct View {
+  const Scene& scene;
+  const std::vector<Looks>& cast;
+  std::vector<Figure> figures;
+  CameraPose pose;
+  Conditions conditions;
+};
+
+/// BGR, 8 bits, with automatic exposure, motion blur and sensor noise. The noise is drawn from
+/// `noise_engine`; all else depends on the view alone. The camera must stand in an open cell.
+cv::Mat render(const Camera& camera, const View& view, RandomEngine noise_engine);
+
+}  // namespace vpr

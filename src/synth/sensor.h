@@ -1,0 +1,16 @@
+// What a phone's camera adds to a picture.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "base/random.h"
+
+namespace vpr {
+
+/// Blurs sideways by the way that the picture moves while the shutter is open.
+void blur_by_turning(cv::Mat& picture, double pixels_per_s);
+
+/// Adds normal noise of a standard deviation in grey values to every channel of every pixel.
+void add_noise(cv::Mat& picture, double deviation, RandomEngine& engine);
+
+}  // namespace vpr

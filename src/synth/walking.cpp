@@ -1,0 +1,149 @@
+#include "synth/walking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/random.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kCornerM = 0.9;  // where a turn begins before a corner
+constexpr int kCornerPoints = 12;
+constexpr double kLookAheadM = 0.7;
+constexpr double kStepsPerS = 1.8;
+constexpr size_t kMostFrames = 100'000;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+Point between_points(Point a, Point b, double t) {
+  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+}
+
+double distance(Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); }
+
+// A slow, smooth variation between about -1 and 1: two waves that never repeat together.
+struct Wander {
+  double first_phase;
+  double second_phase;
+
+  explicit Wander(RandomEngine& engine)
+      : first_phase(kTurn * uniform_unit(engine)), second_phase(kTurn * uniform_unit(engine)) {}
+  double at(double value, double period) const {
+    return 0.6 * std::sin(kTurn * value / period + first_phase) +
+           0.4 * std::sin(kTurn * value / (0.37 * period) + second_phase);
+  }
+};
+
+// Way walked at every frame, in shares of the whole: faster here, slower there.
+std::vector<double> walked_shares(size_t frames, const Wander& pace, double fps) {
+  std::vector<double> shares(frames, 0);
+  for (size_t i = 1; i < frames; ++i)
+    shares[i] = shares[i - 1] + 1 + 0.15 * pace.at(static_cast<double>(i) / fps, 11);
+  const double all = frames > 1 ? shares.back() : 1;
+  for (double& share : shares) share /= all;
+  return shares;
+}
+
+size_t frame_count(const World& world, const Walk& walk, double length_m) {
+  if (walk.frames > 0) return walk.frames;
+  const double frames = std::floor(length_m / walk.speed_m_s * world.fps) + 1;
+  if (frames > static_cast<double>(kMostFrames))
+    throw Error(ErrorKind::usage,
+                fmt::format("the walk {} would have {} frames; at most {} are possible", walk.name,
+                            frames, kMostFrames));
+  return static_cast<size_t>(frames);
+}
+
+void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
+  for (const auto& [dx, dy] : {std::pair(0.25, 0.0), {-0.25, 0.0}, {0.0, 0.25}, {0.0, -0.25}})
+    if (!plan.is_open({point.x + dx, point.y + dy}))
+      throw Error(ErrorKind::usage,
+                  fmt::format("the walk {} comes too close to a wall at x {:.2f}, y {:.2f}; move "
+                              "its path",
+                              walk.name, point.x, point.y));
+}
+
+}  // namespace
+
+Path::Path(const std::vector<std::vector<double>>& corners) {
+  const auto corner = [&](size_t i) { return Point{corners[i][0], corners[i][1]}; };
+  points_.push_back(corner(0));
+  for (size_t i = 1; i + 1 < corners.size(); ++i) {
+    const Point before = corner(i - 1), here = corner(i), after = corner(i + 1);
+    const double in = distance(before, here), out = distance(here, after);
+    if (in == 0 || out == 0) continue;
+    const double turn = std::min({kCornerM, in / 2, out / 2});
+    const Point enter = between_points(here, before, turn / in);
+    const Point leave = between_points(here, after, turn / out);
+    for (int k = 0; k <= kCornerPoints; ++k) {  // a quadratic Bezier curve
+      const double t = static_cast<double>(k) / kCornerPoints;
+      points_.push_back(
+          between_points(between_points(enter, here, t), between_points(here, leave, t), t));
+    }
+  }
+  if (corners.size() > 1) points_.push_back(corner(corners.size() - 1));
+  way_.push_back(0);
+  for (size_t i = 1; i < points_.size(); ++i)
+    way_.push_back(way_.back() + distance(points_[i - 1], points_[i]));
+}
+
+Point Path::at(double way_m) const {
+  if (way_m <= 0 || points_.size() == 1) return points_.front();
+  const auto next = std::lower_bound(way_.begin(), way_.end(), way_m);
+  if (next == way_.end()) return points_.back();
+  const auto i = static_cast<size_t>(next - way_.begin());
+  const double step = way_[i] - way_[i - 1];
+  return between_points(points_[i - 1], points_[i], step == 0 ? 0 : (way_m - way_[i - 1]) / step);
+}
+
+double Path::heading_at(double way_m) const {
+  const double behind = std::clamp(way_m - kLookAheadM / 2, 0.0, std::max(0.0, length_m() - 0.1));
+  const double ahead = std::min(behind + 1.5 * kLookAheadM, length_m());
+  const Point from = at(behind), to = at(ahead);
+  if (from.x == to.x && from.y == to.y) return 0;
+  return std::atan2(to.y - from.y, to.x - from.x) * 360 / kTurn;
+}
+
+double heading_difference(double a_deg, double b_deg) {
+  return std::abs(std::remainder(a_deg - b_deg, 360.0));
+}
+
+std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const FloorPlan& plan) {
+  RandomEngine engine = named_engine(world.seed, "walk/" + walk.name);
+  const Wander pace(engine), side(engine), look(engine), nod(engine), tilt(engine), light(engine);
+  const double step_phase = uniform_unit(engine);
+  const Path path(walk.path);
+  const std::vector<double> shares =
+      walked_shares(frame_count(world, walk, path.length_m()), pace, world.fps);
+  std::vector<CameraPose> poses;
+  for (size_t i = 0; i < shares.size(); ++i) {
+    CameraPose pose;
+    pose.time_s = static_cast<double>(i) / world.fps;
+    pose.way_m = shares[i] * path.length_m();
+    const double step = kTurn * (kStepsPerS * pose.time_s + step_phase);
+    const double heading = path.heading_at(pose.way_m);
+    const double aside = walk.shake * (0.15 * side.at(pose.way_m, 13) + 0.02 * std::sin(step / 2));
+    const double normal = (heading + 90) * kTurn / 360;
+    const Point on_path = path.at(pose.way_m);
+    pose.position = {on_path.x + aside * std::cos(normal), on_path.y + aside * std::sin(normal)};
+    check_open(walk, plan, pose.position);
+    const double turned =
+        heading + walk.shake * (1.5 * look.at(pose.time_s, 7) + 0.8 * std::sin(step / 2 + 1));
+    pose.heading_deg = turned - 360 * std::floor(turned / 360);
+    pose.height_m = kEyeHeightM + walk.shake * 0.012 * std::sin(step);
+    pose.pitch_deg = walk.shake * (0.7 * nod.at(pose.time_s, 5) + 0.4 * std::sin(step + 2));
+    pose.roll_deg = walk.shake * (0.7 * tilt.at(pose.time_s, 6) + 0.5 * std::sin(step / 2 + 3));
+    pose.light_drift = 1 + 0.05 * light.at(pose.time_s, 8);
+    if (!poses.empty())
+      pose.turn_deg_s =
+          std::remainder(pose.heading_deg - poses.back().heading_deg, 360.0) * world.fps;
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+}  // namespace vpr

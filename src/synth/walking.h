@@ -1,0 +1,46 @@
+// How a person with a phone walks along a path: where the camera is and looks, frame by frame.
+#pragma once
+
+#include <vector>
+
+#include "synth/floor_plan.h"
+#include "synth/world.h"
+
+namespace vpr {
+
+/// A path with rounded corners, by the way walked.
+class Path {
+ public:
+  explicit Path(const std::vector<std::vector<double>>& corners);
+  double length_m() const { return way_.back(); }
+  /// Clamped to the ends.
+  Point at(double way_m) const;
+  /// Degrees; where one looks who walks there, a little ahead.
+  double heading_at(double way_m) const;
+
+ private:
+  std::vector<Point> points_;
+  std::vector<double> way_;  // metres from the start, as points_
+};
+
+struct CameraPose {
+  double time_s = 0;
+  double way_m = 0;  ///< along the path
+  Point position;
+  double heading_deg = 0;  ///< 0 to 360
+  double height_m = kEyeHeightM;
+  double pitch_deg = 0;    ///< up
+  double roll_deg = 0;     ///< clockwise
+  double turn_deg_s = 0;   ///< for motion blur
+  double light_drift = 1;  ///< of the automatic exposure
+};
+
+/// The poses of a walk's frames: path, speed with natural variation, sway of body and hand.
+/// A path of one corner is a person who stands there and looks along x. Throws Error(usage), naming
+/// the point, if the walk runs into a wall, or has too many frames.
+std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const FloorPlan& plan);
+
+/// Degrees between two headings, 0 to 180.
+double heading_difference(double a_deg, double b_deg);
+
+}  // namespace vpr

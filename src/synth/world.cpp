@@ -1,0 +1,159 @@
+#include "synth/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kNameLetters =
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+constexpr double kMostMetres = 500;  // a side of a plan, or a coordinate
+constexpr uint64_t kMostFrames = 100'000;
+
+// Collects what to complain about: one world, named in every message.
+class Checker {
+ public:
+  explicit Checker(std::string where) : where_(std::move(where)) {}
+
+  void require(bool ok, std::string_view what) const {
+    if (!ok) throw Error(ErrorKind::usage, fmt::format("{}: {}", where_, what));
+  }
+  void in_range(double value, double low, double high, std::string_view name) const {
+    require(value >= low && value <= high, fmt::format("{} must be {} to {}", name, low, high));
+  }
+  void on_grid(double value, std::string_view name) const {
+    in_range(value, -kMostMetres, kMostMetres, name);
+    require(std::abs(std::remainder(value, kPlanCellM)) < 1e-9,
+            fmt::format("{} must be a multiple of {} m", name, kPlanCellM));
+  }
+  void names(std::set<std::string>& seen, const std::string& name, std::string_view what) const {
+    require(!name.empty() && name.find_first_not_of(kNameLetters) == std::string::npos,
+            fmt::format("the name of a {} must be of letters, digits, - and _", what));
+    require(seen.insert(name).second, fmt::format("the name {} is given twice", name));
+  }
+
+ private:
+  std::string where_;
+};
+
+void check_floor(const World& world, size_t index, const Checker& check) {
+  const Floor& floor = world.floors[index];
+  check.in_range(floor.resemblance, 0, 1, "the resemblance of a floor");
+  if (!floor.like.empty()) {
+    const auto end = world.floors.begin() + static_cast<std::ptrdiff_t>(index);
+    const auto twin = std::find_if(world.floors.begin(), end,
+                                   [&](const Floor& other) { return other.name == floor.like; });
+    check.require(twin != end && twin->like.empty(),
+                  fmt::format("the floor {} is like {}, which is no floor with rooms before it",
+                              floor.name, floor.like));
+    check.require(
+        floor.rooms.empty() && floor.pillars.empty() && floor.glass.empty(),
+        fmt::format("the floor {} is like {}: it has no rooms of its own", floor.name, floor.like));
+    return;
+  }
+  check.require(!floor.rooms.empty(), fmt::format("the floor {} has no rooms", floor.name));
+  for (const Room& room : floor.rooms) {
+    check.on_grid(room.x, "x of a room");
+    check.on_grid(room.y, "y of a room");
+    check.on_grid(room.width, "width of a room");
+    check.on_grid(room.depth, "depth of a room");
+    check.require(room.width > 0 && room.depth > 0, "a room must be wider and deeper than 0");
+  }
+  const auto in_rooms = [&](double x, double y) {
+    return std::any_of(floor.rooms.begin(), floor.rooms.end(), [&](const Room& room) {
+      return x >= room.x && y >= room.y && x < room.x + room.width && y < room.y + room.depth;
+    });
+  };
+  for (const Pillar& pillar : floor.pillars) {
+    check.on_grid(pillar.x, "x of a pillar");
+    check.on_grid(pillar.y, "y of a pillar");
+    check.require(in_rooms(pillar.x, pillar.y), "a pillar stands outside all rooms");
+  }
+  for (const GlassFront& glass : floor.glass)
+    for (const double value : {glass.from_x, glass.from_y, glass.to_x, glass.to_y})
+      check.in_range(value, -kMostMetres, kMostMetres, "a coordinate of a glass front");
+}
+
+void check_walk(const World& world, const Walk& walk, const Checker& check) {
+  floor_index(world, walk.floor);
+  check.require(!walk.path.empty(), fmt::format("the walk {} has no path", walk.name));
+  for (const auto& corner : walk.path) {
+    check.require(corner.size() == 2, "a corner of a path must be [x, y]");
+    for (const double value : corner) check.in_range(value, -kMostMetres, kMostMetres, "a corner");
+  }
+  check.require(walk.frames <= kMostFrames, fmt::format("frames must be at most {}", kMostFrames));
+  check.in_range(walk.speed_m_s, 0.05, 100, "speed_m_s");
+  check.in_range(walk.shake, 0, 10, "shake");
+  check.require(walk.passers_by <= 1000 && walk.standing <= 1000,
+                "passers_by and standing must be at most 1000");
+  check.in_range(walk.conditions.lamps, 0, 10, "lamps");
+  check.in_range(walk.conditions.daylight, 0, 10, "daylight");
+  check.in_range(walk.conditions.warmth, -1, 1, "warmth");
+  check.in_range(walk.conditions.exposure, 0.01, 100, "exposure");
+  check.in_range(walk.conditions.noise, 0, 100, "noise");
+}
+
+void check_world(const World& world, const Checker& check) {
+  check.in_range(world.fps, 0.1, 1000, "fps");
+  check.in_range(static_cast<double>(world.image_width), 32, 4096, "image_width");
+  check.in_range(static_cast<double>(world.image_height), 32, 4096, "image_height");
+  check.in_range(world.view_deg, 20, 120, "view_deg");
+  check.in_range(world.resemblance, 0, 1, "resemblance");
+  check.in_range(world.same_place_m, 0, kMostMetres, "same_place_m");
+  check.in_range(world.same_heading_deg, 0, 180, "same_heading_deg");
+  check.in_range(world.ignore_m, 0, kMostMetres, "ignore_m");
+  check.in_range(world.place_radius_m, 0, kMostMetres, "place_radius_m");
+  check.in_range(world.place_ignore_m, 0, kMostMetres, "place_ignore_m");
+  check.require(!world.walks.empty(), "walks must not be empty");
+  std::set<std::string> names;
+  for (size_t i = 0; i < world.floors.size(); ++i) {
+    check.names(names, world.floors[i].name, "floor");
+    check_floor(world, i, check);
+  }
+  names = {"places"};  // the folder of their views
+  for (const Walk& walk : world.walks) {
+    check.names(names, walk.name, "walk");
+    check_walk(world, walk, check);
+  }
+  names.clear();
+  for (const WorldPlace& place : world.places) {
+    check.names(names, place.name, "place");
+    floor_index(world, place.floor);
+    check.require(!place.headings.empty(), fmt::format("the place {} has no headings", place.name));
+    for (const double value : {place.x, place.y})
+      check.in_range(value, -kMostMetres, kMostMetres, "a coordinate of a place");
+    for (const double heading : place.headings) check.in_range(heading, -360, 360, "a heading");
+  }
+}
+
+}  // namespace
+
+World read_world(const fs::path& path) {
+  const std::string where = path.string();
+  Json json = read_json(path, ErrorKind::usage);
+  require_schema(json, "world", where, ErrorKind::usage);
+  json.erase("schema");
+  World world;
+  value_from_json(json, world, where, "world");
+  check_world(world, Checker(where));
+  return world;
+}
+
+size_t floor_index(const World& world, const std::string& name) {
+  for (size_t i = 0; i < world.floors.size(); ++i)
+    if (world.floors[i].name == name) return i;
+  throw Error(ErrorKind::usage, fmt::format("the world {} has no floor {}", world.name, name));
+}
+
+const Floor& plan_floor(const World& world, size_t floor) {
+  const Floor& own = world.floors[floor];
+  return own.like.empty() ? own : world.floors[floor_index(world, own.like)];
+}
+
+}  // namespace vpr

@@ -1,0 +1,212 @@
+// What vpr-synth renders: buildings as floor plans, and walks through them (vpr.world/1).
+//
+// Metres. x goes right and y up on the plan; headings are in degrees, anticlockwise from x.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json.h"
+
+namespace vpr {
+
+enum class RoomKind { corridor, hall };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<RoomKind> = {"corridor", "hall"};
+
+/// A rectangle that one can walk in. Where rooms touch or overlap there is no wall between them.
+struct Room {
+  RoomKind kind = RoomKind::corridor;
+  double x = 0;      ///< left, a multiple of kPlanCellM like the next three
+  double y = 0;      ///< bottom
+  double width = 0;  ///< to the right
+  double depth = 0;  ///< upwards
+};
+
+template <class Visitor>
+void visit_fields(Room& room, Visitor&& visit) {
+  visit("kind", room.kind);
+  visit("x", room.x);
+  visit("y", room.y);
+  visit("width", room.width);
+  visit("depth", room.depth);
+}
+
+/// A square pillar of kPlanCellM, by its lower left corner.
+struct Pillar {
+  double x = 0;
+  double y = 0;
+};
+
+template <class Visitor>
+void visit_fields(Pillar& pillar, Visitor&& visit) {
+  visit("x", pillar.x);
+  visit("y", pillar.y);
+}
+
+/// Walls along this line are glass fronts with daylight behind them.
+struct GlassFront {
+  double from_x = 0;
+  double from_y = 0;
+  double to_x = 0;
+  double to_y = 0;
+};
+
+template <class Visitor>
+void visit_fields(GlassFront& glass, Visitor&& visit) {
+  visit("from_x", glass.from_x);
+  visit("from_y", glass.from_y);
+  visit("to_x", glass.to_x);
+  visit("to_y", glass.to_y);
+}
+
+/// One floor of a building. With `like`, its plan is another floor's, and so is as much of its
+/// furnishing as `resemblance` says.
+struct Floor {
+  std::string name;
+  std::string like;
+  double resemblance = 0.8;  ///< with `like`: share of things that stand at the same place there
+  std::vector<Room> rooms;
+  std::vector<Pillar> pillars;
+  std::vector<GlassFront> glass;
+};
+
+template <class Visitor>
+void visit_fields(Floor& floor, Visitor&& visit) {
+  visit("name", floor.name);
+  visit("like", floor.like);
+  visit("resemblance", floor.resemblance);
+  visit("rooms", floor.rooms);
+  visit("pillars", floor.pillars);
+  visit("glass", floor.glass);
+}
+
+/// A place of FAB-MAP: one view in each heading.
+struct WorldPlace {
+  std::string name;
+  std::string floor;
+  double x = 0;
+  double y = 0;
+  std::vector<double> headings;
+};
+
+template <class Visitor>
+void visit_fields(WorldPlace& place, Visitor&& visit) {
+  visit("name", place.name);
+  visit("floor", place.floor);
+  visit("x", place.x);
+  visit("y", place.y);
+  visit("headings", place.headings);
+}
+
+enum class WalkUse { train, query, pretrain };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<WalkUse> = {"train", "query",
+                                                                        "pretrain"};
+
+/// Light, and how well the camera does.
+struct Conditions {
+  double lamps = 1;     ///< artificial light; 1: all lamps on
+  double daylight = 1;  ///< 0: night, 1: noon
+  double warmth = 0;    ///< white balance, -1 (blue) to 1 (yellow)
+  double exposure = 1;  ///< factor on what the automatic exposure chooses
+  double noise = 3;     ///< sensor noise, standard deviation in grey values
+};
+
+template <class Visitor>
+void visit_fields(Conditions& conditions, Visitor&& visit) {
+  visit("lamps", conditions.lamps);
+  visit("daylight", conditions.daylight);
+  visit("warmth", conditions.warmth);
+  visit("exposure", conditions.exposure);
+  visit("noise", conditions.noise);
+}
+
+struct Walk {
+  std::string name;
+  WalkUse use = WalkUse::train;
+  std::string floor;
+  std::vector<std::vector<double>> path;  ///< corners [x, y]; the walk rounds them
+  uint64_t frames = 0;                    ///< 0: as many as the speed gives
+  double speed_m_s = 1.2;                 ///< mean; follows from `frames` where that is given
+  double shake = 1;                       ///< factor on the sway and turns of a hand-held phone
+  uint64_t passers_by = 0;                ///< groups of one to three people that walk by
+  uint64_t standing = 0;                  ///< groups of one to four that stand at the walls
+  Conditions conditions;
+};
+
+template <class Visitor>
+void visit_fields(Walk& walk, Visitor&& visit) {
+  visit("name", walk.name);
+  visit("use", walk.use);
+  visit("floor", walk.floor);
+  visit("path", walk.path);
+  visit("frames", walk.frames);
+  visit("speed_m_s", walk.speed_m_s);
+  visit("shake", walk.shake);
+  visit("passers_by", walk.passers_by);
+  visit("standing", walk.standing);
+  visit("conditions", walk.conditions);
+}
+
+enum class FrameFormat { jpg, png };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<FrameFormat> = {"jpg", "png"};
+
+struct World {
+  std::string name;
+  uint64_t seed = 1;
+  double fps = 8;
+  uint64_t image_width = 640;
+  uint64_t image_height = 480;
+  double view_deg = 66;  ///< horizontal angle of view
+  FrameFormat format = FrameFormat::jpg;
+  double resemblance = 0.5;      ///< share of things that stand alike in all corridors
+  double same_place_m = 1.5;     ///< frames at most so far apart show the same place, ...
+  double same_heading_deg = 40;  ///< ... if they look the same way
+  double ignore_m = 3;           ///< up to here they count as neither the same nor different
+  double place_radius_m = 2.5;   ///< a frame so near to a place, looking as a view does, shows it
+  double place_ignore_m = 5;     ///< up to here it counts as neither showing it nor not
+  std::vector<Floor> floors;
+  std::vector<WorldPlace> places;
+  std::vector<Walk> walks;
+};
+
+template <class Visitor>
+void visit_fields(World& world, Visitor&& visit) {
+  visit("name", world.name);
+  visit("seed", world.seed);
+  visit("fps", world.fps);
+  visit("image_width", world.image_width);
+  visit("image_height", world.image_height);
+  visit("view_deg", world.view_deg);
+  visit("format", world.format);
+  visit("resemblance", world.resemblance);
+  visit("same_place_m", world.same_place_m);
+  visit("same_heading_deg", world.same_heading_deg);
+  visit("ignore_m", world.ignore_m);
+  visit("place_radius_m", world.place_radius_m);
+  visit("place_ignore_m", world.place_ignore_m);
+  visit("floors", world.floors);
+  visit("places", world.places);
+  visit("walks", world.walks);
+}
+
+inline constexpr double kPlanCellM = 0.5;
+inline constexpr double kRoomHeightM = 2.9;
+inline constexpr double kEyeHeightM = 1.45;  ///< of the phone
+
+/// Throws Error(input) if it can't be read, Error(usage) if it is no world or a value is out of
+/// range.
+World read_world(const std::filesystem::path& path);
+
+/// The index of a floor; it exists in a world that was read.
+size_t floor_index(const World& world, const std::string& name);
+
+/// The floor whose plan this one has: itself, or the one it is like.
+const Floor& plan_floor(const World& world, size_t floor);
+
+}  // namespace vpr

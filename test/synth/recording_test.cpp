@@ -1,0 +1,185 @@
+#include "synth/recording.h"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+#include <catch2/catch.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/statistics.h"
+#include "cli/building.h"
+#include "descriptors/ldb.h"
+#include "descriptors/local_features.h"
+#include "support.h"
+#include "synth/recording_truth.h"
+#include "synth/renderer.h"
+
+using namespace vpr;
+namespace fs = std::filesystem;
+
+namespace {
+
+World small() { return read_world(test::source_path("configs/worlds/small.json")); }
+
+std::map<std::string, std::string> texts_of(const World& world) {
+  std::map<std::string, std::string> texts;
+  for (auto& [name, text] : recording_texts(world, record_walks(world))) texts[name] = text;
+  return texts;
+}
+
+// Two walks of three frames that stand at x 1, 2, 3 (train) and x 1, 2, 9 (query).
+World three_frames() {
+  World world;
+  Floor floor;
+  floor.name = "f";
+  floor.rooms = {{RoomKind::corridor, 0, 0, 20, 2}};
+  world.floors = {floor};
+  world.same_place_m = 0.5;
+  world.ignore_m = 1;
+  world.walks.resize(2);
+  for (Walk& walk : world.walks) {
+    walk.floor = "f";
+    walk.shake = 0;
+    walk.frames = 3;
+  }
+  world.walks[0].name = "train";
+  world.walks[0].path = {{1, 1}, {3, 1}};
+  world.walks[1].name = "query";
+  world.walks[1].use = WalkUse::query;
+  world.walks[1].path = {{1, 1}, {3, 1}};
+  world.places = {{"p", "f", 1, 1, {0}}, {"behind", "f", 1, 1, {180}}};
+  world.place_radius_m = 0.5;
+  world.place_ignore_m = 1.5;
+  return world;
+}
+
+}  // namespace
+
+TEST_CASE("ground truth follows from poses: the same, ignored, different") {
+  World world = three_frames();
+  const auto walks = record_walks(world);
+  // Middle frames stand within a few centimetres of x 2.
+  CHECK(walks[0].poses[1].position.x == Approx(2).margin(0.2));
+  const auto texts = texts_of(world);
+  const std::string& pairs = texts.at("query.ground_truth.csv");
+  CHECK(pairs.find("query,sequence,reference,label\n0,train,0,same\n") == 0);
+  CHECK(pairs.find("0,train,2") == std::string::npos);
+  CHECK(pairs.find("2,train,2,same\n") != std::string::npos);
+  CHECK(texts.at("query.places.csv").find("query,reference,label\n0,0,same\n1,0,ignore\n") == 0);
+  CHECK(texts.at("query.places.csv").find(",1,") == std::string::npos);  // looks the other way
+}
+
+TEST_CASE("walks of another floor or direction never show the same place") {
+  World world = three_frames();
+  std::swap(world.walks[1].path[0], world.walks[1].path[1]);
+  CHECK(texts_of(world).at("query.ground_truth.csv") == "query,sequence,reference,label\n");
+  world = three_frames();
+  Floor other;
+  other.name = "g";
+  other.like = "f";
+  world.floors.push_back(other);
+  world.walks[1].floor = "g";
+  CHECK(texts_of(world).at("query.ground_truth.csv") == "query,sequence,reference,label\n");
+}
+
+TEST_CASE("pretraining leaves out what shows a place") {
+  World world = three_frames();
+  world.walks[0].use = WalkUse::pretrain;
+  world.walks[0].frames = 20;
+  const Json dataset = Json::parse(texts_of(world).at("dataset.json"));
+  REQUIRE(dataset["pretrain"].size() == 1);
+  const std::string range = dataset["pretrain"][0];
+  CHECK(range.starts_with("train@"));
+  CHECK(range.ends_with(":20"));
+  CHECK(range != "train@0:20");
+}
+
+TEST_CASE("the shipped worlds have the paper's numbers of frames") {
+  const std::map<std::string, std::map<std::string, uint64_t>> expected = {
+      {"put-lc",
+       {{"train-forward", 458},
+        {"train-backward", 438},
+        {"library", 410},
+        {"test", 466},
+        {"test-2", 448}}},
+      {"put-mc",
+       {{"second-floor", 274},
+        {"short", 620},
+        {"long", 996},
+        {"people-short", 525},
+        {"people-long", 864}}},
+      {"put-mc-floor1", {{"query", 320}}}};
+  for (const auto& [name, walks] : expected) {
+    const World world = read_world(test::source_path("configs/worlds/" + name + ".json"));
+    std::map<std::string, uint64_t> frames;
+    uint64_t train = 0;
+    for (const RecordedWalk& recorded : record_walks(world)) {
+      frames[recorded.walk->name] = recorded.poses.size();
+      if (recorded.walk->use == WalkUse::train) train += recorded.poses.size();
+    }
+    for (const auto& [walk, count] : walks) CHECK(frames[walk] == count);
+    if (name == "put-mc") CHECK(train == 1256 + 274);
+    if (name == "put-mc-floor1") CHECK(train == 2127);
+  }
+}
+
+TEST_CASE("rendered corridors have the detail and the likeness of real ones") {
+  const World world = small();
+  const Scene scene = make_scene(world, 0, Monitor());
+  const auto cast = make_cast(world.seed);
+  const Walk& walk = *std::find_if(world.walks.begin(), world.walks.end(),
+                                   [](const Walk& w) { return w.name == "corridor"; });
+  const auto poses = walk_poses(world, walk, scene.plan);
+  std::vector<double> features, neighbours;
+  std::vector<LdbCode> codes;
+  for (size_t i = 0; i < 40; ++i) {
+    const cv::Mat picture = render(make_camera(world), {scene, cast, {}, poses[i], walk.conditions},
+                                   named_engine(world.seed, std::to_string(i)));
+    REQUIRE(picture.size() == cv::Size(640, 480));
+    cv::Mat grey;
+    cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    codes.push_back(describe_ldb(grey));
+    if (i % 8 == 0)
+      features.push_back(static_cast<double>(find_features(grey, FeatureSettings()).points.size()));
+  }
+  for (size_t i = 1; i < codes.size(); ++i) {
+    int bits = 0;
+    for (size_t byte = 0; byte < kLdbBytes; ++byte)
+      bits += std::popcount(static_cast<uint8_t>(codes[i][byte] ^ codes[i - 1][byte]));
+    neighbours.push_back(bits);
+  }
+  CHECK(median(features) >= 150);
+  CHECK(median(neighbours) >= 20);
+  CHECK(median(neighbours) <= 150);
+}
+
+TEST_CASE("worlds with mistakes are refused with a reason") {
+  const test::TemporaryFolder folder;
+  const auto refused = [&](const std::function<void(Json&)>& change) {
+    Json world = Json::parse(test::building(1, {"one", "back"}));
+    change(world);
+    test::write_text(folder / "w.json", world.dump());
+    return test::error_kind([&] { record_walks(read_world(folder / "w.json")); }) ==
+           ErrorKind::usage;
+  };
+  CHECK_FALSE(refused([](Json&) {}));
+  CHECK(refused([](Json& w) { w["floors"][0]["rooms"][0]["x"] = 0.3; }));
+  CHECK(refused([](Json& w) { w["floors"][0]["rooms"] = Json::array(); }));
+  CHECK(refused([](Json& w) { w["floors"][0]["like"] = "nowhere"; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["floor"] = "nowhere"; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["path"] = Json::array(); }));
+  CHECK(refused([](Json& w) { w["walks"][0]["path"][0] = {1, 2, 3}; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["path"][1] = {19, 1.25}; }));  // outside
+  CHECK(refused([](Json& w) { w["walks"][1]["name"] = "one"; }));
+  CHECK(refused([](Json& w) { w["walks"][1]["name"] = "../up"; }));
+  CHECK(refused([](Json& w) { w["walks"][1]["name"] = "places"; }));
+  CHECK(refused([](Json& w) { w["image_width"] = 1000000; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["frames"] = 1000000; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["speed_m_s"] = 0; }));
+  CHECK(refused([](Json& w) { w["colour"] = "red"; }));
+  CHECK(refused([](Json& w) {
+    w["places"] =
+        Json::array({{{"name", "p"}, {"floor", "ground"}, {"x", 5}, {"y", 4}, {"headings", {0}}}});
+  }));
+}

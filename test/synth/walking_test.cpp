@@ -1,0 +1,114 @@
+#include "synth/walking.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+World corridor_world() {
+  World world;
+  world.fps = 10;
+  Floor floor;
+  floor.name = "f";
+  floor.rooms = {{RoomKind::corridor, 0, 0, 20, 3}, {RoomKind::corridor, 17, 0, 3, 12}};
+  world.floors = {floor};
+  return world;
+}
+
+Walk walk_along(const std::vector<std::vector<double>>& path, uint64_t frames) {
+  Walk walk;
+  walk.name = "w";
+  walk.floor = "f";
+  walk.path = path;
+  walk.frames = frames;
+  return walk;
+}
+
+std::vector<CameraPose> poses(const World& world, const Walk& walk) {
+  return walk_poses(world, walk, make_floor_plan(world.floors[0]));
+}
+
+}  // namespace
+
+TEST_CASE("a walk without shake keeps to its path, from end to end") {
+  Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 101);
+  walk.shake = 0;
+  const auto found = poses(corridor_world(), walk);
+  REQUIRE(found.size() == 101);
+  CHECK(found.front().position.x == Approx(1));
+  CHECK(found.back().position.x == Approx(16));
+  CHECK(found.back().time_s == Approx(10));
+  for (size_t i = 0; i < found.size(); ++i) {
+    CHECK(found[i].position.y == Approx(1.5));
+    CHECK(found[i].heading_deg == Approx(0).margin(1e-9));
+    if (i == 0) continue;
+    const double step = found[i].position.x - found[i - 1].position.x;
+    CHECK(step > 0.1);  // 0.15 m on average, with natural variation
+    CHECK(step < 0.2);
+  }
+}
+
+TEST_CASE("speed gives the number of frames where none is stated") {
+  Walk walk = walk_along({{1, 1.5}, {13, 1.5}}, 0);
+  walk.speed_m_s = 1.2;
+  CHECK(poses(corridor_world(), walk).size() == 101);  // 12 m at 0.12 m a frame
+}
+
+TEST_CASE("a corner is rounded, and the heading turns by 90 degrees without a jump") {
+  Walk walk = walk_along({{1, 1.5}, {18.5, 1.5}, {18.5, 11}}, 300);
+  walk.shake = 0;
+  const auto found = poses(corridor_world(), walk);
+  CHECK(found.front().heading_deg == Approx(0).margin(1e-9));
+  CHECK(found.back().heading_deg == Approx(90));
+  double most = 0;
+  for (size_t i = 1; i < found.size(); ++i)
+    most = std::max(most, heading_difference(found[i].heading_deg, found[i - 1].heading_deg));
+  CHECK(most < 12);
+}
+
+TEST_CASE("the same walk has the same poses, another name other ones") {
+  const World world = corridor_world();
+  const Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 50);
+  Walk other = walk;
+  other.name = "v";
+  const auto a = poses(world, walk), b = poses(world, walk), c = poses(world, other);
+  bool differs = false;
+  for (size_t i = 0; i < a.size(); ++i) {
+    CHECK(a[i].position.x == b[i].position.x);
+    CHECK(a[i].heading_deg == b[i].heading_deg);
+    differs = differs || a[i].heading_deg != c[i].heading_deg;
+  }
+  CHECK(differs);
+}
+
+TEST_CASE("a walk of one corner stands still, and one of one frame is at its start") {
+  Walk standing = walk_along({{5, 1.5}}, 20);
+  standing.shake = 0;
+  for (const CameraPose& pose : poses(corridor_world(), standing)) {
+    CHECK(pose.position.x == Approx(5));
+    CHECK(pose.heading_deg == Approx(0).margin(1e-9));
+  }
+  Walk one = walk_along({{1, 1.5}, {16, 1.5}}, 1);
+  one.shake = 0;
+  const auto found = poses(corridor_world(), one);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].position.x == Approx(1));
+}
+
+TEST_CASE("a walk through a wall is an error that says where") {
+  const World world = corridor_world();
+  CHECK(test::error_kind([&] {
+          poses(world, walk_along({{1, 1.5}, {16, 8}}, 50));
+        }) == ErrorKind::usage);
+}
+
+TEST_CASE("differences of headings go the short way round") {
+  CHECK(heading_difference(350, 20) == Approx(30));
+  CHECK(heading_difference(-170, 170) == Approx(20));
+  CHECK(heading_difference(0, 180) == Approx(180));
+}
