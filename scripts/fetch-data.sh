@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# Fetches published data sets from their authors' addresses, and unpacks them.
+#   scripts/fetch-data.sh [NAME ...] [--to DIR]
+# Names: put-mc-floor1 vpr-bench gardens-point st-lucia sfu (default: all). DIR: data/downloads.
+# Downloads that were cut off go on where they stopped. Nothing is unpacked before its size is right.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+declare -A address=(
+  [put-mc-floor1]=http://lrm.put.poznan.pl/files/Preludium/SP_PUT_CM_1.tar.gz
+  [vpr-bench]=https://surfdrive.surf.nl/files/index.php/s/sbZRXzYe3l0v67W/download
+  [gardens-point]=https://www.tu-chemnitz.de/etit/proaut/datasets/GardensPoint_Walking.zip
+  [st-lucia]=https://www.tu-chemnitz.de/etit/proaut/datasets/StLucia_small.zip
+  [sfu]=https://www.tu-chemnitz.de/etit/proaut/datasets/SFU.zip
+)
+target=data/downloads
+names=()
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    --to) [[ $# -ge 2 ]] || { echo "fetch-data: --to needs a folder" >&2; exit 2; }; target=$2; shift ;;
+    -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;;
+    *) [[ -n ${address[$1]:-} ]] || { echo "fetch-data: no data set $1; there are: ${!address[*]}" >&2; exit 2; }
+       names+=("$1") ;;
+  esac
+  shift
+done
+[[ ${#names[@]} -gt 0 ]] || names=(put-mc-floor1 vpr-bench gardens-point st-lucia sfu)
+for tool in curl tar unzip python3; do
+  command -v "$tool" >/dev/null || { echo "fetch-data: $tool is missing; install it and try again" >&2; exit 3; }
+done
+
+# The size that the server states, or nothing.
+stated_size() {
+  curl --silent --fail --location --head --connect-timeout 20 "$1" |
+    tr -d '\r' | awk 'tolower($1) == "content-length:" { size = $2 } END { print size }'
+}
+
+# Fetches one address into a file, and checks that all of it came.
+download() {
+  local url=$1 file=$2 size
+  size=$(stated_size "$url") || size=
+  if [[ -n $size && -f $file && $(stat -c %s "$file") == "$size" ]]; then return 0; fi
+  curl --fail --location --continue-at - --connect-timeout 20 --retry 3 --output "$file" "$url" || return 1
+  [[ -z $size || $(stat -c %s "$file") == "$size" ]] && return 0
+  echo "fetch-data: $file has $(stat -c %s "$file") bytes, the server states $size" >&2
+  return 1
+}
+
+# Unpacks beside the final folder, then renames: a folder that is there is complete.
+unpack() {
+  local archive=$1 folder=$2
+  rm -rf "$folder.part"
+  mkdir "$folder.part"
+  case $archive in
+    *.tar.gz) tar -xzf "$archive" -C "$folder.part" ;;
+    *) unzip -q "$archive" -d "$folder.part" ;;
+  esac || return 1
+  mv "$folder.part" "$folder"
+}
+
+# Which sequences the first floor's archive holds; it has no ground truth.
+describe_floor1() {
+  python3 - "$1" <<'PYTHON'
+import json, pathlib, sys
+folder = pathlib.Path(sys.argv[1])
+train = sorted(path for path in folder.glob("**/SP_PUT_CM_1_train/*") if path.is_dir())
+query = next(iter(folder.glob("**/SP_PUT_CM_1_test")), None)
+if not train or query is None:
+    sys.exit(f"fetch-data: {folder} holds no SP_PUT_CM_1_train and SP_PUT_CM_1_test")
+inner = [path for path in query.iterdir() if path.is_dir()]
+query = inner[0] if len(inner) == 1 else query
+relative = lambda path: str(path.relative_to(folder))
+(folder / "dataset.json").write_text(json.dumps({
+    "schema": "vpr.dataset/1", "name": "PUT MC, first floor", "fps": 10,
+    "train": [{"name": path.name, "sequence": relative(path)} for path in train],
+    "queries": [{"name": "query", "sequence": relative(query)}]}, indent=2) + "\n")
+PYTHON
+}
+
+mkdir -p "$target"
+failed=()
+for name in "${names[@]}"; do
+  folder=$target/$name
+  [[ -d $folder ]] && { echo "$name: is in $folder"; continue; }
+  archive=$target/$name.zip
+  [[ ${address[$name]} == *.tar.gz ]] && archive=$target/$name.tar.gz
+  echo "$name: from ${address[$name]}"
+  if ! download "${address[$name]}" "$archive"; then
+    failed+=("$name: could not be fetched whole from ${address[$name]}; run this again to go on, or fetch it by hand into $archive")
+  elif ! unpack "$archive" "$folder"; then
+    failed+=("$name: $archive could not be unpacked; delete it and run this again")
+  elif [[ $name == put-mc-floor1 ]] && ! describe_floor1 "$folder"; then
+    failed+=("$name: is not laid out as its authors say; see $folder")
+  else
+    echo "$name: is in $folder"
+  fi
+done
+[[ ${#failed[@]} == 0 ]] && exit 0
+printf 'fetch-data: %s\n' "${failed[@]}" >&2
+exit 3

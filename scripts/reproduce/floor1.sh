@@ -1,0 +1,4 @@
+#!/usr/bin/env bash
+# The first floor of PUT MC with the automatic threshold, for four window lengths.
+#   floor1.sh [--data DIR]
+exec "$(dirname "$0")/run.sh" floor1 "$@"

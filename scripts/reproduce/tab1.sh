@@ -1,0 +1,4 @@
+#!/usr/bin/env bash
+# Table 1 of the paper: FAB-MAP's c_w and t_p on the validation sequences.
+#   tab1.sh [--data DIR]
+exec "$(dirname "$0")/run.sh" tab1 "$@"

@@ -1,0 +1,4 @@
+#!/usr/bin/env bash
+# Table 2: FAB-MAP on the test sequences.
+#   tab2.sh [--data DIR]
+exec "$(dirname "$0")/run.sh" tab2 "$@"

@@ -1,0 +1,4 @@
+#!/usr/bin/env bash
+# Table 6: speed-up of FastABLE over OpenABLE.
+#   tab6.sh [--data DIR]
+exec "$(dirname "$0")/run.sh" tab6 "$@"
