@@ -6,6 +6,7 @@
 
 #include "base/stopwatch.h"
 #include "command.h"
+#include "eval_pictures.h"
 #include "eval_scores.h"
 #include "evaluation/counts.h"
 #include "evaluation/expectation.h"
@@ -27,6 +28,7 @@ struct EvalInputs {
   std::string expected;
   TableFormat format = TableFormat::text;
   ScoreInputs scores;
+  PictureInputs pictures;
 };
 
 /// What may stand in a configuration file.
@@ -75,20 +77,28 @@ Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& in
   return evaluation;
 }
 
+/// Of scores: as the data set or the sequence's folder has it.
+std::string query_name(const EvalInputs& inputs) {
+  if (!inputs.dataset.empty())
+    return select_query(read_dataset(inputs.dataset), inputs.pictures.query).sequence.name;
+  if (!inputs.pictures.query) return "queries";
+  return sequence_names({parse_sequence_argument(*inputs.pictures.query)}).front();
+}
+
 Evaluation evaluate(Session& session, const EvalInputs& inputs) {
   if (inputs.result.empty() && inputs.scores.path.empty())
     throw Error(ErrorKind::usage,
                 "give a result of vpr-query, or --scores of any program; see vpr-eval --help");
   if (inputs.result.empty())
-    return evaluate_scores(session, inputs.scores, "queries",
-                           find_ground_truth(inputs, std::nullopt, false));
+    return evaluate_scores(session, inputs.scores, query_name(inputs),
+                           find_ground_truth(inputs, inputs.pictures.query, false));
   if (result_method(inputs.result) == "fabmap")
     return evaluate(session, read_fabmap_result(inputs.result), inputs);
   return evaluate(session, read_result(inputs.result), inputs);
 }
 
 std::string tables(const Json& report, TableFormat format) {
-  Table table = report.contains("counts") ? report_table(report) : scores_table(report);
+  Table table = summary_table(report);
   if (format == TableFormat::csv) {
     append_metrics(table, report);
     return render_table(table, format);
@@ -101,6 +111,7 @@ std::string tables(const Json& report, TableFormat format) {
 void run(Session& session, const EvalInputs& inputs) {
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_output_file(options.output, options.existing());
+  check_picture_outputs(session, inputs.pictures);
   const Json expected =
       inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
   const Stopwatch watch;
@@ -116,6 +127,7 @@ void run(Session& session, const EvalInputs& inputs) {
   std::vector<std::string> unmet;
   if (!expected.is_null()) unmet = unmet_expectations(report, expected, inputs.expected);
   if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
+  write_pictures(session, inputs.pictures, inputs.dataset, evaluation);
   session.print_result(tables(report, inputs.format), report);
   if (!unmet.empty())
     throw Error(ErrorKind::expectation,
@@ -147,6 +159,7 @@ int main(int argc, char** argv) {
                  "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
                  "if they differ");
   add_score_options(app, inputs.scores);
+  add_picture_options(app, inputs.pictures);
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");

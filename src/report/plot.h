@@ -8,9 +8,12 @@
 
 namespace vpr {
 
+enum class PlotStyle { line_and_points, line, points };
+
 struct PlotLine {
   std::string name;
   std::vector<std::pair<double, double>> points;
+  PlotStyle style = PlotStyle::line_and_points;
 };
 
 struct Plot {

@@ -57,4 +57,8 @@ Table scores_table(const Json& report) {
   return table;
 }
 
+Table summary_table(const Json& report) {
+  return report.contains("counts") ? report_table(report) : scores_table(report);
+}
+
 }  // namespace vpr

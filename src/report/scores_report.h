@@ -25,4 +25,7 @@ Json scores_report_json(const ScoreSettings& settings, const std::string& query,
 /// One row: the matrix and its best matches.
 Table scores_table(const Json& report);
 
+/// The first table of any report: of a result or a matrix.
+Table summary_table(const Json& report);
+
 }  // namespace vpr

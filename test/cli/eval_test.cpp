@@ -134,3 +134,34 @@ TEST_CASE("CSV has everything in one row, text a table each") {
   CHECK(text.find("Recall@K") != std::string::npos);
   CHECK(text.find("12 queries with a match; 0 without one") != std::string::npos);
 }
+
+TEST_CASE("pictures: a page with the frames of both sequences, and plots") {
+  const test::TemporaryFolder folder;
+  for (const std::string name : {"q", "r"}) {
+    std::filesystem::create_directory(folder / name);
+    for (int i = 0; i < 12; ++i)
+      test::write_image(folder / name / (std::to_string(i) + ".png"), uint64_t(i));
+  }
+  const std::vector<std::string> words = {"--scores",        write_scores(folder),
+                                          "--distance",      "--ground-truth",
+                                          "aligned",         "--query",
+                                          folder / "q",      "--train",
+                                          folder / "r",      "--html",
+                                          folder / "e.html", "--plot",
+                                          folder / "plots"};
+  const auto run = run_program("vpr-eval", words);
+  CHECK(run.exit_code == 0);
+  const std::string page = test::read_text(folder / "e.html");
+  CHECK(page.find("s on q") != std::string::npos);
+  CHECK(page.find("true place references 9: 9.png") != std::string::npos);
+  if (run.err.find("gnuplot is not installed") == std::string::npos)
+    CHECK(test::list_folder(folder / "plots") ==
+          std::vector<std::string>{"matrix.png", "precision-recall.png", "precision-recall.svg",
+                                   "recall-at.png", "recall-at.svg", "timeline.png",
+                                   "timeline.svg"});
+  CHECK(run_program("vpr-eval", words).exit_code == 2);  // the page exists
+  auto other = words;
+  other[8] = folder / "q/1.png";
+  other.emplace_back("--force");
+  CHECK(run_program("vpr-eval", other).exit_code != 0);
+}
