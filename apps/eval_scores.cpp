@@ -20,19 +20,15 @@ void warn_negative(const Session& session, const ScoreInputs& inputs, const Judg
                    inputs.path));
 }
 
-std::string metrics_help() {
-  std::string text = "query x reference matrix of any program (.npy), evaluated by";
-  for (const CurveMetric& metric : curve_metrics())
-    text += fmt::format(" {} ({}),", metric.column, metric.meaning);
-  return text + " recall@K; with RESULT: the matrix saved with it";
-}
-
 }  // namespace
 
 void add_score_options(CLI::App& app, ScoreInputs& inputs) {
   const std::string group = "Scores";
-  auto* scores = app.add_option("--scores", inputs.path, metrics_help())->group(group);
-  scores->type_name("FILE");
+  app.add_option("--scores", inputs.path,
+                 "query x reference matrix of any program (.npy); with RESULT: the matrix that was "
+                 "saved with it")
+      ->group(group)
+      ->type_name("FILE");
   auto* distance =
       app.add_flag("--distance", inputs.is_distance, "small scores are good")->group(group);
   app.add_flag("--similarity", inputs.is_similarity, "large scores are good")
@@ -56,6 +52,14 @@ void add_score_options(CLI::App& app, ScoreInputs& inputs) {
                  "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too")
       ->group(group)
       ->type_name("FILE");
+}
+
+std::string metrics_help() {
+  std::string text = "Metrics (best matches, and all pairs of a matrix):\n";
+  for (const CurveMetric& metric : curve_metrics())
+    text += fmt::format("  {:<32}{}\n", metric.column, metric.meaning);
+  return text + fmt::format("  {:<32}{}\n", "R@K",
+                            "share of queries with a right reference among the K best");
 }
 
 ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result) {

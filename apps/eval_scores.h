@@ -34,6 +34,9 @@ struct Evaluation {
 
 void add_score_options(CLI::App& app, ScoreInputs& inputs);
 
+/// What the metrics are, for --help.
+std::string metrics_help();
+
 /// The matrix of --scores. Throws Error(usage) unless its kind is known.
 ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result);
 

@@ -6,6 +6,7 @@
 
 #include "base/stopwatch.h"
 #include "command.h"
+#include "eval_compare.h"
 #include "eval_pictures.h"
 #include "eval_scores.h"
 #include "evaluation/counts.h"
@@ -163,6 +164,9 @@ int main(int argc, char** argv) {
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
+  app.footer(metrics_help() + "\n" + app.get_footer());
+  CompareInputs compare;
+  add_compare(program, compare);
   program.set_run([&](Session& session) { run(session, inputs); });
   return program.main(argc, argv);
 }

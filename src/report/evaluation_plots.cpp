@@ -45,7 +45,7 @@ void draw_evaluation(const Json& report, const Judgement& judgement, const Groun
                      const Monitor& monitor) {
   const std::string title = fmt::format("{} on {}", report["method"].get<std::string>(),
                                         report["query"].get<std::string>());
-  Plot curves{"precision-recall", title, "recall", "precision", false, false, {}};
+  Plot curves{"precision-recall", title, "recall", "precision", false, false, {}, true};
   curves.lines.push_back(curve_line("best matches", judgement.single_best));
   if (judgement.all_pairs)
     curves.lines.push_back(curve_line("all pairs", judgement.all_pairs->curve));

@@ -54,7 +54,10 @@ std::string script_of(const Plot& plot, const fs::path& folder) {
       "set tics nomirror\nset offsets graph 0.02, graph 0.02, 0, 0\n";
   if (plot.is_log_x) script += "set logscale x\n";
   if (plot.is_log_y) script += "set logscale y\n";
-  if (!plot.is_log_y) script += "set yrange [0:*]\n";
+  if (plot.is_unit_square)
+    script += "set xrange [0:1]\nset yrange [0:1]\nset offsets 0, 0, 0, 0\n";
+  else if (!plot.is_log_y)
+    script += "set yrange [0:*]\n";
   std::string draw = "plot ";
   for (size_t i = 0; i < plot.lines.size(); ++i)
     draw += fmt::format("{}$line{} using 1:2 with {} title {}", i == 0 ? "" : ", ", i,

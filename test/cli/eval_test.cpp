@@ -165,3 +165,57 @@ TEST_CASE("pictures: a page with the frames of both sequences, and plots") {
   other.emplace_back("--force");
   CHECK(run_program("vpr-eval", other).exit_code != 0);
 }
+
+TEST_CASE("reports are compared query by query") {
+  const test::TemporaryFolder folder;
+  std::vector<float> worse(144, 20);
+  for (size_t q = 0; q < 6; ++q) worse[13 * q] = float(q + 1);
+  OutputFile file(folder / "w.npy", Existing::replace);
+  write_npy<float>(file, worse, {12, 12});
+  file.commit();
+  for (const std::string& scores : {write_scores(folder), std::string(folder / "w.npy")})
+    REQUIRE(run_program("vpr-eval", {"--scores", scores, "--distance", "--ground-truth", "aligned",
+                                     "-o", scores + ".json", "--quiet"})
+                .exit_code == 0);
+  const std::vector<std::string> words = {"compare", folder / "s.npy.json", folder / "w.npy.json"};
+  auto json_words = words;
+  json_words.insert(json_words.end(), {"--json", "-o", folder / "c.json"});
+  const Json found = report_of(json_words);
+  CHECK(found["schema"] == "vpr.comparison/1");
+  CHECK(found["metrics"][1]["report"] == "w");
+  CHECK(found["metrics"][1]["difference"].get<double>() == Approx(-3.0 / 12));
+  CHECK(found["paired"][0]["only_first"] == 3);
+  const auto text = run_program("vpr-eval", words);
+  CHECK(text.out.find("differences to s over 12 common queries") != std::string::npos);
+  CHECK(run_program("vpr-eval", {"compare", folder / "s.npy.json"}).exit_code == 2);
+  CHECK(run_program("vpr-eval", {"compare", folder / "s.npy", folder / "w.npy"}).exit_code == 4);
+  CHECK(run_program("vpr-eval", {"compare", folder / "a.json", folder / "b.json"}).exit_code == 3);
+}
+
+TEST_CASE("damaged reports are refused") {
+  const test::TemporaryFolder folder;
+  const Json good =
+      report_of({"--scores", write_scores(folder), "--distance", "--ground-truth", "aligned"});
+  test::write_text(folder / "good.json", good.dump());
+  const auto code = [&](const std::string& key, const Json& value) {
+    Json bad = good;
+    bad["outcomes"][key] = value;
+    test::write_text(folder / "bad.json", bad.dump());
+    return run_program("vpr-eval", {"compare", folder / "good.json", folder / "bad.json"})
+        .exit_code;
+  };
+  CHECK(code("best", "cccccccccwww") == 0);
+  CHECK(code("best", "ccccccccxwww") == 4);
+  CHECK(code("best", "c") == 4);
+  CHECK(code("best", 3) == 4);
+  CHECK(code("scores", "1 2 3") == 4);
+  CHECK(code("scores", "1 2 3 4 5 6 7 8 9 10 11 x") == 4);
+  CHECK(code("ranks", "1 2 3 4 5 6 7 8 9 10 11 -1") == 4);
+  CHECK(code("first_frame", -1) == 4);
+  CHECK(code("scores_are", "votes") == 4);
+  Json old = good;
+  old.erase("outcomes");
+  test::write_text(folder / "old.json", old.dump());
+  CHECK(run_program("vpr-eval", {"compare", folder / "good.json", folder / "old.json"}).exit_code ==
+        4);
+}
