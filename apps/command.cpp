@@ -17,6 +17,7 @@
 #include "base/parallel.h"
 #include "base/provenance.h"
 #include "base/simd.h"
+#include "completion.h"
 #include "progress.h"
 
 namespace vpr {
@@ -162,6 +163,10 @@ void Program::run_session(int argc, char** argv) {
 int Program::main(int argc, char** argv) {
   set_up_process();
   try {
+    if (argc == 3 && std::string_view(argv[1]) == "--completion") {  // for the installation
+      fmt::print("{}", command_text(describe_commands(app_), argv[2], program_version()));
+      return 0;
+    }
     try {
       app_.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
