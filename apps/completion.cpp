@@ -69,7 +69,7 @@ std::string find_command(const CommandEntry& program, const std::string& words) 
 std::string zsh_flag(const FlagEntry& flag) {
   std::string help = flag.help;
   for (const std::string special : {"\\", "[", "]", ":"})
-    help = replaced(help, special, "\\" + special);
+    help = replaced(help, special, fmt::format("\\{}", special));
   std::string action;
   if (!flag.choices.empty())
     action = fmt::format(":value:({})", fmt::join(flag.choices, " "));

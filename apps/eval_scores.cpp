@@ -62,6 +62,26 @@ std::string metrics_help() {
                             "share of queries with a right reference among the K best");
 }
 
+void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
+  const auto refuse = [](bool is_given, const std::string& flag, const std::string& why) {
+    if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
+  };
+  const std::string without = "describes a matrix; give it with --scores";
+  const std::string beside = "does not go with a result, whose matrix and thresholds are known";
+  const bool has_scores = !inputs.path.empty();
+  for (const auto& [is_given, flag] : {std::pair(inputs.is_distance, "--distance"),
+                                       std::pair(inputs.references_first, "--references-first"),
+                                       std::pair(inputs.missing.has_value(), "--missing")})
+    refuse(is_given && !has_scores, flag, without);
+  for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
+                                       std::pair(inputs.threshold.has_value(), "--threshold"),
+                                       std::pair(inputs.window_length != 1, "--window"),
+                                       std::pair(!inputs.name.empty(), "--name")}) {
+    refuse(is_given && has_result, flag, beside);
+    refuse(is_given && !has_scores, flag, without);
+  }
+}
+
 ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result) {
   if (!is_of_result && !inputs.is_distance && !inputs.is_similarity)
     throw Error(ErrorKind::usage,

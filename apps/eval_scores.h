@@ -37,6 +37,9 @@ void add_score_options(CLI::App& app, ScoreInputs& inputs);
 /// What the metrics are, for --help.
 std::string metrics_help();
 
+/// Throws Error(usage) for flags that need --scores, or that a result answers already.
+void check_score_inputs(const ScoreInputs& inputs, bool has_result);
+
 /// The matrix of --scores. Throws Error(usage) unless its kind is known.
 ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result);
 

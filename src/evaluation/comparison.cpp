@@ -37,7 +37,9 @@ std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& 
     comparison.own.push_back(frames.back().size());
   }
   std::vector<Paired> paired(methods.size());
-  for (const auto& [frame, first] : frames.front()) {
+  for (const auto& entry : frames.front()) {
+    const size_t frame = entry.first;
+    const QueryOutcome* first = entry.second;
     const bool is_common = std::all_of(frames.begin(), frames.end(),
                                        [&](const auto& own) { return own.contains(frame); });
     if (!is_common) continue;

@@ -97,6 +97,9 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                         label_row(truth, layout, row, share.labels);
                         judge(query, share, keys, layout);
                       });
+  size_t pairs = 0;
+  for (const Share& share : shares) pairs += share.scan.same_keys.size();
+  scan.same_keys.reserve(pairs);
   for (Share& share : shares) merge(scan, std::move(share.scan));
   std::sort(scan.same_keys.begin(), scan.same_keys.end());
   return scan;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "base/parallel.h"
 
@@ -14,11 +15,18 @@ constexpr size_t kMostCounterBytes = size_t{128} << 20;  // of all workers
 /// The distinct keys of correct pairs, and where a key stands among them.
 class KeyIndex {
  public:
-  explicit KeyIndex(const std::vector<uint64_t>& sorted) {
-    for (size_t i = 0; i < sorted.size(); ++i) {
-      if (i == 0 || sorted[i] != sorted[i - 1]) keys_.push_back(sorted[i]), counts_.push_back(0);
+  /// Keeps of `sorted` one of each, in its memory.
+  explicit KeyIndex(std::vector<uint64_t> sorted) : keys_(std::move(sorted)) {
+    size_t distinct = 0;
+    for (size_t i = 0; i < keys_.size(); ++i) {
+      if (i == 0 || keys_[i] != keys_[distinct - 1]) {
+        keys_[distinct++] = keys_[i];
+        counts_.push_back(0);
+      }
       ++counts_.back();
     }
+    keys_.resize(distinct);
+    keys_.shrink_to_fit();
     if (keys_.empty()) return;
     const uint64_t range = keys_.back() - keys_.front();
     const auto bits = static_cast<size_t>(std::bit_width(range));
@@ -111,13 +119,15 @@ Counters count_incorrect(const ScoreMatrix& matrix, const GroundTruth& truth,
 }  // namespace
 
 Curve pair_curve(const ScoreMatrix& matrix, const GroundTruth& truth, const ScoreLayout& layout,
-                 const MatrixScan& scan, const Monitor& monitor) {
-  const KeyIndex index(scan.same_keys);
+                 MatrixScan& scan, const Monitor& monitor) {
+  const KeyIndex index(std::move(scan.same_keys));
+  scan.same_keys = {};
   const Counters counters = count_incorrect(matrix, truth, layout, index, monitor);
   Curve curve{matrix.kind(), scan.same_pairs, {}};
   const bool has_incorrect = counters.best.count > 0;
   if (has_incorrect && (index.size() == 0 || counters.best.key < index.key(0)))
     curve.points.push_back({counters.best.key, 0, 0, counters.best.count});
+  curve.points.reserve(index.size() + 2);
   CurvePoint last;
   for (size_t k = 0; k < index.size(); ++k) {
     const uint64_t before = last.incorrect + counters.before[k];

@@ -156,8 +156,8 @@ std::string curve_svg(const Judgement& judgement) {
   svg += fmt::format("<path class=\"line single\" d=\"M{0} {1}h30\"/>", kCurveLeft, y - 4);
   svg += text_at(kCurveLeft + 38, y, "start", "best matches");
   if (judgement.all_pairs) {
-    svg += fmt::format("<path class=\"line pairs\" d=\"M{0} {1}h30\"/>", kCurveLeft + 150, y - 4);
-    svg += text_at(kCurveLeft + 188, y, "start", "all pairs");
+    svg += fmt::format("<path class=\"line pairs\" d=\"M{0} {1}h30\"/>", kCurveLeft + 220, y - 4);
+    svg += text_at(kCurveLeft + 258, y, "start", "all pairs");
   }
   return svg + "</svg>";
 }

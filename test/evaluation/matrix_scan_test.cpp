@@ -249,7 +249,7 @@ TEST_CASE("the curve over all pairs is that of sorting them all") {
     for (const ScoreKind kind : {ScoreKind::distance, ScoreKind::similarity}) {
       const ScoreMatrix matrix(write_matrix(folder, scores, rows, cols), {kind, false, {}});
       const ScoreLayout layout = layout_of(matrix, 1);
-      const MatrixScan found = scan_matrix(matrix, truth, layout, {});
+      MatrixScan found = scan_matrix(matrix, truth, layout, {});
       const Curve curve = pair_curve(matrix, truth, layout, found, {});
       std::vector<ScoredItem> items;
       uint64_t to_find = 0;
@@ -282,7 +282,7 @@ TEST_CASE("a large matrix gives the same for any number of threads") {
   std::optional<Curve> first;
   for (const size_t threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    const MatrixScan found = scan_matrix(matrix, truth, layout, {});
+    MatrixScan found = scan_matrix(matrix, truth, layout, {});
     const Curve curve = pair_curve(matrix, truth, layout, found, {});
     if (first) CHECK(curve == *first);
     first = curve;

@@ -12,7 +12,7 @@
     const words = byId("words").value.toLowerCase().split(/\s+/).filter(Boolean);
     for (const card of cards) {
       const text = card.textContent.toLowerCase();
-      card.hidden = (kind && card.dataset.kind !== kind) || !words.every((word) => text.includes(word));
+      card.hidden = (kind !== "all" && card.dataset.kind !== kind) || !words.every((word) => text.includes(word));
     }
     byId("shown").textContent = `${visible().length} of ${cards.length}`;
   };
