@@ -17,6 +17,7 @@
 #include "base/parallel.h"
 #include "base/provenance.h"
 #include "base/simd.h"
+#include "completion.h"
 #include "progress.h"
 
 namespace vpr {
@@ -90,12 +91,13 @@ CLI::App& Program::add_command(const std::string& name, const std::string& descr
   command->footer("Example:\n" + example);
   add_common_flags(*command);
   command->callback([this, run = std::move(run)] { run_ = run; });
-  app_.require_subcommand(1);
+  if (!run_) app_.require_subcommand(1);
   return *command;
 }
 
 void Program::set_run(std::function<void(Session&)> run) {
   add_common_flags(app_);
+  app_.require_subcommand(0, 1);
   run_ = std::move(run);
 }
 
@@ -161,6 +163,10 @@ void Program::run_session(int argc, char** argv) {
 int Program::main(int argc, char** argv) {
   set_up_process();
   try {
+    if (argc == 3 && std::string_view(argv[1]) == "--completion") {  // for the installation
+      fmt::print("{}", command_text(describe_commands(app_), argv[2], program_version()));
+      return 0;
+    }
     try {
       app_.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/json.h"
 #include "base/monitor.h"
@@ -77,7 +79,7 @@ class Program {
   /// A command with its own --help and the common flags. The work is done by `run`.
   CLI::App& add_command(const std::string& name, const std::string& description,
                         const std::string& example, std::function<void(Session&)> run);
-  /// The program itself is the command.
+  /// The program itself is the command, where none of its others is named.
   void set_run(std::function<void(Session&)> run);
 
   /// --config FILE fills `settings` and the common options before any flag does.
@@ -107,6 +109,15 @@ class Program {
 /// The number or text that a flag means, as JSON: ".5", "+1" and "1e-3" are numbers here.
 Json flag_value(const std::string& text);
 
+/// What a flag's value is called in help: the names of an enum, which completions offer, or a word.
+template <class T>
+std::string value_name() {
+  if constexpr (std::is_enum_v<T>)
+    return fmt::format("{}", fmt::join(kEnumNames<T>, "|"));
+  else
+    return std::is_arithmetic_v<T> ? "NUMBER" : "VALUE";
+}
+
 /// A flag that sets one field of a settings struct, with the same checks as in a file.
 template <class T>
 CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
@@ -119,9 +130,7 @@ CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
             value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
           },
           help)
-      ->type_name(std::is_arithmetic_v<T> ? "NUMBER"
-                  : std::is_enum_v<T>     ? "NAME"
-                                          : "VALUE");
+      ->type_name(value_name<T>());
 }
 
 /// A flag that may be given several times; each value stands as it is.

@@ -1,4 +1,4 @@
-// vpr-eval: how many recognitions of a result are right?
+// vpr-eval: how right are the recognitions of a result, or the scores of any method?
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -6,12 +6,17 @@
 
 #include "base/stopwatch.h"
 #include "command.h"
+#include "eval_compare.h"
+#include "eval_pictures.h"
+#include "eval_scores.h"
 #include "evaluation/counts.h"
 #include "evaluation/expectation.h"
 #include "images/dataset.h"
 #include "report/evaluation_report.h"
 #include "report/fabmap_result_file.h"
+#include "report/metrics_report.h"
 #include "report/result_file.h"
+#include "report/scores_report.h"
 
 namespace vpr {
 namespace {
@@ -23,6 +28,8 @@ struct EvalInputs {
   int tolerance_frames = -1;  ///< below 0: the data set's, or 0
   std::string expected;
   TableFormat format = TableFormat::text;
+  ScoreInputs scores;
+  PictureInputs pictures;
 };
 
 /// What may stand in a configuration file.
@@ -36,7 +43,8 @@ void visit_fields(EvalSettings& settings, Visitor&& visit) {
   visit("format", settings.inputs.format);
 }
 
-GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::string& query_name,
+GroundTruthArgument find_ground_truth(const EvalInputs& inputs,
+                                      const std::optional<std::string>& query_name,
                                       bool is_fabmap) {
   const int given = inputs.tolerance_frames;
   if (!inputs.ground_truth.empty())
@@ -48,49 +56,81 @@ GroundTruthArgument find_ground_truth(const EvalInputs& inputs, const std::strin
   const DatasetQuery& query = select_query(dataset, query_name);
   const auto& found = is_fabmap ? query.place_ground_truth : query.sequence_ground_truth;
   if (!found)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: the query {} has no ground truth", inputs.dataset, query_name));
+    throw Error(ErrorKind::usage, fmt::format("{}: the query {} has no ground truth",
+                                              inputs.dataset, query.sequence.name));
   GroundTruthArgument argument = *found;
   if (given >= 0) argument.tolerance_frames = given;
   return argument;
 }
 
-/// A report without "machine" and "timing", and the ground truth that it used.
-struct Evaluation {
-  Json report;
-  GroundTruthArgument ground_truth;
-};
-
 template <class Stored>
-Evaluation evaluate(const Stored& stored, const EvalInputs& inputs, const RunInfo& run) {
+Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& inputs) {
   constexpr bool kIsFabmap = std::is_same_v<Stored, StoredFabmapResult>;
   Evaluation evaluation;
   evaluation.ground_truth = find_ground_truth(inputs, stored.result.query_name, kIsFabmap);
-  const GroundTruth truth = read_ground_truth(evaluation.ground_truth, scope_of(stored.result));
-  evaluation.report = report_json(stored.result, count_recognitions(stored.result, truth), truth,
-                                  stored.fingerprint, run);
+  evaluation.truth = read_ground_truth(evaluation.ground_truth, scope_of(stored.result));
+  if (!inputs.scores.path.empty()) evaluation.matrix = open_scores(inputs.scores, true);
+  evaluation.judgement =
+      judge_result(session, inputs.scores, evaluation.matrix, stored.result, evaluation.truth);
+  evaluation.report =
+      report_json(stored.result, count_recognitions(stored.result, evaluation.truth),
+                  evaluation.judgement, evaluation.truth, stored.fingerprint, session.run);
   return evaluation;
+}
+
+/// Of scores: as the data set or the sequence's folder has it.
+std::string query_name(const EvalInputs& inputs) {
+  if (!inputs.dataset.empty())
+    return select_query(read_dataset(inputs.dataset), inputs.pictures.query).sequence.name;
+  if (!inputs.pictures.query) return "queries";
+  return sequence_names({parse_sequence_argument(*inputs.pictures.query)}).front();
+}
+
+Evaluation evaluate(Session& session, const EvalInputs& inputs) {
+  if (inputs.result.empty() && inputs.scores.path.empty())
+    throw Error(ErrorKind::usage,
+                "give a result of vpr-query, or --scores of any program; see vpr-eval --help");
+  if (inputs.result.empty())
+    return evaluate_scores(session, inputs.scores, query_name(inputs),
+                           find_ground_truth(inputs, inputs.pictures.query, false));
+  if (result_method(inputs.result) == "fabmap")
+    return evaluate(session, read_fabmap_result(inputs.result), inputs);
+  return evaluate(session, read_result(inputs.result), inputs);
+}
+
+std::string tables(const Json& report, TableFormat format) {
+  Table table = summary_table(report);
+  if (format == TableFormat::csv) {
+    append_metrics(table, report);
+    return render_table(table, format);
+  }
+  std::string text = render_table(table, format);
+  for (const Table& more : metrics_tables(report)) text += "\n" + render_table(more, format);
+  return text;
 }
 
 void run(Session& session, const EvalInputs& inputs) {
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_output_file(options.output, options.existing());
+  check_score_inputs(inputs.scores, !inputs.result.empty());
+  check_picture_outputs(session, inputs.pictures);
   const Json expected =
       inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
   const Stopwatch watch;
-  auto [report, ground_truth] =
-      result_method(inputs.result) == "fabmap"
-          ? evaluate(read_fabmap_result(inputs.result), inputs, session.run)
-          : evaluate(read_result(inputs.result), inputs, session.run);
+  Evaluation evaluation = evaluate(session, inputs);
+  Json& report = evaluation.report;
   RunInfo info = session.run;
-  info.paths = {{"result", inputs.result}};
-  if (!ground_truth.path.empty()) info.paths["ground_truth"] = ground_truth.path.string();
+  for (const auto& [role, path] :
+       {std::pair("result", inputs.result), std::pair("scores", inputs.scores.path),
+        std::pair("ground_truth", evaluation.ground_truth.path.string())})
+    if (!path.empty()) info.paths[role] = path;
   report["machine"] = machine_json(info);
   report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
   std::vector<std::string> unmet;
   if (!expected.is_null()) unmet = unmet_expectations(report, expected, inputs.expected);
   if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
-  session.print_result(render_table(report_table(report), inputs.format), report);
+  write_pictures(session, inputs.pictures, inputs.dataset, evaluation);
+  session.print_result(tables(report, inputs.format), report);
   if (!unmet.empty())
     throw Error(ErrorKind::expectation,
                 fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));
@@ -101,12 +141,15 @@ void run(Session& session, const EvalInputs& inputs) {
 
 int main(int argc, char** argv) {
   using namespace vpr;
-  Program program("vpr-eval", "Count correct and incorrect recognitions of a result.",
+  Program program("vpr-eval",
+                  "Count correct and incorrect recognitions of a result, or evaluate the scores "
+                  "of any method.",
                   "  vpr-eval result.json --ground-truth ground_truth.csv\n"
-                  "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown");
+                  "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown\n"
+                  "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv");
   EvalInputs inputs;
   CLI::App& app = program.app();
-  app.add_option("RESULT", inputs.result, "result of vpr-query")->required();
+  app.add_option("RESULT", inputs.result, "result of vpr-query");
   app.add_option("--ground-truth", inputs.ground_truth,
                  "pairs file (query,reference or query,sequence,reference), or the word aligned: "
                  "frame i is frame i");
@@ -117,9 +160,14 @@ int main(int argc, char** argv) {
   app.add_option("--expect", inputs.expected,
                  "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
                  "if they differ");
+  add_score_options(app, inputs.scores);
+  add_picture_options(app, inputs.pictures);
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
+  app.footer(metrics_help() + "\n" + app.get_footer());
+  CompareInputs compare;
+  add_compare(program, compare);
   program.set_run([&](Session& session) { run(session, inputs); });
   return program.main(argc, argv);
 }

@@ -20,6 +20,9 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {data_, size_}; }
   std::string_view text() const { return {reinterpret_cast<const char*>(data_), size_}; }
+  /// Gives the memory of these bytes back, as far as they fill whole pages; they stay readable, and
+  /// are read from the file again.
+  void forget(size_t first, size_t size) const;
 
  private:
   const std::byte* data_ = nullptr;

@@ -15,6 +15,7 @@ constexpr size_t kMaxHeader = 65536;
 struct Header {
   std::string type;
   std::vector<size_t> shape;
+  bool is_column_major = false;
   size_t offset = 0;
 };
 
@@ -57,10 +58,10 @@ std::optional<Header> parse_header(std::string_view file) {
   const auto type = between(text, "'descr': '", "'");
   const auto order = between(text, "'fortran_order': ", ",");
   const auto shape_text = between(text, "'shape': (", ")");
-  if (!type || order != "False" || !shape_text) return std::nullopt;
+  if (!type || (order != "False" && order != "True") || !shape_text) return std::nullopt;
   const auto shape = parse_shape(*shape_text);
   if (!shape) return std::nullopt;
-  return Header{std::string(*type), *shape, start + length};
+  return Header{std::string(*type), *shape, order == "True" && shape->size() > 1, start + length};
 }
 
 std::optional<size_t> value_size(std::string_view type) {
@@ -90,7 +91,7 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
   const auto size = header ? value_size(header->type) : std::nullopt;
   if (!size)
     throw Error(ErrorKind::data,
-                fmt::format("{}: is not a little-endian C-order .npy array", name_));
+                fmt::format("{}: is not a little-endian .npy array of numbers", name_));
   size_t bytes = *size;
   bool overflow = false;
   for (const size_t extent : header->shape)
@@ -105,6 +106,7 @@ NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), fi
     throw Error(ErrorKind::data, fmt::format("{}: its values are not aligned", name_));
   type_ = header->type;
   shape_ = header->shape;
+  is_column_major_ = header->is_column_major;
   offset_ = header->offset;
   count_ = bytes / *size;
 }
@@ -114,6 +116,10 @@ void NpyArray::require(std::string_view type, size_t dimensions) const {
     throw Error(ErrorKind::data,
                 fmt::format("{}: expected {} dimensions of type {}, found {} of type {}", name_,
                             dimensions, type, shape_.size(), type_));
+  if (is_column_major_)
+    throw Error(ErrorKind::data, fmt::format("{}: is in Fortran order; save it in C order, as with "
+                                             "numpy.ascontiguousarray",
+                                             name_));
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// NumPy's .npy files (format 1.0 to 3.0): little-endian, C order.
+// NumPy's .npy files (format 1.0 to 3.0): little-endian, C order where values are asked for.
 #pragma once
 
 #include <cstdint>
@@ -58,10 +58,20 @@ class NpyArray {
 
   const std::string& type() const { return type_; }
   const std::vector<size_t>& shape() const { return shape_; }
+  /// Fortran order: the first index runs fastest.
+  bool is_column_major() const { return is_column_major_; }
   /// The whole file, header included, as checksums cover it.
   std::span<const std::byte> file_bytes() const { return file_.bytes(); }
 
-  /// The values; throws Error(data) when the type or the number of dimensions is another.
+  /// The values as they lie in the file, of whatever type and order.
+  std::span<const std::byte> value_bytes() const { return file_.bytes().subspan(offset_); }
+  /// Gives the memory of values back that were read: they are read from the file again if needed.
+  void forget_values(size_t first_byte, size_t size) const {
+    file_.forget(offset_ + first_byte, size);
+  }
+
+  /// The values; throws Error(data) when the type or the number of dimensions is another, or the
+  /// order is Fortran's.
   template <class T>
   std::span<const T> values(size_t dimensions) const {
     require(npy_type<T>(), dimensions);
@@ -75,6 +85,7 @@ class NpyArray {
   MappedFile file_;
   std::string type_;
   std::vector<size_t> shape_;
+  bool is_column_major_ = false;
   size_t offset_ = 0;
   size_t count_ = 0;
 };

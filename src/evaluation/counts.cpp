@@ -20,12 +20,6 @@ void count(LabelCounts& counts, PlaceLabel label) {
   }
 }
 
-bool shows_unreadable(const SequenceResult& result, size_t window) {
-  const auto& frames = result.query_unreadable;
-  const auto found = std::lower_bound(frames.begin(), frames.end(), window);
-  return found != frames.end() && *found <= result.anchor(window);
-}
-
 BestMatchCounts count_best_matches(const SequenceResult& result, const GroundTruth& truth) {
   BestMatchCounts counts;
   for (size_t window = 0; window < result.best.size(); ++window) {
@@ -51,6 +45,12 @@ BestMatchCounts count_best_matches(const SequenceResult& result, const GroundTru
 }
 
 }  // namespace
+
+bool shows_unreadable(const SequenceResult& result, size_t window) {
+  const auto& frames = result.query_unreadable;
+  const auto found = std::lower_bound(frames.begin(), frames.end(), window);
+  return found != frames.end() && *found <= result.anchor(window);
+}
 
 std::optional<double> BestMatchCounts::rate() const {
   if (queries == ignored) return std::nullopt;

@@ -40,6 +40,9 @@ struct FabmapCounts {
   BestMatchCounts best_match;
 };
 
+/// Whether a query window has an unreadable frame.
+bool shows_unreadable(const SequenceResult& result, size_t window);
+
 /// The scope in which a result's indices are to be read.
 GroundTruthScope scope_of(const SequenceResult& result);
 

@@ -1,5 +1,6 @@
 #include "evaluation/expectation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -70,12 +71,14 @@ std::vector<std::string> unmet_expectations(const Json& report, const Json& expe
       expected.is_object() && expected.contains("schema") && expected["schema"] == "vpr.report/1";
   if (!is_report) require_schema(expected, "expected", where, ErrorKind::usage);
   Comparison comparison(where);
+  static const std::vector<std::string> kCompared = {"counts", "best_match", "metrics",
+                                                     "localisation"};
   for (const auto& item : expected.items()) {
-    const bool compared = item.key() == "counts" || item.key() == "best_match";
+    const bool compared = std::count(kCompared.begin(), kCompared.end(), item.key()) > 0;
     if (compared)
-      comparison.compare(report.at(item.key()), item.value(), item.key());
+      comparison.compare(report.value(item.key(), Json()), item.value(), item.key());
     else if (!is_report && item.key() != "schema")
-      detail::unknown_key(where, item.key(), {"counts", "best_match"});
+      detail::unknown_key(where, item.key(), kCompared);
   }
   if (comparison.numbers() == 0)
     throw Error(ErrorKind::usage,

@@ -2,23 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "report/metrics_report.h"
+
 namespace vpr {
 namespace {
 
 Json label_counts_json(const LabelCounts& counts) {
   return {
       {"correct", counts.correct}, {"incorrect", counts.incorrect}, {"ignored", counts.ignored}};
-}
-
-Json best_match_json(const BestMatchCounts& counts) {
-  return {
-      {"queries", counts.queries},       {"correct", counts.correct},
-      {"ignored", counts.ignored},       {"without_match", counts.without_match},
-      {"unreadable", counts.unreadable}, {"rate", counts.rate() ? Json(*counts.rate()) : Json()}};
-}
-
-Json protocol_json(const GroundTruth& truth) {
-  return {{"ground_truth", truth.protocol}, {"tolerance_frames", truth.tolerance_frames}};
 }
 
 void add_sequence_protocol(Json& protocol) {
@@ -49,9 +40,20 @@ std::string text(const Json& json) {
 
 }  // namespace
 
+Json best_match_json(const BestMatchCounts& counts) {
+  return {
+      {"queries", counts.queries},       {"correct", counts.correct},
+      {"ignored", counts.ignored},       {"without_match", counts.without_match},
+      {"unreadable", counts.unreadable}, {"rate", counts.rate() ? Json(*counts.rate()) : Json()}};
+}
+
+Json protocol_json(const GroundTruth& truth) {
+  return {{"ground_truth", truth.protocol}, {"tolerance_frames", truth.tolerance_frames}};
+}
+
 Json report_json(const SequenceResult& result, const SequenceCounts& counts,
-                 const GroundTruth& truth, const std::string& result_fingerprint,
-                 const RunInfo& run) {
+                 const Judgement& judgement, const GroundTruth& truth,
+                 const std::string& result_fingerprint, const RunInfo& run) {
   Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
   json["query"] = result.query_name;
   json["settings"] = value_to_json(result.settings);
@@ -59,22 +61,27 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
                     {"places", label_counts_json(counts.places)},
                     {"distinct", counts.distinct}};
   json["best_match"] = best_match_json(counts.best_match);
+  add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
   add_sequence_protocol(json["protocol"]);
+  add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
   return json;
 }
 
-Json report_json(const FabmapResult& result, const FabmapCounts& counts, const GroundTruth& truth,
-                 const std::string& result_fingerprint, const RunInfo& run) {
+Json report_json(const FabmapResult& result, const FabmapCounts& counts, const Judgement& judgement,
+                 const GroundTruth& truth, const std::string& result_fingerprint,
+                 const RunInfo& run) {
   Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
   json["query"] = result.query_name;
   json["settings"] = value_to_json(result.settings);
   json["counts"] = {{"hits", label_counts_json(counts.hits)}, {"distinct", counts.distinct}};
   json["best_match"] = best_match_json(counts.best_match);
+  add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
   add_fabmap_protocol(json["protocol"]);
+  add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
   return json;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/json.h"
-#include "evaluation/counts.h"
+#include "evaluation/judgement.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -12,11 +12,16 @@ namespace vpr {
 
 /// Everything of a report but "machine" and "timing".
 Json report_json(const SequenceResult& result, const SequenceCounts& counts,
+                 const Judgement& judgement, const GroundTruth& truth,
+                 const std::string& result_fingerprint, const RunInfo& run);
+
+Json report_json(const FabmapResult& result, const FabmapCounts& counts, const Judgement& judgement,
                  const GroundTruth& truth, const std::string& result_fingerprint,
                  const RunInfo& run);
 
-Json report_json(const FabmapResult& result, const FabmapCounts& counts, const GroundTruth& truth,
-                 const std::string& result_fingerprint, const RunInfo& run);
+Json best_match_json(const BestMatchCounts& counts);
+/// What the ground truth is, in words.
+Json protocol_json(const GroundTruth& truth);
 
 /// One row: the setting and its counts.
 Table report_table(const Json& report);

@@ -23,6 +23,7 @@ class Fields {
     if (found == json_.end()) fail(fmt::format("\"{}\" is missing", key));
     return *found;
   }
+  bool has(const std::string& key) const { return json_.contains(key); }
   uint64_t count(const std::string& key, uint64_t most) const {
     const Json& value = (*this)[key];
     if (!value.is_number_unsigned() || value.get<uint64_t>() > most)

@@ -30,6 +30,18 @@ std::string data_block(const PlotLine& line, size_t index) {
   return block + "END\n";
 }
 
+const char* style_of(PlotStyle style) {
+  switch (style) {
+    case PlotStyle::line_and_points:
+      return "linespoints lw 2 pt 7 ps 0.6";
+    case PlotStyle::line:
+      return "lines lw 2";
+    case PlotStyle::points:
+      return "points pt 7 ps 0.3";
+  }
+  return "lines";
+}
+
 std::string script_of(const Plot& plot, const fs::path& folder) {
   std::string script;
   for (size_t i = 0; i < plot.lines.size(); ++i) script += data_block(plot.lines[i], i);
@@ -42,11 +54,14 @@ std::string script_of(const Plot& plot, const fs::path& folder) {
       "set tics nomirror\nset offsets graph 0.02, graph 0.02, 0, 0\n";
   if (plot.is_log_x) script += "set logscale x\n";
   if (plot.is_log_y) script += "set logscale y\n";
-  if (!plot.is_log_y) script += "set yrange [0:*]\n";
+  if (plot.is_unit_square)
+    script += "set xrange [0:1]\nset yrange [0:1]\nset offsets 0, 0, 0, 0\n";
+  else if (!plot.is_log_y)
+    script += "set yrange [0:*]\n";
   std::string draw = "plot ";
   for (size_t i = 0; i < plot.lines.size(); ++i)
-    draw += fmt::format("{}$line{} using 1:2 with linespoints lw 2 pt 7 ps 0.6 title {}",
-                        i == 0 ? "" : ", ", i, quoted(plot.lines[i].name));
+    draw += fmt::format("{}$line{} using 1:2 with {} title {}", i == 0 ? "" : ", ", i,
+                        style_of(plot.lines[i].style), quoted(plot.lines[i].name));
   for (const auto& [terminal, extension] :
        {std::pair("svg size 900,540 font 'Helvetica,13'", "svg"),
         std::pair("pngcairo size 1200,720 font 'Helvetica,13'", "png")})

@@ -8,9 +8,12 @@
 
 namespace vpr {
 
+enum class PlotStyle { line_and_points, line, points };
+
 struct PlotLine {
   std::string name;
   std::vector<std::pair<double, double>> points;
+  PlotStyle style = PlotStyle::line_and_points;
 };
 
 struct Plot {
@@ -21,6 +24,7 @@ struct Plot {
   bool is_log_x = false;
   bool is_log_y = false;
   std::vector<PlotLine> lines;
+  bool is_unit_square = false;  ///< both axes from 0 to 1
 };
 
 /// Whether gnuplot can be called.

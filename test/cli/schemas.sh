@@ -12,6 +12,11 @@ trap 'rm -rf "$out"' EXIT
   -o "$out/r2.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --method lsh -o "$out/r3.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" -o "$out/e.json" --quiet
+"$bin/vpr-eval" "$out/r.json" --scores "$out/d.npy" --dataset "$out/building/dataset.json" -o "$out/em.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/corridor" --only-sequence corridor --c-l 5 --t-r 0.3 \
+  --save-matrix "$out/s.npy" -o "$out/rs.json" --quiet
+"$bin/vpr-eval" --scores "$out/s.npy" --distance --window 5 --ground-truth aligned -o "$out/es.json" --quiet
+"$bin/vpr-eval" compare "$out/e.json" "$out/em.json" -o "$out/cmp.json" --quiet
 echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
 "$bin/vpr-train" info "$out/w.vprdb" --json >"$out/i.json"
@@ -29,6 +34,6 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
-  "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
+  "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/x.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json"

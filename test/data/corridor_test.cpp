@@ -133,3 +133,32 @@ TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, o
   CHECK(largest_difference > 250);
   CHECK(largest_difference < 300);
 }
+
+TEST_CASE("metrics of the corridor are those of an independent evaluation in NumPy") {
+  const auto corridor = test::real_data("data/corridor");
+  const auto expected = test::real_data("expected");
+  if (!corridor || !expected) return;
+  const auto outcome =
+      run_program("vpr-eval", {"--scores", *expected / "corridor-hamming.npy", "--distance",
+                               "--ground-truth", *corridor / "ground_truth.csv", "--json"});
+  REQUIRE(outcome.exit_code == 0);
+  const Json metrics = Json::parse(outcome.out)["metrics"];
+  const Json& single = metrics["single_best"];
+  CHECK(single["average_precision"].get<double>() == Approx(0.18092763201728745).epsilon(1e-12));
+  CHECK(single["recall_at_100_precision"].get<double>() ==
+        Approx(0.036036036036036036).epsilon(1e-12));
+  CHECK(single["max_f1"].get<double>() == Approx(0.35135135135135137).epsilon(1e-12));
+  CHECK(single["extended_precision"].get<double>() == Approx(0.5180180180180181).epsilon(1e-12));
+  CHECK(single["roc_auc"].get<double>() == Approx(0.5660612535612536).epsilon(1e-12));
+  const Json& pairs = metrics["all_pairs"];
+  CHECK(pairs["average_precision"].get<double>() == Approx(0.18897651395296916).epsilon(1e-12));
+  CHECK(pairs["recall_at_100_precision"].get<double>() ==
+        Approx(0.009107468123861567).epsilon(1e-12));
+  CHECK(pairs["max_f1"].get<double>() == Approx(0.23832528180354268).epsilon(1e-12));
+  CHECK(pairs["roc_auc"].get<double>() == Approx(0.7422602767704788).epsilon(1e-12));
+  CHECK(single["tied_queries"] == 8);
+  CHECK(metrics["recall_at"]["1"].get<double>() == Approx(39 / 111.0));
+  CHECK(metrics["recall_at"]["5"].get<double>() == Approx(74 / 111.0));
+  CHECK(metrics["recall_at"]["10"].get<double>() == Approx(90 / 111.0));
+  CHECK(metrics["recall_at"]["20"].get<double>() == Approx(97 / 111.0));
+}

@@ -1,0 +1,226 @@
+#include "completion.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+
+namespace vpr {
+namespace {
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
+    text.replace(at, what.size(), with);
+  return text;
+}
+
+std::string function_name(const CommandEntry& program) {
+  return "_" + replaced(program.name, "-", "_");
+}
+
+// Between single quotes of a POSIX shell.
+std::string shell_quoted(const std::string& text) {
+  return "'" + replaced(text, "'", "'\\''") + "'";
+}
+
+std::vector<std::string> names_of(const std::vector<CommandEntry>& commands) {
+  std::vector<std::string> names;
+  for (const CommandEntry& command : commands) names.push_back(command.name);
+  return names;
+}
+
+std::vector<std::string> flag_names(const CommandEntry& command) {
+  std::vector<std::string> names;
+  for (const FlagEntry& flag : command.flags)
+    names.insert(names.end(), flag.names.begin(), flag.names.end());
+  return names;
+}
+
+/// The program itself and its commands, with the name that a script knows them by.
+std::vector<std::pair<std::string, const CommandEntry*>> levels(const CommandEntry& program) {
+  std::vector<std::pair<std::string, const CommandEntry*>> all = {{"", &program}};
+  for (const CommandEntry& command : program.commands) all.emplace_back(command.name, &command);
+  return all;
+}
+
+std::string bash_choices(const std::string& level, const CommandEntry& command) {
+  std::string cases;
+  for (const FlagEntry& flag : command.flags)
+    for (const std::string& name : flag.names)
+      if (!flag.choices.empty())
+        cases += fmt::format("    \"{} {}\") words=\"{}\" ;;\n", level, name,
+                             fmt::join(flag.choices, " "));
+      else if (!flag.value.empty())
+        cases += fmt::format("    \"{} {}\") return ;;\n", level, name);
+  return cases;
+}
+
+// The loop that finds the command among the words before the cursor.
+std::string find_command(const CommandEntry& program, const std::string& words) {
+  if (program.commands.empty()) return "";
+  return fmt::format(
+      "  for word in {}; do\n    case \"$word\" in\n      {}) command=$word; break ;;\n    esac\n"
+      "  done\n",
+      words, fmt::join(names_of(program.commands), "|"));
+}
+
+std::string zsh_flag(const FlagEntry& flag) {
+  std::string help = flag.help;
+  for (const std::string special : {"\\", "[", "]", ":"})
+    help = replaced(help, special, fmt::format("\\{}", special));
+  std::string action;
+  if (!flag.choices.empty())
+    action = fmt::format(":value:({})", fmt::join(flag.choices, " "));
+  else if (flag.value == "NUMBER")
+    action = ":number: ";
+  else if (!flag.value.empty())
+    action = ":file:_files";
+  std::string specs;
+  for (const std::string& name : flag.names)
+    specs +=
+        fmt::format(" \\\n      {}", shell_quoted(fmt::format("*{}[{}]{}", name, help, action)));
+  return specs;
+}
+
+std::string fish_flag(const FlagEntry& flag, const std::string& program,
+                      const std::string& condition) {
+  std::string line = fmt::format("complete -c {}{}", program, condition);
+  for (const std::string& name : flag.names)
+    line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+  if (!flag.choices.empty())
+    line += fmt::format(" -x -a '{}'", fmt::join(flag.choices, " "));
+  else if (flag.value == "NUMBER")
+    line += " -x";
+  else if (!flag.value.empty())
+    line += " -r";
+  return line + " -d " + ("'" + replaced(replaced(flag.help, "\\", "\\\\"), "'", "\\'") + "'") +
+         "\n";
+}
+
+std::string troff(const std::string& text) {
+  std::string escaped = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
+  std::string safe;
+  for (size_t i = 0; i < escaped.size(); ++i) {
+    const bool is_line_start = i == 0 || escaped[i - 1] == '\n';
+    if (is_line_start && (escaped[i] == '.' || escaped[i] == '\'')) safe += "\\&";
+    safe += escaped[i];
+  }
+  return safe;
+}
+
+std::string manual_flags(const CommandEntry& command) {
+  std::string text;
+  for (const ArgumentEntry& argument : command.arguments)
+    text += fmt::format(".TP\n\\fI{}\\fR\n{}\n", troff(argument.name), troff(argument.help));
+  std::string group = "Options";
+  for (const FlagEntry& flag : command.flags) {
+    if (flag.group != group) text += fmt::format(".PP\n{}:\n", troff(flag.group));
+    group = flag.group;
+    std::vector<std::string> names;
+    for (const std::string& name : flag.names) names.push_back("\\fB" + troff(name) + "\\fR");
+    text += fmt::format(".TP\n{}{}\n{}\n", fmt::join(names, ", "),
+                        flag.value.empty() ? "" : " \\fI" + troff(flag.value) + "\\fR",
+                        troff(flag.help));
+  }
+  return text;
+}
+
+std::string as_it_stands(const std::string& text) {
+  return text.empty() ? "" : ".PP\n.nf\n" + troff(text) + "\n.fi\n";
+}
+
+}  // namespace
+
+std::string bash_completion(const CommandEntry& program) {
+  const std::string function = function_name(program);
+  std::string script = fmt::format(
+      "# bash completion for {0}\n{1}() {{\n  local current=${{COMP_WORDS[COMP_CWORD]}} "
+      "previous=${{COMP_WORDS[COMP_CWORD-1]}} command= words= word\n  COMPREPLY=()\n",
+      program.name, function);
+  script += find_command(program, "\"${COMP_WORDS[@]:1:COMP_CWORD-1}\"");
+  script += "  case \"$command $previous\" in\n";
+  for (const auto& [level, command] : levels(program)) script += bash_choices(level, *command);
+  script += "    *) case \"$command/$current\" in\n";
+  for (const auto& [level, command] : levels(program))
+    script +=
+        fmt::format("      {}/-*) words=\"{}\" ;;\n", level, fmt::join(flag_names(*command), " "));
+  if (!program.commands.empty())
+    script +=
+        fmt::format("      /*) words=\"{}\" ;;\n", fmt::join(names_of(program.commands), " "));
+  return script + fmt::format(
+                      "    esac ;;\n  esac\n  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- "
+                      "\"$current\")\n}}\ncomplete -o default -F {} {}\n",
+                      function, program.name);
+}
+
+std::string zsh_completion(const CommandEntry& program) {
+  std::string script = fmt::format("#compdef {}\nlocal command= word\n", program.name);
+  script += find_command(program, "${words[2,CURRENT-1]}");
+  script += "case \"$command\" in\n";
+  for (const auto& [level, command] : levels(program)) {
+    script += fmt::format("  ({})\n    _arguments", level.empty() ? "''" : level);
+    for (const FlagEntry& flag : command->flags) script += zsh_flag(flag);
+    if (level.empty() && !program.commands.empty())
+      script += fmt::format(" \\\n      '*:argument:{{compadd {}; _files}}'",
+                            fmt::join(names_of(program.commands), " "));
+    else
+      script += " \\\n      '*:file:_files'";
+    script += "\n    ;;\n";
+  }
+  return script + "esac\n";
+}
+
+std::string fish_completion(const CommandEntry& program) {
+  std::string script = fmt::format("# fish completion for {}\n", program.name);
+  const std::string all = fmt::format("{}", fmt::join(names_of(program.commands), " "));
+  const std::string outside =
+      all.empty() ? "" : fmt::format(" -n 'not __fish_seen_subcommand_from {}'", all);
+  for (const FlagEntry& flag : program.flags) script += fish_flag(flag, program.name, outside);
+  for (const CommandEntry& command : program.commands) {
+    script += fmt::format("complete -c {}{} -a {} -d '{}'\n", program.name, outside, command.name,
+                          replaced(command.description, "'", "\\'"));
+    for (const FlagEntry& flag : command.flags)
+      script += fish_flag(flag, program.name,
+                          fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name));
+  }
+  return script;
+}
+
+std::string manual_page(const CommandEntry& program, const std::string& version) {
+  std::string upper = program.name;
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](char c) { return static_cast<char>(c >= 'a' && c <= 'z' ? c - 32 : c); });
+  std::string description = program.description;
+  if (description.ends_with('.')) description.pop_back();
+  std::string page = fmt::format(
+      ".TH {} 1 \"\" \"vpr-toolkit {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n",
+      troff(upper), version, troff(program.name), troff(description));
+  for (const auto& [level, command] : levels(program)) {
+    if (level.empty() && program.arguments.empty() && !program.commands.empty()) continue;
+    page += fmt::format("\\fB{}{}\\fR [\\fIOPTIONS\\fR]", troff(program.name),
+                        level.empty() ? "" : " " + troff(level));
+    for (const ArgumentEntry& argument : command->arguments)
+      page += " [\\fI" + troff(argument.name) + "\\fR]";
+    page += "\n.br\n";
+  }
+  page += ".SH OPTIONS\n" + manual_flags(program);
+  if (!program.commands.empty()) page += ".SH COMMANDS\n";
+  for (const CommandEntry& command : program.commands)
+    page += fmt::format(".SS {}\n{}\n", troff(command.name), troff(command.description)) +
+            manual_flags(command) + as_it_stands(command.footer);
+  return page + ".SH NOTES\n" + as_it_stands(program.footer);
+}
+
+std::string command_text(const CommandEntry& program, const std::string& kind,
+                         const std::string& version) {
+  if (kind == "bash") return bash_completion(program);
+  if (kind == "zsh") return zsh_completion(program);
+  if (kind == "fish") return fish_completion(program);
+  if (kind == "man") return manual_page(program, version);
+  throw Error(ErrorKind::usage,
+              fmt::format("--completion takes bash, zsh, fish or man, found {}", kind));
+}
+
+}  // namespace vpr

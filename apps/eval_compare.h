@@ -1,0 +1,21 @@
+// vpr-eval compare: reports of several methods on the same queries.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "report/table.h"
+
+namespace vpr {
+
+struct CompareInputs {
+  std::vector<std::string> reports;
+  uint64_t block = 0;  ///< 0: chosen from the windows
+  TableFormat format = TableFormat::text;
+};
+
+/// `inputs` must live as long as the program.
+void add_compare(Program& program, CompareInputs& inputs);
+
+}  // namespace vpr

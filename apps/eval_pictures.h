@@ -1,0 +1,30 @@
+// Pictures of an evaluation: --html and --plot of vpr-eval.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "eval_scores.h"
+
+namespace vpr {
+
+struct PictureInputs {
+  std::string html;
+  std::string plots;
+  std::optional<std::string> query;  ///< a sequence, or a query's name in the data set
+  std::vector<std::string> train;
+};
+
+void add_picture_options(CLI::App& app, PictureInputs& inputs);
+
+/// Throws as the checks of outputs do. Call it before long work.
+void check_picture_outputs(const Session& session, const PictureInputs& inputs);
+
+/// Writes what was asked for. `dataset`: its path, or empty. Throws Error(usage) if sequences do
+/// not have as many frames as the evaluation.
+void write_pictures(Session& session, const PictureInputs& inputs, const std::string& dataset,
+                    const Evaluation& evaluation);
+
+}  // namespace vpr

@@ -1,0 +1,141 @@
+#include "eval_scores.h"
+
+#include <fmt/format.h>
+
+#include "evaluation/metrics.h"
+#include "evaluation/travelled.h"
+#include "report/scores_report.h"
+
+namespace vpr {
+namespace {
+
+void warn_negative(const Session& session, const ScoreInputs& inputs, const Judgement& judgement) {
+  const auto& points = judgement.single_best.points;
+  if (inputs.is_similarity || inputs.missing || points.empty() ||
+      judgement.single_best.threshold(points.front()) != -1)
+    return;
+  warn(session.monitor,
+       fmt::format("{}: has the distance -1, the best there is; if it stands for a missing one, as "
+                   "in a matrix of vpr-query, give --missing -1",
+                   inputs.path));
+}
+
+}  // namespace
+
+void add_score_options(CLI::App& app, ScoreInputs& inputs) {
+  const std::string group = "Scores";
+  app.add_option("--scores", inputs.path,
+                 "query x reference matrix of any program (.npy); with RESULT: the matrix that was "
+                 "saved with it")
+      ->group(group)
+      ->type_name("FILE");
+  auto* distance =
+      app.add_flag("--distance", inputs.is_distance, "small scores are good")->group(group);
+  app.add_flag("--similarity", inputs.is_similarity, "large scores are good")
+      ->group(group)
+      ->excludes(distance);
+  app.add_flag("--references-first", inputs.references_first,
+               "rows of the matrix are references, columns are queries")
+      ->group(group);
+  add_setting(app, "--missing", inputs.missing, "this value is no score (NaN never is)")
+      ->group(group);
+  add_setting(app, "--window", inputs.window_length,
+              "rows and columns are windows of so many frames, judged at their last (default 1)")
+      ->group(group);
+  add_setting(app, "--threshold", inputs.threshold,
+              "best matches from this score on count as recognised along the path (default: that "
+              "of recall at 100 % precision)")
+      ->group(group);
+  app.add_option("--name", inputs.name, "of the method in tables (default: the file's)")
+      ->group(group);
+  app.add_option("--poses", inputs.poses,
+                 "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too")
+      ->group(group)
+      ->type_name("FILE");
+}
+
+std::string metrics_help() {
+  std::string text = "Metrics (best matches, and all pairs of a matrix):\n";
+  for (const CurveMetric& metric : curve_metrics())
+    text += fmt::format("  {:<32}{}\n", metric.column, metric.meaning);
+  return text + fmt::format("  {:<32}{}\n", "R@K",
+                            "share of queries with a right reference among the K best");
+}
+
+void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
+  const auto refuse = [](bool is_given, const std::string& flag, const std::string& why) {
+    if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
+  };
+  const std::string without = "describes a matrix; give it with --scores";
+  const std::string beside = "does not go with a result, whose matrix and thresholds are known";
+  const bool has_scores = !inputs.path.empty();
+  for (const auto& [is_given, flag] : {std::pair(inputs.is_distance, "--distance"),
+                                       std::pair(inputs.references_first, "--references-first"),
+                                       std::pair(inputs.missing.has_value(), "--missing")})
+    refuse(is_given && !has_scores, flag, without);
+  for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
+                                       std::pair(inputs.threshold.has_value(), "--threshold"),
+                                       std::pair(inputs.window_length != 1, "--window"),
+                                       std::pair(!inputs.name.empty(), "--name")}) {
+    refuse(is_given && has_result, flag, beside);
+    refuse(is_given && !has_scores, flag, without);
+  }
+}
+
+ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result) {
+  if (!is_of_result && !inputs.is_distance && !inputs.is_similarity)
+    throw Error(ErrorKind::usage,
+                "say what the scores are: --distance (small is good) or --similarity (large is)");
+  ScoreFormat format;
+  format.kind = inputs.is_similarity ? ScoreKind::similarity : ScoreKind::distance;
+  format.references_first = inputs.references_first;
+  format.missing = inputs.missing;
+  if (is_of_result && !format.missing) format.missing = -1;
+  return {inputs.path, format};
+}
+
+std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames) {
+  if (inputs.poses.empty()) return {};
+  return read_travelled(inputs.poses, query_frames);
+}
+
+Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const std::string& query,
+                           const GroundTruthArgument& ground_truth) {
+  if (inputs.window_length == 0)
+    throw Error(ErrorKind::usage, "--window must be at least 1, found 0");
+  Evaluation evaluation;
+  evaluation.ground_truth = ground_truth;
+  evaluation.matrix = open_scores(inputs, false);
+  const ScoreMatrix& matrix = *evaluation.matrix;
+  const ScoreLayout layout = layout_of(matrix, inputs.window_length);
+  evaluation.truth = read_ground_truth(ground_truth, layout.scope);
+  evaluation.judgement = judge(matrix, layout, evaluation.truth, inputs.threshold,
+                               travelled_way(inputs, layout.scope.query_frames), session.monitor);
+  warn_negative(session, inputs, evaluation.judgement);
+  const std::string name =
+      inputs.name.empty() ? std::filesystem::path(inputs.path).stem().string() : inputs.name;
+  const ScoreFormat format{matrix.kind(), inputs.references_first, inputs.missing};
+  evaluation.report =
+      scores_report_json({name, format, inputs.window_length, inputs.threshold}, query,
+                         evaluation.judgement, evaluation.truth, matrix.fingerprint(), session.run);
+  return evaluation;
+}
+
+Judgement judge_result(Session& session, const ScoreInputs& inputs,
+                       const std::optional<ScoreMatrix>& matrix, const SequenceResult& result,
+                       const GroundTruth& truth) {
+  const std::vector<double> travelled = travelled_way(inputs, result.query_frames);
+  if (matrix) return judge(result, *matrix, truth, travelled, session.monitor);
+  return judge(result, truth, travelled);
+}
+
+Judgement judge_result(Session&, const ScoreInputs& inputs,
+                       const std::optional<ScoreMatrix>& matrix, const FabmapResult& result,
+                       const GroundTruth& truth) {
+  if (matrix)
+    throw Error(ErrorKind::usage,
+                "a FAB-MAP result takes no --scores; evaluate the matrix without the result");
+  return judge(result, truth, travelled_way(inputs, result.query_frames));
+}
+
+}  // namespace vpr

@@ -1,0 +1,61 @@
+// Score matrices on the command line of vpr-eval.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "evaluation/judgement.h"
+#include "images/dataset.h"
+#include "report/result_file.h"
+
+namespace vpr {
+
+struct ScoreInputs {
+  std::string path;  ///< empty: none
+  bool is_distance = false;
+  bool is_similarity = false;
+  bool references_first = false;
+  std::optional<double> missing;
+  std::optional<double> threshold;
+  uint64_t window_length = 1;
+  std::string name;   ///< of the method; empty: the file's
+  std::string poses;  ///< of the query, for metres
+};
+
+/// A report without "machine" and "timing", and what it was made from.
+struct Evaluation {
+  Json report;
+  GroundTruthArgument ground_truth;
+  GroundTruth truth;
+  Judgement judgement;
+  std::optional<ScoreMatrix> matrix;
+};
+
+void add_score_options(CLI::App& app, ScoreInputs& inputs);
+
+/// What the metrics are, for --help.
+std::string metrics_help();
+
+/// Throws Error(usage) for flags that need --scores, or that a result answers already.
+void check_score_inputs(const ScoreInputs& inputs, bool has_result);
+
+/// The matrix of --scores. Throws Error(usage) unless its kind is known.
+ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result);
+
+/// What --poses says; nothing without it.
+std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames);
+
+/// Evaluates --scores alone. `query`: its name for the report.
+Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const std::string& query,
+                           const GroundTruthArgument& ground_truth);
+
+/// A result's judgement, with --scores if there are any: the matrix that was saved with it.
+Judgement judge_result(Session& session, const ScoreInputs& inputs,
+                       const std::optional<ScoreMatrix>& matrix, const SequenceResult& result,
+                       const GroundTruth& truth);
+Judgement judge_result(Session& session, const ScoreInputs& inputs,
+                       const std::optional<ScoreMatrix>& matrix, const FabmapResult& result,
+                       const GroundTruth& truth);
+
+}  // namespace vpr

@@ -1,0 +1,193 @@
+#include "evaluation/comparison.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "evaluation/metrics.h"
+
+namespace vpr {
+namespace {
+
+/// One method's common queries, ready to be counted with weights.
+struct Paired {
+  std::vector<const QueryOutcome*> queries;  // by frame
+  std::vector<size_t> order;                 // best score first, those without one last
+  ScoreKind kind = ScoreKind::distance;
+};
+
+bool is_judged(const QueryOutcome& query) {
+  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
+}
+
+std::map<size_t, const QueryOutcome*> judged_by_frame(const Outcomes& outcomes) {
+  std::map<size_t, const QueryOutcome*> frames;
+  for (const QueryOutcome& query : outcomes.queries)
+    if (is_judged(query)) frames[query.frame] = &query;
+  return frames;
+}
+
+std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& comparison) {
+  std::vector<std::map<size_t, const QueryOutcome*>> frames;
+  for (const NamedOutcomes& method : methods) {
+    frames.push_back(judged_by_frame(method.outcomes));
+    comparison.own.push_back(frames.back().size());
+  }
+  std::vector<Paired> paired(methods.size());
+  for (const auto& entry : frames.front()) {
+    const size_t frame = entry.first;
+    const QueryOutcome* first = entry.second;
+    const bool is_common = std::all_of(frames.begin(), frames.end(),
+                                       [&](const auto& own) { return own.contains(frame); });
+    if (!is_common) continue;
+    for (size_t m = 0; m < methods.size(); ++m) {
+      const QueryOutcome* query = frames[m].at(frame);
+      if (query->has_match != first->has_match)
+        throw Error(ErrorKind::data,
+                    fmt::format("{} and {} have different ground truths: only one has a match for "
+                                "query frame {}",
+                                methods.front().name, methods[m].name, frame));
+      paired[m].queries.push_back(query);
+    }
+  }
+  for (size_t m = 0; m < methods.size(); ++m) {
+    Paired& method = paired[m];
+    method.kind = methods[m].outcomes.kind;
+    for (size_t q = 0; q < method.queries.size(); ++q) method.order.push_back(q);
+    std::stable_sort(method.order.begin(), method.order.end(), [&](size_t a, size_t b) {
+      return method.queries[a]->key < method.queries[b]->key;
+    });
+  }
+  return paired;
+}
+
+/// Metrics that are compared: recall@K, then those of the curve.
+std::vector<std::string> metric_keys(const std::vector<size_t>& ks) {
+  std::vector<std::string> keys;
+  for (const size_t k : ks) keys.push_back(fmt::format("recall_at_{}", k));
+  for (const CurveMetric& metric : curve_metrics()) keys.emplace_back(metric.key);
+  return keys;
+}
+
+std::optional<double> weighted_recall(const Paired& method, std::span<const uint32_t> weights,
+                                      size_t k) {
+  uint64_t to_find = 0;
+  uint64_t found = 0;
+  for (size_t q = 0; q < weights.size(); ++q) {
+    const QueryOutcome& query = *method.queries[q];
+    if (!query.has_match) continue;
+    to_find += weights[q];
+    if (query.verdict == Verdict::correct || (query.rank && *query.rank <= k)) found += weights[q];
+  }
+  if (to_find == 0) return std::nullopt;
+  return static_cast<double>(found) / static_cast<double>(to_find);
+}
+
+std::vector<std::optional<double>> metric_values(const Paired& method,
+                                                 std::span<const uint32_t> weights,
+                                                 const std::vector<size_t>& ks) {
+  std::vector<std::optional<double>> values;
+  for (const size_t k : ks) values.push_back(weighted_recall(method, weights, k));
+  std::vector<ScoredItem> items;
+  uint64_t to_find = 0;
+  for (const size_t q : method.order) {
+    const QueryOutcome& query = *method.queries[q];
+    items.push_back({query.key, query.verdict == Verdict::correct, weights[q]});
+    if (query.has_match) to_find += weights[q];
+  }
+  const Curve curve = curve_of(items, to_find, method.kind);
+  for (const CurveMetric& metric : curve_metrics()) values.push_back(metric.compute(curve).value);
+  return values;
+}
+
+/// How often each query is drawn.
+std::vector<uint32_t> block_weights(size_t count, size_t block, RandomEngine& engine) {
+  std::vector<uint32_t> weights(count, 0);
+  for (size_t drawn = 0; drawn < count; drawn += block) {
+    const size_t start = uniform_below(engine, count);
+    for (size_t i = 0; i < std::min(block, count - drawn); ++i) ++weights[(start + i) % count];
+  }
+  return weights;
+}
+
+PairedCounts count_pairs(const Paired& first, const Paired& method) {
+  PairedCounts counts;
+  for (size_t q = 0; q < method.queries.size(); ++q) {
+    if (!method.queries[q]->has_match) continue;
+    const bool here = method.queries[q]->verdict == Verdict::correct;
+    const bool there = first.queries[q]->verdict == Verdict::correct;
+    ++(here && there ? counts.both_right
+       : here        ? counts.only_this
+       : there       ? counts.only_first
+                     : counts.neither);
+  }
+  return counts;
+}
+
+/// Differences to the first method, per method and metric, resample after resample.
+using Differences = std::vector<std::vector<std::vector<double>>>;
+
+Differences bootstrap(const std::vector<Paired>& paired, const Comparison& comparison,
+                      const std::vector<size_t>& ks, size_t resamples, uint64_t seed,
+                      const Monitor& monitor) {
+  const size_t metrics = ks.size() + curve_metrics().size();
+  Differences differences(paired.size(), std::vector<std::vector<double>>(metrics));
+  RandomEngine engine(seed);
+  StepCounter counter(monitor, "resampling", resamples);
+  for (size_t r = 0; r < resamples; ++r) {
+    const auto weights = block_weights(comparison.common, comparison.block, engine);
+    const auto first = metric_values(paired.front(), weights, ks);
+    for (size_t m = 1; m < paired.size(); ++m) {
+      const auto values = metric_values(paired[m], weights, ks);
+      for (size_t i = 0; i < metrics; ++i)
+        if (values[i] && first[i]) differences[m][i].push_back(*values[i] - *first[i]);
+    }
+    counter.add();
+  }
+  return differences;
+}
+
+}  // namespace
+
+Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
+                            uint64_t seed, const Monitor& monitor) {
+  if (methods.size() < 2) throw Error(ErrorKind::data, "a comparison needs two or more reports");
+  Comparison comparison;
+  const std::vector<Paired> paired = pair_up(methods, comparison);
+  comparison.common = paired.front().queries.size();
+  if (comparison.common == 0)
+    throw Error(ErrorKind::data, "the reports have no query frame in common");
+  comparison.block = std::clamp<size_t>(block, 1, comparison.common);
+  for (const QueryOutcome* query : paired.front().queries) comparison.judged += query->has_match;
+  const bool has_ranks = std::all_of(methods.begin(), methods.end(),
+                                     [](const NamedOutcomes& m) { return m.outcomes.has_ranks; });
+  std::vector<size_t> ks;
+  for (const size_t k : kRecallAt)
+    if (k == 1 || has_ranks) ks.push_back(k);
+  const Differences differences = bootstrap(paired, comparison, ks, resamples, seed, monitor);
+  const std::vector<uint32_t> once(comparison.common, 1);
+  std::vector<std::vector<std::optional<double>>> values;
+  for (const Paired& method : paired) {
+    values.push_back(metric_values(method, once, ks));
+    comparison.paired.push_back(count_pairs(paired.front(), method));
+  }
+  const std::vector<std::string> keys = metric_keys(ks);
+  for (size_t i = 0; i < keys.size(); ++i) {
+    for (size_t m = 0; m < paired.size(); ++m) {
+      ComparedValue& compared =
+          comparison.values.emplace_back(ComparedValue{keys[i], m, {}, {}, {}});
+      compared.value = values[m][i];
+      if (m == 0 || !values[m][i] || !values[0][i]) continue;
+      compared.difference = *values[m][i] - *values[0][i];
+      const auto& resampled = differences[m][i];
+      if (!resampled.empty())
+        compared.interval = Interval{quantile(resampled, 0.025), quantile(resampled, 0.975)};
+    }
+  }
+  return comparison;
+}
+
+}  // namespace vpr

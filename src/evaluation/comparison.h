@@ -1,0 +1,57 @@
+// Methods on the same queries: which is better, and by how much more than chance?
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/monitor.h"
+#include "base/statistics.h"
+#include "evaluation/outcomes.h"
+
+namespace vpr {
+
+/// What is compared: the outcomes of one report.
+struct NamedOutcomes {
+  std::string name;
+  Outcomes outcomes;
+};
+
+/// One metric of one method, against the first method.
+struct ComparedValue {
+  std::string metric;                ///< key: recall_at_1, average_precision, ...
+  size_t method = 0;                 ///< index; 0 is the one that the others are compared with
+  std::optional<double> value;       ///< over the common queries
+  std::optional<double> difference;  ///< to the first method; none for itself, or where undefined
+  std::optional<Interval> interval;  ///< 95 %, of the difference
+};
+
+/// Best matches of a method beside those of the first, over common queries with a match.
+struct PairedCounts {
+  uint64_t both_right = 0;
+  uint64_t only_this = 0;
+  uint64_t only_first = 0;
+  uint64_t neither = 0;
+};
+
+struct Comparison {
+  size_t common = 0;        ///< query frames that all methods judge
+  size_t judged = 0;        ///< of these, with a match
+  std::vector<size_t> own;  ///< per method, frames that it judges
+  size_t block = 0;
+  std::vector<ComparedValue> values;  ///< metric after metric, in each method after method
+  std::vector<PairedCounts> paired;   ///< per method
+};
+
+/// Values and differences over the query frames that all methods judge (neither unreadable nor
+/// ignored): recall@K for those K that all know, and every curve metric of best matches. Intervals
+/// are the central 95 % of `resamples` differences under the circular block bootstrap (Politis and
+/// Romano 1992): stretches of `block` neighbouring queries are drawn with replacement, the same for
+/// all methods (paired), and resamples without a value are left out. The same seed gives the same
+/// intervals. Throws Error(data) for fewer than two methods, no common frame, or methods that do
+/// not agree on which queries have a match.
+Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
+                            uint64_t seed, const Monitor& monitor);
+
+}  // namespace vpr

@@ -1,0 +1,82 @@
+#include "evaluation/judgement.h"
+
+#include "evaluation/full_precision_recall.h"
+#include "evaluation/pair_curve.h"
+
+namespace vpr {
+namespace {
+
+void take_matrix(Judgement& judgement, const ScoreMatrix& matrix, const GroundTruth& truth,
+                 const Monitor& monitor) {
+  MatrixScan scan = scan_matrix(matrix, truth, judgement.layout, monitor);
+  judgement.all_pairs = PairJudgement{pair_curve(matrix, truth, judgement.layout, scan, monitor),
+                                      scan.ignored_pairs, scan.same_without_score};
+  judgement.outcomes = std::move(scan.outcomes);
+  judgement.single_best = single_best_curve(judgement.outcomes);
+}
+
+size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
+  for (const ScoreLayout::Columns& columns : layout.columns)
+    if (columns.sequence == sequence) return columns.first + window;
+  return 0;
+}
+
+}  // namespace
+
+Judgement judge(const SequenceResult& result, const GroundTruth& truth,
+                std::span<const double> travelled_m) {
+  Judgement judgement;
+  judgement.layout = layout_of(result);
+  judgement.outcomes = outcomes_of(result, truth);
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  for (const Cell& hit : result.hits)
+    judgement.recognised.push_back(
+        {hit.query_window, column_of(judgement.layout, hit.sequence, hit.train_window)});
+  judgement.fixes = fixes_of(result, truth);
+  judgement.localisation = localise(judgement.fixes, travelled_m);
+  return judgement;
+}
+
+Judgement judge(const FabmapResult& result, const GroundTruth& truth,
+                std::span<const double> travelled_m) {
+  Judgement judgement;
+  judgement.layout = {scope_of(result), 1, {{0, 0, result.places.size()}}};
+  judgement.outcomes = outcomes_of(result, truth);
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  for (const PlaceMatch& hit : result.hits) judgement.recognised.push_back({hit.frame, hit.place});
+  judgement.fixes = fixes_of(result, truth);
+  judgement.localisation = localise(judgement.fixes, travelled_m);
+  return judgement;
+}
+
+Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,
+                std::optional<double> threshold, std::span<const double> travelled_m,
+                const Monitor& monitor) {
+  Judgement judgement;
+  judgement.layout = layout;
+  take_matrix(judgement, matrix, truth, monitor);
+  judgement.threshold =
+      threshold ? threshold : recall_at_full_precision(judgement.single_best).threshold;
+  std::optional<uint64_t> accepted;
+  if (judgement.threshold) accepted = score_key(*judgement.threshold, matrix.kind());
+  for (size_t window = 0; window < judgement.outcomes.queries.size(); ++window) {
+    const QueryOutcome& query = judgement.outcomes.queries[window];
+    if (accepted && query.best && query.key <= *accepted)
+      judgement.recognised.push_back(
+          {window, column_of(layout, query.best->sequence,
+                             query.best->reference + 1 - layout.window_length)});
+  }
+  judgement.fixes = fixes_of(judgement.outcomes, accepted);
+  judgement.localisation = localise(judgement.fixes, travelled_m);
+  return judgement;
+}
+
+Judgement judge(const SequenceResult& result, const ScoreMatrix& matrix, const GroundTruth& truth,
+                std::span<const double> travelled_m, const Monitor& monitor) {
+  Judgement judgement = judge(result, truth, travelled_m);
+  require_fit(matrix, judgement.layout);
+  take_matrix(judgement, matrix, truth, monitor);
+  return judgement;
+}
+
+}  // namespace vpr

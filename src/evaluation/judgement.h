@@ -1,0 +1,54 @@
+// Everything that is known about how right a method is: what reports and pictures are made of.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "evaluation/localisation.h"
+#include "evaluation/matrix_scan.h"
+
+namespace vpr {
+
+/// All pairs of a score matrix.
+struct PairJudgement {
+  Curve curve;
+  uint64_t ignored = 0;             ///< pairs left out
+  uint64_t same_without_score = 0;  ///< to find, but never found
+};
+
+/// A recognised cell: query window and column of the layout.
+struct RecognisedCell {
+  size_t query_window = 0;
+  size_t column = 0;
+};
+
+struct Judgement {
+  ScoreLayout layout;
+  Outcomes outcomes;
+  Curve single_best;
+  std::optional<PairJudgement> all_pairs;  ///< where there is a matrix
+  std::vector<RecognisedCell> recognised;  ///< hits of a result, accepted best matches of scores
+  std::optional<double> threshold;         ///< of accepted best matches
+  std::vector<Fix> fixes;                  ///< one a query frame
+  Localisation localisation;
+};
+
+/// `travelled_m` is what localise takes: one value a query frame, or none.
+Judgement judge(const SequenceResult& result, const GroundTruth& truth,
+                std::span<const double> travelled_m);
+Judgement judge(const FabmapResult& result, const GroundTruth& truth,
+                std::span<const double> travelled_m);
+
+/// A matrix of any program. Best matches that score at least as good as `threshold` are accepted;
+/// without one, the threshold is that of recall at 100 % precision.
+Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,
+                std::optional<double> threshold, std::span<const double> travelled_m,
+                const Monitor& monitor);
+
+/// A result with the matrix that was saved with it: outcomes and curves are the matrix's, and what
+/// is recognised is the result's. Throws Error(data) if the two do not fit.
+Judgement judge(const SequenceResult& result, const ScoreMatrix& matrix, const GroundTruth& truth,
+                std::span<const double> travelled_m, const Monitor& monitor);
+
+}  // namespace vpr

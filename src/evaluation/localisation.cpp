@@ -1,0 +1,88 @@
+#include "evaluation/localisation.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace vpr {
+namespace {
+
+Fix fix_of(PlaceLabel label) {
+  return label == PlaceLabel::same        ? Fix::right
+         : label == PlaceLabel::different ? Fix::wrong
+                                          : Fix::none;
+}
+
+}  // namespace
+
+std::optional<double> Localisation::share() const {
+  if (frames == 0) return std::nullopt;
+  return static_cast<double>(right) / static_cast<double>(frames);
+}
+
+Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m) {
+  assert(travelled_m.empty() || travelled_m.size() == fixes.size());
+  Localisation found;
+  found.frames = fixes.size();
+  found.wrong = static_cast<size_t>(std::count(fixes.begin(), fixes.end(), Fix::wrong));
+  const bool has_metres = !travelled_m.empty();
+  double gap_m = 0;
+  size_t gap_begin = 0;  // first frame after the last right fix
+  double last_fix_m = has_metres ? travelled_m.front() : 0;
+  const auto end_gap = [&](size_t end, double here_m) {
+    found.longest_gap_frames = std::max(found.longest_gap_frames, end - gap_begin);
+    if (has_metres) gap_m = std::max(gap_m, here_m - last_fix_m);
+  };
+  for (size_t frame = 0; frame < fixes.size(); ++frame) {
+    if (fixes[frame] != Fix::right) continue;
+    const double here_m = has_metres ? travelled_m[frame] : 0;
+    if (found.right == 0) {
+      found.first_fix_frames = frame;
+      if (has_metres) found.first_fix_m = here_m - travelled_m.front();
+    }
+    ++found.right;
+    end_gap(frame, here_m);
+    gap_begin = frame + 1;
+    last_fix_m = here_m;
+  }
+  end_gap(fixes.size(), has_metres ? travelled_m.back() : 0);
+  if (has_metres) found.longest_gap_m = gap_m;
+  return found;
+}
+
+std::vector<Fix> fixes_of(const SequenceResult& result, const GroundTruth& truth) {
+  std::vector<Fix> fixes(result.query_frames, Fix::none);
+  const Cell* closest = nullptr;
+  for (const Cell& hit : result.hits) {  // in the order of query windows
+    const bool is_next = closest == nullptr || hit.query_window != closest->query_window;
+    if (!is_next && hit.distance >= closest->distance) continue;
+    closest = &hit;
+    const size_t frame = result.anchor(hit.query_window);
+    fixes[frame] = fix_of(truth.label(frame, hit.sequence, result.anchor(hit.train_window)));
+  }
+  return fixes;
+}
+
+std::vector<Fix> fixes_of(const FabmapResult& result, const GroundTruth& truth) {
+  std::vector<Fix> fixes(result.query_frames, Fix::none);
+  const PlaceMatch* likeliest = nullptr;
+  for (const PlaceMatch& hit : result.hits) {  // in the order of frames
+    const bool is_next = likeliest == nullptr || hit.frame != likeliest->frame;
+    if (!is_next && hit.probability <= likeliest->probability) continue;
+    likeliest = &hit;
+    fixes[hit.frame] = fix_of(truth.label(hit.frame, 0, hit.place));
+  }
+  return fixes;
+}
+
+std::vector<Fix> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
+  std::vector<Fix> fixes(outcomes.query_frames, Fix::none);
+  if (!accepted) return fixes;
+  for (const QueryOutcome& query : outcomes.queries) {
+    if (!query.best || query.key > *accepted) continue;
+    if (query.verdict == Verdict::correct) fixes[query.frame] = Fix::right;
+    if (query.verdict == Verdict::incorrect) fixes[query.frame] = Fix::wrong;
+  }
+  return fixes;
+}
+
+}  // namespace vpr

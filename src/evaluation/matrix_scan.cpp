@@ -1,0 +1,108 @@
+#include "evaluation/matrix_scan.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+
+namespace vpr {
+namespace {
+
+/// The best of some columns, ties to the first.
+struct BestColumn {
+  uint64_t key = kNoScore;
+  size_t column = 0;
+};
+
+/// One worker's share.
+struct Share {
+  std::vector<PlaceLabel> labels;
+  MatrixScan scan;
+};
+
+size_t rank_of(const BestColumn& correct, std::span<const uint64_t> keys,
+               const std::vector<PlaceLabel>& labels) {
+  size_t in_front = 0;
+  for (size_t c = 0; c < keys.size(); ++c) {
+    const bool is_ahead = keys[c] < correct.key || (keys[c] == correct.key && c < correct.column);
+    in_front += is_ahead && labels[c] != PlaceLabel::ignore ? 1 : 0;
+  }
+  return in_front + 1;
+}
+
+void count_pairs(Share& share, std::span<const uint64_t> keys) {
+  MatrixScan& scan = share.scan;
+  for (size_t c = 0; c < keys.size(); ++c) {
+    if (share.labels[c] == PlaceLabel::different) continue;
+    if (share.labels[c] == PlaceLabel::ignore) {
+      ++scan.ignored_pairs;
+      continue;
+    }
+    ++scan.same_pairs;
+    if (keys[c] == kNoScore)
+      ++scan.same_without_score;
+    else
+      scan.same_keys.push_back(keys[c]);
+  }
+}
+
+void judge(QueryOutcome& query, Share& share, std::span<const uint64_t> keys,
+           const ScoreLayout& layout) {
+  const auto has_score = [](uint64_t key) { return key != kNoScore; };
+  if (std::none_of(keys.begin(), keys.end(), has_score)) {
+    query.verdict = Verdict::unreadable;
+    return;
+  }
+  count_pairs(share, keys);
+  BestColumn best;
+  BestColumn correct;
+  for (size_t c = 0; c < keys.size(); ++c) {
+    if (share.labels[c] == PlaceLabel::ignore) continue;
+    query.is_tied =
+        (query.is_tied && keys[c] >= best.key) || (keys[c] == best.key && keys[c] != kNoScore);
+    if (keys[c] < best.key) best = {keys[c], c};
+    if (share.labels[c] == PlaceLabel::same && keys[c] < correct.key) correct = {keys[c], c};
+  }
+  share.scan.best_key = std::min(share.scan.best_key, best.key);
+  if (correct.key != kNoScore) query.rank = rank_of(correct, keys, share.labels);
+  query.key = best.key;
+  if (best.key == kNoScore) return;
+  query.best = match_of_column(layout, best.column);
+  if (share.labels[best.column] == PlaceLabel::same) query.verdict = Verdict::correct;
+}
+
+void merge(MatrixScan& scan, MatrixScan&& share) {
+  scan.same_pairs += share.same_pairs;
+  scan.ignored_pairs += share.ignored_pairs;
+  scan.same_without_score += share.same_without_score;
+  scan.best_key = std::min(scan.best_key, share.best_key);
+  scan.same_keys.insert(scan.same_keys.end(), share.same_keys.begin(), share.same_keys.end());
+  share.same_keys = {};
+}
+
+}  // namespace
+
+MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
+                       const ScoreLayout& layout, const Monitor& monitor) {
+  MatrixScan scan;
+  Outcomes& outcomes = scan.outcomes;
+  outcomes = {matrix.kind(), layout.scope.query_frames, layout.window_length, true, {}};
+  outcomes.queries.resize(matrix.queries());
+  std::vector<Share> shares(thread_count());
+  matrix.for_each_row(shares.size(), monitor, "reading scores",
+                      [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
+                        Share& share = shares[worker];
+                        QueryOutcome& query = outcomes.queries[row];
+                        query.frame = layout.anchor(row);
+                        query.has_match = truth.has_match(query.frame);
+                        label_row(truth, layout, row, share.labels);
+                        judge(query, share, keys, layout);
+                      });
+  size_t pairs = 0;
+  for (const Share& share : shares) pairs += share.scan.same_keys.size();
+  scan.same_keys.reserve(pairs);
+  for (Share& share : shares) merge(scan, std::move(share.scan));
+  std::sort(scan.same_keys.begin(), scan.same_keys.end());
+  return scan;
+}
+
+}  // namespace vpr

@@ -1,0 +1,100 @@
+#include "evaluation/outcomes.h"
+
+#include <algorithm>
+#include <set>
+
+namespace vpr {
+namespace {
+
+Verdict verdict_of(PlaceLabel label) {
+  switch (label) {
+    case PlaceLabel::same:
+      return Verdict::correct;
+    case PlaceLabel::different:
+      return Verdict::incorrect;
+    case PlaceLabel::ignore:
+      return Verdict::ignored;
+  }
+  return Verdict::incorrect;
+}
+
+bool is_judged(const QueryOutcome& query) {
+  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
+}
+
+}  // namespace
+
+Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth) {
+  Outcomes outcomes{
+      ScoreKind::distance, result.query_frames, result.settings.window_length, false, {}};
+  for (size_t window = 0; window < result.best.size(); ++window) {
+    QueryOutcome& query = outcomes.queries.emplace_back();
+    query.frame = result.anchor(window);
+    query.has_match = truth.has_match(query.frame);
+    const auto& best = result.best[window];
+    if (best) {
+      query.best = FrameMatch{best->sequence, result.anchor(best->train_window)};
+      query.key = score_key(best->distance, outcomes.kind);
+      query.verdict = verdict_of(truth.label(query.frame, best->sequence, query.best->reference));
+    } else if (shows_unreadable(result, window)) {
+      query.verdict = Verdict::unreadable;
+    }
+  }
+  return outcomes;
+}
+
+Outcomes outcomes_of(const FabmapResult& result, const GroundTruth& truth) {
+  Outcomes outcomes{ScoreKind::similarity, result.query_frames, 1, false, {}};
+  const std::set<size_t> unreadable(result.query_unreadable.begin(), result.query_unreadable.end());
+  for (size_t frame = 0; frame < result.best.size(); ++frame) {
+    QueryOutcome& query = outcomes.queries.emplace_back();
+    query.frame = frame;
+    query.has_match = truth.has_match(frame);
+    const auto& best = result.best[frame];
+    if (unreadable.contains(frame)) {
+      query.verdict = Verdict::unreadable;
+    } else if (best) {
+      query.best = FrameMatch{0, best->place};
+      query.key = score_key(best->probability, outcomes.kind);
+      query.verdict = verdict_of(truth.label(frame, 0, best->place));
+    }
+  }
+  return outcomes;
+}
+
+uint64_t judged_queries(const Outcomes& outcomes) {
+  return static_cast<uint64_t>(
+      std::count_if(outcomes.queries.begin(), outcomes.queries.end(),
+                    [](const QueryOutcome& q) { return q.has_match && is_judged(q); }));
+}
+
+uint64_t tied_queries(const Outcomes& outcomes) {
+  return static_cast<uint64_t>(std::count_if(outcomes.queries.begin(), outcomes.queries.end(),
+                                             [](const QueryOutcome& q) { return q.is_tied; }));
+}
+
+BestMatchCounts best_match_counts(const Outcomes& outcomes) {
+  BestMatchCounts counts;
+  for (const QueryOutcome& query : outcomes.queries) {
+    if (query.verdict == Verdict::unreadable) {
+      ++counts.unreadable;
+    } else if (!query.has_match) {
+      ++counts.without_match;
+    } else {
+      ++counts.queries;
+      if (query.verdict == Verdict::correct) ++counts.correct;
+      if (query.verdict == Verdict::ignored) ++counts.ignored;
+    }
+  }
+  return counts;
+}
+
+Curve single_best_curve(const Outcomes& outcomes) {
+  std::vector<ScoredItem> items;
+  for (const QueryOutcome& query : outcomes.queries)
+    if (is_judged(query)) items.push_back({query.key, query.verdict == Verdict::correct});
+  sort_items(items);
+  return curve_of(items, judged_queries(outcomes), outcomes.kind);
+}
+
+}  // namespace vpr

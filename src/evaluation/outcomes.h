@@ -1,0 +1,58 @@
+// What became of every query: its best match, and whether it is right.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "evaluation/counts.h"
+#include "evaluation/curve.h"
+#include "evaluation/score_layout.h"
+
+namespace vpr {
+
+enum class Verdict {
+  correct,    ///< the best match shows the query's place
+  incorrect,  ///< it does not, or nothing was found
+  ignored,    ///< it is a pair labelled ignore: neither
+  unreadable  ///< the query has no scores: not judged
+};
+
+struct QueryOutcome {
+  size_t frame = 0;  ///< of the query: a window's anchor
+  Verdict verdict = Verdict::incorrect;
+  bool has_match = false;          ///< the ground truth has this place among the references
+  std::optional<FrameMatch> best;  ///< ties to the first
+  uint64_t key = kNoScore;         ///< score_key of the best match
+  bool is_tied = false;            ///< another reference scores the same (known from a matrix only)
+  /// 1 + references in front of the first correct one, ties to the first, ignored ones left out;
+  /// known from a matrix only, and none where no correct one has a score.
+  std::optional<size_t> rank;
+};
+
+struct Outcomes {
+  ScoreKind kind = ScoreKind::distance;
+  size_t query_frames = 0;  ///< of the whole path
+  size_t window_length = 1;
+  bool has_ranks = false;             ///< from a matrix
+  std::vector<QueryOutcome> queries;  ///< by frame
+};
+
+/// Best matches of a result, judged at anchors; a best match that is labelled ignore is `ignored`
+/// (what would have come next is not known).
+Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth);
+/// The likeliest place of every frame. A frame without words is incorrect.
+Outcomes outcomes_of(const FabmapResult& result, const GroundTruth& truth);
+
+/// Queries that have a match and are judged: neither unreadable nor ignored.
+uint64_t judged_queries(const Outcomes& outcomes);
+uint64_t tied_queries(const Outcomes& outcomes);
+
+/// As a report counts best matches.
+BestMatchCounts best_match_counts(const Outcomes& outcomes);
+
+/// Whether a query's best match is accepted or not at each threshold: correct and incorrect best
+/// matches, those of queries without a match among the incorrect ones; unreadable and ignored ones
+/// left out. Recall is over judged_queries.
+Curve single_best_curve(const Outcomes& outcomes);
+
+}  // namespace vpr

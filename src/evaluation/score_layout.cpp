@@ -1,0 +1,81 @@
+#include "evaluation/score_layout.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "evaluation/counts.h"
+
+namespace vpr {
+size_t row_count(const ScoreLayout& layout) {
+  const size_t frames = layout.scope.query_frames;
+  return frames < layout.window_length ? 0 : frames - layout.window_length + 1;
+}
+
+size_t column_count(const ScoreLayout& layout) {
+  return layout.columns.empty() ? 0 : layout.columns.back().first + layout.columns.back().count;
+}
+
+ScoreLayout layout_of(const ScoreMatrix& matrix, size_t window_length) {
+  assert(window_length >= 1);
+  ScoreLayout layout;
+  layout.window_length = window_length;
+  layout.scope.query_frames = matrix.queries() + window_length - 1;
+  layout.scope.sequences = {{"references", matrix.references() + window_length - 1, true}};
+  layout.columns = {{0, 0, matrix.references()}};
+  return layout;
+}
+
+ScoreLayout layout_of(const SequenceResult& result) {
+  ScoreLayout layout;
+  layout.window_length = result.settings.window_length;
+  layout.scope = scope_of(result);
+  for (size_t s = 0; s < result.sequences.size(); ++s) {
+    const SequenceThreshold& sequence = result.sequences[s];
+    if (!sequence.searched || sequence.frames < layout.window_length) continue;
+    layout.columns.push_back({static_cast<uint32_t>(s), column_count(layout),
+                              sequence.frames - layout.window_length + 1});
+  }
+  return layout;
+}
+
+void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout) {
+  if (matrix.queries() == row_count(layout) && matrix.references() == column_count(layout)) return;
+  throw Error(
+      ErrorKind::data,
+      fmt::format("the scores are {} x {}, and the result has {} query windows and {} "
+                  "training windows; give the matrix that was saved with it",
+                  matrix.queries(), matrix.references(), row_count(layout), column_count(layout)));
+}
+
+void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
+               std::vector<PlaceLabel>& labels) {
+  labels.assign(column_count(layout), PlaceLabel::different);
+  const auto back = static_cast<int64_t>(layout.window_length) - 1;  // from anchor to window
+  const auto& pairs = truth.pairs[layout.anchor(row)];
+  const auto fill = [&](const GroundTruth::Pair& pair, int64_t around) {
+    for (const ScoreLayout::Columns& columns : layout.columns) {
+      if (columns.sequence != pair.sequence) continue;
+      const int64_t centre = int64_t{pair.reference} - back;
+      const int64_t last = std::min(centre + around, static_cast<int64_t>(columns.count) - 1);
+      for (int64_t c = std::max<int64_t>(centre - around, 0); c <= last; ++c)
+        labels[columns.first + static_cast<size_t>(c)] = pair.label;
+    }
+  };
+  for (const GroundTruth::Pair& pair : pairs)
+    if (pair.label == PlaceLabel::ignore) fill(pair, 0);
+  for (const GroundTruth::Pair& pair : pairs)
+    if (pair.label == PlaceLabel::same) fill(pair, truth.tolerance_frames);
+}
+
+FrameMatch match_of_column(const ScoreLayout& layout, size_t column) {
+  for (const ScoreLayout::Columns& columns : layout.columns)
+    if (column >= columns.first && column < columns.first + columns.count)
+      return {columns.sequence, layout.anchor(column - columns.first)};
+  assert(false);
+  return {};
+}
+
+}  // namespace vpr

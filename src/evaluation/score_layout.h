@@ -1,0 +1,54 @@
+// What the rows and columns of a score matrix are: windows (or frames) of which sequences.
+#pragma once
+
+#include <vector>
+
+#include "evaluation/ground_truth.h"
+#include "evaluation/score_matrix.h"
+#include "recognition/sequence_result.h"
+
+namespace vpr {
+
+/// A row is a window of the query, a column a window of a training sequence, both indexed by their
+/// first frame and judged at their anchor, their last; frames are windows of length 1.
+struct ScoreLayout {
+  /// The windows of one searched training sequence, side by side.
+  struct Columns {
+    uint32_t sequence = 0;
+    size_t first = 0;
+    size_t count = 0;
+  };
+  GroundTruthScope scope;
+  size_t window_length = 1;
+  std::vector<Columns> columns;
+
+  size_t anchor(size_t window) const { return window + window_length - 1; }
+};
+
+/// A matrix with one training sequence, called "references". window_length is at least 1.
+ScoreLayout layout_of(const ScoreMatrix& matrix, size_t window_length);
+
+/// The matrix of a result, as vpr-query saves it.
+ScoreLayout layout_of(const SequenceResult& result);
+
+/// Rows and columns of the whole matrix.
+size_t row_count(const ScoreLayout& layout);
+size_t column_count(const ScoreLayout& layout);
+
+/// Throws Error(data) if the matrix has another size.
+void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout);
+
+/// The labels of all columns for the query window `row`: `labels` is made that long.
+void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
+               std::vector<PlaceLabel>& labels);
+
+/// Sequence and anchor frame of a column, which exists.
+struct FrameMatch {
+  uint32_t sequence = 0;
+  size_t reference = 0;
+
+  bool operator==(const FrameMatch&) const = default;
+};
+FrameMatch match_of_column(const ScoreLayout& layout, size_t column);
+
+}  // namespace vpr

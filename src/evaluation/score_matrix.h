@@ -1,0 +1,61 @@
+// A query x reference matrix of scores in a .npy file of any program, never whole in memory.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/monitor.h"
+#include "base/npy.h"
+#include "evaluation/score_order.h"
+
+namespace vpr {
+
+struct ScoreFormat {
+  ScoreKind kind = ScoreKind::distance;
+  bool references_first = false;  ///< rows of the file are references, columns are queries
+  std::optional<double> missing;  ///< this value is no score either
+};
+
+/// float16, float32, float64, bool, and integers of 8 to 64 bits, little-endian, C or Fortran
+/// order. NaN is no score.
+class ScoreMatrix {
+ public:
+  /// Throws Error(input) if the file can't be read, Error(data) if it is no such matrix.
+  ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format);
+
+  size_t queries() const { return queries_; }
+  size_t references() const { return references_; }
+  ScoreKind kind() const { return format_.kind; }
+
+  /// Keys (score_key) of all references of one query; they live while the call lasts.
+  using RowBody = std::function<void(size_t worker, size_t query, std::span<const uint64_t> keys)>;
+  /// Calls body once for every query, in any order. `workers` (at least 1) calls may run at once,
+  /// each with its own number below `workers`. Throws Error(data) for 64-bit integers beyond 2^53,
+  /// which would not be told apart.
+  void for_each_row(size_t workers, const Monitor& monitor, const std::string& step,
+                    const RowBody& body) const;
+
+  /// Of the whole file, as provenance has it.
+  std::string fingerprint() const;
+
+ private:
+  using Reader = void (*)(const std::byte* values, std::span<uint64_t> keys, size_t key_stride,
+                          const ScoreFormat& format);
+
+  void read_block(size_t first, size_t count, std::span<uint64_t> keys) const;
+  void forget_block(size_t first, size_t count) const;
+
+  std::string name_;
+  ScoreFormat format_;
+  NpyArray array_;
+  size_t value_size_ = 0;
+  bool query_major_ = true;  // the scores of one query lie side by side
+  size_t queries_ = 0;
+  size_t references_ = 0;
+  Reader reader_ = nullptr;
+};
+
+}  // namespace vpr

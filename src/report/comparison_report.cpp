@@ -1,0 +1,190 @@
+#include "report/comparison_report.h"
+
+#include <charconv>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "evaluation/metrics.h"
+#include "report/json_fields.h"
+
+namespace vpr {
+namespace {
+
+constexpr uint64_t kMostFrames = uint64_t{1} << 32;
+
+/// Words of a text, which spaces divide; none of an empty text.
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> words;
+  while (!text.empty()) {
+    const size_t end = std::min(text.find(' '), text.size());
+    words.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return words;
+}
+
+template <class T>
+std::optional<T> number(std::string_view word) {
+  T value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
+  query.has_match = letter == 'c' || letter == 'w';
+  switch (letter) {
+    case 'c':
+      query.verdict = Verdict::correct;
+      return;
+    case 'w':
+    case 'n':
+      query.verdict = Verdict::incorrect;
+      return;
+    case 'i':
+      query.verdict = Verdict::ignored;
+      return;
+    case 'u':
+      query.verdict = Verdict::unreadable;
+      return;
+    default:
+      fields.fail("an outcome is none");
+  }
+}
+
+Outcomes read_outcomes(const Fields& fields) {
+  const Fields part = fields.object("outcomes");
+  Outcomes outcomes;
+  const auto kind = enum_value<ScoreKind>(part.text("scores_are"));
+  if (!kind) fields.fail("its scores are neither distances nor similarities");
+  outcomes.kind = *kind;
+  const uint64_t first = part.count("first_frame", kMostFrames);
+  outcomes.window_length = first + 1;
+  const std::string letters = part.text("best");
+  const std::string scores_text = part.text("scores");
+  const auto scores = split(scores_text);
+  outcomes.has_ranks = part.has("ranks");
+  const std::string ranks_text = outcomes.has_ranks ? part.text("ranks") : "";
+  const auto ranks = split(ranks_text);
+  if (scores.size() != letters.size() || (outcomes.has_ranks && ranks.size() != letters.size()))
+    fields.fail("its outcomes do not fit each other");
+  for (size_t q = 0; q < letters.size(); ++q) {
+    QueryOutcome& query = outcomes.queries.emplace_back();
+    query.frame = first + q;
+    set_verdict(query, letters[q], fields);
+    if (scores[q] != "-") {
+      const auto score = number<double>(scores[q]);
+      if (!score) fields.fail("a score is no number");
+      query.key = score_key(*score, outcomes.kind);
+    }
+    if (outcomes.has_ranks && ranks[q] != "-") {
+      query.rank = number<size_t>(ranks[q]);
+      if (!query.rank) fields.fail("a rank is no number");
+    }
+  }
+  outcomes.query_frames = first + letters.size();
+  return outcomes;
+}
+
+Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
+
+std::string signed_number(const Json& value) {
+  return value.is_null() ? "-" : fmt::format("{:+.4f}", value.get<double>());
+}
+
+// Whether the interval leaves chance out.
+std::string judgement_of(const Json& row) {
+  if (row["low"].is_null()) return "";
+  if (row["low"].get<double>() > 0) return "better";
+  return row["high"].get<double>() < 0 ? "worse" : "";
+}
+
+}  // namespace
+
+StoredReport read_report(const std::filesystem::path& path) {
+  const std::string where = path.string();
+  const Json json = read_json(path, ErrorKind::data);
+  require_schema(json, "report", where, ErrorKind::data);
+  const Fields fields(json, where);
+  if (!fields.has("outcomes"))
+    throw Error(ErrorKind::data, fmt::format("{}: has no outcomes of single queries; make it again "
+                                             "with vpr-eval",
+                                             where));
+  StoredReport report;
+  report.method = fields.text("method");
+  report.query = fields.text("query");
+  report.ground_truth = fields.object("protocol").text("ground_truth");
+  const Fields provenance = fields.object("provenance");
+  report.fingerprint = provenance.text(provenance.has("result") ? "result" : "scores");
+  report.outcomes = read_outcomes(fields);
+  return report;
+}
+
+Json comparison_json(const Comparison& comparison, const std::vector<StoredReport>& reports,
+                     const std::vector<std::string>& names, size_t resamples, const RunInfo& run) {
+  Json json = {{"schema", "vpr.comparison/1"}, {"query", reports.front().query}};
+  json["reports"] = Json::array();
+  for (size_t m = 0; m < reports.size(); ++m)
+    json["reports"].push_back({{"name", names[m]},
+                               {"method", reports[m].method},
+                               {"ground_truth", reports[m].ground_truth},
+                               {"queries", comparison.own[m]},
+                               {"fingerprint", reports[m].fingerprint}});
+  json["queries"] = {{"common", comparison.common}, {"with_match", comparison.judged}};
+  json["bootstrap"] = {{"block", comparison.block}, {"resamples", resamples}, {"confidence", 0.95}};
+  json["metrics"] = Json::array();
+  for (const ComparedValue& value : comparison.values)
+    json["metrics"].push_back({{"metric", value.metric},
+                               {"report", names[value.method]},
+                               {"value", or_null(value.value)},
+                               {"difference", or_null(value.difference)},
+                               {"low", value.interval ? Json(value.interval->low) : Json()},
+                               {"high", value.interval ? Json(value.interval->high) : Json()}});
+  json["paired"] = Json::array();
+  for (size_t m = 1; m < reports.size(); ++m)
+    json["paired"].push_back({{"report", names[m]},
+                              {"both_right", comparison.paired[m].both_right},
+                              {"only_this", comparison.paired[m].only_this},
+                              {"only_first", comparison.paired[m].only_first},
+                              {"neither", comparison.paired[m].neither}});
+  json["protocol"] = {
+      {"queries", "query frames that all reports judge (neither unreadable nor ignored)"},
+      {"metrics", "of best matches; those of queries without a match are incorrect where accepted"},
+      {"interval",
+       "central 95 % of the difference to the first report under the circular block bootstrap, "
+       "the same blocks of neighbouring queries for all reports"}};
+  json["provenance"] = provenance_json(run);
+  return json;
+}
+
+Table comparison_table(const Json& comparison) {
+  Table table;
+  table.title = fmt::format(
+      "{}: differences to {} over {} common queries ({} with a match), 95 % by blocks of {}",
+      comparison["query"].get<std::string>(), comparison["reports"][0]["name"].get<std::string>(),
+      comparison["queries"]["common"].dump(), comparison["queries"]["with_match"].dump(),
+      comparison["bootstrap"]["block"].dump());
+  table.columns = {"metric", "of", "value", "difference", "from", "to", ""};
+  for (const Json& row : comparison["metrics"])
+    table.rows.push_back(
+        {row["metric"].get<std::string>(), row["report"].get<std::string>(),
+         row["value"].is_null() ? "-" : fmt::format("{:.4f}", row["value"].get<double>()),
+         signed_number(row["difference"]), signed_number(row["low"]), signed_number(row["high"]),
+         judgement_of(row)});
+  return table;
+}
+
+Table paired_table(const Json& comparison) {
+  Table table;
+  table.title = fmt::format("Best matches beside those of {}",
+                            comparison["reports"][0]["name"].get<std::string>());
+  table.columns = {"of", "both right", "only this", "only the first", "neither"};
+  for (const Json& row : comparison["paired"])
+    table.rows.push_back({row["report"].get<std::string>(), row["both_right"].dump(),
+                          row["only_this"].dump(), row["only_first"].dump(),
+                          row["neither"].dump()});
+  return table;
+}
+
+}  // namespace vpr

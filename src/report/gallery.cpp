@@ -1,0 +1,70 @@
+#include "report/gallery.h"
+
+#include <algorithm>
+
+namespace vpr {
+namespace {
+
+constexpr size_t kLeastApart = 5;
+
+// The middle one of the references that show the query's place; with a whole window if there is.
+std::optional<FrameMatch> true_match(const GroundTruth& truth, const ScoreLayout& layout,
+                                     size_t frame) {
+  std::vector<FrameMatch> whole;
+  std::vector<FrameMatch> all;
+  for (const GroundTruth::Pair& pair : truth.pairs[frame]) {
+    if (pair.label != PlaceLabel::same ||
+        pair.reference >= layout.scope.sequences[pair.sequence].frames)
+      continue;
+    all.push_back({pair.sequence, pair.reference});
+    if (pair.reference + 1 >= layout.window_length) whole.push_back(all.back());
+  }
+  const auto& from = whole.empty() ? all : whole;
+  if (from.empty()) return std::nullopt;
+  return from[from.size() / 2];
+}
+
+}  // namespace
+
+std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const GroundTruth& truth,
+                                        size_t most) {
+  const auto& queries = judgement.outcomes.queries;
+  const size_t apart = std::max(kLeastApart, judgement.layout.window_length);
+  std::vector<GalleryItem> items;
+  const auto choose = [&](GalleryKind kind, Verdict verdict, bool is_best_first) {
+    std::vector<size_t> order;
+    for (size_t q = 0; q < queries.size(); ++q)
+      if (queries[q].verdict == verdict && queries[q].best) order.push_back(q);
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+      return is_best_first ? queries[a].key < queries[b].key : queries[a].key > queries[b].key;
+    });
+    const size_t begin = items.size();
+    for (const size_t q : order) {
+      if (items.size() - begin == most) break;
+      const bool is_near = std::any_of(items.begin(), items.end(), [&](const GalleryItem& item) {
+        const bool same_query = item.query == q;
+        const size_t away = item.query > q ? item.query - q : q - item.query;
+        return same_query || (item.kind == kind && away < apart);
+      });
+      if (!is_near)
+        items.push_back({kind, q, true_match(truth, judgement.layout, queries[q].frame)});
+    }
+  };
+  choose(GalleryKind::mistake, Verdict::incorrect, true);
+  choose(GalleryKind::hit, Verdict::correct, true);
+  choose(GalleryKind::weak, Verdict::correct, false);
+  return items;
+}
+
+std::vector<size_t> strip_frames(size_t anchor, size_t window_length, size_t most) {
+  const size_t length = std::min(window_length, anchor + 1);
+  const size_t count = std::min(length, most);
+  std::vector<size_t> frames;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t back = count == 1 ? 0 : (count - 1 - i) * (length - 1) / (count - 1);
+    frames.push_back(anchor - back);
+  }
+  return frames;
+}
+
+}  // namespace vpr

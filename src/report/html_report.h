@@ -1,0 +1,29 @@
+// An evaluation as one HTML file that needs nothing else: numbers, curve, timeline, matrix and a
+// gallery.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/monitor.h"
+#include "evaluation/judgement.h"
+#include "images/sequence.h"
+
+namespace vpr {
+
+/// Where a report's frames can be seen. References are the training sequences in the order of the
+/// ground truth's scope; an absent one has no pictures.
+struct FrameSources {
+  std::optional<Sequence> query;
+  std::vector<std::optional<Sequence>> references;
+};
+
+/// The page. Its size does not grow with the number of queries but for a line of data each; of
+/// `matrix` (which may be absent) only a small picture is kept. Throws as make_thumbnails and
+/// ScoreMatrix::for_each_row do.
+std::string html_report(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                        const ScoreMatrix* matrix, const FrameSources& sources,
+                        const Monitor& monitor);
+
+}  // namespace vpr

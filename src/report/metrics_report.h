@@ -1,0 +1,30 @@
+// Metrics, localisation and outcomes as parts of an evaluation report (vpr.report/1).
+#pragma once
+
+#include <vector>
+
+#include "base/json.h"
+#include "evaluation/judgement.h"
+#include "report/table.h"
+
+namespace vpr {
+
+/// Adds "metrics", "localisation", "curves" and "outcomes".
+void add_judgement(Json& report, const Judgement& judgement);
+
+/// Adds to "protocol", in words, what the metrics count. `is_result`: a result of ours, whose hits
+/// are the fixes.
+void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_result);
+
+/// Metrics of best matches and pairs, recall@K where there are ranks, and localisation, titled with
+/// what their numbers count.
+std::vector<Table> metrics_tables(const Json& report);
+
+/// The same as columns of one row, for CSV.
+void append_metrics(Table& table, const Json& report);
+
+/// The curve as at most `most` of its points, evenly spaced by their place, first and last among
+/// them.
+std::vector<CurvePoint> thinned(const Curve& curve, size_t most);
+
+}  // namespace vpr

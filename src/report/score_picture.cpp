@@ -1,0 +1,93 @@
+#include "report/score_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/statistics.h"
+
+namespace vpr {
+namespace {
+
+const cv::Vec3b kTruth(60, 180, 60);
+const cv::Vec3b kCorrect(255, 110, 20);
+const cv::Vec3b kIncorrect(30, 30, 230);
+const cv::Vec3b kIgnored(200, 170, 140);
+const cv::Vec3b kDivider(200, 120, 200);
+
+/// Cells to pixels.
+struct Grid {
+  size_t scale = 1;
+  size_t rows = 1;
+  size_t cols = 1;
+
+  Grid(const ScoreLayout& layout, size_t most_pixels) {
+    const size_t height = std::max<size_t>(1, row_count(layout));
+    const size_t width = std::max<size_t>(1, column_count(layout));
+    scale = (std::max(height, width) + most_pixels - 1) / most_pixels;
+    rows = (height + scale - 1) / scale;
+    cols = (width + scale - 1) / scale;
+  }
+  cv::Vec3b& pixel(cv::Mat& image, size_t row, size_t column) const {
+    return image.at<cv::Vec3b>(static_cast<int>(row / scale), static_cast<int>(column / scale));
+  }
+};
+
+void draw_grey(cv::Mat& image, const Grid& grid, const ScoreMatrix& matrix,
+               const Monitor& monitor) {
+  std::vector<uint64_t> best(grid.rows * grid.cols, kNoScore);
+  matrix.for_each_row(1, monitor, "drawing scores",
+                      [&](size_t, size_t row, std::span<const uint64_t> keys) {
+                        uint64_t* line = &best[row / grid.scale * grid.cols];
+                        for (size_t c = 0; c < keys.size(); ++c)
+                          line[c / grid.scale] = std::min(line[c / grid.scale], keys[c]);
+                      });
+  std::vector<double> values;
+  for (const uint64_t key : best) {
+    const double value = score_of_key(key, matrix.kind());
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  if (values.empty()) return;
+  const double low = quantile(values, 0.01);
+  const double high = quantile(values, 0.99);
+  const bool is_distance = matrix.kind() == ScoreKind::distance;
+  for (size_t p = 0; p < best.size(); ++p) {
+    if (best[p] == kNoScore) continue;
+    const double value = score_of_key(best[p], matrix.kind());
+    const double share = high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) : 0.5;
+    const auto grey = static_cast<uint8_t>(240 * (is_distance ? share : 1 - share));
+    image.at<cv::Vec3b>(static_cast<int>(p / grid.cols), static_cast<int>(p % grid.cols)) =
+        cv::Vec3b(grey, grey, grey);
+  }
+}
+
+}  // namespace
+
+cv::Mat draw_scores(const Judgement& judgement, const GroundTruth& truth, const ScoreMatrix* matrix,
+                    size_t most_pixels, const Monitor& monitor) {
+  const ScoreLayout& layout = judgement.layout;
+  const Grid grid(layout, most_pixels);
+  cv::Mat image(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3,
+                cv::Scalar(255, 255, 255));
+  if (matrix != nullptr) draw_grey(image, grid, *matrix, monitor);
+  std::vector<PlaceLabel> labels;
+  for (size_t row = 0; row < row_count(layout); ++row) {
+    label_row(truth, layout, row, labels);
+    for (size_t c = 0; c < labels.size(); ++c)
+      if (labels[c] == PlaceLabel::same) grid.pixel(image, row, c) = kTruth;
+  }
+  for (const ScoreLayout::Columns& columns : layout.columns)
+    if (columns.first > 0) image.col(static_cast<int>(columns.first / grid.scale)).setTo(kDivider);
+  for (const RecognisedCell& cell : judgement.recognised) {
+    const FrameMatch match = match_of_column(layout, cell.column);
+    const PlaceLabel label =
+        truth.label(layout.anchor(cell.query_window), match.sequence, match.reference);
+    grid.pixel(image, cell.query_window, cell.column) = label == PlaceLabel::same ? kCorrect
+                                                        : label == PlaceLabel::different
+                                                            ? kIncorrect
+                                                            : kIgnored;
+  }
+  return image;
+}
+
+}  // namespace vpr

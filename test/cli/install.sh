@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# An installation has programs that run, completions that complete, and manual pages.
+#   install.sh BUILD CMAKE
+set -euo pipefail
+build=$1 cmake=$2
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+"$cmake" --install "$build" --prefix "$out" >/dev/null
+for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
+  [[ $("$out/bin/$program" --version) == "$program "* ]]
+  for file in bash-completion/completions/$program zsh/site-functions/_$program \
+    fish/vendor_completions.d/$program.fish man/man1/$program.1; do
+    [[ -s $out/share/$file ]] || { echo "$file is missing"; exit 1; }
+  done
+  bash -n "$out/share/bash-completion/completions/$program"
+done
+[[ -s $out/share/doc/vpr-toolkit/report.schema.json ]]
+
+source "$out/share/bash-completion/completions/vpr-eval"
+expect() {  # the completions, then the words of a command line
+  COMP_WORDS=("${@:2}")
+  COMP_CWORD=$(($# - 2))
+  _vpr_eval
+  [[ "${COMPREPLY[*]}" == "$1" ]] || { echo "${*:2}: expected $1, found ${COMPREPLY[*]}"; exit 1; }
+}
+expect "--tolerance" vpr-eval --tol
+expect "text csv markdown latex" vpr-eval --format ""
+expect "markdown" vpr-eval compare --format m
+expect "--block" vpr-eval compare --b
+expect "compare" vpr-eval comp
+expect "" vpr-eval --html ""

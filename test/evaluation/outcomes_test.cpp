@@ -1,0 +1,81 @@
+#include "evaluation/outcomes.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "evaluation/recall_at.h"
+
+using namespace vpr;
+
+namespace {
+
+// Ten query frames against twelve training frames, c_l 3.
+SequenceResult random_result(RandomEngine& engine) {
+  SequenceResult result;
+  result.settings.window_length = 3;
+  result.query_frames = 10;
+  result.query_windows = 8;
+  result.sequences = {{"ref", 12, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
+  for (uint32_t window = 0; window < 8; ++window) {
+    const bool found = uniform_below(engine, 5) != 0;
+    result.best.push_back(found ? std::optional(Cell{window, 0, uint32_t(uniform_below(engine, 10)),
+                                                     uint32_t(uniform_below(engine, 50))})
+                                : std::nullopt);
+    if (!found && uniform_below(engine, 2) == 0) result.query_unreadable = {window};
+  }
+  return result;
+}
+
+GroundTruth random_truth(RandomEngine& engine) {
+  GroundTruth truth;
+  truth.pairs.resize(10);
+  for (auto& pairs : truth.pairs)
+    for (uint64_t i = uniform_below(engine, 4); i > 0; --i)
+      pairs.push_back({0, uint32_t(uniform_below(engine, 12)),
+                       uniform_below(engine, 3) == 0 ? PlaceLabel::ignore : PlaceLabel::same});
+  return truth;
+}
+
+}  // namespace
+
+TEST_CASE("outcomes count best matches as reports do") {
+  RandomEngine engine(2);
+  for (int round = 0; round < 300; ++round) {
+    const SequenceResult result = random_result(engine);
+    const GroundTruth truth = random_truth(engine);
+    const BestMatchCounts expected = count_recognitions(result, truth).best_match;
+    const Outcomes outcomes = outcomes_of(result, truth);
+    const BestMatchCounts found = best_match_counts(outcomes);
+    REQUIRE(found.queries == expected.queries);
+    REQUIRE(found.correct == expected.correct);
+    REQUIRE(found.ignored == expected.ignored);
+    REQUIRE(found.without_match == expected.without_match);
+    REQUIRE(found.unreadable == expected.unreadable);
+    REQUIRE(recall_at(outcomes, 1) == expected.rate());
+    REQUIRE(judged_queries(outcomes) == expected.queries - expected.ignored);
+  }
+}
+
+TEST_CASE("ranks behind the first are not known from best matches") {
+  RandomEngine engine(2);
+  CHECK_FALSE(recall_at(outcomes_of(random_result(engine), random_truth(engine)), 5));
+}
+
+TEST_CASE("a probability is a similarity, and a frame without words is wrong") {
+  FabmapResult result;
+  result.query_frames = 3;
+  result.places = {"a", "b"};
+  result.best = {PlaceMatch{0, 0, 0, 0.4}, std::nullopt, PlaceMatch{2, 1, 1, 0.9}};
+  GroundTruth truth;
+  truth.pairs = {
+      {{0, 0, PlaceLabel::same}}, {{0, 1, PlaceLabel::same}}, {{0, 0, PlaceLabel::same}}};
+  const Outcomes outcomes = outcomes_of(result, truth);
+  CHECK(outcomes.queries[0].verdict == Verdict::correct);
+  CHECK(outcomes.queries[1].verdict == Verdict::incorrect);
+  CHECK(outcomes.queries[2].verdict == Verdict::incorrect);
+  const Curve curve = single_best_curve(outcomes);
+  CHECK(curve.to_find == 3);
+  REQUIRE(curve.points.size() == 2);
+  CHECK(curve.threshold(curve.points[0]) == 0.9);
+  CHECK(curve.points[1].correct == 1);
+}
