@@ -90,11 +90,12 @@ CLI::App& Program::add_command(const std::string& name, const std::string& descr
   command->footer("Example:\n" + example);
   add_common_flags(*command);
   command->callback([this, run = std::move(run)] { run_ = run; });
-  app_.require_subcommand(1);
+  if (!run_) app_.require_subcommand(1);
   return *command;
 }
 
 void Program::set_run(std::function<void(Session&)> run) {
+  app_.require_subcommand(0, 1);
   add_common_flags(app_);
   run_ = std::move(run);
 }

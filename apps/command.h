@@ -77,7 +77,7 @@ class Program {
   /// A command with its own --help and the common flags. The work is done by `run`.
   CLI::App& add_command(const std::string& name, const std::string& description,
                         const std::string& example, std::function<void(Session&)> run);
-  /// The program itself is the command.
+  /// The program itself is a command: the only one, or what is done without the name of another.
   void set_run(std::function<void(Session&)> run);
 
   /// --config FILE fills `settings` and the common options before any flag does.

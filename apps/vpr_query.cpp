@@ -66,7 +66,7 @@ void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySetting
                        "write the distances: .npy (int32, never whole in memory) or .png (dark: "
                        "close)"));
   group(app.add_option("--ground-truth", inputs.ground_truth,
-                       "pairs file, or the word aligned: drawn into the picture"));
+                       fmt::format("drawn into the picture: {}", ground_truth_help())));
   group(add_setting(app, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"))
       ->check(CLI::NonNegativeNumber);
   group(
@@ -154,6 +154,7 @@ int main(int argc, char** argv) {
   app.add_flag("--skip-unreadable", settings.sequence.skip_unreadable,
                "frames that can't be decoded keep their index and never match");
   add_sequence_flags(app, inputs, settings.sequence);
+  add_ground_truth_flags(app, inputs.flags);
   add_fabmap_flags(app, inputs, settings.fabmap);
   program.set_run([&](Session& session) { run(session, inputs, settings, app); });
   return program.main(argc, argv);
