@@ -14,6 +14,9 @@ trap 'rm -rf "$out"' EXIT
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" -o "$out/e.json" --quiet
 echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/walk/dataset.json" --expect "$out/x.json" --quiet
+"$bin/vpr-eval" "$out/r2.json" --protocol nordland-all -o "$out/p.json" --quiet
+"$bin/vpr-eval" check "$out/walk/query-a.ground_truth.csv" -o "$out/c.json" --quiet
+"$bin/vpr-eval" convert aligned --query-frames 3 --train-frames 4 --to mask -o "$out/m.png" --json >"$out/cv.json"
 "$bin/vpr-train" info "$out/w.vprdb" --json >"$out/i.json"
 "$bin/vpr-train" fabmap --pretrain "$out/walk/corridor-a" --train "$out/walk/corridor-b@0:20" --words 20 \
   -o "$out/f.vprdb" --json >"$out/fi.json"
@@ -30,5 +33,6 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/walk/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
+  "$out/p.json" "$out/c.json" "$out/cv.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json"

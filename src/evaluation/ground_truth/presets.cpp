@@ -16,8 +16,8 @@ namespace {
 constexpr std::array<GroundTruthPreset, 4> kPresets = {{
     {"nordland-exact", 0, 1, "the frame itself"},
     {"nordland-vpr-bench", 1, 10,
-     "VPR-Bench, GSV-Cities, BoQ (Nordland*): one frame, queries every tenth frame"},
-    {"nordland-patch-netvlad", 2, 1, "Patch-NetVLAD's split as SelaVPR counts it: two frames"},
+     "VPR-Bench, GSV-Cities, BoQ: one frame, every tenth frame a query"},
+    {"nordland-patch-netvlad", 2, 1, "Patch-NetVLAD, SelaVPR: two frames"},
     {"nordland-25m", 10, 1, "VPR-datasets-downloader: 25 m, which are ten frames"},
 }};
 

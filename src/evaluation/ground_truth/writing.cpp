@@ -19,13 +19,18 @@ std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t 
 }
 
 size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format) {
+  size_t searched = 0;
+  size_t index = 0;
   const auto& sequences = ground_truth.scope.sequences;
-  if (sequences.size() != 1)
-    throw Error(ErrorKind::usage,
-                fmt::format("the format {} holds one training sequence, and there are {}; use "
-                            "pairs",
-                            format, sequences.size()));
-  return 0;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    if (!sequences[s].searched) continue;
+    ++searched;
+    index = s;
+  }
+  if (searched == 1) return index;
+  throw Error(ErrorKind::usage,
+              fmt::format("the format {} holds one training sequence, and there are {}; use pairs",
+                          format, searched));
 }
 
 }  // namespace vpr

@@ -19,7 +19,7 @@ struct LabelRun {
 std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
                                  size_t frames);
 
-/// The index of the only sequence that was searched. Throws Error(usage) if there are others.
+/// The index of the one sequence that was searched. Throws Error(usage) if there are more, or none.
 size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format);
 
 }  // namespace vpr
