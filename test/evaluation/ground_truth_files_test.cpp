@@ -150,6 +150,14 @@ TEST_CASE("ranges of pose files are those of the sequences") {
   argument.options.reference = "all.csv@3:";          // frames 3 and 4
   CHECK(files.read(argument, 2, 2) == ".. S.");
   CHECK(test::error_kind([&] { files.read(argument, 2, 1); }) == ErrorKind::data);
+  // The other frames of a longer query would be ignored without a word.
+  CHECK(test::error_kind([&] { files.read(argument, 3, 2); }) == ErrorKind::data);
+  argument.path = "all.csv@1:";
+  CHECK(files.read(argument, 4, 2) == ".. .. S. .S");
+  argument.path = files.folder / "all.csv@3:";
+  argument.options.reference = files.folder / "all.csv";
+  CHECK(read_ground_truth(argument, {3, {{"ref", 6}}})
+            .protocol.find("1 query and 1 training frames without a pose") != std::string::npos);
 }
 
 TEST_CASE("near poses are found as by comparing all with all") {
@@ -433,7 +441,9 @@ TEST_CASE("an archive that is cut off anywhere is refused") {
     damaged[at] = static_cast<char>(damaged[at] ^ 4);
     files.text("bad.npz", damaged);
     std::string found;
-    const auto kind = test::error_kind([&] { found = files.read(GroundTruthArgument{"matrix", "bad.npz"}, 3, 3); });
+    const auto kind = test::error_kind([&] {
+      found = files.read(GroundTruthArgument{"matrix", "bad.npz"}, 3, 3);
+    });
     if (kind)
       CHECK(kind == ErrorKind::data);
     else

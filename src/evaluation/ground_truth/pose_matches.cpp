@@ -64,6 +64,17 @@ std::vector<size_t> near_frames(const Pose& query, const Poses& train, const Sor
   return frames;
 }
 
+std::string describe(const Nearness& nearness, int tolerance_frames, size_t unknown_query,
+                     size_t unknown_train) {
+  std::string text = fmt::format("within {} m", nearness.radius_m);
+  if (nearness.angle_deg) text += fmt::format(" and {} degrees", *nearness.angle_deg);
+  if (tolerance_frames != 0) text += fmt::format(", and {} frames more", tolerance_frames);
+  if (unknown_query + unknown_train > 0)
+    text += fmt::format("; {} query and {} training frames without a pose are ignored",
+                        unknown_query, unknown_train);
+  return text;
+}
+
 }  // namespace
 
 std::optional<double> angle_between(const Pose& a, const Pose& b) {
@@ -93,12 +104,10 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
     for (const size_t reference : sorted.unknown)
       builder.add(frame, sequence, reference, reference, PlaceLabel::ignore);
   }
-  return fmt::format(
-      "within {} m{}{}", nearness.radius_m,
-      nearness.angle_deg ? fmt::format(" and {} degrees", *nearness.angle_deg) : "",
-      builder.argument().tolerance_frames == 0
-          ? ""
-          : fmt::format(", and {} frames more", builder.argument().tolerance_frames));
+  return describe(nearness, builder.argument().tolerance_frames,
+                  static_cast<size_t>(std::count_if(query.begin(), query.end(),
+                                                    [](const auto& pose) { return !pose; })),
+                  sorted.unknown.size());
 }
 
 }  // namespace vpr

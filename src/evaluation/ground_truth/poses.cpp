@@ -28,6 +28,11 @@ std::optional<size_t> frame_in_range(const FrameRange& range, size_t index) {
   return behind % range.step == 0 ? std::optional(behind / range.step) : std::nullopt;
 }
 
+// The frames of a range whose end is given.
+size_t frames_of(const FrameRange& range) {
+  return *range.last <= range.first ? 0 : (*range.last - range.first - 1) / range.step + 1;
+}
+
 /// Takes the poses of one file.
 using PoseReader = Poses (*)(FileLocation& location, std::string_view text, const FrameRange& range,
                              const FrameCount& frames);
@@ -40,6 +45,9 @@ Poses read_csv_poses(FileLocation& location, std::string_view text, const FrameR
   if (rows.empty() || header.size() < 3 || header.size() > 4 ||
       !std::equal(header.begin(), header.end(), names.begin()))
     location.fail("expected the header frame,x,y[,heading]");
+  if (range.last && !frames.grows && frames_of(range) != frames.frames)
+    location.fail(
+        fmt::format("its range has {} frames, and there are {}", frames_of(range), frames.frames));
   Poses poses(frames.frames);
   for (size_t r = 1; r < rows.size(); ++r) {
     const auto& fields = rows[r].fields;
