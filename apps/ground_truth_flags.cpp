@@ -9,11 +9,9 @@
 namespace vpr {
 namespace {
 
-constexpr const char* kGroup = "Ground truth";
-
 void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
                 const std::string& help) {
-  command.add_option(flag, value, help)->type_name("NUMBER")->group(kGroup);
+  command.add_option(flag, value, help)->type_name("NUMBER")->group(kGroundTruthGroup);
 }
 
 }  // namespace
@@ -28,7 +26,7 @@ std::string ground_truth_help() {
 void add_ground_truth_flags(CLI::App& command, GroundTruthFlags& flags,
                             const std::string& format_flag) {
   const auto add = [&](const std::string& flag, std::string& value, const std::string& help) {
-    command.add_option(flag, value, help)->group(kGroup);
+    command.add_option(flag, value, help)->group(kGroundTruthGroup);
   };
   add(format_flag, flags.format, fmt::format("default: found by content; {}", format_summaries()));
   add("--ground-truth-reference", flags.reference,
@@ -42,7 +40,7 @@ void add_ground_truth_flags(CLI::App& command, GroundTruthFlags& flags,
   add("--soft", flags.soft, "matrix: .npy file of pairs to ignore");
   add_setting(command, "--matrix-rows", flags.options.matrix_rows,
               "matrix, mask: rows are query or reference frames (default: as the format's authors)")
-      ->group(kGroup);
+      ->group(kGroundTruthGroup);
 }
 
 GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags) {

@@ -8,6 +8,9 @@
 
 namespace vpr {
 
+/// What the help calls the flags.
+inline constexpr const char* kGroundTruthGroup = "Ground truth";
+
 /// Beside --ground-truth and --tolerance.
 struct GroundTruthFlags {
   std::string format;

@@ -128,6 +128,7 @@ void run(Session& session, const QueryInputs& inputs, const QuerySettings& given
     throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} can't use",
                                              inputs.database, kind, method));
   refuse_flags(app, is_fabmap ? kSequenceGroup : kFabmapGroup, kind);
+  if (is_fabmap) refuse_flags(app, kGroundTruthGroup, kind);
   settings.sequence.method = settings.fabmap.method = method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
   if (is_fabmap)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -34,24 +35,44 @@ bool is_near(const Pose& a, const Pose& b, const Nearness& nearness,
   return *angle <= *nearness.angle_deg;
 }
 
-/// Frames with a pose, by their first coordinate.
+/// Frames with a pose, by the coordinate that tells them apart best.
 struct SortedPoses {
+  size_t axis = 0;
   std::vector<size_t> known;
   std::vector<size_t> unknown;
 };
 
+// The coordinate with the largest extent.
+size_t longest_axis(const Poses& poses) {
+  std::array<double, 3> extents{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    double least = std::numeric_limits<double>::infinity();
+    double greatest = -least;
+    for (const auto& pose : poses) {
+      if (!pose) continue;
+      least = std::min(least, pose->position[axis]);
+      greatest = std::max(greatest, pose->position[axis]);
+    }
+    extents[axis] = greatest - least;
+  }
+  return static_cast<size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
+}
+
 SortedPoses sort_poses(const Poses& poses) {
   SortedPoses sorted;
+  sorted.axis = longest_axis(poses);
   for (size_t i = 0; i < poses.size(); ++i) (poses[i] ? sorted.known : sorted.unknown).push_back(i);
   std::stable_sort(sorted.known.begin(), sorted.known.end(), [&](size_t a, size_t b) {
-    return poses[a]->position[0] < poses[b]->position[0];
+    return poses[a]->position[sorted.axis] < poses[b]->position[sorted.axis];
   });
   return sorted;
 }
 
 std::vector<size_t> near_frames(const Pose& query, const Poses& train, const SortedPoses& sorted,
                                 const Nearness& nearness, const GroundTruthBuilder& builder) {
-  const auto offset = [&](size_t frame) { return train[frame]->position[0] - query.position[0]; };
+  const auto offset = [&](size_t frame) {
+    return train[frame]->position[sorted.axis] - query.position[sorted.axis];
+  };
   const auto first =
       std::partition_point(sorted.known.begin(), sorted.known.end(),
                            [&](size_t frame) { return offset(frame) < -nearness.radius_m; });

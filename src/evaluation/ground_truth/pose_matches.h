@@ -29,7 +29,7 @@ std::optional<double> angle_between(const Pose& a, const Pose& b);
 /// the argument's radius_m (default 25) and, where angle_deg is given, the angle at most that, both
 /// bounds included; `ignore` if a pose is unknown. Throws Error(data) if the numbers of poses are
 /// not those of the frames, Error(usage) for a radius or angle that is none. Returns the protocol
-/// in words. Sorted by the first coordinate, so that only references near it are compared.
+/// in words. References are sorted by one coordinate, so that only those near it are compared.
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
                         const Poses& train);
 
