@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Builds the fuzz targets and runs each: scripts/fuzz.sh [SECONDS [NAME...]]   default 60, all
-# Needs clang. What a target finds new goes to build/fuzz/found; a crash stays there, too.
+# What a target finds new goes to build/fuzz/found; a crash stays there, too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
+command -v clang++ >/dev/null || { echo "fuzz: needs clang; apt-get install clang" >&2; exit 1; }
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz
 names=("${@:2}")

@@ -56,7 +56,8 @@ std::optional<NpyHeader> parse_npy_header(std::string_view file) {
   if (!type || (order != "False" && order != "True") || !shape_text) return std::nullopt;
   const auto shape = parse_shape(*shape_text);
   if (!shape) return std::nullopt;
-  return NpyHeader{std::string(*type), *shape, order == "True", start + length};
+  return NpyHeader{std::string(*type), *shape, order == "True" && shape->size() > 1,
+                   start + length};
 }
 
 std::optional<size_t> npy_value_size(std::string_view type) {
@@ -82,7 +83,7 @@ std::string npy_header(std::string_view type, const std::vector<size_t>& shape) 
 NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), file_(path) {
   const auto header = parse_npy_header(file_.text());
   const auto size = header ? npy_value_size(header->type) : std::nullopt;
-  if (!size || header->fortran_order)
+  if (!size || header->is_column_major)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not a little-endian C-order .npy array", name_));
   size_t bytes = *size;

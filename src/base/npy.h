@@ -51,8 +51,8 @@ inline std::string_view npy_type<double>() {
 struct NpyHeader {
   std::string type;
   std::vector<size_t> shape;
-  bool fortran_order = false;  ///< the first index changes fastest
-  size_t offset = 0;           ///< of the values, in bytes
+  bool is_column_major = false;  ///< Fortran order: the first index changes fastest
+  size_t offset = 0;             ///< of the values, in bytes
 };
 
 /// More bytes than any header has.

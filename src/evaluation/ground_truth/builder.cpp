@@ -11,6 +11,8 @@ constexpr size_t kMostExamples = 5;
 /// 16 bytes each. A matrix of 10 000 x 10 000 has a few runs a row, unless it is noise.
 constexpr size_t kMostRuns = size_t{1} << 26;
 
+constexpr size_t kMostGrownSequences = 10000;
+
 FrameCount frame_count(size_t frames) {
   return frames == kUnknownFrames ? FrameCount{0, true} : FrameCount{frames, false};
 }
@@ -46,7 +48,7 @@ size_t GroundTruthBuilder::only_searched(std::string_view what) const {
 size_t GroundTruthBuilder::find_sequence(const std::string& name) {
   for (size_t s = 0; s < scope_.sequences.size(); ++s)
     if (scope_.sequences[s].name == name) return s;
-  if (query_.grows) {  // nobody said which sequences there are
+  if (query_.grows && scope_.sequences.size() < kMostGrownSequences) {  // nobody said which
     const bool is_first = scope_.sequences.size() == 1 && scope_.sequences.front().name.empty();
     if (is_first) {
       scope_.sequences.front().name = name;

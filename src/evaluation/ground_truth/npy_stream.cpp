@@ -88,8 +88,8 @@ void NpyStream::open() {
   if (!header || find_type(header->type) == nullptr || header->shape.size() != 2)
     location_.fail("is no matrix of bool, integers or floats, little-endian (.npy)");
   header_ = *header;
-  rows_ = header_.shape[header_.fortran_order ? 1 : 0];
-  cols_ = header_.shape[header_.fortran_order ? 0 : 1];
+  rows_ = header_.shape[header_.is_column_major ? 1 : 0];
+  cols_ = header_.shape[header_.is_column_major ? 0 : 1];
 }
 
 void NpyStream::next_row(std::span<uint8_t> values) {

@@ -26,7 +26,7 @@ class NpyStream {
   size_t rows() const { return rows_; }
   size_t cols() const { return cols_; }
   /// The first index of the matrix counts columns here.
-  bool is_transposed() const { return header_.fortran_order; }
+  bool is_transposed() const { return header_.is_column_major; }
   /// Writes the next row's values, 0 or 1. Throws Error(data) for another value, or where the file
   /// ends early.
   void next_row(std::span<uint8_t> values);

@@ -102,7 +102,7 @@ std::string read_vpr_bench(GroundTruthBuilder& builder) {
   const size_t sequence = builder.only_searched(path.string());
   const MappedFile file(path);
   const auto header = parse_npy_header(file.text());
-  if (!header || header->type != "|O" || header->fortran_order)
+  if (!header || header->type != "|O" || header->is_column_major)
     builder.fail("is no .npy array of Python objects");
   const Pickle pickle(file.text().substr(header->offset), {path.string()});
   const PickleObject& array = require_array(builder, pickle, *header);
