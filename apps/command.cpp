@@ -96,6 +96,7 @@ CLI::App& Program::add_command(const std::string& name, const std::string& descr
 }
 
 void Program::set_run(std::function<void(Session&)> run) {
+  app_.require_subcommand(0, 1);
   add_common_flags(app_);
   app_.require_subcommand(0, 1);
   run_ = std::move(run);

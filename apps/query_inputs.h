@@ -5,6 +5,7 @@
 #include <string>
 
 #include "command.h"
+#include "ground_truth_flags.h"
 #include "images/dataset.h"
 #include "recognition/fabmap_result.h"
 #include "recognition/sequence_result.h"
@@ -17,6 +18,7 @@ struct QueryInputs {
   std::string dataset;
   std::string ground_truth;
   int tolerance_frames = -1;  ///< below 0: the data set's, or 0
+  GroundTruthFlags flags;     ///< of the ground truth
   std::string matrix;
   std::string max_memory = "8G";
   uint64_t verify_cells = 0;

@@ -22,19 +22,27 @@ std::vector<Source> find_sources(const TuneInputs& inputs, bool is_fabmap) {
     Source& source = sources.emplace_back(Source{query.sequence, *truth});
     if (inputs.tolerance_frames >= 0)
       source.ground_truth.tolerance_frames = inputs.tolerance_frames;
+    source.ground_truth = with_flags(source.ground_truth, inputs.flags);
   }
   if (!sources.empty()) return sources;
   if (inputs.query.empty() || inputs.ground_truth.empty())
     throw Error(ErrorKind::usage,
                 "give --query and --ground-truth, or data sets that have both (--dataset)");
   const SequenceArgument argument = parse_sequence_argument(inputs.query);
-  sources.push_back(
-      {{sequence_names({argument}).front(), argument},
-       parse_ground_truth_argument(inputs.ground_truth, std::max(inputs.tolerance_frames, 0))});
+  sources.push_back({{sequence_names({argument}).front(), argument},
+                     with_flags(parse_ground_truth_argument(inputs.ground_truth,
+                                                            std::max(inputs.tolerance_frames, 0)),
+                                inputs.flags)});
   return sources;
 }
 
 namespace {
+
+GroundTruthArgument validation_ground_truth(const TuneInputs& inputs) {
+  return with_flags(parse_ground_truth_argument(inputs.validate_ground_truth,
+                                                std::max(inputs.tolerance_frames, 0)),
+                    inputs.flags);
+}
 
 bool share_frames(const SequenceArgument& a, const SequenceArgument& b) {
   constexpr uint64_t kEnd = std::numeric_limits<uint64_t>::max();
@@ -55,9 +63,7 @@ std::optional<Source> find_validation(const TuneInputs& inputs, const std::vecto
       warn(monitor, fmt::format("{}: is also what the setting is chosen on; a validation needs "
                                 "frames that were not seen",
                                 argument.path.string()));
-  return Source{{sequence_names({argument}).front(), argument},
-                parse_ground_truth_argument(inputs.validate_ground_truth,
-                                            std::max(inputs.tolerance_frames, 0))};
+  return Source{{sequence_names({argument}).front(), argument}, validation_ground_truth(inputs)};
 }
 
 TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol) {
@@ -87,6 +93,7 @@ Json sweep_key(const TuneInputs& inputs, const Json& settings, const std::string
           {"datasets", inputs.datasets},
           {"query", inputs.query},
           {"tolerance", inputs.tolerance_frames},
+          {"ground_truth", ground_truth_flags_json(inputs.flags)},
           {"validate", inputs.validate},
           {"validate_ground_truth", inputs.validate_ground_truth},
           {"database", fingerprint},
@@ -162,7 +169,7 @@ void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep
 void add_tune_inputs(CLI::App& command, TuneInputs& inputs) {
   command.add_option("DB", inputs.database, "database made by vpr-train")->required();
   command.add_option("--query", inputs.query, "query sequence, or with --dataset the name of one");
-  command.add_option("--ground-truth", inputs.ground_truth, "pairs file, or the word aligned");
+  command.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
   add_setting(command, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames")
       ->check(CLI::NonNegativeNumber);
   add_list(command, "--dataset", inputs.datasets,
@@ -172,7 +179,9 @@ void add_tune_inputs(CLI::App& command, TuneInputs& inputs) {
                    "(kept in SWEEP.json.partial)");
   command.add_option("--validate", inputs.validate,
                      "another query, on which the recommended setting is reported");
-  command.add_option("--validate-ground-truth", inputs.validate_ground_truth, "its ground truth");
+  command.add_option("--validate-ground-truth", inputs.validate_ground_truth,
+                     "its ground truth, read like the other");
+  add_ground_truth_flags(command, inputs.flags);
   command.add_option("--heat-map", inputs.heat_map,
                      "picture (PNG) of correct and incorrect over the grid");
   command.add_option("--plot", inputs.plots, "folder for plots of correct against incorrect");

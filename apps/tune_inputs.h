@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "command.h"
+#include "ground_truth_flags.h"
 #include "images/dataset.h"
 #include "pipeline/sweep.h"
 
@@ -17,6 +18,7 @@ struct TuneInputs {
   std::string query;
   std::string ground_truth;
   int tolerance_frames = -1;  ///< below 0: the data set's, or 0
+  GroundTruthFlags flags;
   std::vector<std::string> datasets;
   std::string windows;     ///< c_l or c_w
   std::string thresholds;  ///< t_r or t_p

@@ -6,11 +6,15 @@
 
 #include "base/stopwatch.h"
 #include "command.h"
+#include "eval_check.h"
 #include "eval_compare.h"
+#include "eval_convert.h"
 #include "eval_pictures.h"
+#include "eval_protocols.h"
 #include "eval_scores.h"
 #include "evaluation/counts.h"
 #include "evaluation/expectation.h"
+#include "ground_truth_flags.h"
 #include "images/dataset.h"
 #include "report/evaluation_report.h"
 #include "report/fabmap_result_file.h"
@@ -26,6 +30,8 @@ struct EvalInputs {
   std::string ground_truth;
   std::string dataset;
   int tolerance_frames = -1;  ///< below 0: the data set's, or 0
+  GroundTruthFlags flags;
+  std::string protocols;
   std::string expected;
   TableFormat format = TableFormat::text;
   ScoreInputs scores;
@@ -48,7 +54,8 @@ GroundTruthArgument find_ground_truth(const EvalInputs& inputs,
                                       bool is_fabmap) {
   const int given = inputs.tolerance_frames;
   if (!inputs.ground_truth.empty())
-    return parse_ground_truth_argument(inputs.ground_truth, std::max(given, 0));
+    return with_flags(parse_ground_truth_argument(inputs.ground_truth, std::max(given, 0)),
+                      inputs.flags);
   if (inputs.dataset.empty())
     throw Error(ErrorKind::usage,
                 "give the ground truth, as in --ground-truth pairs.csv or --ground-truth aligned");
@@ -60,7 +67,7 @@ GroundTruthArgument find_ground_truth(const EvalInputs& inputs,
                                               inputs.dataset, query.sequence.name));
   GroundTruthArgument argument = *found;
   if (given >= 0) argument.tolerance_frames = given;
-  return argument;
+  return with_flags(argument, inputs.flags);
 }
 
 template <class Stored>
@@ -98,6 +105,23 @@ Evaluation evaluate(Session& session, const EvalInputs& inputs) {
   return evaluate(session, read_result(inputs.result), inputs);
 }
 
+/// The counts under each of several protocols.
+void run_protocols(Session& session, const EvalInputs& inputs) {
+  if (!inputs.ground_truth.empty() || !inputs.dataset.empty() || !inputs.expected.empty())
+    throw Error(
+        ErrorKind::usage,
+        "--protocol stands for a ground truth, and its counts are compared with none: leave "
+        "out --ground-truth, --dataset and --expect");
+  if (inputs.result.empty())
+    throw Error(ErrorKind::usage, "give a result of vpr-query; --protocol takes no scores alone");
+  evaluate_protocols(session, inputs.protocols, inputs.result, inputs.format,
+                     [&](const std::string& protocol) {
+                       EvalInputs one = inputs;
+                       one.ground_truth = protocol;
+                       return evaluate(session, one).report;
+                     });
+}
+
 std::string tables(const Json& report, TableFormat format) {
   Table table = summary_table(report);
   if (format == TableFormat::csv) {
@@ -111,6 +135,7 @@ std::string tables(const Json& report, TableFormat format) {
 
 void run(Session& session, const EvalInputs& inputs) {
   const CommonOptions& options = session.options;
+  if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (!options.output.empty()) check_output_file(options.output, options.existing());
   check_score_inputs(inputs.scores, !inputs.result.empty());
   check_picture_outputs(session, inputs.pictures);
@@ -146,13 +171,14 @@ int main(int argc, char** argv) {
                   "of any method.",
                   "  vpr-eval result.json --ground-truth ground_truth.csv\n"
                   "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown\n"
-                  "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv");
+                  "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv\n"
+                  "  vpr-eval result.json --protocol nordland-all");
   EvalInputs inputs;
+  ConvertInputs convert;
+  CheckInputs check;
   CLI::App& app = program.app();
   app.add_option("RESULT", inputs.result, "result of vpr-query");
-  app.add_option("--ground-truth", inputs.ground_truth,
-                 "pairs file (query,reference or query,sequence,reference), or the word aligned: "
-                 "frame i is frame i");
+  app.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
   app.add_option("--dataset", inputs.dataset, "data set description that names the ground truth");
   add_setting(app, "--tolerance", inputs.tolerance_frames,
               "of the ground truth, in frames (default: the data set's, or 0)")
@@ -162,6 +188,10 @@ int main(int argc, char** argv) {
                  "if they differ");
   add_score_options(app, inputs.scores);
   add_picture_options(app, inputs.pictures);
+  app.add_option("--protocol", inputs.protocols,
+                 "instead of a ground truth: one of these words, several with commas, or "
+                 "nordland-all; a row for each");
+  add_ground_truth_flags(app, inputs.flags);
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
@@ -169,5 +199,7 @@ int main(int argc, char** argv) {
   CompareInputs compare;
   add_compare(program, compare);
   program.set_run([&](Session& session) { run(session, inputs); });
+  add_convert(program, convert);
+  add_check(program, check);
   return program.main(argc, argv);
 }

@@ -66,7 +66,7 @@ void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySetting
                        "write the distances: .npy (int32, never whole in memory) or .png (dark: "
                        "close)"));
   group(app.add_option("--ground-truth", inputs.ground_truth,
-                       "pairs file, or the word aligned: drawn into the picture"));
+                       fmt::format("drawn into the picture: {}", ground_truth_help())));
   group(add_setting(app, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"))
       ->check(CLI::NonNegativeNumber);
   group(
@@ -128,6 +128,7 @@ void run(Session& session, const QueryInputs& inputs, const QuerySettings& given
     throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} can't use",
                                              inputs.database, kind, method));
   refuse_flags(app, is_fabmap ? kSequenceGroup : kFabmapGroup, kind);
+  if (is_fabmap) refuse_flags(app, kGroundTruthGroup, kind);
   settings.sequence.method = settings.fabmap.method = method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
   if (is_fabmap)
@@ -154,6 +155,7 @@ int main(int argc, char** argv) {
   app.add_flag("--skip-unreadable", settings.sequence.skip_unreadable,
                "frames that can't be decoded keep their index and never match");
   add_sequence_flags(app, inputs, settings.sequence);
+  add_ground_truth_flags(app, inputs.flags);
   add_fabmap_flags(app, inputs, settings.fabmap);
   program.set_run([&](Session& session) { run(session, inputs, settings, app); });
   return program.main(argc, argv);

@@ -5,7 +5,7 @@
 set -euo pipefail
 packages=(
   g++ cmake ninja-build pkg-config git
-  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev
+  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev
   libdlib-dev libcli11-dev nlohmann-json3-dev catch2 python3-jsonschema gnuplot-nox
 )
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)

@@ -12,13 +12,6 @@ namespace {
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kMaxHeader = 65536;
 
-struct Header {
-  std::string type;
-  std::vector<size_t> shape;
-  bool is_column_major = false;
-  size_t offset = 0;
-};
-
 // The text between `before` and `after` in a header; nothing where either is missing.
 std::optional<std::string_view> between(std::string_view text, std::string_view before,
                                         std::string_view after) {
@@ -44,7 +37,9 @@ std::optional<std::vector<size_t>> parse_shape(std::string_view text) {
   return shape;
 }
 
-std::optional<Header> parse_header(std::string_view file) {
+}  // namespace
+
+std::optional<NpyHeader> parse_npy_header(std::string_view file) {
   if (file.size() < 10 || file.substr(0, 6) != kMagic) return std::nullopt;
   const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<uint8_t>(file[i])); };
   const size_t version = byte(6);
@@ -61,18 +56,17 @@ std::optional<Header> parse_header(std::string_view file) {
   if (!type || (order != "False" && order != "True") || !shape_text) return std::nullopt;
   const auto shape = parse_shape(*shape_text);
   if (!shape) return std::nullopt;
-  return Header{std::string(*type), *shape, order == "True" && shape->size() > 1, start + length};
+  return NpyHeader{std::string(*type), *shape, order == "True" && shape->size() > 1,
+                   start + length};
 }
 
-std::optional<size_t> value_size(std::string_view type) {
+std::optional<size_t> npy_value_size(std::string_view type) {
   size_t size = 0;
   if (type.size() != 3 || (type[0] != '<' && type[0] != '|')) return std::nullopt;
   const auto [end, error] = std::from_chars(type.data() + 2, type.data() + 3, size);
   if (error != std::errc{} || end != type.data() + 3 || size == 0) return std::nullopt;
   return size;
 }
-
-}  // namespace
 
 std::string npy_header(std::string_view type, const std::vector<size_t>& shape) {
   std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}",
@@ -87,8 +81,8 @@ std::string npy_header(std::string_view type, const std::vector<size_t>& shape) 
 }
 
 NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), file_(path) {
-  const auto header = parse_header(file_.text());
-  const auto size = header ? value_size(header->type) : std::nullopt;
+  const auto header = parse_npy_header(file_.text());
+  const auto size = header ? npy_value_size(header->type) : std::nullopt;
   if (!size)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not a little-endian .npy array of numbers", name_));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,6 +46,24 @@ template <>
 inline std::string_view npy_type<double>() {
   return "<f8";
 }
+
+/// What stands before the values.
+struct NpyHeader {
+  std::string type;
+  std::vector<size_t> shape;
+  bool is_column_major = false;  ///< Fortran order: the first index changes fastest
+  size_t offset = 0;             ///< of the values, in bytes
+};
+
+/// More bytes than any header has.
+inline constexpr size_t kMaxNpyHeader = 65536 + 12;
+
+/// `file` may be the beginning of one (kMaxNpyHeader bytes are enough). Nothing if it doesn't begin
+/// as a .npy file does; whether the values fit the shape is not looked at.
+std::optional<NpyHeader> parse_npy_header(std::string_view file);
+
+/// Bytes of a little-endian number of that type ("<f4": 4, "|b1": 1); nothing for another type.
+std::optional<size_t> npy_value_size(std::string_view type);
 
 /// The bytes before the values; a multiple of 64 bytes long.
 std::string npy_header(std::string_view type, const std::vector<size_t>& shape);

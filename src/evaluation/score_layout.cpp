@@ -53,21 +53,14 @@ void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout) {
 void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
                std::vector<PlaceLabel>& labels) {
   labels.assign(column_count(layout), PlaceLabel::different);
-  const auto back = static_cast<int64_t>(layout.window_length) - 1;  // from anchor to window
-  const auto& pairs = truth.pairs[layout.anchor(row)];
-  const auto fill = [&](const GroundTruth::Pair& pair, int64_t around) {
-    for (const ScoreLayout::Columns& columns : layout.columns) {
-      if (columns.sequence != pair.sequence) continue;
-      const int64_t centre = int64_t{pair.reference} - back;
-      const int64_t last = std::min(centre + around, static_cast<int64_t>(columns.count) - 1);
-      for (int64_t c = std::max<int64_t>(centre - around, 0); c <= last; ++c)
-        labels[columns.first + static_cast<size_t>(c)] = pair.label;
-    }
-  };
-  for (const GroundTruth::Pair& pair : pairs)
-    if (pair.label == PlaceLabel::ignore) fill(pair, 0);
-  for (const GroundTruth::Pair& pair : pairs)
-    if (pair.label == PlaceLabel::same) fill(pair, truth.tolerance_frames);
+  const size_t back = layout.window_length - 1;  // from a window's anchor to its first frame
+  std::vector<PlaceLabel> frames;
+  for (const ScoreLayout::Columns& columns : layout.columns) {
+    frames.resize(columns.count + back);
+    truth.label_row(layout.anchor(row), columns.sequence, frames);
+    std::copy(frames.begin() + static_cast<std::ptrdiff_t>(back), frames.end(),
+              labels.begin() + static_cast<std::ptrdiff_t>(columns.first));
+  }
 }
 
 FrameMatch match_of_column(const ScoreLayout& layout, size_t column) {

@@ -81,11 +81,21 @@ std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::
   if (json == nullptr) return std::nullopt;
   ObjectReader reader(*json, query.where() + ", " + key);
   GroundTruthArgument argument;
-  argument.format = reader.text("format");
-  if (argument.format != "aligned") argument.path = folder / reader.text("path");
+  if (reader.find("format") != nullptr) argument.format = reader.text("format");
+  const auto path = [&](const std::string& name) {
+    return reader.find(name) == nullptr ? fs::path() : folder / reader.text(name);
+  };
+  argument.path = path("path");
+  argument.options.reference = path("reference");
+  argument.options.soft = path("soft");
+  if (argument.format.empty() && argument.path.empty())
+    reader.fail("needs a \"format\" or a \"path\"");
   if (const Json* tolerance = reader.find("tolerance"))
     value_from_json(*tolerance, argument.tolerance_frames, reader.where(), "tolerance");
   if (argument.tolerance_frames < 0) reader.fail("\"tolerance\" must not be negative");
+  visit_fields(argument.options, [&](const char* name, auto& field) {
+    if (const Json* value = reader.find(name)) value_from_json(*value, field, reader.where(), name);
+  });
   reader.finish();
   return argument;
 }

@@ -1,6 +1,7 @@
 // Data set descriptions (vpr.dataset/1): which sequences belong together, and their ground truth.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,12 +18,40 @@ struct NamedSequence {
   std::filesystem::path poses = {};  ///< CSV frame,x,y[,heading]; empty: not known
 };
 
-/// Where a ground truth stands and how it is read. The format is "aligned" (without a path) or the
-/// name of a file format.
+/// Which index of a ground truth matrix counts query frames: its rows or its columns. `automatic`:
+/// what its shape and its kind say.
+enum class MatrixRows { automatic, query, reference };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<MatrixRows> = {"auto", "query",
+                                                                           "reference"};
+
+/// What some formats of ground truth need beside a path and a tolerance.
+struct GroundTruthOptions {
+  std::filesystem::path reference;  ///< poses and file names: the training side
+  std::filesystem::path soft;       ///< matrices: pairs to ignore where the matrix has 0
+  /// Poses and file names: the same place within so many metres, bounds included. Nothing: 25.
+  std::optional<double> radius_m;
+  std::optional<double> angle_deg;  ///< and with headings that differ by at most so much
+  /// Aligned: query frame i is training frame `reference_step` i, rounded. Nothing: 1.
+  std::optional<double> reference_step;
+  MatrixRows matrix_rows = MatrixRows::automatic;
+};
+
+/// The names under which the options stand in data set descriptions.
+template <class Visitor>
+void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
+  visit("radius_m", options.radius_m);
+  visit("angle_deg", options.angle_deg);
+  visit("reference_step", options.reference_step);
+  visit("matrix_rows", options.matrix_rows);
+}
+
+/// Where a ground truth stands and how it is read.
 struct GroundTruthArgument {
-  std::string format;
-  std::filesystem::path path;
+  std::string format;  ///< a word ("aligned"), or the name of a format; empty: found by content
+  std::filesystem::path path = {};
   int tolerance_frames = 0;
+  GroundTruthOptions options = {};
 };
 
 struct DatasetQuery {

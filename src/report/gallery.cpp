@@ -7,21 +7,37 @@ namespace {
 
 constexpr size_t kLeastApart = 5;
 
-// The middle one of the references that show the query's place; with a whole window if there is.
+// The middle one of the references from frame `earliest` on that show the query's place.
+std::optional<FrameMatch> middle_match(const GroundTruth& truth, const ScoreLayout& layout,
+                                       size_t frame, size_t earliest) {
+  struct Run {
+    uint32_t sequence;
+    size_t first;
+    size_t count;
+  };
+  std::vector<Run> runs;
+  size_t all = 0;
+  for (const GroundTruth::Pair& pair : truth.pairs[frame]) {
+    const size_t end =
+        std::min<size_t>(size_t{pair.last()} + 1, layout.scope.sequences[pair.sequence].frames);
+    const size_t first = std::max<size_t>(pair.first, earliest);
+    if (pair.label != PlaceLabel::same || first >= end) continue;
+    runs.push_back({pair.sequence, first, end - first});
+    all += end - first;
+  }
+  size_t before = all / 2;
+  for (const Run& run : runs) {
+    if (before < run.count) return FrameMatch{run.sequence, run.first + before};
+    before -= run.count;
+  }
+  return std::nullopt;
+}
+
+// With a whole window if there is one.
 std::optional<FrameMatch> true_match(const GroundTruth& truth, const ScoreLayout& layout,
                                      size_t frame) {
-  std::vector<FrameMatch> whole;
-  std::vector<FrameMatch> all;
-  for (const GroundTruth::Pair& pair : truth.pairs[frame]) {
-    if (pair.label != PlaceLabel::same ||
-        pair.reference >= layout.scope.sequences[pair.sequence].frames)
-      continue;
-    all.push_back({pair.sequence, pair.reference});
-    if (pair.reference + 1 >= layout.window_length) whole.push_back(all.back());
-  }
-  const auto& from = whole.empty() ? all : whole;
-  if (from.empty()) return std::nullopt;
-  return from[from.size() / 2];
+  const auto whole = middle_match(truth, layout, frame, layout.window_length - 1);
+  return whole ? whole : middle_match(truth, layout, frame, 0);
 }
 
 }  // namespace

@@ -114,11 +114,12 @@ void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
     for (const GroundTruth::Pair& pair : truth.pairs[result.anchor(window)]) {
       if (pair.label != PlaceLabel::same) continue;
       const auto frames = static_cast<int64_t>(result.sequences[pair.sequence].frames);
-      const int64_t first = std::max(back, pair.reference - truth.tolerance_frames);
-      const int64_t last = std::min(frames - 1, pair.reference + truth.tolerance_frames);
+      const int64_t first = std::max(back, pair.first - truth.tolerance_frames);
+      const int64_t last = std::min(frames - 1, pair.last() + truth.tolerance_frames);
       for (int64_t reference = first; reference <= last; ++reference) {
         cv::Vec3b& at = pixel(image, window, pair.sequence, static_cast<size_t>(reference - back));
-        if (at != kTruth) at = reference == pair.reference ? kTruth : blend(at, kTruth);
+        const bool is_pair = pair.first <= reference && reference <= pair.last();
+        if (at != kTruth) at = is_pair ? kTruth : blend(at, kTruth);
       }
     }
   }

@@ -19,6 +19,9 @@ trap 'rm -rf "$out"' EXIT
 "$bin/vpr-eval" compare "$out/e.json" "$out/em.json" -o "$out/cmp.json" --quiet
 echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
+"$bin/vpr-eval" "$out/r2.json" --protocol nordland-all -o "$out/p.json" --quiet
+"$bin/vpr-eval" check "$out/building/query.ground_truth.csv" -o "$out/c.json" --quiet
+"$bin/vpr-eval" convert aligned --query-frames 3 --train-frames 4 --to mask -o "$out/m.png" --json >"$out/cv.json"
 "$bin/vpr-train" info "$out/w.vprdb" --json >"$out/i.json"
 "$bin/vpr-train" fabmap --pretrain "$out/building/corridor" --train "$out/building/hall@0:20" --words 20 \
   -o "$out/f.vprdb" --json >"$out/fi.json"
@@ -34,6 +37,7 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
-  "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/x.json" \
+  "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
+  "$out/p.json" "$out/c.json" "$out/cv.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json"

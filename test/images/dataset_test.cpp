@@ -37,6 +37,22 @@ TEST_CASE("a data set description names its sequences relative to itself") {
   CHECK(test::error_kind([&] { select_query(dataset, "x"); }) == ErrorKind::usage);
 }
 
+TEST_CASE("a ground truth has the options of its format") {
+  const test::TemporaryFolder folder;
+  const Dataset dataset = parse(folder, R"({"schema": "vpr.dataset/1", "name": "d",
+    "queries": [{"name": "q", "sequence": "q", "ground_truth": {"path": "p.csv", "reference": "r.csv",
+                 "radius_m": 5, "angle_deg": 40, "matrix_rows": "reference", "soft": "s.npy",
+                 "reference_step": 2}}]})");
+  const GroundTruthArgument& argument = *dataset.queries.at(0).sequence_ground_truth;
+  CHECK(argument.format.empty());
+  CHECK(argument.options.reference == folder / "r.csv");
+  CHECK(argument.options.soft == folder / "s.npy");
+  CHECK(argument.options.radius_m == 5);
+  CHECK(argument.options.angle_deg == 40);
+  CHECK(argument.options.reference_step == 2);
+  CHECK(argument.options.matrix_rows == MatrixRows::reference);
+}
+
 TEST_CASE("mistakes in a data set description are usage errors") {
   const std::string text = GENERATE(
       R"([])", R"({"name": "d"})", R"({"schema": "vpr.dataset/1"})",
@@ -46,7 +62,9 @@ TEST_CASE("mistakes in a data set description are usage errors") {
                                                             {"name": "t", "sequence": "b"}]})",
       R"({"schema": "vpr.dataset/1", "name": "d", "places": [{"name": "t", "sequences": []}]})",
       R"({"schema": "vpr.dataset/1", "name": "d",
-          "queries": [{"name": "q", "sequence": "a", "ground_truth": {"format": "pairs"}}]})",
+          "queries": [{"name": "q", "sequence": "a", "ground_truth": {"tolerance": 1}}]})",
+      R"({"schema": "vpr.dataset/1", "name": "d",
+          "queries": [{"name": "q", "sequence": "a", "ground_truth": {"path": "g", "radius": 1}}]})",
       R"({"schema": "vpr.dataset/2", "name": "d"})", R"({"schema": )");
   const test::TemporaryFolder folder;
   CHECK(test::error_kind([&] { parse(folder, text); }) == ErrorKind::usage);

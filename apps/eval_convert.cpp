@@ -1,0 +1,70 @@
+#include "eval_convert.h"
+
+#include <fmt/format.h>
+
+#include "evaluation/ground_truth/check.h"
+#include "evaluation/ground_truth/formats.h"
+
+namespace vpr {
+namespace {
+
+bool is_written(const GroundTruthFormat& format) { return format.write != nullptr; }
+
+const GroundTruthFormat& find_target(const std::string& name) {
+  const GroundTruthFormat& format = find_format(name);
+  if (!is_written(format))
+    throw Error(ErrorKind::usage,
+                fmt::format("a ground truth can't be turned into {}; --to takes {}", format.name,
+                            format_names(is_written)));
+  return format;
+}
+
+void run(Session& session, const ConvertInputs& inputs) {
+  const CommonOptions& options = session.options;
+  if (options.output.empty())
+    throw Error(ErrorKind::usage, "give the file to write, as in -o pairs.csv");
+  const GroundTruthFormat& target = find_target(inputs.target);
+  check_output_file(options.output, options.existing());
+  const GroundTruthArgument argument = with_flags(
+      parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames), inputs.flags);
+  const InspectedGroundTruth found =
+      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor));
+  require_undamaged(found, inputs.ground_truth);
+  const GroundTruthSummary summary = summarise(found);
+  if (summary.ignored > 0 && !target.holds_ignored)
+    warn(session.monitor, fmt::format("{} pairs to ignore become different: {} can't say that",
+                                      summary.ignored, target.name));
+  target.write(found, options.output, options.existing());
+  session.print_result(
+      fmt::format("{} ({}) to {} ({}): {} query frames, {} pairs of the same place, {} ignored\n",
+                  inputs.ground_truth, found.format, options.output, target.name,
+                  summary.query_frames, summary.same, summary.ignored),
+      {{"schema", "vpr.conversion/1"},
+       {"from", found.format},
+       {"to", target.name},
+       {"query_frames", summary.query_frames},
+       {"same", summary.same},
+       {"ignored", summary.ignored}});
+}
+
+}  // namespace
+
+void add_convert(Program& program, ConvertInputs& inputs) {
+  CLI::App& command = program.add_command(
+      "convert", "Turn a ground truth into another format.",
+      "  vpr-eval convert ground_truth_new.npy --to pairs -o pairs.csv\n"
+      "  vpr-eval convert query.csv --ground-truth-reference ref.csv --radius 5 --to mask "
+      "-o mask.png\n"
+      "  vpr-eval convert aligned --tolerance 3 --query-frames 111 --train-frames 111 --to matrix "
+      "-o GT.npz",
+      [&inputs](Session& session) { run(session, inputs); });
+  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help())->required();
+  command.add_option("--to", inputs.target, format_names(is_written))->required();
+  add_setting(command, "--tolerance", inputs.tolerance_frames,
+              "in frames; becomes part of what is written (default 0)")
+      ->check(CLI::NonNegativeNumber);
+  add_ground_truth_flags(command, inputs.flags, "--from,--ground-truth-format");
+  add_scope_flags(command, inputs.scope);
+}
+
+}  // namespace vpr

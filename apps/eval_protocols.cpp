@@ -1,0 +1,44 @@
+#include "eval_protocols.h"
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.h"
+#include "evaluation/ground_truth/presets.h"
+#include "report/evaluation_report.h"
+
+namespace vpr {
+
+void evaluate_protocols(Session& session, const std::string& protocols, const std::string& result,
+                        TableFormat format,
+                        const std::function<Json(const std::string& ground_truth)>& evaluate) {
+  const CommonOptions& options = session.options;
+  if (!options.output.empty()) check_output_file(options.output, options.existing());
+  const Stopwatch watch;
+  Json json = {{"schema", "vpr.protocols/1"}, {"protocols", Json::array()}};
+  Table table;
+  std::string notes;
+  for (const GroundTruthPreset* preset : find_presets(protocols)) {
+    const std::string name(preset->name);
+    const Json report = evaluate(name);
+    Table one = report_table(report);
+    one.columns.insert(one.columns.begin(), "protocol");
+    table.columns = one.columns;
+    for (auto& row : one.rows) {
+      row.insert(row.begin(), name);
+      table.rows.push_back(std::move(row));
+    }
+    notes += fmt::format("{}\n", report["protocol"]["ground_truth"].get<std::string>());
+    table.title = fmt::format("{} on {}", report["method"].get<std::string>(),
+                              report["query"].get<std::string>());
+    json["protocols"].push_back({{"name", name}, {"source", preset->source}, {"report", report}});
+  }
+  RunInfo info = session.run;
+  info.paths = {{"result", result}};
+  json["machine"] = machine_json(info);
+  json["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
+  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
+  session.print_result(render_table(table, format) + (format == TableFormat::text ? notes : ""),
+                       json);
+}
+
+}  // namespace vpr

@@ -1,0 +1,67 @@
+#include "ground_truth_flags.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/presets.h"
+
+namespace vpr {
+namespace {
+
+void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
+                const std::string& help) {
+  command.add_option(flag, value, help)->type_name("NUMBER")->group(kGroundTruthGroup);
+}
+
+}  // namespace
+
+std::string ground_truth_help() {
+  std::vector<std::string_view> presets;
+  for (const GroundTruthPreset& preset : ground_truth_presets()) presets.push_back(preset.name);
+  return fmt::format("file or folder, or a word: aligned, {}; see --ground-truth-format",
+                     fmt::join(presets, ", "));
+}
+
+void add_ground_truth_flags(CLI::App& command, GroundTruthFlags& flags,
+                            const std::string& format_flag) {
+  const auto add = [&](const std::string& flag, std::string& value, const std::string& help) {
+    command.add_option(flag, value, help)->group(kGroundTruthGroup);
+  };
+  add(format_flag, flags.format, fmt::format("default: found by content; {}", format_summaries()));
+  add("--ground-truth-reference", flags.reference,
+      "poses, tum, kitti, utm: those of the training sequence");
+  add_number(command, "--radius", flags.options.radius_m,
+             "poses, tum, kitti, utm: the same place within so many metres (default 25)");
+  add_number(command, "--angle", flags.options.angle_deg,
+             "and with headings that differ by at most so many degrees (default: any)");
+  add_number(command, "--reference-step", flags.options.reference_step,
+             "aligned: query frame i is training frame STEP i (default 1)");
+  add("--soft", flags.soft, "matrix: .npy file of pairs to ignore");
+  add_setting(command, "--matrix-rows", flags.options.matrix_rows,
+              "matrix, mask: rows are query or reference frames (default: as the format's authors)")
+      ->group(kGroundTruthGroup);
+}
+
+GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags) {
+  if (!flags.format.empty()) argument.format = flags.format;
+  GroundTruthOptions& options = argument.options;
+  if (!flags.reference.empty()) options.reference = flags.reference;
+  if (!flags.soft.empty()) options.soft = flags.soft;
+  if (flags.options.radius_m) options.radius_m = flags.options.radius_m;
+  if (flags.options.angle_deg) options.angle_deg = flags.options.angle_deg;
+  if (flags.options.reference_step) options.reference_step = flags.options.reference_step;
+  if (flags.options.matrix_rows != MatrixRows::automatic)
+    options.matrix_rows = flags.options.matrix_rows;
+  return argument;
+}
+
+Json ground_truth_flags_json(const GroundTruthFlags& flags) {
+  Json json = value_to_json(flags.options);
+  json["format"] = flags.format;
+  json["reference"] = flags.reference;
+  json["soft"] = flags.soft;
+  return json;
+}
+
+}  // namespace vpr

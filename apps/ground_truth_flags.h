@@ -1,0 +1,36 @@
+// The flags that say how a ground truth is read, for every program that takes one.
+#pragma once
+
+#include <string>
+
+#include "command.h"
+#include "evaluation/ground_truth.h"
+
+namespace vpr {
+
+/// What the help calls the flags.
+inline constexpr const char* kGroundTruthGroup = "Ground truth";
+
+/// Beside --ground-truth and --tolerance.
+struct GroundTruthFlags {
+  std::string format;
+  std::string reference;
+  std::string soft;
+  GroundTruthOptions options;  ///< without paths
+};
+
+/// For the help of --ground-truth.
+std::string ground_truth_help();
+
+/// Adds the flags, in a group of their own in the help. `format_flag`: what --ground-truth-format
+/// is called.
+void add_ground_truth_flags(CLI::App& command, GroundTruthFlags& flags,
+                            const std::string& format_flag = "--ground-truth-format");
+
+/// `argument` with what the flags say; a flag wins over a data set.
+GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags);
+
+/// What results depend on.
+Json ground_truth_flags_json(const GroundTruthFlags& flags);
+
+}  // namespace vpr

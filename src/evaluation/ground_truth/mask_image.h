@@ -1,0 +1,27 @@
+// Ground truth as a picture of the matrix.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/output_file.h"
+
+namespace vpr {
+
+struct FileStart;
+struct InspectedGroundTruth;
+class GroundTruthBuilder;
+
+/// Rows are query frames, columns training frames (argument: matrix_rows); 255 is the same place, 0
+/// is not, and anything between is ignored, as in the masks of FAB-MAP's data sets. Colours count
+/// by their grey. Exactly one searched sequence. Throws Error(data) for another size, or for a
+/// JPEG, whose values are not what was drawn.
+std::string read_mask_image(GroundTruthBuilder& builder);
+
+bool is_mask_image(const FileStart& start);
+
+/// A PNG; 128 is ignored.
+void write_mask_image(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
+                      Existing existing);
+
+}  // namespace vpr

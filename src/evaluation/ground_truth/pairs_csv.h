@@ -1,0 +1,26 @@
+// Labelled pairs of frames as CSV.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/output_file.h"
+
+namespace vpr {
+
+struct FileStart;
+struct InspectedGroundTruth;
+class GroundTruthBuilder;
+
+/// Header query,reference[,label] or query,sequence,reference[,label]; label "same" (default) or
+/// "ignore"; pairs that are not listed are different. Without a sequence column, exactly one
+/// searched sequence. Throws Error(data), naming the line.
+std::string read_pairs_csv(GroundTruthBuilder& builder);
+
+bool is_pairs_csv(const FileStart& start);
+
+/// One line a pair, tolerance applied; columns sequence and label only where they say something.
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
+                     Existing existing);
+
+}  // namespace vpr

@@ -1,0 +1,36 @@
+// Frames taken within some metres and degrees of each other.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vpr {
+
+class GroundTruthBuilder;
+
+/// Metres; the heading in degrees, or the orientation as a rotation matrix, row by row.
+struct Pose {
+  std::array<double, 3> position{};
+  std::optional<double> heading_deg;
+  std::optional<std::array<double, 9>> orientation;
+};
+
+/// Per frame; nothing where a frame's pose is not known.
+using Poses = std::vector<std::optional<Pose>>;
+
+/// Degrees between two orientations, 0 to 180: of headings the difference round the circle, of
+/// rotation matrices the angle of the rotation from one to the other. Nothing unless both have the
+/// same kind.
+std::optional<double> angle_between(const Pose& a, const Pose& b);
+
+/// Labels every pair of a query frame and a frame of `sequence`: `same` if the distance is at most
+/// the argument's radius_m (default 25) and, where angle_deg is given, the angle at most that, both
+/// bounds included; `ignore` if a pose is unknown. Throws Error(data) if the numbers of poses are
+/// not those of the frames, Error(usage) for a radius or angle that is none. Returns the protocol
+/// in words. References are sorted by one coordinate, so that only those near it are compared.
+std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
+                        const Poses& train);
+
+}  // namespace vpr

@@ -1,0 +1,182 @@
+#include "evaluation/ground_truth/poses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/mapped_file.h"
+#include "evaluation/csv.h"
+#include "evaluation/ground_truth/builder.h"
+#include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/numbers.h"
+#include "evaluation/ground_truth/pose_matches.h"
+
+namespace vpr {
+namespace {
+
+double read_real(const FileLocation& location, std::string_view text) {
+  const auto value = parse_real(text);
+  if (!value) location.fail(fmt::format("\"{}\" is not a number", text));
+  return *value;
+}
+
+// The frame of the range that recorded frame `index` is; nothing outside it.
+std::optional<size_t> frame_in_range(const FrameRange& range, size_t index) {
+  if (index < range.first || (range.last && index >= *range.last)) return std::nullopt;
+  const size_t behind = index - range.first;
+  return behind % range.step == 0 ? std::optional(behind / range.step) : std::nullopt;
+}
+
+// The frames of a range whose end is given.
+size_t frames_of(const FrameRange& range) {
+  return *range.last <= range.first ? 0 : (*range.last - range.first - 1) / range.step + 1;
+}
+
+/// Takes the poses of one file.
+using PoseReader = Poses (*)(FileLocation& location, std::string_view text, const FrameRange& range,
+                             const FrameCount& frames);
+
+Poses read_csv_poses(FileLocation& location, std::string_view text, const FrameRange& range,
+                     const FrameCount& frames) {
+  const auto rows = parse_csv(text, location.file);
+  const std::vector<std::string> names = {"frame", "x", "y", "heading"};
+  const auto& header = rows.empty() ? names : rows.front().fields;
+  if (rows.empty() || header.size() < 3 || header.size() > 4 ||
+      !std::equal(header.begin(), header.end(), names.begin()))
+    location.fail("expected the header frame,x,y[,heading]");
+  if (range.last && !frames.grows && frames_of(range) != frames.frames)
+    location.fail(
+        fmt::format("its range has {} frames, and there are {}", frames_of(range), frames.frames));
+  Poses poses(frames.frames);
+  for (size_t r = 1; r < rows.size(); ++r) {
+    const auto& fields = rows[r].fields;
+    location.at("line", rows[r].line);
+    if (fields.size() != header.size())
+      location.fail(fmt::format("expected {} columns, found {}", header.size(), fields.size()));
+    const auto index = parse_frame(fields[0]);
+    if (!index || !index->in_range)
+      location.fail(fmt::format("\"{}\" is not a frame number", fields[0]));
+    const auto frame = frame_in_range(range, index->value);
+    if (!frame) continue;
+    if (frames.grows && *frame >= poses.size()) {
+      if (*frame >= kMostGrownFrames) location.fail("the frame is too large; give their number");
+      poses.resize(*frame + 1);
+    }
+    if (*frame >= poses.size())
+      location.fail(
+          fmt::format("frame {} is out of range; there are {} frames", fields[0], poses.size()));
+    if (poses[*frame]) location.fail(fmt::format("frame {} is given twice", fields[0]));
+    Pose& pose = poses[*frame].emplace();
+    pose.position = {read_real(location, fields[1]), read_real(location, fields[2]), 0};
+    if (header.size() == 4) pose.heading_deg = read_real(location, fields[3]);
+  }
+  return poses;
+}
+
+Pose tum_pose(const FileLocation& location, const std::vector<double>& v) {
+  const double norm = std::sqrt(v[4] * v[4] + v[5] * v[5] + v[6] * v[6] + v[7] * v[7]);
+  if (!(norm > 1e-6) || !std::isfinite(norm)) location.fail("its quaternion is no rotation");
+  const double x = v[4] / norm;
+  const double y = v[5] / norm;
+  const double z = v[6] / norm;
+  const double w = v[7] / norm;
+  Pose pose;
+  pose.position = {v[1], v[2], v[3]};
+  pose.orientation = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
+                      2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                      2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
+  return pose;
+}
+
+Pose kitti_pose(const FileLocation&, const std::vector<double>& v) {
+  Pose pose;
+  pose.position = {v[3], v[7], v[11]};
+  pose.orientation = {v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10]};
+  return pose;
+}
+
+// One pose a line, of `columns` numbers.
+Poses read_lines(FileLocation& location, std::string_view text, const FrameRange& range,
+                 size_t columns, Pose (*make)(const FileLocation&, const std::vector<double>&)) {
+  Poses poses;
+  size_t index = 0;
+  for (size_t line_number = 1; !text.empty(); ++line_number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const auto words = split_words(line);
+    if (words.empty() || words.front().starts_with('#')) continue;
+    location.at("line", line_number);
+    if (words.size() != columns)
+      location.fail(fmt::format("expected {} numbers, found {}", columns, words.size()));
+    std::vector<double> values;
+    for (const std::string_view word : words) values.push_back(read_real(location, word));
+    if (frame_in_range(range, index++)) poses.emplace_back(make(location, values));
+  }
+  return poses;
+}
+
+Poses read_tum_lines(FileLocation& location, std::string_view text, const FrameRange& range,
+                     const FrameCount&) {
+  return read_lines(location, text, range, 8, tum_pose);
+}
+
+Poses read_kitti_lines(FileLocation& location, std::string_view text, const FrameRange& range,
+                       const FrameCount&) {
+  return read_lines(location, text, range, 12, kitti_pose);
+}
+
+Poses read_side(GroundTruthBuilder& builder, const std::filesystem::path& path,
+                const FrameCount& frames, PoseReader read) {
+  const SequenceArgument argument = parse_sequence_argument(path.string());
+  builder.at_file(path);  // for what is found out about the whole file
+  FileLocation location{path.string()};
+  const MappedFile file(argument.path);
+  return read(location, file.text(), argument.range, frames);
+}
+
+std::string read_both(GroundTruthBuilder& builder, std::string_view format, PoseReader read) {
+  const GroundTruthArgument& argument = builder.argument();
+  const size_t sequence = builder.only_searched(argument.path.string());
+  if (argument.options.reference.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has the poses of the query; give those of the training sequence, "
+                            "as in --ground-truth-reference POSES",
+                            argument.path.string()));
+  const Poses query = read_side(builder, argument.path, builder.query(), read);
+  builder.require_query_frames(query.size());
+  const Poses train = read_side(builder, argument.options.reference, builder.train(sequence), read);
+  builder.require_train_frames(sequence, train.size());
+  return fmt::format("{} poses: {}", format, match_poses(builder, sequence, query, train));
+}
+
+bool has_numbers(std::string_view line, size_t count) {
+  const auto words = split_words(line);
+  return words.size() == count && std::all_of(words.begin(), words.end(), [](std::string_view w) {
+           return parse_real(w).has_value();
+         });
+}
+
+}  // namespace
+
+std::string read_poses(GroundTruthBuilder& builder) {
+  return read_both(builder, "csv", read_csv_poses);
+}
+
+std::string read_tum_poses(GroundTruthBuilder& builder) {
+  return read_both(builder, "tum", read_tum_lines);
+}
+
+std::string read_kitti_poses(GroundTruthBuilder& builder) {
+  return read_both(builder, "kitti", read_kitti_lines);
+}
+
+bool is_pose_csv(const FileStart& start) {
+  return start.first_line.starts_with("frame,x,y") || start.first_line.starts_with("\"frame\",");
+}
+
+bool is_tum(const FileStart& start) { return has_numbers(start.first_line, 8); }
+
+bool is_kitti(const FileStart& start) { return has_numbers(start.first_line, 12); }
+
+}  // namespace vpr

@@ -1,0 +1,31 @@
+// Poses of query and training frames, as text.
+#pragma once
+
+#include <string>
+
+namespace vpr {
+
+struct FileStart;
+class GroundTruthBuilder;
+
+/// All take the query's poses from the argument's path and the training sequence's from its
+/// `reference`, either with a range of frames (PATH@FIRST:LAST[:STEP]) where the sequence had one;
+/// exactly one searched sequence. Distances are those of pose_matches.h. Throw Error(data), naming
+/// the line.
+
+/// CSV with header frame,x,y[,heading]: metres, and degrees. Frames may be missing and in any
+/// order; pairs with a missing one are ignored.
+std::string read_poses(GroundTruthBuilder& builder);
+bool is_pose_csv(const FileStart& start);
+
+/// One pose a line, time x y z qx qy qz qw (the RGB-D benchmark of the TU Munich); lines that start
+/// with # are skipped. Line i is frame i; times are not looked at.
+std::string read_tum_poses(GroundTruthBuilder& builder);
+bool is_tum(const FileStart& start);
+
+/// One pose a line, the 3 x 4 matrix (rotation, position) row by row (the KITTI odometry
+/// benchmark). Line i is frame i.
+std::string read_kitti_poses(GroundTruthBuilder& builder);
+bool is_kitti(const FileStart& start);
+
+}  // namespace vpr

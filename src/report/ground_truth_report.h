@@ -1,0 +1,21 @@
+// What vpr-eval check finds, as JSON (vpr.ground-truth-check/1) and for people.
+#pragma once
+
+#include <string>
+
+#include "evaluation/ground_truth/check.h"
+#include "report/run_info.h"
+#include "report/table.h"
+
+namespace vpr {
+
+Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
+                              const GroundTruthSummary& summary, const RunInfo& run);
+
+/// A row for everything that is counted, and what it means.
+Table ground_truth_table(const Json& report);
+
+/// The first pairs of everything that is odd, one a line.
+std::string ground_truth_examples(const Json& report);
+
+}  // namespace vpr

@@ -1,0 +1,220 @@
+// vpr-eval convert and check, and every format where a ground truth is taken.
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Eight frames against themselves, c_l 2, with a ground truth of pairs.
+struct Walk {
+  test::TemporaryFolder folder;
+  Walk() {
+    fs::create_directory(folder / "one");
+    for (int i = 0; i < 8; ++i)
+      test::write_image(folder / "one" / fmt::format("{}.png", i), static_cast<uint64_t>(i) + 1);
+    REQUIRE(run_program("vpr-train",
+                        {"fastable", "--c-l", "2", "--train", folder / "one", "-o", database()})
+                .exit_code == 0);
+    REQUIRE(run_program("vpr-query", {database(), "--query", folder / "one", "--c-l", "2", "--t-r",
+                                      "0.9", "-o", folder / "r.json"})
+                .exit_code == 0);
+    std::string pairs = "query,reference,label\n0,7,same\n5,3,ignore\n";
+    for (int i = 0; i < 7; ++i) pairs += fmt::format("{},{},same\n", i, i == 4 ? 5 : i);
+    test::write_text(folder / "g.csv", pairs);
+  }
+  std::string database() const { return folder / "one.vprdb"; }
+  std::string path(const std::string& name) const { return folder / name; }
+};
+
+const Walk& walk() {
+  static const Walk kShared;
+  return kShared;
+}
+
+Json parse(const test::RunOutcome& outcome) {
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  return Json::parse(outcome.out);
+}
+
+void convert(const std::string& from, const std::string& to, const fs::path& output) {
+  const auto outcome = run_program("vpr-eval", {"convert", from, "--query-frames", "8",
+                                                "--train-frames", "8", "--to", to, "-o", output});
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+}
+
+void check_failure(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == exit_code);
+  CHECK(outcome.err.find(word) != std::string::npos);
+  CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+}
+
+}  // namespace
+
+TEST_CASE("a result counts the same in every format that can hold its ground truth") {
+  const test::TemporaryFolder out;
+  const auto counts = [&](const std::string& ground_truth) {
+    const Json report = parse(
+        run_program("vpr-eval", {walk().path("r.json"), "--ground-truth", ground_truth, "--json"}));
+    return report["counts"].dump() + report["best_match"].dump();
+  };
+  const std::string expected = counts(walk().path("g.csv"));
+  convert(walk().path("g.csv"), "matrix", out / "g.npz");
+  convert(walk().path("g.csv"), "mask", out / "g.png");
+  convert(walk().path("g.csv"), "vpr-bench", out / "g.npy");
+  convert(walk().path("g.csv"), "openseqslam2", out / "o.csv");
+  for (const std::string name : {"g.npz", "g.png", "g.npy", "o.csv"}) {
+    INFO(name);
+    // No hit is among the pairs to ignore, so that formats that can't hold those count alike, too.
+    CHECK(counts(out / name) == expected);
+  }
+  for (const std::string name : {"g.npz", "g.png"}) {
+    convert(out / name, "pairs", out / (name + ".csv"));
+    CHECK(test::read_text(out / (name + ".csv")) ==
+          "query,reference,label\n0,0,same\n0,7,same\n1,1,same\n2,2,same\n3,3,same\n4,5,same\n"
+          "5,3,ignore\n5,5,same\n6,6,same\n");
+  }
+}
+
+TEST_CASE("sequences and results say how many frames there are") {
+  const test::TemporaryFolder out;
+  for (const std::vector<std::string>& scope :
+       {std::vector<std::string>{"--query", walk().path("one"), "--train", walk().path("one@0:5")},
+        std::vector<std::string>{"--query-frames", "8", "--train-frames", "5"}}) {
+    std::vector<std::string> words = {"check", "aligned", "--json"};
+    words.insert(words.end(), scope.begin(), scope.end());
+    const Json report = parse(run_program("vpr-eval", words));
+    CHECK(report["frames"]["query"] == 8);
+    CHECK(report["frames"]["train"] == 5);
+    CHECK(report["pairs"]["same"] == 5);
+    CHECK(report["findings"]["queries_without_match"] == 3);
+    CHECK(report["findings"]["one_sided"].is_null());
+  }
+  const Json report = parse(run_program(
+      "vpr-eval", {"check", walk().path("g.csv"), "--result", walk().path("r.json"), "--json"}));
+  CHECK(report["pairs"]["same"] == 8);
+  CHECK(report["pairs"]["ignored"] == 1);
+  CHECK(report["findings"]["one_sided"]["count"] == 2);
+  CHECK(report["findings"]["one_sided"]["examples"][0] ==
+        "query 0 and reference 7 are the same place, query 7 and reference 0 are not");
+}
+
+TEST_CASE("a check of a damaged ground truth says what is wrong, and ends with 4") {
+  const test::TemporaryFolder out;
+  test::write_text(out / "g.csv", "query,reference,label\n0,0,\n0,0,ignore\n9,0,\n");
+  const auto outcome =
+      run_program("vpr-eval", {"check", out / "g.csv", "--query-frames", "3", "--train-frames", "3",
+                               "--json", "-o", out / "c.json"});
+  check_failure(outcome, 4, "damaged");
+  const Json report = Json::parse(outcome.out);
+  CHECK(report["findings"]["out_of_range"]["count"] == 1);
+  CHECK(report["findings"]["contradiction"]["count"] == 1);
+  CHECK(fs::exists(out / "c.json"));
+  const auto table = run_program(
+      "vpr-eval", {"check", out / "g.csv", "--query-frames", "3", "--train-frames", "3"});
+  CHECK(table.exit_code == 4);
+  CHECK(table.out.find("line 4: query 9 is out of range") != std::string::npos);
+  check_failure(
+      run_program("vpr-eval", {"convert", out / "g.csv", "--query-frames", "3", "--train-frames",
+                               "3", "--to", "mask", "-o", out / "m.png"}),
+      4, "damaged");
+  CHECK_FALSE(fs::exists(out / "m.png"));
+  test::write_text(out / "cut.npy", "\x93NUMPY");
+  check_failure(run_program("vpr-eval", {"check", out / "cut.npy"}), 4, "cut.npy");
+}
+
+TEST_CASE("mistakes of convert and check") {
+  const test::TemporaryFolder out;
+  const std::string pairs = walk().path("g.csv");
+  const auto convert_to = [&](const std::string& to, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"convert", pairs, "--to", to, "-o", out / "x"});
+    return run_program("vpr-eval", more);
+  };
+  check_failure(convert_to("aligned"), 2, "--to takes pairs, vpr-bench");
+  check_failure(convert_to("masks"), 2, "did you mean mask");
+  check_failure(convert_to("mask", {"--query-frames", "8"}), 2, "both");
+  check_failure(convert_to("mask", {"--query", walk().path("one")}), 2, "both");
+  check_failure(convert_to("mask", {"--query-frames", "8", "--result", walk().path("r.json")}), 2,
+                "once");
+  check_failure(convert_to("mask", {"--from", "tum"}), 2, "--ground-truth-reference");
+  check_failure(convert_to("mask", {"--radius", "3"}), 2, "radius_m");
+  check_failure(convert_to("mask", {"--matrix-rows", "rows"}), 2, "matrix-rows");
+  check_failure(run_program("vpr-eval", {"convert", pairs, "--to", "mask"}), 2, "-o");
+  check_failure(run_program("vpr-eval", {"convert", out / "no", "--to", "mask", "-o", out / "x"}),
+                3, "no");
+  check_failure(run_program("vpr-eval", {"check", "aligned"}), 2, "frames");
+  check_failure(run_program("vpr-eval", {}), 2, "result");
+  CHECK(test::list_folder(out.path()).empty());
+  // What can't be said is said to be lost.
+  const auto lossy = convert_to("vpr-bench");
+  CHECK(lossy.exit_code == 0);
+  CHECK(lossy.err.find("1 pairs to ignore") != std::string::npos);
+}
+
+TEST_CASE("one command counts a result under every protocol") {
+  const Json all = parse(
+      run_program("vpr-eval", {walk().path("r.json"), "--protocol", "nordland-all", "--json"}));
+  REQUIRE(all["protocols"].size() == 4);
+  for (const Json& protocol : all["protocols"]) {
+    const std::string name = protocol["name"].get<std::string>();
+    const Json report =
+        parse(run_program("vpr-eval", {walk().path("r.json"), "--ground-truth", name, "--json"}));
+    CHECK(report["counts"] == protocol["report"]["counts"]);
+    CHECK(report["protocol"]["ground_truth"].get<std::string>().starts_with(name));
+  }
+  const auto table = run_program("vpr-eval", {walk().path("r.json"), "--protocol",
+                                              "nordland-25m,nordland-exact", "--format", "csv"});
+  CHECK(table.out.starts_with("protocol,"));
+  CHECK(table.out.find("\nnordland-25m,") < table.out.find("\nnordland-exact,"));
+  check_failure(run_program("vpr-eval", {walk().path("r.json"), "--protocol", "nordland"}), 2,
+                "nordland-all");
+  check_failure(run_program("vpr-eval", {walk().path("r.json"), "--protocol", "nordland-all",
+                                         "--ground-truth", "aligned"}),
+                2, "--protocol");
+}
+
+TEST_CASE("vpr-query and vpr-tune take every format, and data sets name it") {
+  const test::TemporaryFolder out;
+  convert(walk().path("g.csv"), "matrix", out / "g.npz");
+  const auto picture = [&](const std::string& ground_truth) {
+    const std::string name = out / "d.png";
+    const auto outcome =
+        run_program("vpr-query",
+                    {walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9",
+                     "--save-matrix", name, "--ground-truth", ground_truth, "--json", "--force"});
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    return test::read_text(name);
+  };
+  CHECK(picture(walk().path("g.csv")) == picture(out / "g.npz"));
+  CHECK(picture("aligned") != picture(out / "g.npz"));
+  const auto tune = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"fastable", walk().database(), "--c-l", "2", "--t-r",
+                                      "0.9",      "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return parse(run_program("vpr-tune", words))["cells"].dump();
+  };
+  const std::string expected =
+      tune({"--query", walk().path("one"), "--ground-truth", walk().path("g.csv")});
+  CHECK(tune({"--query", walk().path("one"), "--ground-truth", out / "g.npz"}) == expected);
+  test::write_text(out / "d.json",
+                   fmt::format(R"({{"schema": "vpr.dataset/1", "name": "d", "queries": [
+      {{"name": "one", "sequence": "{}", "ground_truth": {{"path": "g.npz",
+        "matrix_rows": "reference"}}}}]}})",
+                               walk().path("one")));
+  CHECK(tune({"--dataset", out / "d.json"}) == expected);
+  CHECK(parse(run_program("vpr-eval", {walk().path("r.json"), "--dataset", out / "d.json",
+                                       "--json"}))["counts"] ==
+        parse(run_program("vpr-eval", {walk().path("r.json"), "--ground-truth",
+                                       walk().path("g.csv"), "--json"}))["counts"]);
+}

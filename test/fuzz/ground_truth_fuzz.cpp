@@ -1,0 +1,64 @@
+// Any bytes as a ground truth of one format (VPR_FUZZ_FORMAT): they are refused with an Error, or
+// give a ground truth that is sound.
+#include <cstdlib>
+
+#include "base/error.h"
+#include "evaluation/ground_truth/check.h"
+#include "evaluation/ground_truth/formats.h"
+#include "memory_file.h"
+
+using namespace vpr;
+
+namespace {
+
+void require(bool good) {
+  if (!good) std::abort();
+}
+
+void require_sound(const InspectedGroundTruth& found) {
+  require(found.truth.pairs.size() == found.scope.query_frames);
+  for (size_t query = 0; query < found.truth.pairs.size(); ++query) {
+    const auto& pairs = found.truth.pairs[query];
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      require(pairs[i].sequence < found.scope.sequences.size());
+      require(pairs[i].first + size_t{pairs[i].further} <
+              found.scope.sequences[pairs[i].sequence].frames);
+      if (i > 0 && pairs[i].sequence == pairs[i - 1].sequence)
+        require(pairs[i - 1].last() < pairs[i].first);
+    }
+  }
+  summarise(found);
+}
+
+// Sides that the corpus has, and those that the file says itself.
+void read(const GroundTruthArgument& argument, size_t query_frames, size_t train_frames) {
+  try {
+    const InspectedGroundTruth found =
+        inspect_ground_truth(argument, {query_frames, {{"", train_frames}}});
+    if (found.truth.pairs.size() < 1000 && found.scope.sequences[0].frames < 1000)
+      require_sound(found);
+  } catch (const Error& error) {
+    require(error.kind() == ErrorKind::data || error.kind() == ErrorKind::usage);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  GroundTruthArgument argument;
+  argument.format = VPR_FUZZ_FORMAT;
+  argument.path = fuzz::memory_file(data, size);
+  const auto& uses = find_format(argument.format).options;
+  for (const auto& option : uses) {
+    if (option == "reference") argument.options.reference = argument.path;
+    if (option == "angle_deg") argument.options.angle_deg = 40;
+  }
+  try {
+    recognise_format(argument.path);
+  } catch (const Error&) {  // of no format at all
+  }
+  read(argument, 3, 4);
+  read(argument, 3, 3);
+  read(argument, kUnknownFrames, kUnknownFrames);
+  return 0;
+}
