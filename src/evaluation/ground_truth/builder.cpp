@@ -1,6 +1,7 @@
 #include "evaluation/ground_truth/builder.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,11 @@ constexpr size_t kMostExamples = 5;
 constexpr size_t kMostRuns = size_t{1} << 26;
 
 constexpr size_t kMostGrownSequences = 10000;
+
+bool stands_before(const GroundTruth::Pair& a, const GroundTruth::Pair& b) {
+  return std::tie(a.sequence, a.first, a.label, a.further) <
+         std::tie(b.sequence, b.first, b.label, b.further);
+}
 
 FrameCount frame_count(size_t frames) {
   return frames == kUnknownFrames ? FrameCount{0, true} : FrameCount{frames, false};
@@ -141,7 +147,8 @@ void GroundTruthBuilder::add_beyond_end(size_t query, size_t sequence, size_t re
 
 void GroundTruthBuilder::join(size_t query) {
   auto& pairs = pairs_[query];
-  if (!std::is_sorted(pairs.begin(), pairs.end())) std::sort(pairs.begin(), pairs.end());
+  if (!std::is_sorted(pairs.begin(), pairs.end(), stands_before))
+    std::sort(pairs.begin(), pairs.end(), stands_before);
   size_t kept = 0;
   for (size_t i = 0; i < pairs.size(); ++i) {
     GroundTruth::Pair pair = pairs[i];
