@@ -107,6 +107,12 @@ class Program {
 /// The number or text that a flag means, as JSON: ".5", "+1" and "1e-3" are numbers here.
 Json flag_value(const std::string& text);
 
+/// Whether a field is one of some names, or may be.
+template <class T>
+inline constexpr bool kIsEnumField = std::is_enum_v<T>;
+template <class T>
+inline constexpr bool kIsEnumField<std::optional<T>> = std::is_enum_v<T>;
+
 /// A flag that sets one field of a settings struct, with the same checks as in a file.
 template <class T>
 CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
@@ -115,12 +121,12 @@ CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
       .add_option_function<std::string>(
           flag,
           [&field, flag](const std::string& text) {
-            const bool is_text = std::is_same_v<T, std::string> || std::is_enum_v<T>;
+            const bool is_text = std::is_same_v<T, std::string> || kIsEnumField<T>;
             value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
           },
           help)
       ->type_name(std::is_arithmetic_v<T> ? "NUMBER"
-                  : std::is_enum_v<T>     ? "NAME"
+                  : kIsEnumField<T>       ? "NAME"
                                           : "VALUE");
 }
 
