@@ -1,44 +1,58 @@
 #!/usr/bin/env bash
-# What every step of standardized scores is worth: best matches, and recall at 100 % precision, with
-# each step left out. The tables of docs/standardized-scores.md.
+# What every step of standardized scores is worth, as a table of docs/standardized.md: per cent of
+# best matches that are right / of windows before the first wrong one when sorted by score.
 #   scripts/ablation.sh DATA [BIN]     DATA: folder with corridor/ and nordland/
 set -euo pipefail
-data=${1:?give the folder that holds corridor/ and nordland/}
-bin=${2:-$(dirname "$0")/../build/release/bin}
+here=$(dirname "$0")
+data=$(realpath "${1:?give the folder that holds corridor/ and nordland/}")
+bin=${2:-$here/../build/release/bin}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-variant() { # NAME SCORE [SETTING...]: one row of the table
-  local name=$1 score=$2
+# name, training sequence, query, tolerance, window lengths
+sets="corridor $data/corridor/ref $data/corridor/query 3 5,10,20
+slow $out/slow-ref.txt $out/slow-query.txt 12 20,40
+nordland $data/nordland/summer $data/nordland/winter 2 10,20,50
+moving $out/moving-summer.txt $out/moving-winter.txt 2 10,20"
+
+for walk in ref query; do # a quarter of the speed: every frame four times
+  for frame in "$data/corridor/$walk"/*; do
+    printf '%s\n' "$frame" "$frame" "$frame" "$frame"
+  done >"$out/slow-$walk.txt"
+done
+for season in summer winter; do
+  "$bin/vpr-train" fastable --train "$data/nordland/$season" -o "$out/$season.vprdb" --quiet
+done
+python3 "$here/leave_out_stops.py" "$data/nordland" "$out" summer winter
+while read -r name train _; do
+  "$bin/vpr-train" fastable --train "$train" -o "$out/$name.vprdb" --quiet
+done <<<"$sets"
+
+variant() { # NAME SCORE [SETTING...]: one row
+  local row=$1 score=$2
   shift 2
-  local settings
-  settings=$(IFS=,; echo "$*")
-  echo "{\"standardization\": {$settings}}" >"$out/config.json"
-  [[ $score == raw ]] && echo '{}' >"$out/config.json"
-  printf '| %s' "$name"
-  local set query tolerance lengths
-  while read -r set query tolerance lengths; do
-    for length in $lengths; do
-      "$bin/vpr-query" "$out/$set.vprdb" --query "$data/$set/$query" --config "$out/config.json" \
+  echo "{\"standardization\": {$(IFS=,; echo "$*")}}" >"$out/config.json"
+  printf '| %s' "$row"
+  while read -r name _ query tolerance lengths; do
+    for length in ${lengths//,/ }; do
+      "$bin/vpr-query" "$out/$name.vprdb" --query "$query" --config "$out/config.json" \
         --score "$score" --t-r 0 --c-l "$length" -o "$out/r.json" --force --quiet
-      python3 "$(dirname "$0")/recognised_early.py" "$out/r.best.npy" "$tolerance"
+      python3 "$here/recognised_early.py" "$out/r.best.npy" "$tolerance"
     done
-  done <<<$'corridor query 3 5 10 20\nnordland winter 2 10 20 50'
+  done <<<"$sets"
   echo ' |'
 }
 
-"$bin/vpr-train" fastable --train "$data/corridor/ref" -o "$out/corridor.vprdb" --quiet
-"$bin/vpr-train" fastable --train "$data/nordland/summer" -o "$out/nordland.vprdb" --quiet
-echo '| | corridor c_l 5 | 10 | 20 | Nordland c_l 10 | 20 | 50 |'
-echo '|---|---:|---:|---:|---:|---:|---:|'
+echo '| | corridor, c_l 5 | 10 | 20 | slow corridor, 20 | 40 | Nordland, 10 | 20 | 50 | moving, 10 | 20 |'
+echo '|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|'
 variant 'raw distances' raw
 variant '`standardized`' standardized
-variant 'rows not centred' standardized '"centre": false'
-variant 'nothing learned' standardized '"learn": false'
-variant 'no start' standardized '"start_weight": 0'
-variant 'not divided' standardized '"divide": false'
+variant '1 off: rows not centred' standardized '"centre": false'
+variant '2 off: nothing learned' standardized '"learn": false'
+variant '2 off: no start' standardized '"start_weight": 0'
+variant '3 off: one deviation for all' standardized '"divide": false'
 variant 'every frame a view' standardized '"view_change": 0'
-variant 'every frame a view, forgetting 0.99' standardized '"view_change": 0' '"forgetting": 0.99'
-variant 'the same, lag 1' standardized '"view_change": 0' '"forgetting": 0.99' '"lag_views": 1'
-variant 'lag of 1 view' standardized '"lag_views": 1'
+variant 'every frame a view, lag 1' standardized '"view_change": 0' '"lag_views": 1'
+variant 'lag of one view' standardized '"lag_views": 1'
+variant 'forgetting 0.99' standardized '"forgetting": 0.99'
 variant '`standardized-offline`' standardized-offline

@@ -1,6 +1,7 @@
 #include "matching/bit_counts.h"
 
-#include <cstring>
+#include <bit>
+#include <numeric>
 
 namespace vpr {
 namespace {
@@ -62,15 +63,15 @@ BitCounts without(const BitCounts& all, const BitCounts& some) {
 
 double mean_distance(const BitCounts& counts, const CodeWords& code) {
   if (counts.frames == 0) return 0;
-  uint64_t sum = 0;
+  // A bit that is not set differs from the codes that have it, one that is set from all others.
+  int64_t sum = std::accumulate(counts.ones.begin(), counts.ones.end(), int64_t{0});
+  const auto frames = static_cast<int64_t>(counts.frames);
   uint64_t before = 0;
   for (size_t w = 0; w < kCodeWords; ++w) {
-    const uint64_t bits = code[w] ^ before;  // codes are kept as prefix parities
-    before = code[w];
-    for (size_t bit = 0; bit < 64; ++bit) {
-      const uint32_t ones = counts.ones[64 * w + bit];
-      sum += (bits >> bit & 1) != 0 ? counts.frames - ones : ones;
-    }
+    const uint64_t parity = code[w];  // codes are kept as prefix parities
+    for (uint64_t bits = parity ^ before; bits != 0; bits &= bits - 1)
+      sum += frames - 2 * int64_t{counts.ones[64 * w + std::countr_zero(bits)]};
+    before = parity;
   }
   return static_cast<double>(sum) / static_cast<double>(counts.frames);
 }
