@@ -90,6 +90,40 @@ TEST_CASE("standardized scores recognise Nordland earlier") {
                                                       {50, "standardized-offline", {99.5, 98}}});
 }
 
+TEST_CASE("a minute's stop on the corridor changes no score before or behind it") {
+  const auto corridor = test::real_data("data/corridor");
+  if (!corridor) return;
+  constexpr size_t kStop = 60;       // the frame at which the walk stops
+  constexpr size_t kStanding = 600;  // a minute at 10 frames a second
+  constexpr size_t kLength = 10;
+  const test::TemporaryFolder out;
+  std::string list;
+  for (size_t frame = 0; frame < 111; ++frame)
+    for (size_t n = 0; n < (frame == kStop ? kStanding + 1 : 1); ++n)
+      list += (*corridor / "query" / fmt::format("{:07}.jpg\n", frame)).string();
+  test::write_text(out / "stop.txt", list);
+  REQUIRE(
+      run_program("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "d.vprdb"})
+          .exit_code == 0);
+  const auto best_rows = [&](const fs::path& query, const std::string& name) {
+    REQUIRE(run_program("vpr-query",
+                        {out / "d.vprdb", "--query", query, "--score", "standardized", "--t-r", "0",
+                         "--c-l", std::to_string(kLength), "-o", out / (name + ".json")})
+                .exit_code == 0);
+    const NpyArray file(out / (name + ".best.npy"));
+    const auto values = file.values<int32_t>(2);
+    return std::vector<int32_t>(values.begin(), values.end());
+  };
+  const auto moving = best_rows(*corridor / "query", "moving");
+  const auto standing = best_rows(out / "stop.txt", "standing");
+  for (size_t window = 0; window + kLength <= 111; ++window) {
+    if (window <= kStop && window + kLength > kStop + 1) continue;  // lies across the stop
+    const size_t later = window > kStop ? window + kStanding : window;
+    for (size_t column = 1; column < 4; ++column)
+      CHECK(standing[4 * later + column] == moving[4 * window + column]);
+  }
+}
+
 TEST_CASE("real results are the same for every number of threads and every SIMD target") {
   const auto corridor = test::real_data("data/corridor");
   if (!corridor) return;
