@@ -1,7 +1,9 @@
 #include "matching/distance_statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -61,14 +63,21 @@ std::vector<Sample> make_samples(const TrainCodes& train, const StatisticsSettin
   return samples;
 }
 
-void add_distances(const uint16_t* distances, size_t from, size_t to, ColumnSums* sums) {
-  for (size_t x = from; x < to; ++x) {
-    const uint32_t distance = distances[x];
-    ++sums[x].count;
-    sums[x].sum += distance;
-    sums[x].squares += uint64_t{distance} * distance;
+/// Sums of one tile of samples, in arrays of their own so that the compiler can take several
+/// columns at once: squares of kRows distances of at most 1408 bits fit 32 bits.
+struct TileSums {
+  std::array<uint32_t, kColumns> sum = {};
+  std::array<uint32_t, kColumns> squares = {};
+
+  void add(const uint16_t* distances, size_t from, size_t to) {
+    for (size_t x = from; x < to; ++x) {
+      const uint32_t distance = distances[x];
+      sum[x] += distance;
+      squares[x] += distance * distance;
+    }
   }
-}
+};
+static_assert(kRows * (8 * kLdbBytes) * (8 * kLdbBytes) <= std::numeric_limits<uint32_t>::max());
 
 // Training frames [first, first + count) against all samples.
 void sum_columns(const TrainCodes& train, const std::vector<Sample>& samples,
@@ -82,12 +91,19 @@ void sum_columns(const TrainCodes& train, const std::vector<Sample>& samples,
     for (size_t r = 0; r < rows; ++r) words.push_back(samples[row + r].words);
     kernels.tile_distances(words.data(), rows, train.blocks.data() + first / kBlockFrames, blocks,
                            distances.data(), kColumns);
+    TileSums tile;
     for (size_t r = 0; r < rows; ++r) {
       const Sample& sample = samples[row + r];
       const size_t from = std::clamp(sample.first, first, first + count) - first;
       const size_t to = std::clamp(sample.last, first, first + count) - first;
-      add_distances(distances.data() + r * kColumns, 0, from, sums);
-      add_distances(distances.data() + r * kColumns, to, count, sums);
+      tile.add(distances.data() + r * kColumns, 0, from);
+      tile.add(distances.data() + r * kColumns, to, count);
+      for (size_t x = from; x < to; ++x) --sums[x].count;
+    }
+    for (size_t x = 0; x < count; ++x) {
+      sums[x].count += static_cast<uint32_t>(rows);
+      sums[x].sum += tile.sum[x];
+      sums[x].squares += tile.squares[x];
     }
   }
 }
