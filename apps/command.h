@@ -109,10 +109,18 @@ class Program {
 /// The number or text that a flag means, as JSON: ".5", "+1" and "1e-3" are numbers here.
 Json flag_value(const std::string& text);
 
+/// Whether a field is one of some names, or may be.
+template <class T>
+inline constexpr bool kIsEnumField = std::is_enum_v<T>;
+template <class T>
+inline constexpr bool kIsEnumField<std::optional<T>> = std::is_enum_v<T>;
+
 /// What a flag's value is called in help: the names of an enum, which completions offer, or a word.
 template <class T>
 std::string value_name() {
-  if constexpr (std::is_enum_v<T>)
+  if constexpr (detail::kIsOptional<T>)
+    return value_name<typename T::value_type>();
+  else if constexpr (std::is_enum_v<T>)
     return fmt::format("{}", fmt::join(kEnumNames<T>, "|"));
   else
     return std::is_arithmetic_v<T> ? "NUMBER" : "VALUE";
@@ -126,7 +134,7 @@ CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
       .add_option_function<std::string>(
           flag,
           [&field, flag](const std::string& text) {
-            const bool is_text = std::is_same_v<T, std::string> || std::is_enum_v<T>;
+            const bool is_text = std::is_same_v<T, std::string> || kIsEnumField<T>;
             value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
           },
           help)

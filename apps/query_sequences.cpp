@@ -7,6 +7,8 @@
 #include "base/stopwatch.h"
 #include "evaluation/counts.h"
 #include "pipeline/query.h"
+#include "pipeline/score_basis.h"
+#include "pipeline/score_check.h"
 #include "query_inputs.h"
 #include "report/matrix_file.h"
 #include "report/matrix_picture.h"
@@ -26,14 +28,18 @@ Table places_table(const SequenceResult& result) {
   Table table;
   table.title = fmt::format("{}: {} hits in {} places", result.query_name, result.hits.size(),
                             result.places.size());
-  table.columns = {"sequence", "query frame", "train frame", "hits", "bits/frame"};
+  const bool is_raw = result.settings.score == Score::raw;
+  table.columns = {"sequence", "query frame", "train frame", "hits",
+                   is_raw ? "bits/frame" : "mean z"};
   for (const Recognition& place : result.places) {
     if (table.rows.size() == kTableRows) break;
     table.rows.push_back(
         {result.sequences[place.sequence].name, std::to_string(result.anchor(place.query_window)),
          std::to_string(result.anchor(place.train_window)), std::to_string(place.hits),
-         fmt::format("{:.1f}", static_cast<double>(place.best_distance) /
-                                   static_cast<double>(result.settings.window_length))});
+         is_raw
+             ? fmt::format("{:.1f}", static_cast<double>(place.best_distance) /
+                                         static_cast<double>(result.settings.window_length))
+             : fmt::format("{:.2f}", mean_z(place.best_distance, result.settings.window_length))});
   }
   return table;
 }
@@ -99,7 +105,11 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
 
   const Stopwatch watch;
   const QuerySource source = find_query(inputs);
-  const SequenceDatabase database = read_sequence_database(inputs.database);
+  SequenceDatabase database = read_sequence_database(inputs.database);
+  if (settings.score != Score::raw) {
+    check_score(settings);
+    ensure_statistics(database, session.kernels, session.monitor);
+  }
   const SequenceCodes query = describe_sequence(
       open_sequence(source.sequence.sequence), database.descriptor,
       settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);

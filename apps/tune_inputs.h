@@ -89,6 +89,9 @@ struct ThresholdTune {
   std::string database;
   std::string windows = "40";
   double safety_factor = 1;
+  Score score = Score::raw;
+  double safety_margin = 0;  ///< of standardized scores
+  StandardizationSettings standardization;
   bool write = false;
   TableFormat format = TableFormat::text;
 };
@@ -96,6 +99,9 @@ struct ThresholdTune {
 template <class Visitor>
 void visit_fields(ThresholdTune& settings, Visitor&& visit) {
   visit("safety_factor", settings.safety_factor);
+  visit("score", settings.score);
+  visit("safety_margin", settings.safety_margin);
+  visit("standardization", settings.standardization);
 }
 
 void add_threshold(Program& program, ThresholdTune& tune);

@@ -1,8 +1,13 @@
 // vpr-tune threshold: the automatic t_r, and why it is what it is.
+#include <functional>
+
 #include <fmt/format.h>
 
 #include "number_lists.h"
+#include "pipeline/score_basis.h"
+#include "pipeline/score_check.h"
 #include "pipeline/train.h"
+#include "recognition/automatic_score.h"
 #include "recognition/automatic_threshold.h"
 #include "report/run_info.h"
 #include "report/table.h"
@@ -17,42 +22,111 @@ std::string frame_span(const TrainSequence& sequence, size_t window, size_t leng
   return fmt::format("{}: {} to {}", sequence.name, first, last);
 }
 
-void tune_threshold(Session& session, const ThresholdTune& command) {
+/// Closest windows of one length, and t_r from them.
+struct Automatic {
+  ThresholdTable table;
+  std::function<double(const ClosestWindows&)> threshold;
+};
+
+Automatic raw_thresholds(const Session& session, const ThresholdTune& command,
+                         const SequenceDatabase& database, size_t length) {
+  Automatic automatic{
+      compute_thresholds(database, length, command.safety_factor, session.kernels, session.monitor),
+      [factor = command.safety_factor, length](const ClosestWindows& closest) {
+        return automatic_threshold(closest, length, factor);
+      }};
+  for (const std::string& sentence : overlap_warnings(automatic.table, database.sequences))
+    warn(session.monitor, sentence);
+  return automatic;
+}
+
+Automatic score_thresholds(const Session& session, const SequenceQuerySettings& settings,
+                           const SequenceDatabase& database, size_t length) {
+  const MatchSettings match{length, size_t{1} << 33, session.kernels};
+  return {{length, 1,
+           find_closest_scores(code_spans(database), make_score_basis(database, settings), match,
+                               session.monitor)},
+          [margin = settings.safety_margin, length](const ClosestWindows& closest) {
+            return automatic_score_threshold(closest, length, margin);
+          }};
+}
+
+// What a query with such thresholds would be set to.
+SequenceQuerySettings query_settings(const ThresholdTune& command) {
+  SequenceQuerySettings settings;
+  settings.score = command.score;
+  settings.safety_margin = command.safety_margin;
+  settings.standardization = command.standardization;
+  return settings;
+}
+
+void check_command(const Session& session, const ThresholdTune& command) {
   check_safety_factor(command.safety_factor);
+  check_score(query_settings(command));
+  if (command.score != Score::raw && command.write)
+    throw Error(ErrorKind::usage,
+                "a database keeps thresholds of raw distances only: those of standardized scores "
+                "depend on the settings of each query; leave --write out");
+  if (command.score != Score::raw && command.safety_factor != 1)
+    throw Error(ErrorKind::usage,
+                "the safety factor is for raw distances; standardized scores have --safety-margin");
   if (!session.options.output.empty())
     check_output_file(session.options.output, session.options.existing());
+}
+
+Json head_json(const ThresholdTune& command) {
+  Json json = {{"schema", "vpr.thresholds/1"}};
+  if (command.score == Score::raw) {
+    json["safety_factor"] = command.safety_factor;
+  } else {
+    json["score"] = enum_name(command.score);
+    json["safety_margin"] = command.safety_margin;
+    json["standardization"] = value_to_json(command.standardization);
+  }
+  return json;
+}
+
+void tune_threshold(Session& session, const ThresholdTune& command) {
+  check_command(session, command);
+  const bool is_raw = command.score == Score::raw;
   SequenceDatabase database = read_sequence_database(command.database);
   if (database.sequences.size() < 2)
     throw Error(ErrorKind::usage, fmt::format("{}: an automatic t_r needs at least two training "
                                               "sequences, and it holds one",
                                               command.database));
+  if (!is_raw) ensure_statistics(database, session.kernels, session.monitor);
   Table table;
   table.title =
-      fmt::format("{}: automatic t_r, safety factor {:g}", command.database, command.safety_factor);
-  table.columns = {"sequence", "c_l", "t_r (bits)", "own frames", "closest other frames"};
-  Json json = {{"schema", "vpr.thresholds/1"}, {"safety_factor", command.safety_factor}};
+      is_raw ? fmt::format("{}: automatic t_r, safety factor {:g}", command.database,
+                           command.safety_factor)
+             : fmt::format("{}: automatic t_r of {} scores, safety margin {:g}", command.database,
+                           enum_name(command.score), command.safety_margin);
+  table.columns = {"sequence", "c_l", is_raw ? "t_r (bits)" : "t_r (mean z)", "own frames",
+                   "closest other frames"};
+  Json json = head_json(command);
   json["thresholds"] = Json::array();
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
-    const ThresholdTable thresholds = compute_thresholds(database, length, command.safety_factor,
-                                                         session.kernels, session.monitor);
-    for (const std::string& sentence : overlap_warnings(thresholds, database.sequences))
-      warn(session.monitor, sentence);
+    SequenceQuerySettings settings = query_settings(command);
+    settings.window_length = length;
+    check_score(settings);
+    const Automatic automatic = is_raw ? raw_thresholds(session, command, database, length)
+                                       : score_thresholds(session, settings, database, length);
     for (size_t s = 0; s < database.sequences.size(); ++s) {
       const TrainSequence& own = database.sequences[s];
-      const auto& closest = thresholds.closest[s];
+      const auto& closest = automatic.table.closest[s];
       Json item = {{"sequence", own.name}, {"c_l", length}};
       if (!closest) {
         table.rows.push_back({own.name, std::to_string(length), "-", "-", "-"});
         item["t_r"] = nullptr;
       } else {
-        const double t_r = automatic_threshold(*closest, length, command.safety_factor);
+        const double t_r = automatic.threshold(*closest);
         const std::string mine = frame_span(own, closest->window, length);
         const std::string other =
             frame_span(database.sequences[closest->other_sequence], closest->other_window, length);
         table.rows.push_back(
             {own.name, std::to_string(length), fmt::format("{:.2f}", t_r), mine, other});
         item["t_r"] = t_r;
-        item["distance"] = closest->distance;
+        item["distance"] = closest->distance - (is_raw ? 0 : score_offset(length));
         item["own_frames"] = mine;
         item["closest_frames"] = other;
       }
@@ -61,7 +135,7 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
     if (command.write) {
       std::erase_if(database.thresholds,
                     [&](const ThresholdTable& stored) { return stored.window_length == length; });
-      database.thresholds.push_back(thresholds);
+      database.thresholds.push_back(automatic.table);
     }
   }
   if (command.write) write_sequence_database(command.database, database, Existing::replace);
@@ -83,6 +157,10 @@ void add_threshold(Program& program, ThresholdTune& tune) {
   command.add_option("DB", tune.database, "database of sequences")->required();
   command.add_option("--c-l", tune.windows, "window lengths, as in 20,40 (default 40)");
   add_setting(command, "--safety-factor", tune.safety_factor, "multiplies t_r (default 1)");
+  add_setting(command, "--score", tune.score,
+              "raw (default), standardized or standardized-offline");
+  add_setting(command, "--safety-margin", tune.safety_margin,
+              "taken from t_r of standardized scores (default 0)");
   command.add_flag("--write", tune.write, "keep them in the database");
   add_setting(command, "--format", tune.format,
               "of the table: text (default), csv, markdown or latex");

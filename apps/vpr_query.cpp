@@ -56,10 +56,16 @@ void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySetting
   group(add_setting(app, "--t-r", settings.distance_threshold,
                     "threshold t_r: a number, or auto (default): from how close training sequences "
                     "come"));
+  group(add_setting(app, "--score", settings.score,
+                    "raw (distances, default), standardized (less the bias of frames that are "
+                    "close to everything) or standardized-offline (from the whole query)"));
   group(add_setting(app, "--t-r-scale", settings.threshold_scale,
-                    "of a number: relative (D / max D, default) or bits (D / c_l)"));
+                    "of a number: relative (D / max D, default) or bits (D / c_l); of standardized "
+                    "scores mean-z (deviations, mostly negative)"));
   group(add_setting(app, "--safety-factor", settings.safety_factor,
                     "multiplies the automatic t_r (default: the database's)"));
+  group(add_setting(app, "--safety-margin", settings.safety_margin,
+                    "taken from the automatic t_r of standardized scores (default 0)"));
   group(add_list(app, "--only-sequence", settings.only_sequences,
                  "search only this training sequence; repeatable"));
   group(app.add_option("--save-matrix", inputs.matrix,

@@ -3,6 +3,7 @@
 
 #include "base/stopwatch.h"
 #include "number_lists.h"
+#include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "tune_inputs.h"
 
@@ -33,9 +34,7 @@ SequenceGrid sequence_grid(const TuneInputs& inputs) {
 }
 
 // What stays the same for all cells.
-template <class Settings>
-Json settings_json(const Settings& settings, const std::vector<const char*>& of_the_grid) {
-  Json json = value_to_json(settings);
+Json settings_json(Json json, const std::vector<const char*>& of_the_grid) {
   for (const char* key : of_the_grid) json.erase(key);
   return json;
 }
@@ -67,7 +66,9 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const SequenceGrid grid = sequence_grid(inputs);
   const std::vector<Source> sources = find_sources(inputs, false);
   const auto validation = find_validation(inputs, sources, session.monitor);
-  const SequenceDatabase database = read_sequence_database(inputs.database);
+  SequenceDatabase database = read_sequence_database(inputs.database);
+  if (command.settings.score != Score::raw)
+    ensure_statistics(database, session.kernels, session.monitor);
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.seed = session.options.seed;
@@ -86,7 +87,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
                         reader_of(validation->ground_truth, protocol), resources, session.monitor),
         {});
   };
-  const Json settings = settings_json(command.settings, {"c_l", "t_r"});
+  const Json settings = settings_json(settings_in_force(command.settings), {"c_l", "t_r"});
   PartialSweeps partial(inputs, session.options,
                         sweep_key(inputs, settings, database.fingerprint, resources.seed));
   for (size_t s = partial.finished().size(); s < sources.size(); ++s) {
@@ -137,7 +138,7 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
                      {{chosen.window}, {chosen.place_threshold}},
                      reader_of(validation->ground_truth, protocol), seed, session.monitor));
   };
-  const Json settings = settings_json(command.settings, {"c_w", "t_p"});
+  const Json settings = settings_json(value_to_json(command.settings), {"c_w", "t_p"});
   PartialSweeps partial(inputs, session.options,
                         sweep_key(inputs, settings, database.fingerprint, seed));
   for (size_t s = partial.finished().size(); s < sources.size(); ++s) {
@@ -177,8 +178,12 @@ void add_fastable(Program& program, FastableTune& tune) {
       .add_option("--t-r", tune.inputs.thresholds,
                   "thresholds, as in 0.2:0.6:0.05; the word auto may be one of them")
       ->required();
+  add_setting(command, "--score", tune.settings.score,
+              "raw (default), standardized or standardized-offline");
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
-              "of the numbers: relative (default) or bits");
+              "of the numbers: relative (default) or bits; of standardized scores mean-z");
+  add_setting(command, "--safety-margin", tune.settings.safety_margin,
+              "taken from the automatic t_r of standardized scores (default 0)");
   command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,
                    "frames that can't be decoded keep their index and never match");
 }

@@ -68,6 +68,10 @@ template <class T>
 inline constexpr bool kIsList = false;
 template <class T>
 inline constexpr bool kIsList<std::vector<T>> = true;
+template <class T>
+inline constexpr bool kIsOptional = false;
+template <class T>
+inline constexpr bool kIsOptional<std::optional<T>> = true;
 
 struct AnyVisitor {
   template <class T>
@@ -93,8 +97,8 @@ Json value_to_json(const T& value) {
     visit_fields(const_cast<T&>(value),  // visited, not changed
                  [&](const char* key, auto& field) { json[key] = value_to_json(field); });
     return json;
-  } else if constexpr (std::is_same_v<T, std::optional<double>>) {
-    return value ? Json(*value) : Json("auto");
+  } else if constexpr (detail::kIsOptional<T>) {
+    return value ? value_to_json(*value) : Json("auto");
   } else if constexpr (std::is_enum_v<T>) {
     return enum_name(value);
   } else {
@@ -117,13 +121,13 @@ void value_from_json(const Json& json, T& value, const std::string& where, const
     for (const auto& item : json.items())
       if (std::find(known.begin(), known.end(), item.key()) == known.end())
         detail::unknown_key(where, item.key(), known);
-  } else if constexpr (std::is_same_v<T, std::optional<double>>) {
-    if (json.is_number()) {
-      value = json.get<double>();
-    } else if (json == "auto") {
+  } else if constexpr (detail::kIsOptional<T>) {
+    if (json == "auto") {
       value = std::nullopt;
-    } else {
+    } else if (std::is_arithmetic_v<typename T::value_type> && !json.is_number()) {
       detail::bad_value(where, key, "a number or \"auto\"", json);
+    } else {
+      value_from_json(json, value.emplace(), where, key);
     }
   } else if constexpr (detail::kIsList<T>) {
     if (!json.is_array()) detail::bad_value(where, key, "a list", json);

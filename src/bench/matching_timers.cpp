@@ -7,8 +7,10 @@
 #include <fmt/ranges.h>
 
 #include "base/stopwatch.h"
+#include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/fastable_online.h"
+#include "matching/fastable_standardized.h"
 #include "matching/lsh.h"
 #include "matching/methods.h"
 #include "matching/openable.h"
@@ -42,6 +44,41 @@ void time_online(const MatchingCase& example, const Effort& effort, const Monito
   for (size_t f = 0; f <= example.settings.window_length; ++f) advance();
   row.time = summarise(time_repeatedly(effort, advance, monitor));
   row.values.emplace_back("ring", state.has_ring ? 1 : 0);
+}
+
+ScoreBasis score_basis(const MatchingCase& example) {
+  TrainStatistics statistics = compute_statistics(example.train, {}, example.settings.kernels, {});
+  return {{},
+          false,
+          statistics.typical_distance,
+          std::move(statistics.bias),
+          std::move(statistics.variance),
+          count_bits(example.train.sequences)};
+}
+
+void time_standardized(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
+                       BenchRow& row) {
+  const auto& frames = example.query.words;
+  const HammingKernels& kernels = example.settings.kernels;
+  const Stopwatch watch;
+  const ScoreBasis basis = score_basis(example);
+  row.values.emplace_back("statistics_s", watch.elapsed_s());
+  ScoredFastable state{start_standardized(example.train, example.query, basis, kernels),
+                       start_scored_sums(example.train, example.settings)};
+  size_t next = 0;
+  size_t seen = 0;
+  size_t learned = 0;
+  const auto advance = [&] {
+    begin_frame(state.frames, basis, frames[next], true);
+    learned += state.frames.lesson ? 1 : 0;
+    ++seen;
+    advance_scored(state, example.train, kernels);
+    next = (next + 1) % frames.size();
+  };
+  for (size_t f = 0; f <= example.settings.window_length; ++f) advance();
+  row.time = summarise(time_repeatedly(effort, advance, monitor));
+  row.values.emplace_back("learned_share",
+                          static_cast<double>(learned) / static_cast<double>(seen));
 }
 
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
@@ -140,9 +177,10 @@ void time_plain_openable(const MatchingCase& example, const Effort& effort, cons
   if (sum == 1) row.note += ".";
 }
 
-constexpr std::array<MatchingTimer, 6> kTimers = {{
+constexpr std::array<MatchingTimer, 7> kTimers = {{
     {"fastable", "online, one query frame after the other", time_online},
     {"fastable-batch", "the whole query at once", time_batch},
+    {"standardized", "online, standardized scores", time_standardized},
     {"openable", "no re-use, same kernels", time_openable},
     {"lsh", "multi-probe hashing, approximate", time_lsh},
     {"plain-fastable", "as in the paper's time: scalar, two distances a cell", time_plain_fastable},
@@ -161,6 +199,11 @@ MatchingCase::MatchingCase(const std::vector<LdbCode>& train_frames,
 
 std::span<const MatchingTimer> matching_timers() { return kTimers; }
 
+bool has_room_for_scores(const MatchingCase& example) {
+  return ring_fits(example.train.frame_count, example.settings.window_length,
+                   example.settings.memory_limit);
+}
+
 const MatchingTimer& find_matching_timer(std::string_view name) {
   std::vector<std::string_view> names;
   for (const MatchingTimer& timer : kTimers) {
@@ -176,7 +219,30 @@ void add_method_speed_ups(BenchResult& result) {
     add_speed_up(result, work, "openable", "times_openable");
     add_speed_up(result, work, "plain-fastable", "times_plain_fastable");
   }
+  add_speed_up(result, "standardized", "fastable", "share_of_fastable_speed");
 }
+
+namespace {
+
+void check_scores(const MatchingCase& example, const Monitor& monitor) {
+  constexpr size_t kCheckedScores = 20;  // each costs the oracle as many distances as rows
+  constexpr size_t kCheckedRows = 20;
+  const size_t length = example.settings.window_length;
+  const CodeSpan some{
+      std::span(example.query_codes).first(length + std::min(kCheckedRows, example.rows()) - 1),
+      {}};
+  const QueryCodes query = make_query_codes(some);
+  CellScan scan(choose_cells(example.train.runs, query.runs, length, kCheckedScores, 1));
+  const ScoreBasis basis = score_basis(example);
+  match_standardized(example.train, query, {&length, 1}, basis, example.settings, monitor,
+                     [&](size_t, const DistanceRow& row) { scan(row); });
+  const CodeSpan train{example.train_codes, {}};
+  if (!wrong_scores(scan.result(), std::span(&train, 1), some, length, basis, monitor).empty())
+    throw Error(ErrorKind::expectation,
+                "standardized: a score differs from its definition; nothing was timed");
+}
+
+}  // namespace
 
 void check_methods(const MatchingCase& example, const std::vector<std::string>& methods,
                    const Monitor& monitor) {
@@ -198,6 +264,9 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   check("fastable", "fastable-online", 200);
   check("fastable-batch", "fastable", 200);
   check("openable", "openable", 2);
+  if (std::find(methods.begin(), methods.end(), "standardized") != methods.end() &&
+      has_room_for_scores(example))
+    check_scores(example, monitor);
 }
 
 }  // namespace vpr

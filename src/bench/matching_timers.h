@@ -36,6 +36,9 @@ std::span<const MatchingTimer> matching_timers();
 /// Throws Error(usage) listing the names for an unknown one.
 const MatchingTimer& find_matching_timer(std::string_view name);
 
+/// Standardized scores need the whole ring.
+bool has_room_for_scores(const MatchingCase& example);
+
 /// How many times faster than OpenABLE and plain FastABLE, where those were timed.
 void add_method_speed_ups(BenchResult& result);
 

@@ -51,6 +51,12 @@ void add_case(BenchResult& result, const NordlandBenchSettings& settings, Matchi
                                             settings.lsh_most_frames));
       continue;
     }
+    if (method == "standardized" && !has_room_for_scores(example)) {
+      result.left_out.push_back(
+          fmt::format("standardized for {} frames, whose scores do not fit ring_bytes {}", frames,
+                      settings.ring_bytes));
+      continue;
+    }
     const auto measure = [&](const std::string& work) {
       BenchRow row{work, parameters_of(settings, frames), "query frame", {}, {}, ""};
       reset_peak_memory();

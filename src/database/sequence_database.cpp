@@ -1,6 +1,7 @@
 #include "database/sequence_database.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@ namespace {
 constexpr const char* kMethod = "fastable";
 constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
+constexpr const char* kStatisticsFile = "statistics.npy";
 
 Json sequence_to_json(const TrainSequence& sequence) {
   return {{"name", sequence.name},
@@ -139,6 +141,49 @@ NpyArray read_codes(const Archive& archive, size_t frame_count) {
   return codes;
 }
 
+Json statistics_to_json(const TrainStatistics& statistics) {
+  Json json = value_to_json(statistics.settings);
+  json["typical_distance"] = statistics.typical_distance;
+  return json;
+}
+
+// Bias and variance of every frame, side by side.
+std::vector<float> statistics_rows(const TrainStatistics& statistics) {
+  std::vector<float> values;
+  for (size_t i = 0; i < statistics.bias.size(); ++i)
+    values.insert(values.end(), {statistics.bias[i], statistics.variance[i]});
+  return values;
+}
+
+std::optional<TrainStatistics> read_statistics(const Archive& archive, size_t frame_count) {
+  const auto found = archive.manifest().find("statistics");
+  if (found == archive.manifest().end()) return std::nullopt;
+  if (!found->is_object()) archive.fail("\"statistics\" is no object");
+  Json json = *found;
+  TrainStatistics statistics;
+  const auto typical = json.find("typical_distance");
+  if (typical == json.end() || !typical->is_number())
+    archive.fail("\"typical_distance\" is no number");
+  statistics.typical_distance = typical->get<double>();
+  if (!(statistics.typical_distance >= 0 && statistics.typical_distance <= 8 * kLdbBytes))
+    archive.fail("\"typical_distance\" is out of range");
+  json.erase("typical_distance");
+  stored_settings_from_json({{"settings", json}}, statistics.settings, archive.name());
+  const NpyArray rows = archive.array(kStatisticsFile);
+  const auto values = rows.values<float>(2);
+  if (rows.shape()[0] != frame_count || rows.shape()[1] != 2)
+    archive.fail("statistics.npy does not have one row of 2 numbers a frame");
+  constexpr float kMostBits = 8 * kLdbBytes;
+  for (size_t i = 0; i < values.size(); i += 2) {
+    if (!(std::abs(values[i]) <= kMostBits) ||
+        !(values[i + 1] >= 0 && values[i + 1] <= kMostBits * kMostBits))
+      archive.fail("statistics.npy holds a number out of range");
+    statistics.bias.push_back(values[i]);
+    statistics.variance.push_back(values[i + 1]);
+  }
+  return statistics;
+}
+
 }  // namespace
 
 std::span<const LdbCode> CodeStore::view() const {
@@ -164,6 +209,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   size_t frames = 0;
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
   database.codes.mapped = read_codes(archive, frames);
+  database.statistics = read_statistics(archive, frames);
   return database;
 }
 
@@ -175,6 +221,9 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
                    std::span(reinterpret_cast<const uint8_t*>(codes.data()), codes.size_bytes()),
                    {codes.size(), kLdbBytes});
   writer.add_text(kFramesFile, frame_lines(database));
+  if (database.statistics)
+    writer.add_array(kStatisticsFile, std::span<const float>(statistics_rows(*database.statistics)),
+                     {codes.size(), 2});
   Json manifest = {{"schema", "vpr.database/1"}, {"method", kMethod}};
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = Json::array();
@@ -183,6 +232,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   manifest["thresholds"] = Json::array();
   for (const ThresholdTable& table : database.thresholds)
     manifest["thresholds"].push_back(thresholds_to_json(table));
+  if (database.statistics) manifest["statistics"] = statistics_to_json(*database.statistics);
   manifest["provenance"] = {
       {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
   writer.commit(manifest);

@@ -10,6 +10,7 @@
 #include "base/monitor.h"
 #include "base/npy.h"
 #include "base/output_file.h"
+#include "database/train_statistics.h"
 #include "descriptors/describe.h"
 
 namespace vpr {
@@ -50,6 +51,7 @@ struct SequenceDatabase {
   std::vector<TrainSequence> sequences;
   CodeStore codes;  ///< of all sequences, one after the other
   std::vector<ThresholdTable> thresholds;
+  std::optional<TrainStatistics> statistics;  ///< none in databases of older date
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 

@@ -38,8 +38,8 @@ void slide_frames(FastableState& state, const HammingKernels& kernels, size_t fi
 
 // The leaving term of window end i is the distance of train frame i - c_l to query frame f - c_l,
 // which the ring has kept; there is none where either index is negative.
-void advance_with_ring(FastableState& state, const TrainCodes& train, const HammingKernels& kernels,
-                       const CodeWords& frame, size_t begin, size_t end) {
+void advance_with_ring(FastableState& state, const HammingKernels& kernels, const RowSource& source,
+                       size_t begin, size_t end) {
   const size_t rows = state.window_length + 1;
   uint16_t* entering = state.ring.get() + state.frames_seen % rows * state.ring_stride;
   const uint16_t* old = state.ring.get() + (state.frames_seen + 1) % rows * state.ring_stride;
@@ -47,7 +47,7 @@ void advance_with_ring(FastableState& state, const TrainCodes& train, const Hamm
   const std::vector<uint16_t> zeros(std::min(kChunkFrames, end - begin), 0);
   for (size_t first = begin; first < end; first += kChunkFrames) {
     const size_t last = std::min(first + kChunkFrames, end);
-    distances_of_frames(kernels, train, frame, first, last, entering + first);
+    source(first, last, entering + first);
     const size_t split = leaves ? std::clamp(state.window_length, first, last) : last;
     slide_frames(state, kernels, first, split, entering + first, zeros.data());
     if (split < last)
@@ -84,6 +84,24 @@ void advance_without_ring(FastableState& state, const TrainCodes& train,
   }
 }
 
+// Long databases are shared between threads. `advance` takes train frames [begin, end).
+template <class Advance>
+std::span<const uint32_t> advance_in_parts(FastableState& state, size_t frames,
+                                           const Advance& advance) {
+  const size_t parts = std::clamp<size_t>(frames / kFramesPerThread, 1, thread_count());
+  if (parts == 1) {
+    advance(0, frames);
+  } else {
+    const size_t part = padded((frames + parts - 1) / parts);
+    parallel_for(parts, Monitor{}, [&](size_t p) {
+      advance(std::min(p * part, frames), std::min((p + 1) * part, frames));
+    });
+  }
+  std::swap(state.sums, state.next_sums);
+  ++state.frames_seen;
+  return state.sums;
+}
+
 }  // namespace
 
 bool ring_fits(size_t frame_count, size_t window_length, size_t memory_limit) {
@@ -110,28 +128,32 @@ FastableState start_fastable(const TrainCodes& train, const MatchSettings& setti
   return state;
 }
 
+std::span<const uint32_t> advance_sums(FastableState& state, size_t frame_count,
+                                       const HammingKernels& kernels, const RowSource& source) {
+  assert(state.has_ring && state.sums.size() == frame_count);
+  return advance_in_parts(state, frame_count, [&](size_t begin, size_t end) {
+    advance_with_ring(state, kernels, source, begin, end);
+  });
+}
+
+const uint16_t* newest_row(const FastableState& state) {
+  assert(state.has_ring && state.frames_seen > 0);
+  return state.ring.get() + (state.frames_seen - 1) % (state.window_length + 1) * state.ring_stride;
+}
+
 std::span<const uint32_t> advance_fastable(FastableState& state, const TrainCodes& train,
                                            const HammingKernels& kernels, const CodeWords& frame) {
-  const size_t frames = train.frame_count;
-  const auto advance = [&](size_t begin, size_t end) {
-    if (state.has_ring)
-      advance_with_ring(state, train, kernels, frame, begin, end);
-    else
-      advance_without_ring(state, train, kernels, frame, begin, end);
-  };
-  const size_t parts = std::clamp<size_t>(frames / kFramesPerThread, 1, thread_count());
-  if (parts == 1) {
-    advance(0, frames);
-  } else {
-    const size_t part = padded((frames + parts - 1) / parts);
-    parallel_for(parts, Monitor{}, [&](size_t p) {
-      advance(std::min(p * part, frames), std::min((p + 1) * part, frames));
-    });
-  }
-  if (!state.has_ring) state.recent[state.frames_seen % state.window_length] = frame;
-  std::swap(state.sums, state.next_sums);
-  ++state.frames_seen;
-  return state.sums;
+  if (state.has_ring)
+    return advance_sums(state, train.frame_count, kernels,
+                        [&](size_t first, size_t last, uint16_t* out) {
+                          distances_of_frames(kernels, train, frame, first, last, out);
+                        });
+  const size_t seen = state.frames_seen;
+  const auto sums = advance_in_parts(state, train.frame_count, [&](size_t begin, size_t end) {
+    advance_without_ring(state, train, kernels, frame, begin, end);
+  });
+  state.recent[seen % state.window_length] = frame;
+  return sums;
 }
 
 void match_fastable_online(const TrainCodes& train, const QueryCodes& query,

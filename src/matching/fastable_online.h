@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -36,6 +37,20 @@ FastableState start_fastable(const TrainCodes& train, const MatchSettings& setti
 /// train frame, 2 without a ring. Long databases are shared between threads.
 std::span<const uint32_t> advance_fastable(FastableState& state, const TrainCodes& train,
                                            const HammingKernels& kernels, const CodeWords& frame);
+
+/// Writes what enters the windows, for train frames [first, last) and the new query frame, to
+/// out[0] and on; first is a multiple of kBlockFrames, and `out` has room for whole blocks. Called
+/// once for every stretch of a row, from several threads at once.
+using RowSource = std::function<void(size_t first, size_t last, uint16_t* out)>;
+
+/// The same recurrence over values from elsewhere: sums of what entered in the last window_length
+/// frames along the diagonals. Sums stay below 2^32. The state must have a ring.
+std::span<const uint32_t> advance_sums(FastableState& state, size_t frame_count,
+                                       const HammingKernels& kernels, const RowSource& source);
+
+/// What entered with the last query frame, one value a train frame. The state must have a ring, and
+/// have seen a frame.
+const uint16_t* newest_row(const FastableState& state);
 
 /// A whole query through advance_fastable, row after row.
 void match_fastable_online(const TrainCodes& train, const QueryCodes& query,

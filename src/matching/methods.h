@@ -14,6 +14,7 @@ struct SequenceMethod {
   std::string_view name;
   std::string_view summary;
   bool is_exact;
+  bool has_scores;  ///< standardized ones, too: by match_standardized
   void (*match)(const TrainCodes&, const QueryCodes&, const MatchSettings&, const Monitor&,
                 const RowConsumer&);
 };

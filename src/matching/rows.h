@@ -14,7 +14,8 @@
 namespace vpr {
 
 /// Adjacent cells of one row: distances[x] = D(query_window, train_window + x), in bits summed over
-/// the window. Windows are named by their first frame, train windows within their sequence.
+/// the window; of standardized scores, biased sums that order as the scores do (score_kernels.h).
+/// Windows are named by their first frame, train windows within their sequence.
 struct DistanceRow {
   size_t query_window = 0;
   size_t sequence = 0;

@@ -9,8 +9,11 @@
 #include "base/stopwatch.h"
 #include "matching/fastable_batch.h"
 #include "pipeline/query_steps.h"
+#include "pipeline/score_basis.h"
+#include "pipeline/score_check.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
+#include "recognition/automatic_score.h"
 #include "recognition/automatic_threshold.h"
 
 namespace vpr {
@@ -21,9 +24,7 @@ void check_settings(const SequenceQuerySettings& settings) {
   if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
   if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
     throw Error(ErrorKind::usage, "t_r must be a finite number or auto");
-  if (settings.distance_threshold && *settings.distance_threshold < 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("t_r must not be negative, found {}", *settings.distance_threshold));
+  check_score(settings);
   if (settings.clustering.eps < 0 || settings.clustering.eps > kMaxEps)
     throw Error(ErrorKind::usage, fmt::format("clustering.eps must be from 0 to {}, found {}",
                                               kMaxEps, settings.clustering.eps));
@@ -41,7 +42,7 @@ void check_names(const SequenceDatabase& database, const SequenceQuerySettings& 
 // Of an approximate method, the largest distance is not known.
 void check_exactness(const SequenceQuerySettings& settings) {
   if (find_sequence_method(settings.method).is_exact) return;
-  if (settings.distance_threshold && settings.threshold_scale == ThresholdScale::relative)
+  if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
     throw Error(ErrorKind::usage,
                 fmt::format("{} does not see every window, and so not max(D); give t_r in bits a "
                             "frame, as in --t-r 200 --t-r-scale bits, or auto",
@@ -96,6 +97,25 @@ ThresholdTable automatic_table(const SequenceDatabase& database,
   return table;
 }
 
+// Standardized scores of training sequences against each other. They depend on the settings, and
+// are computed for each query.
+ThresholdTable automatic_scores(const SequenceDatabase& database,
+                                const SequenceQuerySettings& settings,
+                                const QueryResources& resources, const Monitor& monitor) {
+  return {settings.window_length, 1,
+          find_closest_scores(code_spans(database), make_score_basis(database, settings),
+                              {settings.window_length, resources.memory_limit, resources.kernels},
+                              monitor)};
+}
+
+double automatic_number(const ClosestWindows& closest, const ThresholdTable& table,
+                        const SequenceQuerySettings& settings) {
+  if (settings.score != Score::raw)
+    return automatic_score_threshold(closest, settings.window_length, settings.safety_margin);
+  return automatic_threshold(closest, settings.window_length,
+                             settings.safety_factor.value_or(table.safety_factor));
+}
+
 void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
   const SequenceQuerySettings& settings = result.settings;
@@ -103,27 +123,32 @@ void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& d
     throw Error(ErrorKind::usage,
                 "an automatic t_r needs at least two training sequences, and the database holds "
                 "one; give a number, as in --t-r 0.4");
-  const ThresholdTable table = automatic_table(database, settings, resources, monitor);
-  const double factor = settings.safety_factor.value_or(table.safety_factor);
+  const bool is_raw = settings.score == Score::raw;
+  const ThresholdTable table = is_raw ? automatic_table(database, settings, resources, monitor)
+                                      : automatic_scores(database, settings, resources, monitor);
   for (size_t s = 0; s < result.sequences.size(); ++s) {
     SequenceThreshold& sequence = result.sequences[s];
-    sequence.scale = ThresholdScale::bits;
+    sequence.scale = is_raw ? ThresholdScale::bits : ThresholdScale::mean_z;
     if (!sequence.searched || sequence.windows == 0) continue;
     if (!table.closest[s])
       throw Error(ErrorKind::usage,
                   fmt::format("there is no automatic t_r for {}: no other training sequence has a "
                               "window of {} frames; give a number, as in --t-r 0.4",
                               sequence.name, settings.window_length));
-    sequence.threshold = automatic_threshold(*table.closest[s], settings.window_length, factor);
+    sequence.threshold = automatic_number(*table.closest[s], table, settings);
   }
 }
 
-// Limits that need no distances: automatic thresholds, and numbers in bits a frame.
+// Limits that need no distances: automatic thresholds, and numbers in bits a frame or deviations.
 void plan_limits(SequenceResult& result) {
-  for (SequenceThreshold& sequence : result.sequences)
-    if (sequence.threshold && sequence.scale == ThresholdScale::bits)
-      sequence.distance_limit =
-          distance_limit(*sequence.threshold, static_cast<uint32_t>(result.settings.window_length));
+  const uint64_t length = result.settings.window_length;
+  for (SequenceThreshold& sequence : result.sequences) {
+    if (!sequence.threshold) continue;
+    if (sequence.scale == ThresholdScale::bits)
+      sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<uint32_t>(length));
+    if (sequence.scale == ThresholdScale::mean_z)
+      sequence.distance_limit = score_limit(*sequence.threshold, length);
+  }
 }
 
 // Compares with an exact search of everything.
@@ -145,9 +170,14 @@ SearchRecall measure_recall(const SequenceResult& result, const TrainCodes& trai
 }
 
 void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& database,
-                 const SequenceCodes& query, size_t window_length, const Monitor& monitor) {
+                 const SequenceCodes& query, const SequenceQuerySettings& settings,
+                 const Monitor& monitor) {
+  if (cells.empty()) return;
   const std::vector<Cell> wrong =
-      wrong_cells(cells, code_spans(database), query.codes, window_length, monitor);
+      settings.score == Score::raw
+          ? wrong_cells(cells, code_spans(database), query.codes, settings.window_length, monitor)
+          : wrong_scores(cells, code_spans(database), {query.codes, query.frames.unreadable},
+                         settings.window_length, make_score_basis(database, settings), monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(
@@ -168,6 +198,7 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
   check_names(database, settings);
   SequenceResult result;
   result.settings = settings;
+  result.settings.threshold_scale = scale_of(settings);
   result.query_name = query_name;
   result.query_frames = query.frames.count();
   result.query_unreadable = query.frames.unreadable;
@@ -185,12 +216,14 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
   if (settings.distance_threshold) {
     for (SequenceThreshold& sequence : result.sequences) {
       sequence.threshold = settings.distance_threshold;
-      sequence.scale = settings.threshold_scale;
+      sequence.scale = scale_of(settings);
     }
   } else {
     plan_automatic_thresholds(result, database, resources, monitor);
   }
   plan_limits(result);
+  if (settings.score != Score::raw && database.statistics)
+    result.statistics = {database.statistics->settings, database.statistics->typical_distance};
   return result;
 }
 
@@ -217,11 +250,18 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   HitScan scan(scan_settings(result, resources));
   CellScan cells(choose_cells(train.runs, query_codes.runs, match.window_length,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
-  method.match(train, query_codes, match, monitor, [&](const DistanceRow& row) {
-    scan(row);
-    cells(row);
-    for (const RowConsumer& observe : observers) observe(row);
-  });
+  const size_t length = match.window_length;
+  match_rows(
+      result, database, train, query_codes, {&length, 1}, match, monitor,
+      [&](const LengthRowConsumer& consume) {
+        method.match(train, query_codes, match, monitor,
+                     [&](const DistanceRow& row) { consume(0, row); });
+      },
+      [&](size_t, const DistanceRow& row) {
+        scan(row);
+        cells(row);
+        for (const RowConsumer& observe : observers) observe(row);
+      });
   HitScanResult found = scan.result();
   result.hits = std::move(found.hits);
   result.best = std::move(found.best);
@@ -234,7 +274,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   }
 
   watch = {};
-  check_cells(cells.result(), database, query, match.window_length, monitor);
+  check_cells(cells.result(), database, query, result.settings, monitor);
   run.verified_cells = cells.result().size();
   if (resources.verify_cells > 0) run.seconds["verify"] = watch.elapsed_s();
 

@@ -21,7 +21,7 @@ TrainCodes searched_codes(const SequenceDatabase& database, const SequenceResult
 
 bool needs_maxima(const SequenceResult& result) {
   return result.settings.distance_threshold &&
-         result.settings.threshold_scale == ThresholdScale::relative;
+         scale_of(result.settings) == ThresholdScale::relative;
 }
 
 void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& maxima) {

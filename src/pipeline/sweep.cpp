@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "matching/fastable_batch.h"
 #include "pipeline/query_steps.h"
+#include "pipeline/score_basis.h"
 
 namespace vpr {
 namespace {
@@ -62,6 +63,10 @@ HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& reso
   return widest;
 }
 
+ThresholdScale automatic_scale(const SequenceResult& result) {
+  return result.settings.score == Score::raw ? ThresholdScale::bits : ThresholdScale::mean_z;
+}
+
 SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,
                               const GroundTruth& truth) {
   for (const Cell& hit : sweep.found.hits)
@@ -69,10 +74,9 @@ SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,
   result.best = sweep.found.best;
   result.places =
       cluster_by_sequence(result.hits, result.sequences.size(), result.settings.clustering);
-  return {
-      result.settings.window_length, result.settings.distance_threshold,
-      result.settings.distance_threshold ? result.settings.threshold_scale : ThresholdScale::bits,
-      count_recognitions(result, truth)};
+  return {result.settings.window_length, result.settings.distance_threshold,
+          result.settings.distance_threshold ? scale_of(result.settings) : automatic_scale(result),
+          count_recognitions(result, truth)};
 }
 
 }  // namespace
@@ -88,19 +92,25 @@ std::vector<SequenceCellCounts> sweep_sequences(
   const QueryCodes query_codes = make_query_codes({query.codes, query.frames.unreadable});
   const std::vector<size_t> lengths(grid.window_lengths.begin(), grid.window_lengths.end());
   const MatchSettings match{1, resources.memory_limit, resources.kernels};
+  const auto match_lengths = [&](const LengthRowConsumer& consume) {
+    match_rows(
+        sweeps.front().planned.front(), database, train, query_codes, lengths, match, monitor,
+        [&](const LengthRowConsumer& rows) {
+          match_fastable_lengths(train, query_codes, lengths, match, monitor, rows);
+        },
+        consume);
+  };
   if (any_relative(sweeps)) {
     for (LengthSweep& sweep : sweeps)
       sweep.maxima = std::make_unique<MaximumScan>(database.sequences.size(), resources.kernels);
-    match_fastable_lengths(train, query_codes, lengths, match, monitor,
-                           [&](size_t l, const DistanceRow& row) { (*sweeps[l].maxima)(row); });
+    match_lengths([&](size_t l, const DistanceRow& row) { (*sweeps[l].maxima)(row); });
     for (LengthSweep& sweep : sweeps)
       for (SequenceResult& result : sweep.planned)
         if (needs_maxima(result)) set_relative_limits(result, sweep.maxima->result());
   }
   for (LengthSweep& sweep : sweeps)
     sweep.hits = std::make_unique<HitScan>(widest_scan(sweep, resources));
-  match_fastable_lengths(train, query_codes, lengths, match, monitor,
-                         [&](size_t l, const DistanceRow& row) { (*sweeps[l].hits)(row); });
+  match_lengths([&](size_t l, const DistanceRow& row) { (*sweeps[l].hits)(row); });
   for (LengthSweep& sweep : sweeps) {
     sweep.found = sweep.hits->result();
     sweep.hits.reset();

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "matching/distance_statistics.h"
 #include "recognition/automatic_threshold.h"
 
 namespace vpr {
@@ -44,6 +45,12 @@ void add_thresholds(SequenceDatabase& database, size_t window_length, double saf
   for (const std::string& sentence :
        overlap_warnings(database.thresholds.back(), database.sequences))
     warn(monitor, sentence);
+}
+
+void add_statistics(SequenceDatabase& database, const StatisticsSettings& settings,
+                    const HammingKernels& kernels, const Monitor& monitor) {
+  database.statistics =
+      compute_statistics(make_train_codes(code_spans(database)), settings, kernels, monitor);
 }
 
 }  // namespace
@@ -88,6 +95,7 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
     append_sequence(database, sequence, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
   add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
+  add_statistics(database, settings.statistics, kernels, monitor);
   return database;
 }
 
@@ -104,6 +112,9 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
     warn_of_short_sequences(extended, table.window_length, monitor);
     add_thresholds(extended, table.window_length, table.safety_factor, kernels, monitor);
   }
+  add_statistics(extended,
+                 database.statistics ? database.statistics->settings : StatisticsSettings{},
+                 kernels, monitor);
   return extended;
 }
 

@@ -16,6 +16,7 @@ struct SequenceTrainSettings {
   uint64_t window_length = 40;  ///< c_l of the automatic thresholds
   double safety_factor = 1;     ///< multiplies them
   bool skip_unreadable = false;
+  StatisticsSettings statistics;  ///< what standardized scores start from
 };
 
 template <class Visitor>
@@ -24,6 +25,7 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_length);
   visit("safety_factor", settings.safety_factor);
   visit("skip_unreadable", settings.skip_unreadable);
+  visit("statistics", settings.statistics);
 }
 
 struct NamedArgument {
@@ -31,15 +33,16 @@ struct NamedArgument {
   SequenceArgument sequence;
 };
 
-/// Describes each sequence and computes the thresholds for settings.window_length. Names must
-/// differ. Throws Error(usage) for settings out of range, and what describe_sequence throws.
-/// Warns of overlapping sequences, and of those shorter than a window.
+/// Describes each sequence and computes the thresholds for settings.window_length and the training
+/// statistics. Names must differ. Throws Error(usage) for settings out of range, and what
+/// describe_sequence throws. Warns of overlapping sequences, and of those shorter than a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings,
                                  const HammingKernels& kernels, const Monitor& monitor);
 
 /// The database with more sequences; what it has is not described again. Thresholds are computed
-/// again for every window length that it has them for. The descriptor is the database's.
+/// again for every window length that it has them for, and statistics with the settings that it
+/// has. The descriptor is the database's.
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
                                const HammingKernels& kernels, const Monitor& monitor);

@@ -1,11 +1,15 @@
 #include "pipeline/verify.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <unordered_set>
 
 #include "base/parallel.h"
 #include "matching/plain.h"
+#include "matching/plain_standardized.h"
+#include "matching/score_kernels.h"
+#include "recognition/threshold.h"
 
 namespace vpr {
 namespace {
@@ -71,6 +75,41 @@ std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeS
     if (cells[i].distance == right[i]) continue;
     wrong.push_back(cells[i]);
     wrong.back().distance = right[i];
+  }
+  return wrong;
+}
+
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const CodeSpan> train,
+                               const CodeSpan& query, size_t window_length, const ScoreBasis& basis,
+                               const Monitor& monitor) {
+  const PlainLessons lessons = plain_lessons(train, query, basis, monitor);
+  std::vector<size_t> first_frame;
+  size_t frames = 0;
+  for (const CodeSpan& sequence : train) {
+    first_frame.push_back(frames);
+    frames += sequence.codes.size();
+  }
+  std::vector<double> right(cells.size(), 0);
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    const Cell& cell = cells[c];
+    // Only an offline score depends on frames behind the window.
+    const size_t known = basis.offline ? query.codes.size() : cell.query_window + window_length;
+    for (size_t k = 0; k < window_length; ++k) {
+      const size_t i = cell.train_window + k;
+      const size_t frame = first_frame[cell.sequence] + i;
+      right[c] += plain_frame_scores(train[cell.sequence].codes[i], basis.bias[frame],
+                                     basis.variance[frame], query.codes.first(known), lessons,
+                                     basis)[cell.query_window + k];
+    }
+  });
+  std::vector<Cell> wrong;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    const double found = static_cast<double>(cells[c].distance - score_offset(window_length));
+    const double expected = right[c] * kScoreUnit;
+    if (std::abs(found - expected) <= score_tolerance(window_length) * kScoreUnit) continue;
+    wrong.push_back(cells[c]);
+    wrong.back().distance =
+        static_cast<uint32_t>(std::llround(expected) + score_offset(window_length));
   }
   return wrong;
 }

@@ -6,7 +6,7 @@
 
 #include "base/monitor.h"
 #include "base/random.h"
-#include "matching/codes.h"
+#include "matching/standardization.h"
 #include "recognition/row_scan.h"
 
 namespace vpr {
@@ -21,5 +21,12 @@ std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,
                               std::span<const LdbCode> query, size_t window_length,
                               const Monitor& monitor);
+
+/// The same for standardized scores, as biased sums: the cells that are farther than
+/// score_tolerance from the plain oracle, with its score rounded to fixed point. `basis`: of all
+/// sequences.
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const CodeSpan> train,
+                               const CodeSpan& query, size_t window_length, const ScoreBasis& basis,
+                               const Monitor& monitor);
 
 }  // namespace vpr

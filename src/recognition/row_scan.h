@@ -15,7 +15,7 @@ struct Cell {
   uint32_t query_window = 0;
   uint32_t sequence = 0;
   uint32_t train_window = 0;
-  uint32_t distance = 0;  ///< D, summed over the window
+  uint32_t distance = 0;  ///< D, or the biased sum of scores, over the window
 
   bool operator==(const Cell&) const = default;
 };

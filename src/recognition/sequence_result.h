@@ -14,14 +14,18 @@ namespace vpr {
 /// Everything that can change a result. JSON keys are the names of the flags.
 struct SequenceQuerySettings {
   std::string method = "fastable";
-  uint64_t window_length = 40;                                ///< c_l
-  std::optional<double> distance_threshold;                   ///< t_r; none: automatic
-  ThresholdScale threshold_scale = ThresholdScale::relative;  ///< of a number; automatic is bits
+  uint64_t window_length = 40;               ///< c_l
+  std::optional<double> distance_threshold;  ///< t_r; none: automatic
+  /// Of a number; automatic ones are bits or mean_z. None: relative, or mean_z.
+  std::optional<ThresholdScale> threshold_scale;
   std::optional<double> safety_factor;      ///< of automatic t_r; none: the database's
   std::vector<std::string> only_sequences;  ///< empty: all
   bool skip_unreadable = false;
   ClusterSettings clustering;
   LshSettings lsh;  ///< of the method lsh
+  Score score = Score::raw;
+  double safety_margin = 0;  ///< subtracted from automatic t_r of standardized scores
+  StandardizationSettings standardization;
 };
 
 template <class Visitor>
@@ -35,7 +39,17 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("skip_unreadable", settings.skip_unreadable);
   visit("clustering", settings.clustering);
   visit("lsh", settings.lsh);
+  visit("score", settings.score);
+  visit("safety_margin", settings.safety_margin);
+  visit("standardization", settings.standardization);
 }
+
+/// The scale that a number is on: the one that was given, or the score's default.
+ThresholdScale scale_of(const SequenceQuerySettings& settings);
+
+/// The settings that have an effect with the score, the default scale filled in: those of raw
+/// distances do not tell of standardized ones.
+Json settings_in_force(const SequenceQuerySettings& settings);
 
 /// A training sequence of the database, and the threshold used for it.
 struct SequenceThreshold {
@@ -45,8 +59,14 @@ struct SequenceThreshold {
   bool searched = true;             ///< false: left out by only_sequences
   std::optional<double> threshold;  ///< t_r on its scale; none: no automatic one exists
   ThresholdScale scale = ThresholdScale::bits;
-  uint32_t distance_limit = 0;           ///< a hit has D below
+  uint32_t distance_limit = 0;           ///< a hit has D (a biased sum of scores) below
   std::optional<uint32_t> max_distance;  ///< max(D), where the scale is relative
+};
+
+/// The training statistics that standardized scores started from.
+struct UsedStatistics {
+  StatisticsSettings settings;
+  double typical_distance = 0;
 };
 
 /// What an approximate method found of what there is.
@@ -63,11 +83,17 @@ struct SequenceResult {
   std::vector<size_t> query_unreadable;
   size_t query_windows = 0;  ///< query_frames - c_l + 1; those with an unreadable frame included
   std::vector<SequenceThreshold> sequences;
-  std::vector<Cell> hits;                 ///< by query window, sequence, train window
-  std::vector<std::optional<Cell>> best;  ///< per query window
-  std::vector<Recognition> places;        ///< by sequence, then first hit
-  std::optional<SearchRecall> recall;     ///< of an approximate method
+  std::vector<Cell> hits;                    ///< by query window, sequence, train window
+  std::vector<std::optional<Cell>> best;     ///< per query window
+  std::vector<Recognition> places;           ///< by sequence, then first hit
+  std::optional<SearchRecall> recall;        ///< of an approximate method
+  std::optional<UsedStatistics> statistics;  ///< of standardized scores
 
+  /// By how much biased sums of standardized scores are above the scores that files hold; 0 for
+  /// distances.
+  int64_t score_offset() const {
+    return settings.score == Score::raw ? 0 : vpr::score_offset(settings.window_length);
+  }
   /// Where the user is at the end of a window that starts at this frame.
   size_t anchor(size_t window) const { return window + settings.window_length - 1; }
 };

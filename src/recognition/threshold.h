@@ -6,17 +6,31 @@
 #include <string_view>
 
 #include "base/json.h"
+#include "matching/standardization.h"
 
 namespace vpr {
 
 /// relative: D / max(D) < t_r, the maximum over all cells of that training sequence and the query
-/// (the paper's 0.3, 0.4, 0.5). bits: D / c_l < t_r, in bits a frame.
-enum class ThresholdScale { relative, bits };
+/// (the paper's 0.3, 0.4, 0.5). bits: D / c_l < t_r, in bits a frame. mean_z: the mean z of the
+/// window < t_r, in standard deviations; of standardized scores.
+enum class ThresholdScale { relative, bits, mean_z };
 template <>
-inline constexpr std::array<std::string_view, 2> kEnumNames<ThresholdScale> = {"relative", "bits"};
+inline constexpr std::array<std::string_view, 3> kEnumNames<ThresholdScale> = {"relative", "bits",
+                                                                               "mean-z"};
 
 /// The smallest distance that is no hit: the smallest integer D with D / divisor >= threshold, as
 /// an IEEE double division. Where the divisor is 0 the quotient counts as 0. threshold is finite.
 uint32_t distance_limit(double threshold, uint32_t divisor);
+
+/// The same for standardized scores of a window, whose mean z is compared: the smallest biased sum
+/// (matching/score_kernels.h) with mean_z >= threshold.
+uint32_t score_limit(double threshold, size_t window_length);
+
+/// What biased sums of window_length scores are above the sum of z in units of 1 / kScoreUnit;
+/// window_length is at most kMaxScoredWindow.
+int64_t score_offset(size_t window_length);
+
+/// The mean z of a window from its biased sum.
+double mean_z(uint32_t biased_sum, size_t window_length);
 
 }  // namespace vpr

@@ -56,7 +56,7 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
                  const std::string& result_fingerprint, const RunInfo& run) {
   Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
   json["query"] = result.query_name;
-  json["settings"] = value_to_json(result.settings);
+  json["settings"] = settings_in_force(result.settings);
   json["counts"] = {{"hits", label_counts_json(counts.hits)},
                     {"places", label_counts_json(counts.places)},
                     {"distinct", counts.distinct}};

@@ -1,5 +1,8 @@
 #include "report/matrix_file.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "base/npy.h"
 
 namespace vpr {
@@ -7,6 +10,8 @@ namespace vpr {
 MatrixLayout matrix_layout(const SequenceResult& result) {
   MatrixLayout layout;
   layout.rows = result.query_windows;
+  layout.has_scores = result.settings.score != Score::raw;
+  layout.score_offset = result.score_offset();
   for (const SequenceThreshold& sequence : result.sequences) {
     layout.first_column.push_back(layout.cols);
     if (sequence.searched && sequence.frames >= result.settings.window_length)
@@ -32,7 +37,8 @@ MatrixFile::MatrixFile(const std::filesystem::path& path, Existing existing,
   file_.write(header);
   file_.reserve(header_bytes_ + sizeof(int32_t) * layout.rows * layout.cols);
   if (!has_gaps) return;
-  const std::vector<int32_t> no_distance(layout.cols, -1);
+  const std::vector<int32_t> no_distance(
+      layout.cols, layout.has_scores ? std::numeric_limits<int32_t>::min() : -1);
   for (size_t r = 0; r < layout.rows; ++r) {
     check_stop(monitor);
     file_.write(std::as_bytes(std::span(no_distance)));
@@ -42,7 +48,15 @@ MatrixFile::MatrixFile(const std::filesystem::path& path, Existing existing,
 void MatrixFile::operator()(const DistanceRow& row) {
   const size_t column = layout_.first_column[row.sequence] + row.train_window;
   const size_t cell = row.query_window * layout_.cols + column;
-  file_.write_at(header_bytes_ + sizeof(int32_t) * cell, std::as_bytes(row.distances));
+  const size_t position = header_bytes_ + sizeof(int32_t) * cell;
+  if (!layout_.has_scores) {
+    file_.write_at(position, std::as_bytes(row.distances));
+    return;
+  }
+  std::vector<int32_t> scores(row.distances.size());
+  std::transform(row.distances.begin(), row.distances.end(), scores.begin(),
+                 [&](uint32_t sum) { return static_cast<int32_t>(sum - layout_.score_offset); });
+  file_.write_at(position, std::as_bytes(std::span(scores)));
 }
 
 void MatrixFile::commit() { file_.commit(); }

@@ -16,6 +16,8 @@ struct MatrixLayout {
   size_t rows = 0;  ///< query windows
   size_t cols = 0;
   std::vector<size_t> first_column;  ///< per sequence
+  bool has_scores = false;           ///< standardized ones, and not distances
+  int64_t score_offset = 0;          ///< what is taken from biased sums
 };
 
 MatrixLayout matrix_layout(const SequenceResult& result);
@@ -23,8 +25,9 @@ MatrixLayout matrix_layout(const SequenceResult& result);
 /// The layout as it stands in a result file.
 Json matrix_layout_json(const MatrixLayout& layout, const SequenceResult& result);
 
-/// int32, query windows x train windows, -1 where a window has an unreadable frame. The file has
-/// its whole size from the start and is never in memory.
+/// int32, query windows x train windows. Where a window has an unreadable frame there is -1, or,
+/// among scores, which may be negative, the smallest int32. The file has its whole size from the
+/// start and is never in memory.
 class MatrixFile {
  public:
   /// `has_gaps`: some window has an unreadable frame, so that not every cell will arrive.

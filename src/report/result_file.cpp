@@ -15,15 +15,15 @@ namespace fs = std::filesystem;
 constexpr size_t kColumns = 4;  // query window, sequence, train window, distance
 using CellRow = std::array<int32_t, kColumns>;
 
-CellRow cell_row(const Cell& cell) {
+CellRow cell_row(const Cell& cell, int64_t offset) {
   return {static_cast<int32_t>(cell.query_window), static_cast<int32_t>(cell.sequence),
-          static_cast<int32_t>(cell.train_window), static_cast<int32_t>(cell.distance)};
+          static_cast<int32_t>(cell.train_window), static_cast<int32_t>(cell.distance - offset)};
 }
 
 std::vector<CellRow> hit_rows(const SequenceResult& result) {
   std::vector<CellRow> rows;
   rows.reserve(result.hits.size());
-  for (const Cell& hit : result.hits) rows.push_back(cell_row(hit));
+  for (const Cell& hit : result.hits) rows.push_back(cell_row(hit, result.score_offset()));
   return rows;
 }
 
@@ -31,12 +31,12 @@ std::vector<CellRow> hit_rows(const SequenceResult& result) {
 std::vector<CellRow> best_rows(const SequenceResult& result) {
   std::vector<CellRow> rows;
   for (size_t window = 0; window < result.best.size(); ++window)
-    rows.push_back(result.best[window] ? cell_row(*result.best[window])
+    rows.push_back(result.best[window] ? cell_row(*result.best[window], result.score_offset())
                                        : CellRow{static_cast<int32_t>(window), -1, -1, -1});
   return rows;
 }
 
-Json sequence_json(const SequenceThreshold& sequence) {
+Json sequence_json(const SequenceThreshold& sequence, int64_t offset) {
   Json json = {{"name", sequence.name},
                {"frames", sequence.frames},
                {"windows", sequence.windows},
@@ -44,7 +44,7 @@ Json sequence_json(const SequenceThreshold& sequence) {
   if (!sequence.searched) return json;
   json["t_r"] = sequence.threshold ? Json(*sequence.threshold) : Json();
   json["t_r_scale"] = enum_name(sequence.scale);
-  json["distance_limit"] = sequence.distance_limit;
+  json["distance_limit"] = sequence.distance_limit - offset;
   if (sequence.max_distance) json["max_distance"] = *sequence.max_distance;
   return json;
 }
@@ -62,7 +62,7 @@ Json recognition_json(const SequenceResult& result, const Recognition& place) {
             {"first", place.train_first},
             {"last", place.train_last}}},
           {"hits", place.hits},
-          {"best_distance", place.best_distance}};
+          {"best_distance", place.best_distance - result.score_offset()}};
 }
 
 OutputFile write_rows(const fs::path& path, const std::vector<CellRow>& rows, Existing existing,
@@ -103,14 +103,18 @@ void add_context(Json& json, const ResultContext& context) {
 
 Json result_json(const SequenceResult& result, const ResultContext& context) {
   Json json = {{"schema", "vpr.result/1"}, {"method", result.settings.method}};
-  json["settings"] = value_to_json(result.settings);
+  json["settings"] = settings_in_force(result.settings);
+  if (result.statistics) {
+    json["statistics"] = value_to_json(result.statistics->settings);
+    json["statistics"]["typical_distance"] = result.statistics->typical_distance;
+  }
   json["query"] = {{"name", result.query_name},
                    {"frames", result.query_frames},
                    {"windows", result.query_windows},
                    {"unreadable", result.query_unreadable}};
   json["sequences"] = Json::array();
   for (const SequenceThreshold& sequence : result.sequences)
-    json["sequences"].push_back(sequence_json(sequence));
+    json["sequences"].push_back(sequence_json(sequence, result.score_offset()));
   json["totals"] = {{"hits", result.hits.size()}, {"places", result.places.size()}};
   if (result.recall)
     json["recall"] = {{"windows", result.recall->windows},

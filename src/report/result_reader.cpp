@@ -21,7 +21,18 @@ using CellRow = std::array<int32_t, kColumns>;
 
 constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
 
-std::vector<SequenceThreshold> read_sequences(const Fields& fields, const std::string& where) {
+// A distance, or the score that is `offset` below the biased sum of a window.
+uint32_t read_distance(const Fields& item, const std::string& key, int64_t offset) {
+  constexpr int64_t kMost = int64_t{1} << 33;  // more than any sum: adding the offset is safe
+  const Json& value = item[key];
+  const auto number = value.is_number_integer() ? value.get<int64_t>() : kMost;
+  if (number <= -kMost || number >= kMost || !std::in_range<uint32_t>(number + offset))
+    item.fail(fmt::format("\"{}\" is no number in range", key));
+  return static_cast<uint32_t>(number + offset);
+}
+
+std::vector<SequenceThreshold> read_sequences(const Fields& fields, const std::string& where,
+                                              int64_t offset) {
   std::vector<SequenceThreshold> sequences;
   for (const Json& json : fields.list("sequences")) {
     const Fields item(json, where);
@@ -36,11 +47,9 @@ std::vector<SequenceThreshold> read_sequences(const Fields& fields, const std::s
     const auto scale = enum_value<ThresholdScale>(item.text("t_r_scale"));
     if (!scale) item.fail("\"t_r_scale\" is no scale");
     sequence.scale = *scale;
-    sequence.distance_limit =
-        static_cast<uint32_t>(item.count("distance_limit", std::numeric_limits<uint32_t>::max()));
+    sequence.distance_limit = read_distance(item, "distance_limit", offset);
     if (json.contains("max_distance"))
-      sequence.max_distance =
-          static_cast<uint32_t>(item.count("max_distance", std::numeric_limits<uint32_t>::max()));
+      sequence.max_distance = read_distance(item, "max_distance", 0);
   }
   return sequences;
 }
@@ -71,8 +80,7 @@ Recognition read_recognition(const Fields& item, const SequenceResult& result) {
   place.train_first = read_window(train, "first", train_windows);
   place.train_last = read_window(train, "last", train_windows);
   place.hits = item.count("hits", std::numeric_limits<uint64_t>::max());
-  place.best_distance =
-      static_cast<uint32_t>(item.count("best_distance", std::numeric_limits<uint32_t>::max()));
+  place.best_distance = read_distance(item, "best_distance", result.score_offset());
   return place;
 }
 
@@ -98,7 +106,7 @@ Cell checked_cell(const CellRow& row, const SequenceResult& result, const fs::pa
     throw Error(ErrorKind::data,
                 fmt::format("{}: an index is out of range; run vpr-query again", path.string()));
   return {static_cast<uint32_t>(row[0]), static_cast<uint32_t>(row[1]),
-          static_cast<uint32_t>(row[2]), static_cast<uint32_t>(row[3])};
+          static_cast<uint32_t>(row[2]), static_cast<uint32_t>(row[3] + result.score_offset())};
 }
 
 void read_cells(const fs::path& path, const Fields& fields, SequenceResult& result) {
@@ -141,6 +149,8 @@ StoredResult read_result(const fs::path& path) {
   stored.fingerprint = fields.text("checksum");
   SequenceResult& result = stored.result;
   stored_settings_from_json(json, result.settings, where);
+  if (result.settings.score != Score::raw && result.settings.window_length > kMaxScoredWindow)
+    fields.fail("its c_l is out of range");
   const Fields query = fields.object("query");
   result.query_name = query.text("name");
   result.query_frames = query.count("frames", kMostFrames);
@@ -149,7 +159,7 @@ StoredResult read_result(const fs::path& path) {
       result.query_windows != window_count(result.query_frames, result.settings.window_length))
     fields.fail("its numbers of windows and frames do not fit");
   result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
-  result.sequences = read_sequences(fields, where);
+  result.sequences = read_sequences(fields, where, result.score_offset());
   for (const Json& item : fields.list("recognitions"))
     result.places.push_back(read_recognition(Fields(item, where), result));
   read_cells(path, fields, result);

@@ -28,7 +28,7 @@ TEST_CASE("a benchmark gives JSON, tables and plots") {
   CHECK(outcome.out.find("fastable-batch") != std::string::npos);
   const Json json = Json::parse(test::read_text(out / "b.json"));
   CHECK(json["machine"]["threads"] == 1);
-  CHECK(json["rows"].size() == 4 * 5 + 1);
+  CHECK(json["rows"].size() == 4 * 6 + 1);
   if (can_draw_plots()) {
     CHECK(test::list_folder(out / "plots") ==
           std::vector<std::string>{"speed-up.png", "speed-up.svg", "time-by-c_l.png",

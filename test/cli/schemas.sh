@@ -11,6 +11,10 @@ trap 'rm -rf "$out"' EXIT
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --t-r 0.3 --only-sequence corridor \
   -o "$out/r2.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --method lsh -o "$out/r3.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized -o "$out/r4.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized-offline --t-r -2 --c-l 10 \
+  --verify 10 -o "$out/r5.json" --quiet
+"$bin/vpr-eval" "$out/r5.json" --dataset "$out/building/dataset.json" -o "$out/e5.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" -o "$out/e.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --scores "$out/d.npy" --dataset "$out/building/dataset.json" -o "$out/em.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/corridor" --only-sequence corridor --c-l 5 --t-r 0.3 \
@@ -34,10 +38,14 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/building/hall@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
   --validate "$out/building/hall@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
+"$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 --score standardized -o "$out/t2.json" --quiet
+"$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 \
+  --score standardized --t-r=-2,auto -o "$out/s2.json" --quiet
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
   "$out/p.json" "$out/c.json" "$out/cv.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
-  "$out/s.json" "$out/sf.json" "$out/t.json"
+  "$out/s.json" "$out/sf.json" "$out/t.json" \
+  "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json"

@@ -1,5 +1,7 @@
 #include "database/sequence_database.h"
 
+#include <cmath>
+
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
@@ -16,6 +18,8 @@ SequenceDatabase example() {
   database.sequences = {{"one", {"1.png", "2.png", "3.png"}, {1}}, {"t/two", {"#0", "#1"}, {}}};
   database.codes.owned = test::random_codes(5, 1);
   database.thresholds = {{2, 0.9, {ClosestWindows{700, 1, 1, 0}, std::nullopt}}};
+  database.statistics = {
+      {3, 0.25, 77, 9}, 301.25, {-1.5F, 0, 2, 3.25F, 1e-3F}, {100, 0, 4096, 1, 2}};
   return database;
 }
 
@@ -43,13 +47,14 @@ TEST_CASE("a database that was written is read back") {
   CHECK(table->closest[0]->distance == 700);
   CHECK_FALSE(table->closest[1].has_value());
   CHECK(find_thresholds(database.thresholds, 3) == nullptr);
+  CHECK(database.statistics == example().statistics);
 }
 
 TEST_CASE("a flipped bit anywhere is noticed") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
   RandomEngine engine(1);
-  for (const char* name : {"manifest.json", "codes.npy", "frames.txt"}) {
+  for (const char* name : {"manifest.json", "codes.npy", "frames.txt", "statistics.npy"}) {
     const std::string whole = test::read_text(path / name);
     for (int i = 0; i < 300; ++i) {
       std::string broken = whole;
@@ -67,7 +72,7 @@ TEST_CASE("a flipped bit anywhere is noticed") {
 TEST_CASE("a truncated or missing file is noticed") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
-  const std::string name = GENERATE("manifest.json", "codes.npy", "frames.txt");
+  const std::string name = GENERATE("manifest.json", "codes.npy", "frames.txt", "statistics.npy");
   const std::string whole = test::read_text(path / name);
   for (size_t size = 0; size < whole.size(); size += 7) {
     test::write_text(path / name, whole.substr(0, size));
@@ -88,6 +93,31 @@ TEST_CASE("a newer database, and what is none, are told apart") {
   fs::create_directory(folder / "empty");
   CHECK(test::error_kind([&] { read_sequence_database(folder / "empty"); }) == ErrorKind::data);
   CHECK(test::error_kind([&] { read_sequence_database(folder / "none"); }) == ErrorKind::input);
+}
+
+TEST_CASE("a database of older date has no statistics") {
+  const test::TemporaryFolder folder;
+  SequenceDatabase old = example();
+  old.statistics.reset();
+  write_sequence_database(folder / "d.vprdb", old, Existing::refuse);
+  CHECK(test::list_folder(folder / "d.vprdb") ==
+        std::vector<std::string>{"codes.npy", "frames.txt", "manifest.json"});
+  CHECK_FALSE(read_sequence_database(folder / "d.vprdb").statistics);
+}
+
+TEST_CASE("statistics that can't be are refused") {
+  const test::TemporaryFolder folder;
+  const auto kind = [&](auto change) {
+    SequenceDatabase database = example();
+    change(*database.statistics);
+    write_sequence_database(folder / "d.vprdb", database, Existing::replace);
+    return test::error_kind([&] { read_sequence_database(folder / "d.vprdb"); });
+  };
+  CHECK_FALSE(kind([](TrainStatistics&) {}));
+  CHECK(kind([](TrainStatistics& s) { s.bias[1] = std::nanf(""); }) == ErrorKind::data);
+  CHECK(kind([](TrainStatistics& s) { s.variance[1] = -1; }) == ErrorKind::data);
+  CHECK(kind([](TrainStatistics& s) { s.variance[1] = INFINITY; }) == ErrorKind::data);
+  CHECK(kind([](TrainStatistics& s) { s.typical_distance = -1; }) == ErrorKind::data);
 }
 
 TEST_CASE("the same content gives the same bytes") {

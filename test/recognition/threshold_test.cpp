@@ -40,3 +40,21 @@ TEST_CASE("the limit decides as the division does, cell by cell") {
     for (uint32_t d = 0; d <= divisor; ++d)
       REQUIRE(distance_limit(static_cast<double>(d) / divisor, divisor) == d);
 }
+
+TEST_CASE("the limit of a mean z decides as the division does, for negative thresholds too") {
+  CHECK(score_limit(0, 3) == 3 * 32768);
+  CHECK(score_limit(-1, 1) == 32768 - 1024);
+  CHECK(score_limit(-1.5, 10) == 10 * 32768 - 15360);  // -1.5 itself is no hit
+  CHECK(score_limit(-32, 4) == 0);
+  CHECK(score_limit(-1e300, 4) == 0);
+  CHECK(score_limit(1e300, 4) == std::numeric_limits<uint32_t>::max());
+  CHECK(mean_z(32768 - 1024, 1) == -1.0);
+  RandomEngine engine(1);
+  for (int i = 0; i < 2000; ++i) {
+    const size_t length = 1 + uniform_below(engine, kMaxScoredWindow);
+    const double threshold = 8 * uniform_unit(engine) - 6;
+    const uint32_t limit = score_limit(threshold, length);
+    for (uint32_t sum = limit - 3; sum < limit + 3; ++sum)
+      REQUIRE((sum < limit) == (mean_z(sum, length) < threshold));
+  }
+}

@@ -43,7 +43,7 @@ TEST_CASE("a result that was written is read back") {
   const test::TemporaryFolder folder;
   const SequenceResult result = read_result(write_example(folder)).result;
   const SequenceResult expected = example();
-  CHECK(value_to_json(result.settings) == value_to_json(expected.settings));
+  CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
   CHECK(result.hits == expected.hits);
   CHECK(result.best == expected.best);
   CHECK(result.places == expected.places);
@@ -52,6 +52,46 @@ TEST_CASE("a result that was written is read back") {
   CHECK_FALSE(result.sequences[1].searched);
   CHECK(test::list_folder(folder.path()) ==
         std::vector<std::string>{"r.best.npy", "r.hits.npy", "r.json"});
+}
+
+TEST_CASE("standardized scores are written as they are, may be negative, and are read back") {
+  const test::TemporaryFolder folder;
+  SequenceResult scored = example();
+  scored.settings.score = Score::standardized;
+  scored.settings.distance_threshold = -1.5;
+  scored.settings.threshold_scale = ThresholdScale::mean_z;
+  scored.sequences[0] = {"a", 6, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
+  const auto biased = [](int score) { return static_cast<uint32_t>(2 * 32768 + score); };
+  scored.hits = {{0, 0, 1, biased(-4000)}, {1, 0, 2, biased(-3073)}};
+  scored.best = {scored.hits[0], scored.hits[1], Cell{2, 0, 0, biased(17)}, std::nullopt};
+  scored.places[0].best_distance = biased(-4000);
+  scored.statistics = UsedStatistics{{}, 300.5};
+  write_result(folder / "r.json", scored, {}, Existing::refuse);
+  const NpyArray file(folder / "r.best.npy");
+  const auto best = file.values<int32_t>(2);
+  CHECK(std::vector<int32_t>(best.begin(), best.begin() + 12) ==
+        std::vector<int32_t>{0, 0, 1, -4000, 1, 0, 2, -3073, 2, 0, 0, 17});
+  const Json json = read_result_json(folder / "r.json");
+  CHECK(json["sequences"][0]["distance_limit"] == -3072);
+  CHECK(json["recognitions"][0]["best_distance"] == -4000);
+  CHECK(json["statistics"]["typical_distance"] == 300.5);
+  CHECK(json["settings"]["t_r_scale"] == "mean-z");
+  const SequenceResult result = read_result(folder / "r.json").result;
+  CHECK(result.hits == scored.hits);
+  CHECK(result.best == scored.best);
+  CHECK(result.places == scored.places);
+  CHECK(result.sequences[0].distance_limit == scored.sequences[0].distance_limit);
+}
+
+TEST_CASE("settings of raw distances do not tell of standardized scores") {
+  const Json raw = settings_in_force(SequenceQuerySettings{});
+  CHECK(raw["t_r_scale"] == "relative");
+  for (const char* key : {"score", "safety_margin", "standardization"})
+    CHECK_FALSE(raw.contains(key));
+  SequenceQuerySettings settings;
+  settings.score = Score::standardized_offline;
+  CHECK(settings_in_force(settings)["score"] == "standardized-offline");
+  CHECK(settings_in_force(settings)["t_r_scale"] == "mean-z");
 }
 
 TEST_CASE("companions of another run are refused") {

@@ -1,0 +1,28 @@
+// How many codes of a set have each bit: mean distances to the whole set without looking at it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "matching/codes.h"
+
+namespace vpr {
+
+struct BitCounts {
+  size_t frames = 0;
+  std::array<uint32_t, kLdbBytes* 8> ones = {};  ///< frames that have the bit
+};
+
+/// Readable frames of all sequences. Fewer than 2^32 frames.
+BitCounts count_bits(std::span<const CodeSpan> sequences);
+
+/// The counts of the same set without these frames.
+BitCounts without(const BitCounts& all, const BitCounts& some);
+
+/// Mean Hamming distance of a code to the codes that were counted: their sum, exact, divided once.
+/// 0 where none was counted.
+double mean_distance(const BitCounts& counts, const CodeWords& code);
+
+}  // namespace vpr

@@ -1,0 +1,116 @@
+#include "matching/plain_standardized.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "matching/distance_statistics.h"
+#include "matching/plain.h"
+#include "matching/score_kernels.h"
+
+namespace vpr {
+namespace {
+
+bool contains(std::span<const size_t> frames, size_t frame) {
+  return std::binary_search(frames.begin(), frames.end(), frame);
+}
+
+double mean_over(std::span<const CodeSpan> sequences, const LdbCode& code) {
+  double sum = 0;
+  size_t count = 0;
+  for (const CodeSpan& sequence : sequences) {
+    for (size_t i = 0; i < sequence.codes.size(); ++i) {
+      if (contains(sequence.unreadable, i)) continue;
+      sum += plain_hamming(sequence.codes[i], code);
+      ++count;
+    }
+  }
+  return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
+std::vector<std::optional<size_t>> plain_schedule(const CodeSpan& query, const ScoreBasis& basis) {
+  std::vector<std::optional<size_t>> learned(query.codes.size());
+  std::vector<size_t> views;  // every new one, rising
+  const double least_change = basis.settings.view_change * basis.typical_distance;
+  const size_t lag = basis.settings.lag_views;
+  for (size_t j = 0; j < query.codes.size(); ++j) {
+    if (contains(query.unreadable, j) || !basis.settings.learn) continue;
+    const size_t recent = std::min(views.size(), lag);
+    const bool is_new =
+        std::all_of(views.end() - static_cast<ptrdiff_t>(recent), views.end(), [&](size_t view) {
+          return plain_hamming(query.codes[view], query.codes[j]) >= least_change;
+        });
+    if (!is_new) continue;
+    views.push_back(j);
+    if (basis.offline)
+      learned[j] = j;
+    else if (views.size() > lag)
+      learned[j] = views[views.size() - 1 - lag];
+  }
+  return learned;
+}
+
+/// Weighted sums of the centred distances of one training frame.
+struct Sums {
+  double weight = 0;
+  double first = 0;
+  double second = 0;
+  double mean = 0;
+  double variance = 0;
+
+  void add(double x, double forgetting) {
+    weight = forgetting * weight + 1;
+    first = forgetting * first + x;
+    second = forgetting * second + x * x;
+    mean = first / weight;
+    variance = second / weight - mean * mean;
+  }
+};
+
+double standardized(double x, const Sums& sums, const StandardizationSettings& settings) {
+  constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
+  const double deviation =
+      settings.divide ? std::max(std::sqrt(std::max(sums.variance, 0.0)), settings.deviation_floor)
+                      : kUnknownDeviation;
+  return std::clamp((x - sums.mean) / deviation, -kLimit, kLimit - 1.0 / kScoreUnit);
+}
+
+}  // namespace
+
+PlainLessons plain_lessons(std::span<const CodeSpan> centred_over, const CodeSpan& query,
+                           const ScoreBasis& basis, const Monitor& monitor) {
+  PlainLessons lessons;
+  lessons.row_means.assign(query.codes.size(), basis.typical_distance);
+  if (basis.settings.centre)
+    parallel_for(query.codes.size(), monitor,
+                 [&](size_t j) { lessons.row_means[j] = mean_over(centred_over, query.codes[j]); });
+  lessons.learned = plain_schedule(query, basis);
+  return lessons;
+}
+
+std::vector<double> plain_frame_scores(const LdbCode& train, double bias, double variance,
+                                       std::span<const LdbCode> query, const PlainLessons& lessons,
+                                       const ScoreBasis& basis) {
+  const StandardizationSettings& settings = basis.settings;
+  const double weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
+  const double forgetting = basis.offline ? 1 : settings.forgetting;
+  Sums sums{weight, weight * bias, weight * (variance + bias * bias), bias, variance};
+  const auto centred = [&](size_t j) {
+    return plain_hamming(train, query[j]) - lessons.row_means[j];
+  };
+  if (basis.offline)
+    for (const auto& view : lessons.learned)
+      if (view) sums.add(centred(*view), forgetting);
+  std::vector<double> scores;
+  for (size_t j = 0; j < query.size(); ++j) {
+    if (!basis.offline && lessons.learned[j]) sums.add(centred(*lessons.learned[j]), forgetting);
+    scores.push_back(standardized(centred(j), sums, settings));
+  }
+  return scores;
+}
+
+double score_tolerance(size_t window_length) {
+  return static_cast<double>(window_length) / kScoreUnit;
+}
+
+}  // namespace vpr

@@ -1,0 +1,36 @@
+// Standardized scores as the method is stated, in double precision and without re-use: the oracle
+// that fixed-point scores are compared with.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/monitor.h"
+#include "matching/standardization.h"
+
+namespace vpr {
+
+/// What the scores of a query need that does not depend on the training frame.
+struct PlainLessons {
+  std::vector<double> row_means;  ///< per query frame: mean distance over the training frames
+  /// Per query frame: the frame whose distances are learned before it is scored.
+  std::vector<std::optional<size_t>> learned;
+};
+
+/// `centred_over`: all training frames that rows are centred over, with what can't be read.
+PlainLessons plain_lessons(std::span<const CodeSpan> centred_over, const CodeSpan& query,
+                           const ScoreBasis& basis, const Monitor& monitor);
+
+/// z of every query frame to one training frame, within [-32, 32). W, S1 and S2 are the weight, the
+/// sum and the sum of squares: mean S1 / W, variance S2 / W - mean^2. `bias` and `variance`: what
+/// the training statistics say of the frame.
+std::vector<double> plain_frame_scores(const LdbCode& train, double bias, double variance,
+                                       std::span<const LdbCode> query, const PlainLessons& lessons,
+                                       const ScoreBasis& basis);
+
+/// The largest difference of a window's score in fixed point from that in double precision: half a
+/// unit a frame is rounded away, and single-precision statistics may cost as much again.
+double score_tolerance(size_t window_length);
+
+}  // namespace vpr

@@ -1,0 +1,28 @@
+// What standardized scores of a database start from, and rows of either kind of score.
+#pragma once
+
+#include "database/sequence_database.h"
+#include "matching/fastable_batch.h"
+#include "pipeline/query.h"
+
+namespace vpr {
+
+/// Gives a database of older date the training statistics that it lacks, with default settings, and
+/// says so. Nothing happens to one that has them.
+void ensure_statistics(SequenceDatabase& database, const HammingKernels& kernels,
+                       const Monitor& monitor);
+
+/// For all sequences of the database. Throws Error(usage) if it has no training statistics.
+ScoreBasis make_score_basis(const SequenceDatabase& database,
+                            const SequenceQuerySettings& settings);
+
+/// Matches the rows of a planned result, several window lengths in one pass. Raw distances come
+/// from `raw`, standardized scores of the searched sequences from FastABLE's recurrence.
+/// settings.window_length does not matter to the latter.
+using RawMatcher = std::function<void(const LengthRowConsumer&)>;
+void match_rows(const SequenceResult& result, const SequenceDatabase& database,
+                const TrainCodes& train, const QueryCodes& query,
+                std::span<const size_t> window_lengths, const MatchSettings& settings,
+                const Monitor& monitor, const RawMatcher& raw, const LengthRowConsumer& consume);
+
+}  // namespace vpr

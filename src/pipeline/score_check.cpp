@@ -1,0 +1,61 @@
+#include "pipeline/score_check.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "matching/methods.h"
+
+namespace vpr {
+namespace {
+
+void check_raw(const SequenceQuerySettings& settings) {
+  if (settings.threshold_scale == ThresholdScale::mean_z)
+    throw Error(ErrorKind::usage,
+                "t_r_scale mean-z is for standardized scores; add --score standardized, or give "
+                "relative or bits");
+  if (settings.safety_margin != 0)
+    throw Error(ErrorKind::usage,
+                "the safety margin is for standardized scores; raw distances have "
+                "--safety-factor");
+  if (settings.distance_threshold && *settings.distance_threshold < 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r must not be negative, found {}", *settings.distance_threshold));
+}
+
+void check_standardized(const SequenceQuerySettings& settings) {
+  const ThresholdScale scale = scale_of(settings);
+  if (scale != ThresholdScale::mean_z)
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r_scale {} means nothing for standardized scores, which have no "
+                            "bits; leave it out, or give mean-z, as in --t-r -1.5",
+                            enum_name(scale)));
+  if (!find_sequence_method(settings.method).has_scores)
+    throw Error(ErrorKind::usage, fmt::format("{} has no standardized scores; take fastable or "
+                                              "fastable-online",
+                                              settings.method));
+  if (settings.safety_factor)
+    throw Error(ErrorKind::usage,
+                "the safety factor is for raw distances; t_r of standardized scores, which may be "
+                "negative, has --safety-margin");
+  if (!std::isfinite(settings.safety_margin) || std::abs(settings.safety_margin) > 64)
+    throw Error(ErrorKind::usage, fmt::format("the safety margin must be from -64 to 64, found {}",
+                                              settings.safety_margin));
+  if (settings.window_length > kMaxScoredWindow)
+    throw Error(ErrorKind::usage,
+                fmt::format("c_l must be at most {} with standardized scores, found {}",
+                            kMaxScoredWindow, settings.window_length));
+  check_standardization(settings.standardization);
+}
+
+}  // namespace
+
+void check_score(const SequenceQuerySettings& settings) {
+  if (settings.score == Score::raw)
+    check_raw(settings);
+  else
+    check_standardized(settings);
+}
+
+}  // namespace vpr

@@ -1,0 +1,159 @@
+// Standardized scores on real images: what they reach, and fast against plain.
+#include <algorithm>
+#include <filesystem>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/npy.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Early {
+  double right = 0;  ///< best matches, in per cent
+  double early = 0;  ///< of all windows, those before the first wrong one by score
+};
+
+Early recognised(const fs::path& best_file, int tolerance) {
+  const NpyArray file(best_file);
+  const auto values = file.values<int32_t>(2);
+  struct Row {
+    int32_t score;
+    bool right;
+  };
+  std::vector<Row> rows;
+  for (size_t i = 0; i < values.size(); i += 4)
+    rows.push_back({values[i + 3], std::abs(values[i] - values[i + 2]) <= tolerance});
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const Row& a, const Row& b) { return a.score < b.score; });
+  const auto count = static_cast<double>(rows.size());
+  const auto right = std::count_if(rows.begin(), rows.end(), [](const Row& r) { return r.right; });
+  const auto wrong = std::find_if(rows.begin(), rows.end(), [](const Row& r) { return !r.right; });
+  return {100.0 * static_cast<double>(right) / count,
+          100.0 * static_cast<double>(wrong - rows.begin()) / count};
+}
+
+struct DataSet {
+  const char* folder;
+  const char* train;
+  const char* query;
+  int tolerance;
+};
+
+struct Figure {
+  int window_length;
+  const char* score;
+  Early expected;
+};
+
+void check_figures(const DataSet& set, const std::vector<Figure>& figures) {
+  const auto data = test::real_data(fmt::format("data/{}", set.folder));
+  if (!data) return;
+  const test::TemporaryFolder out;
+  REQUIRE(
+      run_program("vpr-train", {"fastable", "--train", *data / set.train, "-o", out / "d.vprdb"})
+          .exit_code == 0);
+  for (const Figure& figure : figures) {
+    INFO(set.folder << ", c_l " << figure.window_length << ", " << figure.score);
+    REQUIRE(run_program("vpr-query",
+                        {out / "d.vprdb", "--query", *data / set.query, "--score", figure.score,
+                         "--t-r", "0", "--c-l", std::to_string(figure.window_length), "--verify",
+                         "100", "--force", "-o", out / "r.json"})
+                .exit_code == 0);
+    const Early found = recognised(out / "r.best.npy", set.tolerance);
+    CHECK(found.right == Approx(figure.expected.right).margin(0.05));
+    CHECK(found.early == Approx(figure.expected.early).margin(0.5));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("standardized scores recognise the corridor earlier") {
+  check_figures({"corridor", "ref", "query", 3}, {{5, "raw", {48.6, 12}},
+                                                  {5, "standardized", {76.6, 41}},
+                                                  {10, "standardized", {100, 100}},
+                                                  {20, "standardized", {100, 100}},
+                                                  {5, "standardized-offline", {90.7, 40}}});
+}
+
+TEST_CASE("standardized scores recognise Nordland earlier") {
+  check_figures({"nordland", "summer", "winter", 2}, {{10, "raw", {44.6, 0}},
+                                                      {10, "standardized", {76.0, 1}},
+                                                      {20, "standardized", {83.6, 9}},
+                                                      {50, "standardized", {96.8, 91}},
+                                                      {50, "standardized-offline", {99.5, 98}}});
+}
+
+TEST_CASE("a minute's stop on the corridor changes no score before or behind it") {
+  const auto corridor = test::real_data("data/corridor");
+  if (!corridor) return;
+  constexpr size_t kStop = 60;       // the frame at which the walk stops
+  constexpr size_t kStanding = 600;  // a minute at 10 frames a second
+  constexpr size_t kLength = 10;
+  const test::TemporaryFolder out;
+  std::string list;
+  for (size_t frame = 0; frame < 111; ++frame)
+    for (size_t n = 0; n < (frame == kStop ? kStanding + 1 : 1); ++n)
+      list += (*corridor / "query" / fmt::format("{:07}.jpg\n", frame)).string();
+  test::write_text(out / "stop.txt", list);
+  REQUIRE(
+      run_program("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "d.vprdb"})
+          .exit_code == 0);
+  const auto best_rows = [&](const fs::path& query, const std::string& name) {
+    REQUIRE(run_program("vpr-query",
+                        {out / "d.vprdb", "--query", query, "--score", "standardized", "--t-r", "0",
+                         "--c-l", std::to_string(kLength), "-o", out / (name + ".json")})
+                .exit_code == 0);
+    const NpyArray file(out / (name + ".best.npy"));
+    const auto values = file.values<int32_t>(2);
+    return std::vector<int32_t>(values.begin(), values.end());
+  };
+  const auto moving = best_rows(*corridor / "query", "moving");
+  const auto standing = best_rows(out / "stop.txt", "standing");
+  for (size_t window = 0; window + kLength <= 111; ++window) {
+    if (window <= kStop && window + kLength > kStop + 1) continue;  // lies across the stop
+    const size_t later = window > kStop ? window + kStanding : window;
+    for (size_t column = 1; column < 4; ++column)
+      CHECK(standing[4 * later + column] == moving[4 * window + column]);
+  }
+}
+
+TEST_CASE("real results are the same for every number of threads and every SIMD target") {
+  const auto corridor = test::real_data("data/corridor");
+  if (!corridor) return;
+  const test::TemporaryFolder out;
+  std::string codes;
+  std::string best;
+  for (const std::string target : {"", "SSE2", "SSE4", "AVX2"}) {
+    const std::vector<std::string> environment = {"VPR_SIMD=" + target};
+    for (const char* threads : {"1", "3"}) {
+      const auto train = run_program("vpr-train",
+                                     {"fastable", "--train", *corridor / "ref", "--threads",
+                                      threads, "--force", "-o", out / "d.vprdb"},
+                                     target.empty() ? std::vector<std::string>{} : environment);
+      if (train.exit_code == 2) continue;  // this machine or build has no such target
+      REQUIRE(train.exit_code == 0);
+      REQUIRE(run_program("vpr-query",
+                          {out / "d.vprdb", "--query", *corridor / "query", "--score",
+                           "standardized", "--t-r", "-1", "--c-l", "7", "--threads", threads,
+                           "--force", "-o", out / "r.json"},
+                          target.empty() ? std::vector<std::string>{} : environment)
+                  .exit_code == 0);
+      const std::string own_codes = test::read_text(out / "d.vprdb" / "statistics.npy");
+      const std::string own_best =
+          test::read_text(out / "r.best.npy") + test::read_text(out / "r.hits.npy");
+      if (best.empty()) {
+        codes = own_codes;
+        best = own_best;
+      }
+      CHECK(own_codes == codes);
+      CHECK(own_best == best);
+    }
+  }
+}

@@ -1,0 +1,237 @@
+// Queries with standardized scores: thresholds, searched sequences, verification.
+#include <algorithm>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "pipeline/query.h"
+#include "pipeline/score_basis.h"
+#include "pipeline/sweep.h"
+#include "pipeline/train.h"
+#include "pipeline/verify.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences) {
+  SequenceDatabase database;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    TrainSequence& sequence = database.sequences.emplace_back();
+    sequence.name = std::string(1, static_cast<char>('a' + s));
+    for (size_t i = 0; i < sequences[s].size(); ++i)
+      sequence.frame_names.push_back(std::to_string(i));
+    database.codes.owned.insert(database.codes.owned.end(), sequences[s].begin(),
+                                sequences[s].end());
+  }
+  ensure_statistics(database, select_kernels(), {});
+  return database;
+}
+
+SequenceCodes make_query(const std::vector<LdbCode>& codes) {
+  SequenceCodes query{codes, {}};
+  for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  return query;
+}
+
+SequenceQuerySettings scored_settings(uint64_t length) {
+  SequenceQuerySettings settings;
+  settings.score = Score::standardized;
+  settings.window_length = length;
+  return settings;
+}
+
+QueryRun query_all(const SequenceDatabase& database, const SequenceCodes& query,
+                   const SequenceQuerySettings& settings, size_t verify = 50) {
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  resources.verify_cells = verify;
+  return run_query(plan_query(database, query, "q", settings, resources, {}), database, query,
+                   resources, {}, {});
+}
+
+}  // namespace
+
+TEST_CASE("standardized scores find a revisit, and every method gives the same") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  std::vector<LdbCode> query = test::walk_codes(50, 3);
+  std::copy_n(train[0].begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database(train);
+  SequenceQuerySettings settings = scored_settings(5);
+  settings.distance_threshold = -4;
+  const SequenceResult result = query_all(database, make_query(query), settings).result;
+  REQUIRE_FALSE(result.hits.empty());
+  CHECK(result.sequences[0].scale == ThresholdScale::mean_z);
+  for (const Cell& hit : result.hits) {
+    CHECK(hit.sequence == 0);
+    CHECK(mean_z(hit.distance, 5) < -4);
+  }
+  CHECK(result.best[18]->train_window == 13);
+  settings.method = "fastable-online";
+  CHECK(query_all(database, make_query(query), settings).result.hits == result.hits);
+}
+
+TEST_CASE("automatic thresholds of scores are those of training sequences as queries") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1), test::walk_codes(50, 2),
+                                                   test::walk_codes(4, 9)};
+  std::vector<LdbCode> query = test::walk_codes(50, 3);
+  std::copy_n(train[1].begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database(train);
+  SequenceQuerySettings settings = scored_settings(10);
+  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+    settings.score = score;
+    settings.safety_margin = 0;
+    settings.distance_threshold.reset();
+    const SequenceResult result = query_all(database, make_query(query), settings).result;
+    CHECK(result.sequences[0].scale == ThresholdScale::mean_z);
+    CHECK_FALSE(result.sequences[2].threshold);  // it has no window, and needs none
+    // The revisit scores far below what different places reach.
+    REQUIRE_FALSE(result.hits.empty());
+    const auto best =
+        std::min_element(result.hits.begin(), result.hits.end(),
+                         [](const Cell& a, const Cell& b) { return a.distance < b.distance; });
+    CHECK(best->sequence == 1);
+    CHECK(best->train_window + 5 == best->query_window);
+    settings.safety_margin = 0.25;
+    const SequenceResult stricter = query_all(database, make_query(query), settings).result;
+    CHECK(*stricter.sequences[0].threshold ==
+          Approx(*result.sequences[0].threshold - 0.25).margin(1e-12));
+    // The first sequence as all the training data, with the statistics that it has among the
+    // others; the second one as the query. (The third is no query: it has no window.)
+    SequenceDatabase two = make_database({train[0], train[1]});
+    SequenceDatabase alone = make_database({train[0]});
+    alone.statistics = two.statistics;
+    alone.statistics->bias.resize(60);
+    alone.statistics->variance.resize(60);
+    settings.safety_margin = 0;
+    const SequenceResult closest = query_all(two, make_query(query), settings).result;
+    settings.distance_threshold = 10;
+    const SequenceResult against = query_all(alone, make_query(train[1]), settings).result;
+    uint32_t least = ~0U;
+    for (const auto& cell : against.best) least = std::min(least, cell->distance);
+    CHECK(*closest.sequences[0].threshold == mean_z(least, 10));
+  }
+}
+
+TEST_CASE("rows are centred over all training frames, whichever sequences are searched") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1), test::walk_codes(50, 2),
+                                                   test::walk_codes(30, 3)};
+  const SequenceDatabase database = make_database(train);
+  SequenceQuerySettings settings = scored_settings(5);
+  settings.distance_threshold = 10;
+  const SequenceCodes query = make_query(test::walk_codes(40, 4));
+  const SequenceResult all = query_all(database, query, settings).result;
+  settings.only_sequences = {"b"};
+  const SequenceResult one = query_all(database, query, settings).result;
+  std::vector<Cell> expected;
+  for (const Cell& hit : all.hits)
+    if (hit.sequence == 1) expected.push_back(hit);
+  CHECK(expected.size() == 46 * 36);
+  CHECK(one.hits == expected);
+}
+
+TEST_CASE("a wrong score is found, and a right one is not") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
+                                                   test::walk_codes(30, 2)};
+  const SequenceDatabase database = make_database(train);
+  SequenceQuerySettings settings = scored_settings(4);
+  settings.distance_threshold = 10;
+  const SequenceCodes query = make_query(test::walk_codes(40, 4));
+  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+    settings.score = score;
+    const QueryRun run = query_all(database, query, settings, 100'000);
+    CHECK(run.verified_cells == run.result.hits.size());
+    std::vector<Cell> cells = {run.result.hits[100], run.result.hits[300]};
+    cells[1].distance += 10;  // two units a frame
+    const auto wrong = wrong_scores(cells, code_spans(database), {query.codes, {}}, 4,
+                                    make_score_basis(database, settings), {});
+    REQUIRE(wrong.size() == 1);
+    CHECK(wrong[0].train_window == cells[1].train_window);
+    CHECK(std::abs(int64_t{wrong[0].distance} - int64_t{run.result.hits[300].distance}) <= 4);
+  }
+}
+
+TEST_CASE("statistics that a database lacks are computed, and said") {
+  SequenceDatabase database = make_database({test::walk_codes(30, 1)});
+  const auto stored = database.statistics;
+  std::vector<std::string> warnings;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  ensure_statistics(database, select_kernels(), monitor);
+  CHECK(warnings.empty());
+  database.statistics.reset();
+  SequenceQuerySettings settings = scored_settings(4);
+  settings.distance_threshold = 0;
+  const SequenceCodes query = make_query(test::walk_codes(40, 4));
+  CHECK(test::error_kind([&] { query_all(database, query, settings); }) == ErrorKind::usage);
+  ensure_statistics(database, select_kernels(), monitor);
+  CHECK(warnings.size() == 1);
+  CHECK(database.statistics == stored);
+}
+
+TEST_CASE("settings that do not fit the score are usage errors") {
+  const SequenceDatabase database =
+      make_database({test::walk_codes(30, 1), test::walk_codes(30, 2)});
+  const SequenceCodes query = make_query(test::walk_codes(20, 2));
+  const auto kind = [&](Score score, auto change) {
+    SequenceQuerySettings settings;
+    settings.score = score;
+    settings.window_length = 5;
+    settings.distance_threshold = 0.4;
+    change(settings);
+    return test::error_kind([&] { query_all(database, query, settings); });
+  };
+  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+    CHECK_FALSE(kind(score, [](auto&) {}));
+    CHECK_FALSE(kind(score, [](auto& s) { s.distance_threshold = -3; }));
+    CHECK_FALSE(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }));
+    CHECK(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::bits; }) ==
+          ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::relative; }) ==
+          ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.method = "openable"; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.method = "lsh"; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.safety_factor = 0.9; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.safety_margin = NAN; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.window_length = kMaxScoredWindow + 1; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.standardization.lag_views = 0; }) == ErrorKind::usage);
+  }
+  CHECK(kind(Score::raw, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }) ==
+        ErrorKind::usage);
+  CHECK(kind(Score::raw, [](auto& s) { s.safety_margin = 0.1; }) == ErrorKind::usage);
+}
+
+TEST_CASE("a sweep of scores counts what single queries find") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  std::vector<LdbCode> codes = test::walk_codes(50, 3);
+  std::copy_n(train[0].begin() + 10, 20, codes.begin() + 10);
+  const SequenceDatabase database = make_database(train);
+  const SequenceCodes query = make_query(codes);
+  const TruthReader truth = [](const GroundTruthScope& scope) {
+    GroundTruth all;
+    all.pairs.resize(scope.query_frames);
+    for (size_t i = 0; i < all.pairs.size(); ++i)
+      all.pairs[i].push_back({0, static_cast<uint32_t>(i), PlaceLabel::same});
+    return all;
+  };
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  SequenceQuerySettings settings = scored_settings(5);
+  const SequenceGrid grid{{5, 1, 12}, {-1.0, -4.0, std::nullopt}};
+  const auto cells = sweep_sequences(database, query, "q", settings, grid, truth, resources, {});
+  REQUIRE(cells.size() == 9);
+  for (const SequenceCellCounts& cell : cells) {
+    CHECK(cell.scale == ThresholdScale::mean_z);
+    settings.window_length = cell.window_length;
+    settings.distance_threshold = cell.distance_threshold;
+    const SequenceResult result = query_all(database, query, settings).result;
+    const SequenceCounts counts = count_recognitions(result, truth(scope_of(result)));
+    CHECK(cell.counts.hits.correct == counts.hits.correct);
+    CHECK(cell.counts.hits.incorrect == counts.hits.incorrect);
+    CHECK(cell.counts.best_match.correct == counts.best_match.correct);
+  }
+}
