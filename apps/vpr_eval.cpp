@@ -9,6 +9,7 @@
 #include "eval_check.h"
 #include "eval_compare.h"
 #include "eval_convert.h"
+#include "eval_map.h"
 #include "eval_pictures.h"
 #include "eval_protocols.h"
 #include "eval_scores.h"
@@ -36,6 +37,7 @@ struct EvalInputs {
   TableFormat format = TableFormat::text;
   ScoreInputs scores;
   PictureInputs pictures;
+  MapInputs map;
 };
 
 /// What may stand in a configuration file.
@@ -133,12 +135,23 @@ std::string tables(const Json& report, TableFormat format) {
   return text;
 }
 
+void draw_map(Session& session, const EvalInputs& inputs, const Evaluation& evaluation) {
+  if (inputs.map.with.empty())
+    return write_map(session, inputs.map, inputs.dataset, evaluation, nullptr);
+  EvalInputs other = inputs;
+  other.result = inputs.map.with;
+  other.scores = {};
+  const Evaluation second = evaluate(session, other);
+  write_map(session, inputs.map, inputs.dataset, evaluation, &second);
+}
+
 void run(Session& session, const EvalInputs& inputs) {
   const CommonOptions& options = session.options;
   if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (!options.output.empty()) check_output_file(options.output, options.existing());
   check_score_inputs(inputs.scores, !inputs.result.empty());
   check_picture_outputs(session, inputs.pictures);
+  check_map_inputs(session, inputs.map, inputs.dataset);
   const Json expected =
       inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
   const Stopwatch watch;
@@ -155,6 +168,7 @@ void run(Session& session, const EvalInputs& inputs) {
   if (!expected.is_null()) unmet = unmet_expectations(report, expected, inputs.expected);
   if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
   write_pictures(session, inputs.pictures, inputs.dataset, evaluation);
+  draw_map(session, inputs, evaluation);
   session.print_result(tables(report, inputs.format), report);
   if (!unmet.empty())
     throw Error(ErrorKind::expectation,
@@ -188,6 +202,7 @@ int main(int argc, char** argv) {
                  "if they differ");
   add_score_options(app, inputs.scores);
   add_picture_options(app, inputs.pictures);
+  add_map_options(app, inputs.map);
   app.add_option("--protocol", inputs.protocols,
                  "instead of a ground truth: one of these words, several with commas, or "
                  "nordland-all; a row for each");

@@ -34,13 +34,16 @@ for query in json.load(open(sys.argv[1])).get("queries", []):
 for line in "${queries[@]}"; do
   IFS=$'\t' read -r query has_truth <<<"$line"
   file=$out/${query//\//_}
+  # A map needs to know where frames were taken.
+  map=()
+  grep -q '"plan"' "$dataset" && map=(--map "$file.map")
   echo; echo "== query $query, and evaluate"
   "$bin/vpr-query" "$out/demo.vprdb" --dataset "$dataset" --query "$query" "${threshold[@]}" \
     --verify 1000 --save-matrix "$file.png" -o "$file.json" --force
   if [[ $has_truth == yes ]]; then
-    "$bin/vpr-eval" "$file.json" --dataset "$dataset" -o "$file.report.json" --force
+    "$bin/vpr-eval" "$file.json" --dataset "$dataset" --html "$file.html" "${map[@]}" -o "$file.report.json" --force
   else
     echo "no ground truth to evaluate it with"
   fi
 done
-echo; echo "Results, reports and pictures of the distances are in $out"
+echo; echo "Results, reports, maps and pages to look at (*.html) are in $out"

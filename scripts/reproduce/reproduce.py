@@ -160,6 +160,31 @@ def localised_per_cent(report):
     return round(100 * report["localisation"]["share"], 1)
 
 
+def run_maps(experiment, laboratory):
+    """FAB-MAP and OpenABLE side by side on the plan, as SVG and PNG in out/figures."""
+    ours = []
+    for row in experiment["rows"]:
+        name, query = row["data"], row["query"]
+        found = {}
+        for column, method, settings in (
+                ("FAB-MAP places", "fabmap", ["--c-w", row["c_w"], "--t-p", row["t_p"]]),
+                ("OpenABLE places", "openable", ["--c-l", row["c_l"], "--t-r", row["t_r"]])):
+            found[column] = laboratory.report(method, name, query, *settings)["counts"]["distinct"]
+            keep_result(WORK / f"map-{method}")
+        target = ROOT / "out/figures" / f"{name}-{query}"
+        target.parent.mkdir(parents=True, exist_ok=True)
+        run("vpr-eval", WORK / "map-fabmap.json", "--dataset", laboratory.data(name).description,
+            "--map", target, "--map-with", WORK / "map-openable.json", "--force")
+        ours.append((row, found))
+    return ours
+
+
+def keep_result(stem):
+    """Moves the last result and its companions aside."""
+    for file in WORK.glob("result.*"):
+        file.replace(stem.parent / (stem.name + file.name.removeprefix("result")))
+
+
 def run_bench(experiment, laboratory):
     """Timings: the paper's stand in vpr-bench itself."""
     out = WORK / f"bench-{experiment['command'][0]}.json"
@@ -178,7 +203,8 @@ def run_bench(experiment, laboratory):
     return rows
 
 
-KINDS = {"fabmap": run_grid, "sequence": run_grid, "floor": run_floor, "bench": run_bench}
+KINDS = {"fabmap": run_grid, "sequence": run_grid, "floor": run_floor, "maps": run_maps, 
+         "bench": run_bench}
 
 
 def cells_of(rows):

@@ -35,8 +35,8 @@ Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth) {
     if (best) {
       query.best = FrameMatch{best->sequence, result.anchor(best->train_window)};
       // As a saved matrix has it: a distance, or a sum of standardized scores.
-      query.key = score_key(
-          static_cast<double>(int64_t{best->distance} - result.score_offset()), outcomes.kind);
+      query.key = score_key(static_cast<double>(int64_t{best->distance} - result.score_offset()),
+                            outcomes.kind);
       query.verdict = verdict_of(truth.label(query.frame, best->sequence, query.best->reference));
     } else if (shows_unreadable(result, window)) {
       query.verdict = Verdict::unreadable;

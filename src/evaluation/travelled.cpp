@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "evaluation/csv.h"
+#include "evaluation/route.h"
 
 namespace vpr {
 namespace {
@@ -32,9 +33,8 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorKind::data, fmt::format("{}: {}", where, what));
   };
-  if (rows.empty() || rows[0].fields.size() < 3 || rows[0].fields[0] != "frame" ||
-      rows[0].fields[1] != "x" || rows[0].fields[2] != "y")
-    fail("expected the header frame,x,y");
+  const auto columns = rows.empty() ? std::nullopt : find_pose_columns(rows[0].fields);
+  if (!columns) fail("expected a header with the columns frame, x and y");
   std::vector<std::optional<std::pair<double, double>>> positions(frames);
   for (size_t r = 1; r < rows.size(); ++r) {
     const std::string place = fmt::format("{}, line {}", where, rows[r].line);
@@ -42,13 +42,14 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
     if (fields.size() != rows[0].fields.size())
       fail(fmt::format("line {}: expected {} columns, found {}", rows[r].line,
                        rows[0].fields.size(), fields.size()));
-    const auto frame = number_of<uint64_t>(fields[0], place);
+    const auto frame = number_of<uint64_t>(fields[columns->frame], place);
     if (frame >= frames)
       fail(fmt::format("line {}: frame {} is out of range; the query has {} frames", rows[r].line,
                        frame, frames));
     if (positions[frame])
       fail(fmt::format("line {}: frame {} is there twice", rows[r].line, frame));
-    positions[frame] = {number_of<double>(fields[1], place), number_of<double>(fields[2], place)};
+    positions[frame] = {number_of<double>(fields[columns->x], place),
+                        number_of<double>(fields[columns->y], place)};
   }
   std::vector<double> travelled;
   for (size_t frame = 0; frame < frames; ++frame) {

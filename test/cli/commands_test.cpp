@@ -262,3 +262,24 @@ TEST_CASE("every program has help with an example, and a version") {
   }
   CHECK(run_program("vpr-train", {"fastable", "--help"}).out.find("Example:") != std::string::npos);
 }
+
+TEST_CASE("a map shows one result or two of the same query, as SVG and PNG") {
+  const test::TemporaryFolder out;
+  for (const char* name : {"a", "b"})
+    REQUIRE(run_program("vpr-query", world().query({"-o", (out / name).string() + ".json"}))
+                .exit_code == 0);
+  const auto eval = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {out / "a.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-eval", words);
+  };
+  CHECK(eval({"--map", out / "m"}).exit_code == 2);  // without a data set
+  CHECK(eval({"--dataset", world().dataset(), "--map-with", out / "b.json"}).exit_code == 2);
+  const auto drawn =
+      eval({"--dataset", world().dataset(), "--map", out / "m", "--map-with", out / "b.json"});
+  CHECK(drawn.exit_code == 0);
+  if (drawn.err.find("gnuplot is not installed") != std::string::npos) return;
+  CHECK(test::list_folder(out / "m") == std::vector<std::string>{"map.png", "map.svg"});
+  CHECK(test::read_text(out / "m/map.svg").find("incorrect") == std::string::npos);
+  CHECK(test::read_text(out / "m/map.svg").find("correct") != std::string::npos);
+}

@@ -210,10 +210,13 @@ TEST_CASE("the labels of a row are those of single pairs") {
     GroundTruth truth;
     truth.tolerance_frames = int64_t(uniform_below(engine, 4));
     truth.pairs.resize(10);
-    for (int i = 0; i < 40; ++i)
-      truth.pairs[uniform_below(engine, 10)].push_back(
-          {uniform_below(engine, 2) == 0 ? 0u : 2u, uint32_t(uniform_below(engine, 12)),
-           uniform_below(engine, 2) == 0 ? PlaceLabel::same : PlaceLabel::ignore});
+    for (auto& pairs : truth.pairs)
+      for (const uint32_t sequence : {0u, 2u})
+        for (uint32_t reference = 0; reference < 12; ++reference)
+          if (uniform_below(engine, 6) == 0)
+            pairs.push_back(
+                {sequence, reference,
+                 uniform_below(engine, 2) == 0 ? PlaceLabel::same : PlaceLabel::ignore});
     std::vector<PlaceLabel> labels;
     for (size_t row = 0; row < 8; ++row) {
       label_row(truth, layout, row, labels);
@@ -239,13 +242,12 @@ TEST_CASE("the curve over all pairs is that of sorting them all") {
           uniform_below(engine, 15) == 0 ? kNan : double(uniform_below(engine, values)) / 7 - 100;
     GroundTruth truth;
     truth.pairs.resize(rows);
-    for (uint64_t i = uniform_below(engine, 2 * rows); i > 0; --i) {
-      const size_t query = uniform_below(engine, rows);
-      const auto reference = uint32_t(uniform_below(engine, cols));
-      if (truth.label(query, 0, reference) == PlaceLabel::different)
-        truth.pairs[query].push_back(
-            {0, reference, uniform_below(engine, 4) == 0 ? PlaceLabel::ignore : PlaceLabel::same});
-    }
+    const uint64_t rarity = 1 + uniform_below(engine, 2 * cols);
+    for (auto& pairs : truth.pairs)
+      for (uint32_t reference = 0; reference < cols; ++reference)
+        if (uniform_below(engine, rarity) == 0)
+          pairs.push_back({0, reference,
+                           uniform_below(engine, 4) == 0 ? PlaceLabel::ignore : PlaceLabel::same});
     for (const ScoreKind kind : {ScoreKind::distance, ScoreKind::similarity}) {
       const ScoreMatrix matrix(write_matrix(folder, scores, rows, cols), {kind, false, {}});
       const ScoreLayout layout = layout_of(matrix, 1);

@@ -11,6 +11,7 @@
 #include "evaluation/ground_truth/formats.h"
 #include "evaluation/ground_truth/numbers.h"
 #include "evaluation/ground_truth/pose_matches.h"
+#include "evaluation/route.h"
 
 namespace vpr {
 namespace {
@@ -40,11 +41,9 @@ using PoseReader = Poses (*)(FileLocation& location, std::string_view text, cons
 Poses read_csv_poses(FileLocation& location, std::string_view text, const FrameRange& range,
                      const FrameCount& frames) {
   const auto rows = parse_csv(text, location.file);
-  const std::vector<std::string> names = {"frame", "x", "y", "heading"};
-  const auto& header = rows.empty() ? names : rows.front().fields;
-  if (rows.empty() || header.size() < 3 || header.size() > 4 ||
-      !std::equal(header.begin(), header.end(), names.begin()))
-    location.fail("expected the header frame,x,y[,heading]");
+  const auto columns = rows.empty() ? std::nullopt : find_pose_columns(rows.front().fields);
+  if (!columns) location.fail("expected a header with the columns frame, x, y and maybe heading");
+  const auto& header = rows.front().fields;
   if (range.last && !frames.grows && frames_of(range) != frames.frames)
     location.fail(
         fmt::format("its range has {} frames, and there are {}", frames_of(range), frames.frames));
@@ -54,9 +53,9 @@ Poses read_csv_poses(FileLocation& location, std::string_view text, const FrameR
     location.at("line", rows[r].line);
     if (fields.size() != header.size())
       location.fail(fmt::format("expected {} columns, found {}", header.size(), fields.size()));
-    const auto index = parse_frame(fields[0]);
+    const auto index = parse_frame(fields[columns->frame]);
     if (!index || !index->in_range)
-      location.fail(fmt::format("\"{}\" is not a frame number", fields[0]));
+      location.fail(fmt::format("\"{}\" is not a frame number", fields[columns->frame]));
     const auto frame = frame_in_range(range, index->value);
     if (!frame) continue;
     if (frames.grows && *frame >= poses.size()) {
@@ -64,12 +63,14 @@ Poses read_csv_poses(FileLocation& location, std::string_view text, const FrameR
       poses.resize(*frame + 1);
     }
     if (*frame >= poses.size())
-      location.fail(
-          fmt::format("frame {} is out of range; there are {} frames", fields[0], poses.size()));
-    if (poses[*frame]) location.fail(fmt::format("frame {} is given twice", fields[0]));
+      location.fail(fmt::format("frame {} is out of range; there are {} frames",
+                                fields[columns->frame], poses.size()));
+    if (poses[*frame])
+      location.fail(fmt::format("frame {} is given twice", fields[columns->frame]));
     Pose& pose = poses[*frame].emplace();
-    pose.position = {read_real(location, fields[1]), read_real(location, fields[2]), 0};
-    if (header.size() == 4) pose.heading_deg = read_real(location, fields[3]);
+    pose.position = {read_real(location, fields[columns->x]),
+                     read_real(location, fields[columns->y]), 0};
+    if (columns->heading) pose.heading_deg = read_real(location, fields[*columns->heading]);
   }
   return poses;
 }
@@ -172,7 +173,7 @@ std::string read_kitti_poses(GroundTruthBuilder& builder) {
 }
 
 bool is_pose_csv(const FileStart& start) {
-  return start.first_line.starts_with("frame,x,y") || start.first_line.starts_with("\"frame\",");
+  return start.first_line.starts_with("frame,") || start.first_line.starts_with("\"frame\",");
 }
 
 bool is_tum(const FileStart& start) { return has_numbers(start.first_line, 8); }

@@ -13,8 +13,8 @@ class GroundTruthBuilder;
 /// exactly one searched sequence. Distances are those of pose_matches.h. Throw Error(data), naming
 /// the line.
 
-/// CSV with header frame,x,y[,heading]: metres, and degrees. Frames may be missing and in any
-/// order; pairs with a missing one are ignored.
+/// CSV with columns frame, x, y and maybe heading (others are not looked at): metres, and degrees.
+/// Frames may be missing and in any order; pairs with a missing one are ignored.
 std::string read_poses(GroundTruthBuilder& builder);
 bool is_pose_csv(const FileStart& start);
 

@@ -1,0 +1,102 @@
+#include "eval_map.h"
+
+#include <fmt/format.h>
+
+#include "report/plot.h"
+#include "report/route_map.h"
+
+namespace vpr {
+namespace {
+
+std::string setting(const Json& report, const char* key, const char* symbol) {
+  const auto found = report["settings"].find(key);
+  if (found == report["settings"].end()) return "";
+  return fmt::format(", {} {}", symbol,
+                     found->is_string() ? found->get<std::string>() : found->dump());
+}
+
+MapPanel panel_of(const Evaluation& evaluation) {
+  const Json& report = evaluation.report;
+  MapPanel panel;
+  panel.title = report["method"].get<std::string>() + " on " + report["query"].get<std::string>();
+  if (report.contains("settings"))
+    for (const char* key : {"c_l", "t_r", "c_w", "t_p"}) panel.title += setting(report, key, key);
+  panel.fixes = evaluation.judgement.fixes;
+  for (size_t frame = 0; frame < panel.fixes.size(); ++frame)
+    panel.has_match.push_back(evaluation.truth.has_match(frame));
+  return panel;
+}
+
+RouteMap read_map(const Dataset& dataset, const std::string& where, const Evaluation& evaluation) {
+  const std::string name = evaluation.report["query"].get<std::string>();
+  const NamedSequence& query = select_query(dataset, name).sequence;
+  if (query.poses.empty())
+    throw Error(ErrorKind::usage, fmt::format("{}: the query {} names no \"poses\", which --map "
+                                              "needs (CSV frame,x,y)",
+                                              where, name));
+  RouteMap map;
+  map.query = read_route(query.poses);
+  const size_t frames = evaluation.judgement.fixes.size();
+  if (map.query.size() > frames)
+    throw Error(ErrorKind::data, fmt::format("{}: has poses of {} frames, and the query has {}",
+                                             query.poses.string(), map.query.size(), frames));
+  map.query.resize(frames);
+  for (const NamedSequence& train : dataset.train)
+    if (!train.poses.empty()) map.train.push_back(read_route(train.poses));
+  if (!dataset.plan.empty()) map.walls = read_walls(dataset.plan);
+  if (!dataset.place_poses.empty()) map.places = read_place_positions(dataset.place_poses);
+  return map;
+}
+
+}  // namespace
+
+void add_map_options(CLI::App& app, MapInputs& inputs) {
+  app.add_option("--map", inputs.folder,
+                 "draw plan, training paths and recognitions along the query's path as SVG and PNG "
+                 "into this folder; needs --dataset with poses")
+      ->group("Pictures")
+      ->type_name("FOLDER");
+  app.add_option("--map-with", inputs.with,
+                 "a second result of the same query, on a map beside the first (FAB-MAP and "
+                 "FastABLE, say)")
+      ->group("Pictures")
+      ->type_name("RESULT");
+}
+
+void check_map_inputs(const Session& session, const MapInputs& inputs, const std::string& dataset) {
+  if (inputs.folder.empty()) {
+    if (!inputs.with.empty())
+      throw Error(ErrorKind::usage, "--map-with needs --map FOLDER, where the map goes");
+    return;
+  }
+  if (dataset.empty())
+    throw Error(ErrorKind::usage,
+                "--map needs --dataset, whose \"poses\" say where frames were taken");
+  check_output_folder(inputs.folder, session.options.existing(), is_plot_folder);
+}
+
+void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
+               const Evaluation& first, const Evaluation* second) {
+  if (inputs.folder.empty()) return;
+  if (!can_draw_plots()) {
+    warn(session.monitor, "gnuplot is not installed, so no map is drawn");
+    return;
+  }
+  const RouteMap map = read_map(read_dataset(dataset), dataset, first);
+  std::vector<MapPanel> panels = {panel_of(first)};
+  if (second != nullptr) {
+    panels.push_back(panel_of(*second));
+    if (second->report["query"] != first.report["query"] ||
+        panels[0].fixes.size() != panels[1].fixes.size())
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}: is of the query {}, the first result of {}; give two results "
+                              "of one query",
+                              inputs.with, second->report["query"].get<std::string>(),
+                              first.report["query"].get<std::string>()));
+  }
+  OutputFolder folder(inputs.folder, session.options.existing(), is_plot_folder);
+  draw_route_map(map, panels, folder.temporary());
+  folder.commit();
+}
+
+}  // namespace vpr
