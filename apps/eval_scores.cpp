@@ -82,16 +82,20 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
   }
 }
 
-ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result) {
-  if (!is_of_result && !inputs.is_distance && !inputs.is_similarity)
+ScoreMatrix open_scores(const ScoreInputs& inputs) {
+  if (!inputs.is_distance && !inputs.is_similarity)
     throw Error(ErrorKind::usage,
                 "say what the scores are: --distance (small is good) or --similarity (large is)");
   ScoreFormat format;
   format.kind = inputs.is_similarity ? ScoreKind::similarity : ScoreKind::distance;
   format.references_first = inputs.references_first;
   format.missing = inputs.missing;
-  if (is_of_result && !format.missing) format.missing = -1;
   return {inputs.path, format};
+}
+
+ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
+  return {inputs.path,
+          {ScoreKind::distance, inputs.references_first, inputs.missing.value_or(missing)}};
 }
 
 std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames) {
@@ -105,7 +109,7 @@ Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const st
     throw Error(ErrorKind::usage, "--window must be at least 1, found 0");
   Evaluation evaluation;
   evaluation.ground_truth = ground_truth;
-  evaluation.matrix = open_scores(inputs, false);
+  evaluation.matrix = open_scores(inputs);
   const ScoreMatrix& matrix = *evaluation.matrix;
   const ScoreLayout layout = layout_of(matrix, inputs.window_length);
   evaluation.truth = read_ground_truth(ground_truth, layout.scope);

@@ -40,8 +40,11 @@ std::string metrics_help();
 /// Throws Error(usage) for flags that need --scores, or that a result answers already.
 void check_score_inputs(const ScoreInputs& inputs, bool has_result);
 
-/// The matrix of --scores. Throws Error(usage) unless its kind is known.
-ScoreMatrix open_scores(const ScoreInputs& inputs, bool is_of_result);
+/// The matrix of --scores alone. Throws Error(usage) unless its kind is known.
+ScoreMatrix open_scores(const ScoreInputs& inputs);
+
+/// The matrix that was saved with a result; `missing` stands where it has no score.
+ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
 
 /// What --poses says; nothing without it.
 std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames);

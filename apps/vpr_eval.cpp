@@ -19,6 +19,7 @@
 #include "images/dataset.h"
 #include "report/evaluation_report.h"
 #include "report/fabmap_result_file.h"
+#include "report/matrix_file.h"
 #include "report/metrics_report.h"
 #include "report/result_file.h"
 #include "report/scores_report.h"
@@ -72,13 +73,20 @@ GroundTruthArgument find_ground_truth(const EvalInputs& inputs,
   return with_flags(argument, inputs.flags);
 }
 
+/// What vpr-query --save-matrix writes where there is no distance.
+double missing_score(const SequenceResult& result) {
+  return result.settings.score == Score::raw ? kNoDistance : kNoStandardizedScore;
+}
+double missing_score(const FabmapResult&) { return kNoDistance; }
+
 template <class Stored>
 Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& inputs) {
   constexpr bool kIsFabmap = std::is_same_v<Stored, StoredFabmapResult>;
   Evaluation evaluation;
   evaluation.ground_truth = find_ground_truth(inputs, stored.result.query_name, kIsFabmap);
   evaluation.truth = read_ground_truth(evaluation.ground_truth, scope_of(stored.result));
-  if (!inputs.scores.path.empty()) evaluation.matrix = open_scores(inputs.scores, true);
+  if (!inputs.scores.path.empty())
+    evaluation.matrix = open_saved_scores(inputs.scores, missing_score(stored.result));
   evaluation.judgement =
       judge_result(session, inputs.scores, evaluation.matrix, stored.result, evaluation.truth);
   evaluation.report =

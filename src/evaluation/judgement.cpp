@@ -23,6 +23,11 @@ size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
 
 }  // namespace
 
+bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
+  const Fix fix = judgement.fixes[query.frame];
+  return query.verdict == Verdict::correct ? fix == Fix::right : fix == Fix::wrong;
+}
+
 Judgement judge(const SequenceResult& result, const GroundTruth& truth,
                 std::span<const double> travelled_m) {
   Judgement judgement;

@@ -34,6 +34,11 @@ struct Judgement {
   Localisation localisation;
 };
 
+/// Whether the frame's fix is as right as the query's best match, so that the one can stand for the
+/// other in pictures: with a threshold for each sequence, the hit may be another than the best
+/// match.
+bool is_recognised(const Judgement& judgement, const QueryOutcome& query);
+
 /// `travelled_m` is what localise takes: one value a query frame, or none.
 Judgement judge(const SequenceResult& result, const GroundTruth& truth,
                 std::span<const double> travelled_m);

@@ -30,8 +30,8 @@ std::vector<PlotLine> timeline(const Judgement& judgement) {
                                  {"recognised, right", {}, PlotStyle::points}};
   for (const QueryOutcome& query : judgement.outcomes.queries) {
     if (!query.best || query.verdict == Verdict::ignored) continue;
-    const size_t kind = (judgement.fixes[query.frame] != Fix::none ? 2 : 0) +
-                        (query.verdict == Verdict::correct ? 1 : 0);
+    const size_t kind =
+        (is_recognised(judgement, query) ? 2 : 0) + (query.verdict == Verdict::correct ? 1 : 0);
     lines[kind].points.emplace_back(query.frame, query.best->reference);
   }
   std::erase_if(lines, [](const PlotLine& line) { return line.points.empty(); });

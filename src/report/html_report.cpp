@@ -87,9 +87,10 @@ Json page_data(const Json& report, const Judgement& judgement, const TimelineFra
     ranks.push_back(query.rank.value_or(0));
   }
   if (judgement.outcomes.has_ranks) data["ranks"] = ranks;
-  std::string fixes;
-  for (const Fix fix : judgement.fixes) fixes += fix == Fix::none ? '.' : 'f';
-  data["recognised"] = fixes;
+  std::string recognised(judgement.fixes.size(), '.');
+  for (const QueryOutcome& query : judgement.outcomes.queries)
+    if (is_recognised(judgement, query)) recognised[query.frame] = 'f';
+  data["recognised"] = recognised;
   data["frames"] = std::max<size_t>(1, judgement.fixes.size());
   data["left"] = frame.left;
   data["width"] = frame.plot_width;
@@ -189,11 +190,10 @@ class Gallery {
     std::string html = fmt::format(
         "<article class=\"card {0}\" data-kind=\"{0}\" tabindex=\"0\"><h3>{1}: query {2}</h3>",
         kind, outcome.verdict == Verdict::correct ? "right" : "wrong", outcome.frame);
-    html += fmt::format(
-        "<p>{} {:.6g}{}{}</p>", enum_name(judgement_.outcomes.kind),
-        score_of_key(outcome.key, judgement_.outcomes.kind),
-        judgement_.fixes[outcome.frame] == Fix::none ? ", not recognised" : ", recognised",
-        item.truth ? "" : "; the ground truth has no match");
+    html += fmt::format("<p>{} {:.6g}{}{}</p>", enum_name(judgement_.outcomes.kind),
+                        score_of_key(outcome.key, judgement_.outcomes.kind),
+                        is_recognised(judgement_, outcome) ? ", recognised" : ", not recognised",
+                        item.truth ? "" : "; the ground truth has no match");
     html += strip(fmt::format("query {}", outcome.frame), frames_at(outcome.frame), query_);
     html += reference_strip("best match", *outcome.best);
     if (item.truth) html += reference_strip("true place", *item.truth);

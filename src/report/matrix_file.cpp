@@ -37,8 +37,8 @@ MatrixFile::MatrixFile(const std::filesystem::path& path, Existing existing,
   file_.write(header);
   file_.reserve(header_bytes_ + sizeof(int32_t) * layout.rows * layout.cols);
   if (!has_gaps) return;
-  const std::vector<int32_t> no_distance(
-      layout.cols, layout.has_scores ? std::numeric_limits<int32_t>::min() : -1);
+  const std::vector<int32_t> no_distance(layout.cols,
+                                         layout.has_scores ? kNoStandardizedScore : kNoDistance);
   for (size_t r = 0; r < layout.rows; ++r) {
     check_stop(monitor);
     file_.write(std::as_bytes(std::span(no_distance)));

@@ -1,7 +1,9 @@
 // A distance matrix on disk, written piece by piece as rows arrive.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <vector>
 
 #include "base/json.h"
@@ -10,6 +12,10 @@
 #include "recognition/sequence_result.h"
 
 namespace vpr {
+
+/// What stands in a saved matrix where there is no distance, or no standardized score.
+inline constexpr int32_t kNoDistance = -1;
+inline constexpr int32_t kNoStandardizedScore = std::numeric_limits<int32_t>::min();
 
 /// Columns of the whole matrix: all windows of the searched sequences, one after the other.
 struct MatrixLayout {

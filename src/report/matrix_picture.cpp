@@ -21,7 +21,7 @@ const cv::Vec3b kCorrect(255, 110, 20);
 const cv::Vec3b kIncorrect(30, 30, 230);
 const cv::Vec3b kIgnored(200, 170, 140);
 const cv::Vec3b kDivider(200, 120, 200);
-const cv::Vec3b kNoDistance(235, 225, 215);
+const cv::Vec3b kNoDistanceColour(235, 225, 215);
 
 cv::Vec3b blend(const cv::Vec3b& a, const cv::Vec3b& b) {
   cv::Vec3b mixed;
@@ -88,7 +88,7 @@ cv::Mat MatrixPicture::grey_image() const {
     most = std::max<uint32_t>(most, value);
   }
   cv::Mat image(static_cast<int>(pixels_->rows), static_cast<int>(pixels_->cols), CV_8UC3,
-                kNoDistance);
+                kNoDistanceColour);
   for (size_t p = 0; p < pixels_->closest.size(); ++p) {
     const uint32_t value = pixels_->closest[p];
     if (value == kNone) continue;

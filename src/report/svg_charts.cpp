@@ -102,8 +102,7 @@ std::string match_marks(const Judgement& judgement, const Scale& scale) {
   for (const QueryOutcome& query : judgement.outcomes.queries) {
     if (!query.best || query.verdict == Verdict::ignored) continue;
     const bool is_right = query.verdict == Verdict::correct;
-    const bool is_recognised = judgement.fixes[query.frame] != Fix::none;
-    marks[(is_recognised ? 2 : 0) + (is_right ? 1 : 0)].add(
+    marks[(is_recognised(judgement, query) ? 2 : 0) + (is_right ? 1 : 0)].add(
         scale.x(query.frame), scale.y(column_of(judgement.layout, *query.best)));
   }
   std::string svg;
