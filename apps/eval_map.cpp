@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "report/evaluation_report.h"
 #include "report/plot.h"
 #include "report/route_map.h"
 
@@ -18,7 +19,7 @@ std::string setting(const Json& report, const char* key, const char* symbol) {
 MapPanel panel_of(const Evaluation& evaluation) {
   const Json& report = evaluation.report;
   MapPanel panel;
-  panel.title = report["method"].get<std::string>() + " on " + report["query"].get<std::string>();
+  panel.title = method_title(report) + " on " + report["query"].get<std::string>();
   if (report.contains("settings"))
     for (const char* key : {"c_l", "t_r", "c_w", "t_p"}) panel.title += setting(report, key, key);
   panel.fixes = evaluation.judgement.fixes;

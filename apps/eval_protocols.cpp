@@ -28,8 +28,7 @@ void evaluate_protocols(Session& session, const std::string& protocols, const st
       table.rows.push_back(std::move(row));
     }
     notes += fmt::format("{}\n", report["protocol"]["ground_truth"].get<std::string>());
-    table.title = fmt::format("{} on {}", report["method"].get<std::string>(),
-                              report["query"].get<std::string>());
+    table.title = fmt::format("{} on {}", method_title(report), report["query"].get<std::string>());
     json["protocols"].push_back({{"name", name}, {"source", preset->source}, {"report", report}});
   }
   RunInfo info = session.run;

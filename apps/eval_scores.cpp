@@ -4,20 +4,24 @@
 
 #include "evaluation/metrics.h"
 #include "evaluation/travelled.h"
+#include "report/matrix_file.h"
 #include "report/scores_report.h"
 
 namespace vpr {
 namespace {
 
+constexpr uint64_t kMostWindow = 1'000'000;
+
+// The best score of all may be what vpr-query writes where there is none.
 void warn_negative(const Session& session, const ScoreInputs& inputs, const Judgement& judgement) {
   const auto& points = judgement.single_best.points;
-  if (inputs.is_similarity || inputs.missing || points.empty() ||
-      judgement.single_best.threshold(points.front()) != -1)
-    return;
+  if (inputs.is_similarity || inputs.missing || points.empty()) return;
+  const double best = judgement.single_best.threshold(points.front());
+  if (best != kNoDistance && best != kNoStandardizedScore) return;
   warn(session.monitor,
-       fmt::format("{}: has the distance -1, the best there is; if it stands for a missing one, as "
-                   "in a matrix of vpr-query, give --missing -1",
-                   inputs.path));
+       fmt::format("{0}: has the distance {1}, the best there is; if it stands for a missing one, "
+                   "as in a matrix of vpr-query, give --missing {1}",
+                   inputs.path, best));
 }
 
 }  // namespace
@@ -48,8 +52,10 @@ void add_score_options(CLI::App& app, ScoreInputs& inputs) {
       ->group(group);
   app.add_option("--name", inputs.name, "of the method in tables (default: the file's)")
       ->group(group);
-  app.add_option("--poses", inputs.poses,
-                 "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too")
+  app.add_option(
+         "--poses", inputs.poses,
+         "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too (default: "
+         "those that the data set names)")
       ->group(group)
       ->type_name("FILE");
 }
@@ -105,8 +111,9 @@ std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames
 
 Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const std::string& query,
                            const GroundTruthArgument& ground_truth) {
-  if (inputs.window_length == 0)
-    throw Error(ErrorKind::usage, "--window must be at least 1, found 0");
+  if (inputs.window_length == 0 || inputs.window_length > kMostWindow)
+    throw Error(ErrorKind::usage, fmt::format("--window must be 1 to {}, found {}", kMostWindow,
+                                              inputs.window_length));
   Evaluation evaluation;
   evaluation.ground_truth = ground_truth;
   evaluation.matrix = open_scores(inputs);

@@ -73,6 +73,14 @@ GroundTruthArgument find_ground_truth(const EvalInputs& inputs,
   return with_flags(argument, inputs.flags);
 }
 
+/// With the poses that the data set names for the query, where --poses gives none.
+ScoreInputs with_poses(const EvalInputs& inputs, const std::string& query_name) {
+  ScoreInputs scores = inputs.scores;
+  if (scores.poses.empty() && !inputs.dataset.empty())
+    scores.poses = select_query(read_dataset(inputs.dataset), query_name).sequence.poses.string();
+  return scores;
+}
+
 /// What vpr-query --save-matrix writes where there is no distance.
 double missing_score(const SequenceResult& result) {
   return result.settings.score == Score::raw ? kNoDistance : kNoStandardizedScore;
@@ -87,8 +95,8 @@ Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& in
   evaluation.truth = read_ground_truth(evaluation.ground_truth, scope_of(stored.result));
   if (!inputs.scores.path.empty())
     evaluation.matrix = open_saved_scores(inputs.scores, missing_score(stored.result));
-  evaluation.judgement =
-      judge_result(session, inputs.scores, evaluation.matrix, stored.result, evaluation.truth);
+  evaluation.judgement = judge_result(session, with_poses(inputs, stored.result.query_name),
+                                      evaluation.matrix, stored.result, evaluation.truth);
   evaluation.report =
       report_json(stored.result, count_recognitions(stored.result, evaluation.truth),
                   evaluation.judgement, evaluation.truth, stored.fingerprint, session.run);
@@ -122,8 +130,14 @@ void run_protocols(Session& session, const EvalInputs& inputs) {
         ErrorKind::usage,
         "--protocol stands for a ground truth, and its counts are compared with none: leave "
         "out --ground-truth, --dataset and --expect");
-  if (inputs.result.empty())
-    throw Error(ErrorKind::usage, "give a result of vpr-query; --protocol takes no scores alone");
+  if (inputs.result.empty() || !inputs.scores.path.empty())
+    throw Error(ErrorKind::usage, "--protocol takes a result of vpr-query, and no --scores");
+  const PictureInputs& pictures = inputs.pictures;
+  if (!pictures.html.empty() || !pictures.plots.empty() || !inputs.map.folder.empty())
+    throw Error(ErrorKind::usage,
+                "--html, --plot and --map show one protocol: give it as --ground-truth, as in "
+                "--ground-truth nordland-exact");
+  check_score_inputs(inputs.scores, true);
   evaluate_protocols(session, inputs.protocols, inputs.result, inputs.format,
                      [&](const std::string& protocol) {
                        EvalInputs one = inputs;

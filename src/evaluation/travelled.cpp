@@ -63,6 +63,8 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
     // Rounded correctly everywhere, which hypot is not.
     travelled.push_back(travelled.back() + std::sqrt((x - x0) * (x - x0) + (y - y0) * (y - y0)));
   }
+  if (!travelled.empty() && !std::isfinite(travelled.back()))
+    fail("its positions are too far apart for metres");
   return travelled;
 }
 

@@ -4,6 +4,7 @@
 
 #include "evaluation/metrics.h"
 #include "evaluation/recall_at.h"
+#include "report/evaluation_report.h"
 #include "report/metrics_report.h"
 #include "report/plot.h"
 #include "report/png_file.h"
@@ -43,8 +44,8 @@ std::vector<PlotLine> timeline(const Judgement& judgement) {
 void draw_evaluation(const Json& report, const Judgement& judgement, const GroundTruth& truth,
                      const ScoreMatrix* matrix, const std::filesystem::path& folder,
                      const Monitor& monitor) {
-  const std::string title = fmt::format("{} on {}", report["method"].get<std::string>(),
-                                        report["query"].get<std::string>());
+  const std::string title =
+      fmt::format("{} on {}", method_title(report), report["query"].get<std::string>());
   Plot curves{"precision-recall", title, "recall", "precision", false, false, {}, true};
   curves.lines.push_back(curve_line("best matches", judgement.single_best));
   if (judgement.all_pairs)

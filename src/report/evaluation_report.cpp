@@ -12,14 +12,16 @@ Json label_counts_json(const LabelCounts& counts) {
       {"correct", counts.correct}, {"incorrect", counts.incorrect}, {"ignored", counts.ignored}};
 }
 
-void add_sequence_protocol(Json& protocol) {
+void add_sequence_protocol(Json& protocol, Score score) {
+  const std::string measure = score == Score::raw ? "distance" : "standardized score";
   protocol["anchor"] = "a window is judged at its last frame";
-  protocol["hits"] = "window pairs with a distance below the threshold";
+  protocol["hits"] = fmt::format("window pairs with a {} below the threshold", measure);
   protocol["places"] = "clusters of hits, judged at their mean";
   protocol["distinct"] = "correct places";
-  protocol["best_match"] =
-      "the window with the lowest distance, ties to the first; rate = correct / (queries - "
-      "ignored)";
+  protocol["best_match"] = fmt::format(
+      "the window with the lowest {}, ties to the first; rate = correct / (queries - "
+      "ignored)",
+      measure);
   protocol["without_match"] =
       "a query window whose anchor has no match in the ground truth is not among the queries";
 }
@@ -63,7 +65,7 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
   json["best_match"] = best_match_json(counts.best_match);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
-  add_sequence_protocol(json["protocol"]);
+  add_sequence_protocol(json["protocol"], result.settings.score);
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
@@ -87,12 +89,18 @@ Json report_json(const FabmapResult& result, const FabmapCounts& counts, const J
   return json;
 }
 
+std::string method_title(const Json& report) {
+  const std::string method = text(report["method"]);
+  const bool has_score = report.contains("settings") && report["settings"].contains("score");
+  return has_score ? method + ", " + text(report["settings"]["score"]) : method;
+}
+
 Table report_table(const Json& report) {
   const Json& settings = report["settings"];
   const Json& counts = report["counts"];
   const Json& best = report["best_match"];
   Table table;
-  table.title = fmt::format("{} on {} ({})", text(report["method"]), text(report["query"]),
+  table.title = fmt::format("{} on {} ({})", method_title(report), text(report["query"]),
                             text(report["protocol"]["ground_truth"]));
   std::vector<std::string> row;
   const auto add = [&](const std::string& column, const std::string& value) {
@@ -106,7 +114,8 @@ Table report_table(const Json& report) {
   } else {
     add("c_l", text(settings["c_l"]));
     add("t_r", text(settings["t_r"]));
-    add("scale", settings["t_r"].is_string() ? "bits" : text(settings["t_r_scale"]));
+    const std::string automatic = settings.contains("score") ? "mean-z" : "bits";
+    add("scale", settings["t_r"].is_string() ? automatic : text(settings["t_r_scale"]));
   }
   add("hits right", text(counts["hits"]["correct"]));
   add("hits wrong", text(counts["hits"]["incorrect"]));

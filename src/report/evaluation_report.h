@@ -26,4 +26,7 @@ Json protocol_json(const GroundTruth& truth);
 /// One row: the setting and its counts.
 Table report_table(const Json& report);
 
+/// What a report is of, for titles: the method, and the score where it is not raw distances.
+std::string method_title(const Json& report);
+
 }  // namespace vpr

@@ -66,12 +66,19 @@ std::string matrix_html(const Judgement& judgement, const GroundTruth& truth,
       base64(std::as_bytes(std::span(png))));
 }
 
+/// What a number beside a match is: sums of standardized scores are in 1/1024 deviations.
+std::string score_word(const Json& report) {
+  if (report.contains("settings") && report["settings"].contains("score"))
+    return "standardized score (1/1024, summed)";
+  return report["outcomes"]["scores_are"].get<std::string>();
+}
+
 /// What scripts look up: a line of data for each query.
 Json page_data(const Json& report, const Judgement& judgement, const TimelineFrame& frame) {
   Json data;
   data["best"] = report["outcomes"]["best"];
   data["first_frame"] = report["outcomes"]["first_frame"];
-  data["kind"] = report["outcomes"]["scores_are"];
+  data["kind"] = score_word(report);
   data["sequences"] = Json::array();
   for (const auto& sequence : judgement.layout.scope.sequences)
     data["sequences"].push_back(sequence.name);
@@ -220,7 +227,7 @@ std::string html_report(const Json& report, const Judgement& judgement, const Gr
   Json made = report["settings"];
   made.update(report["provenance"]);
   if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
-  const std::string method = report["method"].get<std::string>();
+  const std::string method = method_title(report);
   const std::string query = report["query"].get<std::string>();
   return fill_page(
       kPage,

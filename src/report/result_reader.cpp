@@ -101,10 +101,12 @@ Cell checked_cell(const CellRow& row, const SequenceResult& result, const fs::pa
   const bool fits =
       inside(row[0], result.query_windows) && inside(row[1], result.sequences.size()) &&
       inside(row[2], window_count(result.sequences[static_cast<size_t>(row[1])].frames,
-                                  result.settings.window_length));
+                                  result.settings.window_length)) &&
+      std::in_range<uint32_t>(int64_t{row[3]} + result.score_offset());
   if (!fits)
     throw Error(ErrorKind::data,
-                fmt::format("{}: an index is out of range; run vpr-query again", path.string()));
+                fmt::format("{}: an index or a distance is out of range; run vpr-query again",
+                            path.string()));
   return {static_cast<uint32_t>(row[0]), static_cast<uint32_t>(row[1]),
           static_cast<uint32_t>(row[2]), static_cast<uint32_t>(row[3] + result.score_offset())};
 }

@@ -149,6 +149,18 @@ TEST_CASE("frames that can't be read have no score, and the matrix says so") {
                               cells.begin() + ptrdiff_t((window + 1) * cols)) ==
             rows[4 * window + 3]);
   }
+  // The result and its matrix give the same metrics: windows without scores are in neither.
+  test::write_text(folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n9,two,9\n");
+  const auto metrics = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {folder / "r.json", "--ground-truth", folder / "pairs.csv",
+                                      "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return parse(run_program("vpr-eval", words).out)["metrics"]["single_best"];
+  };
+  const Json own = metrics({});
+  const Json of_matrix = metrics({"--scores", folder / "m.npy"});
+  CHECK(own["to_find"] == of_matrix["to_find"]);
+  CHECK(own["average_precision"] == of_matrix["average_precision"]);
 }
 
 TEST_CASE("vpr-tune sweeps scores and lists their automatic thresholds") {

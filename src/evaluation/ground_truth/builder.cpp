@@ -126,7 +126,10 @@ void GroundTruthBuilder::append(size_t query, const GroundTruth::Pair& pair) {
     }
   }
   if (++runs_ > kMostRuns)
-    fail("its labels change too often for a ground truth; is it a matrix of something else?");
+    fail(
+        "the ground truth has too many labels; is it a matrix of something else, or a tolerance "
+        "too "
+        "large?");
   pairs.push_back(pair);
 }
 

@@ -173,7 +173,16 @@ std::string read_kitti_poses(GroundTruthBuilder& builder) {
 }
 
 bool is_pose_csv(const FileStart& start) {
-  return start.first_line.starts_with("frame,") || start.first_line.starts_with("\"frame\",");
+  std::vector<std::string> names;
+  for (size_t begin = 0; begin <= start.first_line.size();) {
+    const size_t end = std::min(start.first_line.find(',', begin), start.first_line.size());
+    std::string_view name = start.first_line.substr(begin, end - begin);
+    if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
+      name = name.substr(1, name.size() - 2);
+    names.emplace_back(name);
+    begin = end + 1;
+  }
+  return find_pose_columns(names).has_value();
 }
 
 bool is_tum(const FileStart& start) { return has_numbers(start.first_line, 8); }
