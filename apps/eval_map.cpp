@@ -38,6 +38,8 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
   RouteMap map;
   map.query = read_route(query.poses);
   const size_t frames = evaluation.judgement.fixes.size();
+  if (map.query.empty())
+    throw Error(ErrorKind::data, fmt::format("{}: has no poses", query.poses.string()));
   if (map.query.size() > frames)
     throw Error(ErrorKind::data, fmt::format("{}: has poses of {} frames, and the query has {}",
                                              query.poses.string(), map.query.size(), frames));

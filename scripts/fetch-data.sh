@@ -4,7 +4,7 @@
 # Names: put-mc-floor1 vpr-bench gardens-point st-lucia sfu (default: all). DIR: data/downloads.
 # Downloads that were cut off go on where they stopped. Nothing is unpacked before its size is right.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+root=$(cd "$(dirname "$0")/.." && pwd)
 
 declare -A address=(
   [put-mc-floor1]=http://lrm.put.poznan.pl/files/Preludium/SP_PUT_CM_1.tar.gz
@@ -13,12 +13,12 @@ declare -A address=(
   [st-lucia]=https://www.tu-chemnitz.de/etit/proaut/datasets/StLucia_small.zip
   [sfu]=https://www.tu-chemnitz.de/etit/proaut/datasets/SFU.zip
 )
-target=data/downloads
+target=$root/data/downloads
 names=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     --to) [[ $# -ge 2 ]] || { echo "fetch-data: --to needs a folder" >&2; exit 2; }; target=$2; shift ;;
-    -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,5s/^# //p' "$root/scripts/fetch-data.sh"; exit 0 ;;
     *) [[ -n ${address[$1]:-} ]] || { echo "fetch-data: no data set $1; there are: ${!address[*]}" >&2; exit 2; }
        names+=("$1") ;;
   esac
@@ -37,24 +37,28 @@ stated_size() {
 
 # Fetches one address into a file, and checks that all of it came.
 download() {
-  local url=$1 file=$2 size
+  local url=$1 file=$2 size have
   size=$(stated_size "$url") || size=
-  if [[ -n $size && -f $file && $(stat -c %s "$file") == "$size" ]]; then return 0; fi
+  [[ -n $size ]] || echo "fetch-data: the server does not state the size of $url; it is not checked" >&2
+  have=$(stat -c %s "$file" 2>/dev/null || echo 0)
+  [[ -n $size && $have == "$size" ]] && return 0
+  [[ -n $size && $have -lt $size ]] || rm -f "$file" # too long, or nothing to compare with: anew
   curl --fail --location --continue-at - --connect-timeout 20 --retry 3 --output "$file" "$url" || return 1
   [[ -z $size || $(stat -c %s "$file") == "$size" ]] && return 0
   echo "fetch-data: $file has $(stat -c %s "$file") bytes, the server states $size" >&2
   return 1
 }
 
-# Unpacks beside the final folder, then renames: a folder that is there is complete.
+# Unpacks beside the final folder, describes, then renames: a folder that is there is complete.
 unpack() {
-  local archive=$1 folder=$2
+  local name=$1 archive=$2 folder=$3
   rm -rf "$folder.part"
   mkdir "$folder.part"
   case $archive in
-    *.tar.gz) tar -xzf "$archive" -C "$folder.part" ;;
-    *) unzip -q "$archive" -d "$folder.part" ;;
-  esac || return 1
+    *.tar.gz) tar -xzf "$archive" -C "$folder.part" || return 1 ;;
+    *) unzip -q "$archive" -d "$folder.part" || return 1 ;;
+  esac
+  if [[ $name == put-mc-floor1 ]]; then describe_floor1 "$folder.part" || return 1; fi
   mv "$folder.part" "$folder"
 }
 
@@ -87,10 +91,8 @@ for name in "${names[@]}"; do
   echo "$name: from ${address[$name]}"
   if ! download "${address[$name]}" "$archive"; then
     failed+=("$name: could not be fetched whole from ${address[$name]}; run this again to go on, or fetch it by hand into $archive")
-  elif ! unpack "$archive" "$folder"; then
-    failed+=("$name: $archive could not be unpacked; delete it and run this again")
-  elif [[ $name == put-mc-floor1 ]] && ! describe_floor1 "$folder"; then
-    failed+=("$name: is not laid out as its authors say; see $folder")
+  elif ! unpack "$name" "$archive" "$folder"; then
+    failed+=("$name: $archive is no such archive as its authors describe; look into $folder.part, or delete it and run this again")
   else
     echo "$name: is in $folder"
   fi

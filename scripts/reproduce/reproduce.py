@@ -16,7 +16,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BIN = pathlib.Path(os.environ.get("VPR_BIN", ROOT / "build/release/bin"))
+BIN = pathlib.Path(os.environ.get("VPR_BIN") or ROOT / "build/release/bin")
 WORK = ROOT / "out/reproduce"
 
 
@@ -32,6 +32,12 @@ def read(path):
     return json.loads(pathlib.Path(path).read_text())
 
 
+def is_fresh(target, *sources):
+    """Whether a file is there and younger than what it was made from."""
+    return target.exists() and all(
+        target.stat().st_mtime >= source.stat().st_mtime for source in sources)
+
+
 class DataSet:
     """The user's recordings, or a rendered stand-in that is made when first needed."""
 
@@ -41,22 +47,24 @@ class DataSet:
         if self.is_stand_in:
             world = ROOT / f"configs/worlds/{name}.json"
             target = WORK / name
-            stamp = WORK / f"{name}.world.json"
-            if not stamp.exists() or stamp.read_text() != world.read_text():
+            self.description = target / "dataset.json"
+            if not is_fresh(self.description, world, BIN / "vpr-synth"):
                 print(f"rendering {name}", file=sys.stderr)
                 run("vpr-synth", world, "-o", target, "--force")
-                stamp.write_text(world.read_text())
-            self.description = target / "dataset.json"
         else:
             self.description = pathlib.Path(folder) / name / "dataset.json"
             if not self.description.exists():
                 sys.exit(f"reproduce: {self.description} is missing; data/README.md says what it holds")
-        self.title = read(self.description)["name"]
+        description = read(self.description)
+        self.title = description["name"]
+        self.has_places = bool(description.get("places") and description.get("pretrain"))
 
     def train(self, method):
         database = WORK / f"{self.name}{'' if self.is_stand_in else '.data'}.{method}.vprdb"
         options = ["--c-l", 40] if method == "fastable" else []
-        run("vpr-train", method, "--dataset", self.description, *options, "-o", database, "--force")
+        if not is_fresh(database / "manifest.json", self.description, BIN / "vpr-train"):
+            run("vpr-train", method, "--dataset", self.description, *options, "-o", database,
+                "--force")
         return database
 
 
@@ -112,7 +120,8 @@ def measures(counts):
 
 
 def run_grid(experiment, laboratory):
-    """FAB-MAP over c_w and t_p, or OpenABLE over c_l and t_r (matched by FastABLE, checked)."""
+    """FAB-MAP over c_w and t_p, or OpenABLE over c_l and t_r (by FastABLE; the last cell of each
+    query also without re-use, which must give the same)."""
     is_fabmap = experiment["kind"] == "fabmap"
     method, keys = ("fabmap", ("c_w", "t_p")) if is_fabmap else ("fastable", ("c_l", "t_r"))
     groups = {}
@@ -143,6 +152,10 @@ def run_floor(experiment, laboratory):
     """Each row a query of its own."""
     ours = []
     for row in experiment["rows"]:
+        if row["method"] == "FAB-MAP" and not laboratory.data(row["data"]).has_places:
+            print(f"{row['data']}: no FAB-MAP, its dataset.json names no places and pretraining",
+                  file=sys.stderr)
+            continue
         if row["method"] == "FAB-MAP":
             report = laboratory.report("fabmap", row["data"], row["query"], "--c-w", row["c_w"],
                                        "--t-p", row["t_p"])
@@ -203,7 +216,7 @@ def run_bench(experiment, laboratory):
     return rows
 
 
-KINDS = {"fabmap": run_grid, "sequence": run_grid, "floor": run_floor, "maps": run_maps, 
+KINDS = {"fabmap": run_grid, "sequence": run_grid, "floor": run_floor, "maps": run_maps,
          "bench": run_bench}
 
 

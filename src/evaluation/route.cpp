@@ -1,6 +1,7 @@
 #include "evaluation/route.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -50,7 +51,8 @@ class NamedRows {
   }
   double real(std::string_view name) const {
     const auto value = parse_real(text(name));
-    if (!value) location_.fail(fmt::format("\"{}\" is not a number", text(name)));
+    if (!value || !std::isfinite(*value))
+      location_.fail(fmt::format("\"{}\" is not a number", text(name)));
     return *value;
   }
   const FileLocation& location() const { return location_; }

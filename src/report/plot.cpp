@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -126,6 +127,7 @@ void draw_plot(const Plot& plot, const fs::path& folder) {
 
 void draw_plots(const std::vector<Plot>& plots, size_t columns, const std::string& file,
                 const fs::path& folder) {
+  assert(!plots.empty());
   const fs::path stem = folder / file;
   const std::string script = script_of(plots, columns, stem);
   std::FILE* pipe = ::popen("gnuplot 2>/dev/null", "w");

@@ -69,8 +69,9 @@ double distance_to_line(Point p, const GlassFront& line) {
 }
 
 bool is_glass(const Floor& floor, Point middle) {
-  return std::any_of(floor.glass.begin(), floor.glass.end(),
-                     [&](const GlassFront& line) { return distance_to_line(middle, line) < kPlanCellM / 2; });
+  return std::any_of(floor.glass.begin(), floor.glass.end(), [&](const GlassFront& line) {
+    return distance_to_line(middle, line) < kPlanCellM / 2;
+  });
 }
 
 // The corner at which a face begins for who looks at it from the open cell.

@@ -129,7 +129,8 @@ void write_recording(const World& world, const fs::path& folder, const Monitor& 
 
 bool is_recording_folder(const fs::path& folder) {
   std::error_code error;
-  if (!fs::is_regular_file(folder / "dataset.json", error)) return false;
+  for (const char* name : {"dataset.json", "plan.csv"})
+    if (!fs::is_regular_file(folder / name, error)) return false;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (!entry.is_directory()) {

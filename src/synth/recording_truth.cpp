@@ -90,8 +90,8 @@ std::vector<std::string> pretraining_ranges(const World& world, const RecordedWa
   for (size_t first = 0; first < frames;) {
     const auto shows_any = [&](size_t i) {
       return std::any_of(world.places.begin(), world.places.end(), [&](const WorldPlace& place) {
-        return metres_to_place(world, recorded.walk->floor, recorded.poses[i], place)
-                   .value_or(world.place_radius_m + 1) <= world.place_radius_m;
+        const auto metres = metres_to_place(world, recorded.walk->floor, recorded.poses[i], place);
+        return metres && *metres <= std::max(world.place_radius_m, world.place_ignore_m);
       });
     };
     size_t last = first;
@@ -163,7 +163,8 @@ std::string poses_csv(const RecordedWalk& recorded) {
   for (size_t i = 0; i < recorded.poses.size(); ++i) {
     const CameraPose& pose = recorded.poses[i];
     csv += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.2f},{}\n", i, pose.time_s, pose.position.x,
-                       pose.position.y, pose.heading_deg, recorded.walk->floor);
+                       pose.position.y, std::fmod(std::round(pose.heading_deg * 100) / 100, 360),
+                       recorded.walk->floor);
   }
   return csv;
 }

@@ -30,7 +30,8 @@ std::string poses_csv(const RecordedWalk& recorded);
 ///   apart and look the same way within same_heading_deg; they are ignored up to ignore_m;
 /// - a query frame shows a place if it is within place_radius_m and looks as one of its views does
 ///   within same_heading_deg; it is ignored up to place_ignore_m;
-/// - stretches of pretraining walks that would show a place are left out of the data set.
+/// - stretches of pretraining walks that would show a place, or be ignored, are left out.
+/// Walls are not asked: places on two sides of a thin one count as near.
 std::vector<std::pair<std::string, std::string>> recording_texts(
     const World& world, const std::vector<RecordedWalk>& walks);
 

@@ -190,14 +190,16 @@ Texture paint_wall(const World& world, size_t floor, const FloorNames& names, co
 }
 
 // Light falls on floor and ceiling in the same pattern.
-cv::Mat light_map(const FloorPlan& plan) {
+cv::Mat light_map(const FloorPlan& plan, const Monitor& monitor) {
   cv::Mat map(plan.rows * 2, plan.columns * 2, CV_32F, cv::Scalar(kAmbientLight));
-  for (int y = 0; y < map.rows; ++y)
+  parallel_for(static_cast<size_t>(map.rows), monitor, [&](size_t row) {
+    const int y = static_cast<int>(row);
     for (int x = 0; x < map.cols; ++x) {
       const Point p{plan.origin.x + (x + 0.5) * kLightStepM,
                     plan.origin.y + (y + 0.5) * kLightStepM};
       if (plan.is_open(p)) map.at<float>(y, x) = static_cast<float>(light_at(plan, p));
     }
+  });
   return map;
 }
 
@@ -279,7 +281,7 @@ Scene make_scene(const World& world, size_t floor, const Monitor& monitor) {
   parallel_for(scene.walls.size(), monitor, [&](size_t i) {
     scene.walls[i] = paint_wall(world, floor, names, finish, scene.plan, i);
   });
-  const cv::Mat light = light_map(scene.plan);
+  const cv::Mat light = light_map(scene.plan, monitor);
   scene.floor = paint_floor(world, names, scene.plan, light);
   scene.ceiling = paint_ceiling(world, names, scene.plan, light);
   return scene;

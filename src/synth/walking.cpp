@@ -63,19 +63,20 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
     if (!plan.is_open({point.x + dx, point.y + dy}))
       throw Error(ErrorKind::usage,
                   fmt::format("the walk {} comes too close to a wall at x {:.2f}, y {:.2f}; move "
-                              "its path",
+                              "its path, or lower its shake",
                               walk.name, point.x, point.y));
 }
 
 }  // namespace
 
-Path::Path(const std::vector<std::vector<double>>& corners) {
+Path::Path(const std::vector<std::vector<double>>& given) {
+  std::vector<std::vector<double>> corners = given;
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
   const auto corner = [&](size_t i) { return Point{corners[i][0], corners[i][1]}; };
   points_.push_back(corner(0));
   for (size_t i = 1; i + 1 < corners.size(); ++i) {
     const Point before = corner(i - 1), here = corner(i), after = corner(i + 1);
     const double in = distance(before, here), out = distance(here, after);
-    if (in == 0 || out == 0) continue;
     const double turn = std::min({kCornerM, in / 2, out / 2});
     const Point enter = between_points(here, before, turn / in);
     const Point leave = between_points(here, after, turn / out);

@@ -13,7 +13,9 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kNameLetters =
     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
-constexpr double kMostMetres = 500;  // a side of a plan, or a coordinate
+constexpr double kMostMetres = 500;     // of a coordinate
+constexpr double kMostPlanM2 = 20'000;  // painted at 64 x 64 texels a square metre
+constexpr size_t kMostLetters = 100;
 constexpr uint64_t kMostFrames = 100'000;
 
 // Collects what to complain about: one world, named in every message.
@@ -35,12 +37,28 @@ class Checker {
   void names(std::set<std::string>& seen, const std::string& name, std::string_view what) const {
     require(!name.empty() && name.find_first_not_of(kNameLetters) == std::string::npos,
             fmt::format("the name of a {} must be of letters, digits, - and _", what));
+    require(name.size() <= kMostLetters,
+            fmt::format("the name of a {} must have at most {} letters", what, kMostLetters));
     require(seen.insert(name).second, fmt::format("the name {} is given twice", name));
   }
 
  private:
   std::string where_;
 };
+
+void check_extent(const Floor& floor, const Checker& check) {
+  double left = kMostMetres, bottom = kMostMetres, right = -kMostMetres, top = -kMostMetres;
+  for (const Room& room : floor.rooms) {
+    left = std::min(left, room.x);
+    bottom = std::min(bottom, room.y);
+    right = std::max(right, room.x + room.width);
+    top = std::max(top, room.y + room.depth);
+  }
+  check.require((right - left) * (top - bottom) <= kMostPlanM2 && right - left <= kMostMetres &&
+                    top - bottom <= kMostMetres,
+                fmt::format("the floor {} is {} m x {} m; at most {} square metres are possible",
+                            floor.name, right - left, top - bottom, kMostPlanM2));
+}
 
 void check_floor(const World& world, size_t index, const Checker& check) {
   const Floor& floor = world.floors[index];
@@ -65,6 +83,7 @@ void check_floor(const World& world, size_t index, const Checker& check) {
     check.on_grid(room.depth, "depth of a room");
     check.require(room.width > 0 && room.depth > 0, "a room must be wider and deeper than 0");
   }
+  check_extent(floor, check);
   const auto in_rooms = [&](double x, double y) {
     return std::any_of(floor.rooms.begin(), floor.rooms.end(), [&](const Room& room) {
       return x >= room.x && y >= room.y && x < room.x + room.width && y < room.y + room.depth;

@@ -274,6 +274,9 @@ TEST_CASE("a map shows one result or two of the same query, as SVG and PNG") {
     return run_program("vpr-eval", words);
   };
   CHECK(eval({"--map", out / "m"}).exit_code == 2);  // without a data set
+  fs::copy(world().folder / "walk", out / "walk", fs::copy_options::recursive);
+  test::write_text(out / "walk/back/poses.csv", "frame,x,y\n");
+  CHECK(eval({"--dataset", out / "walk/dataset.json", "--map", out / "m"}).exit_code == 4);
   CHECK(eval({"--dataset", world().dataset(), "--map-with", out / "b.json"}).exit_code == 2);
   const auto drawn =
       eval({"--dataset", world().dataset(), "--map", out / "m", "--map-with", out / "b.json"});

@@ -177,6 +177,10 @@ TEST_CASE("worlds with mistakes are refused with a reason") {
   CHECK(refused([](Json& w) { w["image_width"] = 1000000; }));
   CHECK(refused([](Json& w) { w["walks"][0]["frames"] = 1000000; }));
   CHECK(refused([](Json& w) { w["walks"][0]["speed_m_s"] = 0; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["name"] = std::string(300, 'a'); }));
+  CHECK(refused([](Json& w) {
+    w["floors"][0]["rooms"].push_back({{"x", 400}, {"y", 400}, {"width", 2}, {"depth", 2}});
+  }));
   CHECK(refused([](Json& w) { w["colour"] = "red"; }));
   CHECK(refused([](Json& w) {
     w["places"] =

@@ -100,6 +100,13 @@ TEST_CASE("a walk of one corner stands still, and one of one frame is at its sta
   CHECK(found[0].position.x == Approx(1));
 }
 
+TEST_CASE("a corner that is given twice counts once") {
+  const Walk once = walk_along({{1, 1.5}, {18.5, 1.5}, {18.5, 11}}, 60);
+  const Walk twice = walk_along({{1, 1.5}, {18.5, 1.5}, {18.5, 1.5}, {18.5, 11}}, 60);
+  const auto a = poses(corridor_world(), once), b = poses(corridor_world(), twice);
+  for (size_t i = 0; i < a.size(); ++i) CHECK(a[i].position.x == b[i].position.x);
+}
+
 TEST_CASE("a walk through a wall is an error that says where") {
   const World world = corridor_world();
   CHECK(test::error_kind([&] {
