@@ -43,7 +43,14 @@ download() {
   have=$(stat -c %s "$file" 2>/dev/null || echo 0)
   [[ -n $size && $have == "$size" ]] && return 0
   [[ -n $size && $have -lt $size ]] || rm -f "$file" # too long, or nothing to compare with: anew
-  curl --fail --location --continue-at - --connect-timeout 20 --retry 3 --output "$file" "$url" || return 1
+  local fetch=(curl --fail --location --connect-timeout 20 --retry 3 --output "$file") code=0
+  "${fetch[@]}" --continue-at - "$url" || code=$?
+  if [[ $code == 33 ]]; then # the server can't go on in the middle
+    rm -f "$file"
+    code=0
+    "${fetch[@]}" "$url" || code=$?
+  fi
+  [[ $code == 0 ]] || return 1
   [[ -z $size || $(stat -c %s "$file") == "$size" ]] && return 0
   echo "fetch-data: $file has $(stat -c %s "$file") bytes, the server states $size" >&2
   return 1
