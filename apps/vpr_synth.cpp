@@ -1,4 +1,4 @@
-// vpr-synth: renders a small world with known positions.
+// vpr-synth: renders walks through a building, with their ground truth.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -20,9 +20,9 @@ int main(int argc, char** argv) {
     if (program.app().count("--seed") > 0) world.seed = session.options.seed;
     vpr::OutputFolder folder(session.options.output, session.options.existing(),
                              vpr::is_recording_folder);
-    vpr::write_recording(world, folder.temporary(), session.monitor);
+    const vpr::RecordingSize size =
+        vpr::write_recording(world, folder.temporary(), session.monitor);
     folder.commit();
-    const vpr::RecordingSize size = vpr::recording_size(world);
     session.print_result(
         fmt::format("{}: {} walks, {} frames, {} views of {} places\n", session.options.output,
                     world.walks.size(), size.frames, size.views, world.places.size()),

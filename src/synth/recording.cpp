@@ -108,16 +108,11 @@ bool holds_only(const fs::path& folder, const std::set<std::string>& others) {
 
 }  // namespace
 
-RecordingSize recording_size(const World& world) {
-  RecordingSize size;
-  for (const RecordedWalk& recorded : record_walks(world)) size.frames += recorded.poses.size();
-  for (const WorldPlace& place : world.places) size.views += place.headings.size();
-  return size;
-}
-
-void write_recording(const World& world, const fs::path& folder, const Monitor& monitor) {
+RecordingSize write_recording(const World& world, const fs::path& folder, const Monitor& monitor) {
   const std::vector<RecordedWalk> walks = record_walks(world);
-  const RecordingSize size = recording_size(world);
+  RecordingSize size;
+  for (const RecordedWalk& recorded : walks) size.frames += recorded.poses.size();
+  for (const WorldPlace& place : world.places) size.views += place.headings.size();
   StepCounter counter(monitor, "render", size.frames + size.views);
   const Studio studio{world, make_camera(world), make_cast(world.seed), monitor, counter};
   if (!world.places.empty()) fs::create_directory(folder / "places");
@@ -125,6 +120,7 @@ void write_recording(const World& world, const fs::path& folder, const Monitor& 
     render_floor(studio, floor, walks, folder);
   for (const auto& [name, text] : recording_texts(world, walks))
     write_file(folder / name, text, Existing::refuse);
+  return size;
 }
 
 bool is_recording_folder(const fs::path& folder) {

@@ -13,20 +13,16 @@ struct RecordingSize {
   size_t views = 0;   ///< of places
 };
 
-/// Frames and views that write_recording would render. Throws Error(usage) if a walk or a view
-/// stands in a wall.
-RecordingSize recording_size(const World& world);
-
 /// Into an existing folder:
 ///   WALK/00000.jpg ..., WALK/poses.csv  frame,time,x,y,heading,floor of every walk
 ///   places/PLACE/0.jpg ..., places.csv  place,view,x,y,heading,floor of every view of a place
 ///   plan.csv                            floor,x0,y0,x1,y1,kind of every wall
 ///   WALK.ground_truth.csv, WALK.places.csv  of every query, against training frames and places
 ///   dataset.json                        all of it as vpr.dataset/1
-/// Byte-identical for a world, on any number of threads. Throws Error(usage) if a walk or a view
-/// stands in a wall, Error(output) if a file can't be written.
-void write_recording(const World& world, const std::filesystem::path& folder,
-                     const Monitor& monitor);
+/// Returns what was rendered. Byte-identical for a world, on any number of threads. Throws
+/// Error(usage) if a walk or a view stands in a wall, Error(output) if a file can't be written.
+RecordingSize write_recording(const World& world, const std::filesystem::path& folder,
+                              const Monitor& monitor);
 
 /// Whether a folder holds what write_recording writes, and nothing else.
 bool is_recording_folder(const std::filesystem::path& folder);
