@@ -8,12 +8,15 @@
 #include <cstdlib>
 #include <new>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
 #include "base/simd.h"
@@ -76,33 +79,35 @@ void Session::print_result(const std::string& text, const Json& json) const {
 
 Program::Program(const std::string& name, const std::string& description,
                  const std::string& example)
-    : name_(name), app_(description, name) {
-  app_.footer("Example:\n" + example +
-              "\n\nExit codes: 0 done, 1 internal error, 2 usage, 3 input or output, 4 damaged or "
-              "unfit data,\n5 expectation not met, 130 interrupted.");
-  app_.set_version_flag("--version",
-                        fmt::format("{} {} ({})", name, program_version(), program_commit()));
-  app_.get_formatter()->column_width(34);
+    : name_(name), app_(std::make_unique<CLI::App>(description, name)) {
+  app_->footer("Example:\n" + example +
+               "\n\nExit codes: 0 done, 1 internal error, 2 usage, 3 input or output, 4 damaged or "
+               "unfit data,\n5 expectation not met, 130 interrupted.");
+  app_->set_version_flag("--version",
+                         fmt::format("{} {} ({})", name, program_version(), program_commit()));
+  app_->get_formatter()->column_width(34);
 }
 
-CLI::App& Program::add_command(const std::string& name, const std::string& description,
-                               const std::string& example, std::function<void(Session&)> run) {
-  CLI::App* command = app_.add_subcommand(name, description);
-  command->footer("Example:\n" + example);
-  add_common_flags(*command);
-  command->callback([this, run = std::move(run)] { run_ = run; });
-  if (!run_) app_.require_subcommand(1);
-  return *command;
+Program::~Program() = default;
+
+Command Program::add_command(const std::string& name, const std::string& description,
+                             const std::string& example, std::function<void(Session&)> run) {
+  CLI::App& app = *app_->add_subcommand(name, description);
+  app.footer("Example:\n" + example);
+  add_common_flags(Command(app));
+  app.callback([this, run = std::move(run)] { run_ = run; });
+  if (!run_) app_->require_subcommand(1);
+  return Command(app);
 }
 
 void Program::set_run(std::function<void(Session&)> run) {
-  app_.require_subcommand(0, 1);
-  add_common_flags(app_);
-  app_.require_subcommand(0, 1);
+  app_->require_subcommand(0, 1);
+  add_common_flags(command());
+  app_->require_subcommand(0, 1);
   run_ = std::move(run);
 }
 
-void Program::add_common_flags(CLI::App& command) {
+void Program::add_common_flags(const Command& command) {
   command.add_option("-o,--output", common_.output, "where the result goes");
   add_setting(command, "--threads", common_.threads,
               fmt::format("threads to use; 0: all cores{}",
@@ -115,9 +120,9 @@ void Program::add_common_flags(CLI::App& command) {
   command.add_flag("--json", common_.json, "print the result as JSON on standard output");
 }
 
-void Program::add_config_option(CLI::App& command,
+void Program::add_config_option(const Command& command,
                                 std::function<void(const Json&, const std::string&)> apply) {
-  command
+  command.parser()
       .add_option_function<std::string>(
           "--config",
           [this, apply = std::move(apply)](const std::string& path) {
@@ -165,13 +170,13 @@ int Program::main(int argc, char** argv) {
   set_up_process();
   try {
     if (argc == 3 && std::string_view(argv[1]) == "--completion") {  // for the installation
-      fmt::print("{}", command_text(describe_commands(app_), argv[2], program_version()));
+      fmt::print("{}", command_text(describe_commands(*app_), argv[2], program_version()));
       return 0;
     }
     try {
-      app_.parse(argc, argv);
+      app_->parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-      if (error.get_exit_code() == 0) return app_.exit(error);  // --help, --version
+      if (error.get_exit_code() == 0) return app_->exit(error);  // --help, --version
       throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), name_));
     }
     run_session(argc, argv);
@@ -199,15 +204,6 @@ Json flag_value(const std::string& text) {
   if (const auto negative = parse(int64_t{})) return *negative;
   if (const auto real = parse(double{}); real && std::isfinite(real->get<double>())) return *real;
   return text;
-}
-
-CLI::Option* add_list(CLI::App& command, const std::string& flag, std::vector<std::string>& values,
-                      const std::string& help) {
-  return command.add_option(flag, values, help)
-      ->expected(1)
-      ->take_all()
-      ->allow_extra_args(false)
-      ->type_name("TEXT");
 }
 
 size_t parse_bytes(const std::string& text, const std::string& flag) {

@@ -2,17 +2,18 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/json.h"
 #include "base/monitor.h"
 #include "base/output_file.h"
+#include "flags.h"
 #include "matching/hamming_kernels.h"
 #include "report/run_info.h"
 
@@ -72,19 +73,21 @@ struct Session {
 class Program {
  public:
   Program(const std::string& name, const std::string& description, const std::string& example);
+  ~Program();
 
-  CLI::App& app() { return app_; }
+  /// The program's own flags.
+  Command command() { return Command(*app_); }
   /// Threads where --threads is not given; 0: all cores.
   void set_default_threads(uint64_t threads) { common_.threads = threads; }
   /// A command with its own --help and the common flags. The work is done by `run`.
-  CLI::App& add_command(const std::string& name, const std::string& description,
-                        const std::string& example, std::function<void(Session&)> run);
+  Command add_command(const std::string& name, const std::string& description,
+                      const std::string& example, std::function<void(Session&)> run);
   /// The program itself is the command, where none of its others is named.
   void set_run(std::function<void(Session&)> run);
 
   /// --config FILE fills `settings` and the common options before any flag does.
   template <class S>
-  void add_config(CLI::App& command, S& settings) {
+  void add_config(const Command& command, S& settings) {
     add_config_option(command, [this, &settings](const Json& json, const std::string& where) {
       ConfigKeys<S> keys{settings, common_};
       value_from_json(json, keys, where, "the configuration");
@@ -95,13 +98,13 @@ class Program {
   int main(int argc, char** argv);
 
  private:
-  void add_common_flags(CLI::App& command);
-  void add_config_option(CLI::App& command,
+  void add_common_flags(const Command& command);
+  void add_config_option(const Command& command,
                          std::function<void(const Json&, const std::string&)> apply);
   void run_session(int argc, char** argv);
 
   std::string name_;
-  CLI::App app_;
+  std::unique_ptr<CLI::App> app_;
   CommonOptions common_;
   std::function<void(Session&)> run_;
 };
@@ -128,22 +131,18 @@ std::string value_name() {
 
 /// A flag that sets one field of a settings struct, with the same checks as in a file.
 template <class T>
-CLI::Option* add_setting(CLI::App& command, const std::string& flag, T& field,
-                         const std::string& help) {
+Flag add_setting(const Command& command, const std::string& flag, T& field,
+                 const std::string& help) {
   return command
-      .add_option_function<std::string>(
+      .add_option(
           flag,
           [&field, flag](const std::string& text) {
             const bool is_text = std::is_same_v<T, std::string> || kIsEnumField<T>;
             value_from_json(is_text ? Json(text) : flag_value(text), field, "command line", flag);
           },
           help)
-      ->type_name(value_name<T>());
+      .type_name(value_name<T>());
 }
-
-/// A flag that may be given several times; each value stands as it is.
-CLI::Option* add_list(CLI::App& command, const std::string& flag, std::vector<std::string>& values,
-                      const std::string& help);
 
 /// Bytes from "512M", "2G", "1000000"; K, M, G are powers of 1024. Throws Error(usage).
 size_t parse_bytes(const std::string& text, const std::string& flag);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.h"
 #include "evaluation/ground_truth/check.h"
 #include "evaluation/ground_truth/formats.h"
 #include "report/ground_truth_report.h"
@@ -27,16 +28,16 @@ void run(Session& session, const CheckInputs& inputs) {
 }  // namespace
 
 void add_check(Program& program, CheckInputs& inputs) {
-  CLI::App& command = program.add_command(
+  const Command command = program.add_command(
       "check",
       "Look for what is odd in a ground truth: indices out of range, contradictions (exit code 4), "
       "duplicates, one-sided pairs, queries without a match.",
       "  vpr-eval check ground_truth.csv --query corridor/query --train corridor/ref\n"
       "  vpr-eval check GT.npz --json",
       [&inputs](Session& session) { run(session, inputs); });
-  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help())->required();
+  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
   add_setting(command, "--tolerance", inputs.tolerance_frames, "in frames (default 0)")
-      ->check(CLI::NonNegativeNumber);
+      .non_negative();
   add_setting(command, "--format", inputs.format, "of the table: text, csv, markdown or latex");
   add_ground_truth_flags(command, inputs.flags);
   add_scope_flags(command, inputs.scope);

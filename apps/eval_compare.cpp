@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.h"
 #include "base/stopwatch.h"
 #include "report/comparison_report.h"
 
@@ -78,7 +79,7 @@ void run_compare(Session& session, const CompareInputs& inputs) {
 }  // namespace
 
 void add_compare(Program& program, CompareInputs& inputs) {
-  CLI::App& command = program.add_command(
+  const Command command = program.add_command(
       "compare", "Compare reports of methods on the same queries.",
       "  vpr-eval compare mine.json theirs.json\n"
       "  vpr-eval compare a.json b.json c.json --block 40 --json > comparison.json",
@@ -87,8 +88,8 @@ void add_compare(Program& program, CompareInputs& inputs) {
       .add_option("REPORT", inputs.reports,
                   "reports of vpr-eval; the first is what the others "
                   "are compared with")
-      ->required()
-      ->expected(2, 1000);
+      .required()
+      .expected(2, 1000);
   add_setting(command, "--block", inputs.block,
               "queries that are drawn together, since neighbours depend on each other (default: "
               "the longest window, at least 10)");

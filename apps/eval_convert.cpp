@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "evaluation/ground_truth/check.h"
 #include "evaluation/ground_truth/formats.h"
 
@@ -50,7 +51,7 @@ void run(Session& session, const ConvertInputs& inputs) {
 }  // namespace
 
 void add_convert(Program& program, ConvertInputs& inputs) {
-  CLI::App& command = program.add_command(
+  const Command command = program.add_command(
       "convert", "Turn a ground truth into another format.",
       "  vpr-eval convert ground_truth_new.npy --to pairs -o pairs.csv\n"
       "  vpr-eval convert query.csv --ground-truth-reference ref.csv --radius 5 --to mask "
@@ -58,11 +59,11 @@ void add_convert(Program& program, ConvertInputs& inputs) {
       "  vpr-eval convert aligned --tolerance 3 --query-frames 111 --train-frames 111 --to matrix "
       "-o GT.npz",
       [&inputs](Session& session) { run(session, inputs); });
-  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help())->required();
-  command.add_option("--to", inputs.target, format_names(is_written))->required();
+  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
+  command.add_option("--to", inputs.target, format_names(is_written)).required();
   add_setting(command, "--tolerance", inputs.tolerance_frames,
               "in frames; becomes part of what is written (default 0)")
-      ->check(CLI::NonNegativeNumber);
+      .non_negative();
   add_ground_truth_flags(command, inputs.flags, "--from,--ground-truth-format");
   add_scope_flags(command, inputs.scope);
 }

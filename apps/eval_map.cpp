@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "report/evaluation_report.h"
 #include "report/plot.h"
 #include "report/route_map.h"
@@ -53,17 +55,17 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
 
 }  // namespace
 
-void add_map_options(CLI::App& app, MapInputs& inputs) {
+void add_map_options(const Command& app, MapInputs& inputs) {
   app.add_option("--map", inputs.folder,
                  "draw plan, training paths and recognitions along the query's path as SVG and PNG "
                  "into this folder; needs --dataset with poses")
-      ->group("Pictures")
-      ->type_name("FOLDER");
+      .group("Pictures")
+      .type_name("FOLDER");
   app.add_option("--map-with", inputs.with,
                  "a second result of the same query, on a map beside the first (FAB-MAP and "
                  "FastABLE, say)")
-      ->group("Pictures")
-      ->type_name("RESULT");
+      .group("Pictures")
+      .type_name("RESULT");
 }
 
 void check_map_inputs(const Session& session, const MapInputs& inputs, const std::string& dataset) {

@@ -13,7 +13,7 @@ struct MapInputs {
   std::string with;  ///< a second result
 };
 
-void add_map_options(CLI::App& app, MapInputs& inputs);
+void add_map_options(const Command& app, MapInputs& inputs);
 
 /// Throws Error(usage) for flags that do not go together, and as the checks of outputs do. Call it
 /// before long work.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "report/evaluation_plots.h"
 #include "report/html_report.h"
 #include "report/plot.h"
@@ -68,24 +69,24 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
 
 }  // namespace
 
-void add_picture_options(CLI::App& app, PictureInputs& inputs) {
+void add_picture_options(const Command& app, PictureInputs& inputs) {
   const std::string group = "Pictures";
   app.add_option("--html", inputs.html,
                  "write a report with pictures: one file that opens anywhere, without a network")
-      ->group(group)
-      ->type_name("FILE");
+      .group(group)
+      .type_name("FILE");
   app.add_option("--plot", inputs.plots,
                  "draw curves, timeline and matrix as SVG and PNG into this folder")
-      ->group(group)
-      ->type_name("FOLDER");
+      .group(group)
+      .type_name("FOLDER");
   app.add_option("--query", inputs.query,
                  "the query's frames for --html: a sequence, or its name in the data set")
-      ->group(group)
-      ->type_name("SEQUENCE");
-  add_list(app, "--train", inputs.train,
-           "a training sequence for --html; repeat it in the order of the database")
-      ->group(group)
-      ->type_name("SEQUENCE");
+      .group(group)
+      .type_name("SEQUENCE");
+  app.add_list("--train", inputs.train,
+               "a training sequence for --html; repeat it in the order of the database")
+      .group(group)
+      .type_name("SEQUENCE");
 }
 
 void check_picture_outputs(const Session& session, const PictureInputs& inputs) {

@@ -17,7 +17,7 @@ struct PictureInputs {
   std::vector<std::string> train;
 };
 
-void add_picture_options(CLI::App& app, PictureInputs& inputs);
+void add_picture_options(const Command& app, PictureInputs& inputs);
 
 /// Throws as the checks of outputs do. Call it before long work.
 void check_picture_outputs(const Session& session, const PictureInputs& inputs);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.h"
 #include "base/stopwatch.h"
 #include "evaluation/ground_truth/presets.h"
 #include "report/evaluation_report.h"

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "base/json_fwd.h"
 #include "command.h"
 #include "report/table.h"
 

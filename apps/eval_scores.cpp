@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "evaluation/metrics.h"
 #include "evaluation/travelled.h"
 #include "report/matrix_file.h"
@@ -26,38 +27,38 @@ void warn_negative(const Session& session, const ScoreInputs& inputs, const Judg
 
 }  // namespace
 
-void add_score_options(CLI::App& app, ScoreInputs& inputs) {
+void add_score_options(const Command& app, ScoreInputs& inputs) {
   const std::string group = "Scores";
   app.add_option("--scores", inputs.path,
                  "query x reference matrix of any program (.npy); with RESULT: the matrix that was "
                  "saved with it")
-      ->group(group)
-      ->type_name("FILE");
-  auto* distance =
-      app.add_flag("--distance", inputs.is_distance, "small scores are good")->group(group);
+      .group(group)
+      .type_name("FILE");
+  const Flag distance =
+      app.add_flag("--distance", inputs.is_distance, "small scores are good").group(group);
   app.add_flag("--similarity", inputs.is_similarity, "large scores are good")
-      ->group(group)
-      ->excludes(distance);
+      .group(group)
+      .excludes(distance);
   app.add_flag("--references-first", inputs.references_first,
                "rows of the matrix are references, columns are queries")
-      ->group(group);
+      .group(group);
   add_setting(app, "--missing", inputs.missing, "this value is no score (NaN never is)")
-      ->group(group);
+      .group(group);
   add_setting(app, "--window", inputs.window_length,
               "rows and columns are windows of so many frames, judged at their last (default 1)")
-      ->group(group);
+      .group(group);
   add_setting(app, "--threshold", inputs.threshold,
               "best matches from this score on count as recognised along the path (default: that "
               "of recall at 100 % precision)")
-      ->group(group);
+      .group(group);
   app.add_option("--name", inputs.name, "of the method in tables (default: the file's)")
-      ->group(group);
+      .group(group);
   app.add_option(
          "--poses", inputs.poses,
          "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too (default: "
          "those that the data set names)")
-      ->group(group)
-      ->type_name("FILE");
+      .group(group)
+      .type_name("FILE");
 }
 
 std::string metrics_help() {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "base/json_fwd.h"
 #include "command.h"
 #include "evaluation/judgement.h"
 #include "images/dataset.h"
@@ -32,7 +33,7 @@ struct Evaluation {
   std::optional<ScoreMatrix> matrix;
 };
 
-void add_score_options(CLI::App& app, ScoreInputs& inputs);
+void add_score_options(const Command& app, ScoreInputs& inputs);
 
 /// What the metrics are, for --help.
 std::string metrics_help();

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "report/png_file.h"
 #include "report/result_file.h"
 #include "report/table.h"

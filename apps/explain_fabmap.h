@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "base/json_fwd.h"
 #include "command.h"
 #include "images/sequence.h"
 #include "pipeline/fabmap_explain.h"

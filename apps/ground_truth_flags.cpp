@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/json.h"
 #include "evaluation/ground_truth/formats.h"
 #include "evaluation/ground_truth/presets.h"
 
 namespace vpr {
 namespace {
 
-void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
+void add_number(const Command& command, const std::string& flag, std::optional<double>& value,
                 const std::string& help) {
-  command.add_option(flag, value, help)->type_name("NUMBER")->group(kGroundTruthGroup);
+  command.add_option(flag, value, help).type_name("NUMBER").group(kGroundTruthGroup);
 }
 
 }  // namespace
@@ -23,10 +24,10 @@ std::string ground_truth_help() {
                      fmt::join(presets, ", "));
 }
 
-void add_ground_truth_flags(CLI::App& command, GroundTruthFlags& flags,
+void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
                             const std::string& format_flag) {
   const auto add = [&](const std::string& flag, std::string& value, const std::string& help) {
-    command.add_option(flag, value, help)->group(kGroundTruthGroup);
+    command.add_option(flag, value, help).group(kGroundTruthGroup);
   };
   add(format_flag, flags.format, fmt::format("default: found by content; {}", format_summaries()));
   add("--ground-truth-reference", flags.reference,
@@ -40,7 +41,7 @@ void add_ground_truth_flags(CLI::App& command, GroundTruthFlags& flags,
   add("--soft", flags.soft, "matrix: .npy file of pairs to ignore");
   add_setting(command, "--matrix-rows", flags.options.matrix_rows,
               "matrix, mask: rows are query or reference frames (default: as the format's authors)")
-      ->group(kGroundTruthGroup);
+      .group(kGroundTruthGroup);
 }
 
 GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags) {

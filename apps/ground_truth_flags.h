@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/json_fwd.h"
 #include "command.h"
 #include "evaluation/ground_truth.h"
 
@@ -24,7 +25,7 @@ std::string ground_truth_help();
 
 /// Adds the flags, in a group of their own in the help. `format_flag`: what --ground-truth-format
 /// is called.
-void add_ground_truth_flags(CLI::App& command, GroundTruthFlags& flags,
+void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
                             const std::string& format_flag = "--ground-truth-format");
 
 /// `argument` with what the flags say; a flag wins over a data set.

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include "base/checksum.h"
+#include "base/error.h"
+#include "base/json.h"
 #include "base/npy.h"
 #include "base/stopwatch.h"
 #include "database/openfabmap.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "evaluation/ground_truth.h"
 
 namespace vpr {

@@ -1,7 +1,9 @@
 #include "scope_inputs.h"
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 
+#include "base/error.h"
 #include "evaluation/counts.h"
 #include "images/frames.h"
 #include "report/fabmap_result_file.h"
@@ -33,19 +35,19 @@ GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& mo
 
 }  // namespace
 
-void add_scope_flags(CLI::App& command, ScopeInputs& inputs) {
+void add_scope_flags(const Command& command, ScopeInputs& inputs) {
   constexpr const char* kGroup = "Numbers of frames (default: those of the ground truth)";
-  command.add_option("--result", inputs.result, "those of a result of vpr-query")->group(kGroup);
+  command.add_option("--result", inputs.result, "those of a result of vpr-query").group(kGroup);
   command.add_option("--query", inputs.query, "those of this query: folder, list or video")
-      ->group(kGroup);
-  add_list(command, "--train", inputs.train, "and of this training sequence; repeatable")
-      ->group(kGroup);
+      .group(kGroup);
+  command.add_list("--train", inputs.train, "and of this training sequence; repeatable")
+      .group(kGroup);
   command.add_option("--query-frames", inputs.query_frames, "a number")
-      ->type_name("NUMBER")
-      ->group(kGroup);
+      .type_name("NUMBER")
+      .group(kGroup);
   command.add_option("--train-frames", inputs.train_frames, "a number")
-      ->type_name("NUMBER")
-      ->group(kGroup);
+      .type_name("NUMBER")
+      .group(kGroup);
 }
 
 GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {

@@ -18,7 +18,7 @@ struct ScopeInputs {
   std::optional<uint64_t> train_frames;
 };
 
-void add_scope_flags(CLI::App& command, ScopeInputs& inputs);
+void add_scope_flags(const Command& command, ScopeInputs& inputs);
 
 /// Videos are read to count their frames. Throws Error(usage) if more than one source is given, or
 /// only one side.

@@ -1,6 +1,8 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of every view.
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "database/openfabmap.h"
 #include "images/dataset.h"
 #include "pipeline/fabmap_train.h"
@@ -96,9 +98,9 @@ std::vector<GroupArgument> group_arguments(const TrainInputs& train,
   return groups;
 }
 
-void add_place_option(CLI::App& command, std::vector<std::string>& places) {
-  add_list(command, "--place", places,
-           "NAME=SEQUENCE: its frames are views of one place; repeatable (FAB-MAP)");
+void add_place_option(const Command& command, std::vector<std::string>& places) {
+  command.add_list("--place", places,
+                   "NAME=SEQUENCE: its frames are views of one place; repeatable (FAB-MAP)");
 }
 
 std::string fabmap_summary(const FabmapDatabase& database, const std::string& path) {
@@ -134,7 +136,7 @@ Json fabmap_json(const FabmapDatabase& database, const RunInfo& run) {
 void add_fabmap_command(Program& program, FabmapCommand& command) {
   FabmapInputs& fabmap_inputs = command.inputs;
   FabmapTrainSettings& fabmap_settings = command.settings;
-  CLI::App& fabmap = program.add_command(
+  const Command fabmap = program.add_command(
       "fabmap", "A database for FAB-MAP: visual words of local features.",
       "  vpr-train fabmap --pretrain other/building --train corridor --features sift --words 500 "
       "-o fabmap.vprdb\n"
@@ -151,8 +153,8 @@ void add_fabmap_command(Program& program, FabmapCommand& command) {
                              fabmap_json(database, session.run));
       });
   program.add_config(fabmap, fabmap_settings);
-  add_list(fabmap, "--pretrain", fabmap_inputs.pretrain,
-           "sequence of other places, for the vocabulary and the tree; repeatable");
+  fabmap.add_list("--pretrain", fabmap_inputs.pretrain,
+                  "sequence of other places, for the vocabulary and the tree; repeatable");
   add_inputs(fabmap, fabmap_inputs.train);
   add_place_option(fabmap, fabmap_inputs.places);
   fabmap.add_option("--dataset", fabmap_inputs.train.dataset,

@@ -1,14 +1,15 @@
 #include "train_inputs.h"
 
+#include "base/error.h"
 #include "database/archive.h"
 #include "images/dataset.h"
 
 namespace vpr {
 
-void add_inputs(CLI::App& command, TrainInputs& inputs) {
-  add_list(command, "--train", inputs.sequences,
-           "training sequence: a folder of images, a list (.txt) or a video, with an "
-           "optional range PATH@FIRST:LAST[:STEP]; repeatable");
+void add_inputs(const Command& command, TrainInputs& inputs) {
+  command.add_list("--train", inputs.sequences,
+                   "training sequence: a folder of images, a list (.txt) or a video, with an "
+                   "optional range PATH@FIRST:LAST[:STEP]; repeatable");
   command.add_option("--train-folders", inputs.folders, "each sub-folder is a training sequence");
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "command.h"
 #include "database/fabmap_database.h"
 #include "pipeline/fabmap_train.h"
@@ -18,7 +19,7 @@ struct TrainInputs {
 };
 
 /// --train and --train-folders.
-void add_inputs(CLI::App& command, TrainInputs& inputs);
+void add_inputs(const Command& command, TrainInputs& inputs);
 
 /// The training sequences with their names, none of which is in `taken`. Throws Error(usage) if
 /// there is none.
@@ -55,7 +56,7 @@ std::vector<GroupArgument> group_arguments(const TrainInputs& train,
                                            const std::vector<std::string>& taken = {});
 
 /// --place, into `places`.
-void add_place_option(CLI::App& command, std::vector<std::string>& places);
+void add_place_option(const Command& command, std::vector<std::string>& places);
 
 /// A FAB-MAP database for people, and for scripts.
 std::string fabmap_summary(const FabmapDatabase& database, const std::string& path);

@@ -1,9 +1,12 @@
 #include "tune_inputs.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "report/png_file.h"
 #include "report/run_info.h"
 
@@ -166,14 +169,14 @@ void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep
   session.print_result(text, json);
 }
 
-void add_tune_inputs(CLI::App& command, TuneInputs& inputs) {
-  command.add_option("DB", inputs.database, "database made by vpr-train")->required();
+void add_tune_inputs(const Command& command, TuneInputs& inputs) {
+  command.add_option("DB", inputs.database, "database made by vpr-train").required();
   command.add_option("--query", inputs.query, "query sequence, or with --dataset the name of one");
   command.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
   add_setting(command, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames")
-      ->check(CLI::NonNegativeNumber);
-  add_list(command, "--dataset", inputs.datasets,
-           "data set description with query and ground truth; repeatable");
+      .non_negative();
+  command.add_list("--dataset", inputs.datasets,
+                   "data set description with query and ground truth; repeatable");
   command.add_flag("--resume", inputs.resume,
                    "with several data sets: go on behind those that an interrupted sweep finished "
                    "(kept in SWEEP.json.partial)");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "command.h"
 #include "ground_truth_flags.h"
 #include "images/dataset.h"
@@ -36,7 +37,7 @@ struct Source {
   GroundTruthArgument ground_truth;
 };
 
-void add_tune_inputs(CLI::App& command, TuneInputs& inputs);
+void add_tune_inputs(const Command& command, TuneInputs& inputs);
 
 /// The queries of --query or --dataset. Throws Error(usage) if there is none, or no ground truth.
 std::vector<Source> find_sources(const TuneInputs& inputs, bool is_fabmap);

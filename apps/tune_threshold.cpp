@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "number_lists.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/score_check.h"
@@ -148,13 +150,13 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
 }  // namespace
 
 void add_threshold(Program& program, ThresholdTune& tune) {
-  CLI::App& command = program.add_command(
+  const Command command = program.add_command(
       "threshold", "The automatic t_r of every training sequence, and where it comes from.",
       "  vpr-tune threshold building.vprdb --c-l 20,40,60,80\n"
       "  vpr-tune threshold building.vprdb --c-l 60 --safety-factor 0.9 --write",
       [&tune](Session& session) { tune_threshold(session, tune); });
   program.add_config(command, tune);
-  command.add_option("DB", tune.database, "database of sequences")->required();
+  command.add_option("DB", tune.database, "database of sequences").required();
   command.add_option("--c-l", tune.windows, "window lengths, as in 20,40 (default 40)");
   add_setting(command, "--safety-factor", tune.safety_factor, "multiplies t_r (default 1)");
   add_setting(command, "--score", tune.score,

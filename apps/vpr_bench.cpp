@@ -1,6 +1,8 @@
 // vpr-bench: how long everything takes on this machine, beside the paper's times.
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "bench/bench_file.h"
 #include "bench/compare.h"
 #include "bench/describe_bench.h"
@@ -21,7 +23,7 @@ struct Presentation {
   std::string plots;  ///< a folder to draw them into
 };
 
-void add_presentation(CLI::App& command, Presentation& presentation) {
+void add_presentation(const Command& command, Presentation& presentation) {
   add_setting(command, "--format", presentation.format,
               "of the table: text (default), csv, markdown or latex");
   command.add_option("--plot", presentation.plots,
@@ -29,20 +31,16 @@ void add_presentation(CLI::App& command, Presentation& presentation) {
 }
 
 /// A list of numbers, as in 20,40,60.
-CLI::Option* add_numbers(CLI::App& command, const std::string& flag, std::vector<uint64_t>& values,
-                         const std::string& help) {
+Flag add_numbers(const Command& command, const std::string& flag, std::vector<uint64_t>& values,
+                 const std::string& help) {
   return command.add_option(flag, values, help + ", as in 20,40,60")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("NUMBERS");
+      .comma_separated()
+      .type_name("NUMBERS");
 }
 
-CLI::Option* add_names(CLI::App& command, const std::string& flag, std::vector<std::string>& values,
-                       const std::string& help) {
-  return command.add_option(flag, values, help)
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("NAMES");
+Flag add_names(const Command& command, const std::string& flag, std::vector<std::string>& values,
+               const std::string& help) {
+  return command.add_option(flag, values, help).comma_separated().type_name("NAMES");
 }
 
 void check_outputs(const Session& session, const Presentation& presentation) {
@@ -85,9 +83,9 @@ struct Bench {
 
 /// A command that checks outputs, pins the process, runs, and presents.
 template <class Settings, class Run>
-CLI::App& add_bench(Program& program, Bench<Settings>& bench, const std::string& name,
-                    const std::string& description, const std::string& example, Run&& run) {
-  CLI::App& command =
+Command add_bench(Program& program, Bench<Settings>& bench, const std::string& name,
+                  const std::string& description, const std::string& example, Run&& run) {
+  const Command command =
       program.add_command(name, description, example, [&bench, run](Session& session) {
         check_outputs(session, bench.presentation);
         pin_to_cores(session.run.threads);
@@ -105,7 +103,7 @@ std::vector<LdbCode> describe(const std::string& path, const Monitor& monitor) {
 }
 
 void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {
-  CLI::App& command = add_bench(
+  const Command command = add_bench(
       program, bench, "matching", "Matching time against database size and window length (tab6).",
       "  vpr-bench matching -o matching.json --plot plots\n"
       "  vpr-bench matching --query-frames 500,1000,1500,2000 --databases 8000 --c-l 40",
@@ -125,7 +123,7 @@ void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {
 
 void add_nordland(Program& program, Bench<NordlandBenchSettings>& bench, std::string& train,
                   std::string& query) {
-  CLI::App& command = add_bench(
+  const Command command = add_bench(
       program, bench, "nordland", "Long databases with c_l 300 (tab5, tab7).",
       "  vpr-bench nordland -o nordland.json\n"
       "  vpr-bench nordland --train summer.mp4 --query winter.mp4@0:1000 --databases 1000,10000",
@@ -152,7 +150,7 @@ void add_nordland(Program& program, Bench<NordlandBenchSettings>& bench, std::st
 }
 
 void add_describe(Program& program, Bench<DescribeBenchSettings>& bench, std::string& images) {
-  CLI::App& command =
+  const Command command =
       add_bench(program, bench, "describe", "Decoding, LDB and every local feature, per frame.",
                 "  vpr-bench describe --images walk -o describe.json",
                 [&images](Session& session, const DescribeBenchSettings& settings) {
@@ -168,7 +166,7 @@ void add_describe(Program& program, Bench<DescribeBenchSettings>& bench, std::st
 }
 
 void add_fabmap(Program& program, Bench<FabmapBenchSettings>& bench) {
-  CLI::App& command =
+  const Command command =
       add_bench(program, bench, "fabmap", "FAB-MAP's query time against the number of places.",
                 "  vpr-bench fabmap --places 10000,100000,1000000 --variants fabmap2,fabmap2-fixed",
                 [](Session& session, const FabmapBenchSettings& settings) {
@@ -208,14 +206,14 @@ BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
 }
 
 void add_realtime(Program& program, Bench<RealtimeBenchSettings>& bench, RealtimeInputs& inputs) {
-  CLI::App& command = add_bench(
+  const Command command = add_bench(
       program, bench, "realtime", "Replay a recording at its rate: latency and missed deadlines.",
       "  vpr-bench realtime corridor.vprdb --query corridor/query --rate 10 --largest",
       [&inputs](Session& session, const RealtimeBenchSettings& settings) {
         return run_realtime(session, inputs, settings);
       });
-  command.add_option("DB", inputs.database, "database of either method")->required();
-  command.add_option("--query", inputs.query, "folder or list of images")->required();
+  command.add_option("DB", inputs.database, "database of either method").required();
+  command.add_option("--query", inputs.query, "folder or list of images").required();
   add_setting(command, "--rate", bench.settings.rate_hz, "frames a second (default 10)");
   add_setting(command, "--frames", bench.settings.frames, "of the query at most (default 100)");
   add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 40)");
@@ -254,13 +252,13 @@ void compare(Session& session, const CompareInputs& inputs) {
 }
 
 void add_compare(Program& program, CompareInputs& inputs, NoSettings& none) {
-  CLI::App& command = program.add_command(
+  const Command command = program.add_command(
       "compare", "Two runs on one machine: ratios, and exit code 5 where the new one is slower.",
       "  vpr-bench compare old.json new.json --factor 1.2",
       [&inputs](Session& session) { compare(session, inputs); });
   program.add_config(command, none);
-  command.add_option("OLD", inputs.older, "an earlier run")->required();
-  command.add_option("NEW", inputs.newer, "a later one")->required();
+  command.add_option("OLD", inputs.older, "an earlier run").required();
+  command.add_option("NEW", inputs.newer, "a later one").required();
   add_setting(command, "--factor", inputs.factor, "a larger ratio is too slow (default 1.2)");
   add_setting(command, "--format", inputs.format,
               "of the table: text (default), csv, markdown or latex");

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/stopwatch.h"
 #include "command.h"
 #include "eval_check.h"
@@ -212,13 +214,13 @@ int main(int argc, char** argv) {
   EvalInputs inputs;
   ConvertInputs convert;
   CheckInputs check;
-  CLI::App& app = program.app();
+  const Command app = program.command();
   app.add_option("RESULT", inputs.result, "result of vpr-query");
   app.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
   app.add_option("--dataset", inputs.dataset, "data set description that names the ground truth");
   add_setting(app, "--tolerance", inputs.tolerance_frames,
               "of the ground truth, in frames (default: the data set's, or 0)")
-      ->check(CLI::NonNegativeNumber);
+      .non_negative();
   app.add_option("--expect", inputs.expected,
                  "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
                  "if they differ");
@@ -232,7 +234,7 @@ int main(int argc, char** argv) {
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
-  app.footer(metrics_help() + "\n" + app.get_footer());
+  app.add_footer(metrics_help() + "\n");
   CompareInputs compare;
   add_compare(program, compare);
   program.set_run([&](Session& session) { run(session, inputs); });

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.h"
 #include "database/fabmap_database.h"
 #include "matching/fabmap.h"
 #include "matching/methods.h"
@@ -41,16 +42,16 @@ std::string variant_help() {
   return fmt::format("{}; default fabmap2", fmt::join(lines, ", "));
 }
 
-void add_inputs(CLI::App& app, QueryInputs& inputs) {
-  app.add_option("DB", inputs.database, "database made by vpr-train")->required();
+void add_inputs(const Command& app, QueryInputs& inputs) {
+  app.add_option("DB", inputs.database, "database made by vpr-train").required();
   app.add_option("--query", inputs.query,
                  "query sequence: folder, list or video, with an optional range "
                  "PATH@FIRST:LAST[:STEP]; with --dataset, the name of one of its queries");
   app.add_option("--dataset", inputs.dataset, "data set description that holds the query");
 }
 
-void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySettings& settings) {
-  const auto group = [](CLI::Option* option) { return option->group(kSequenceGroup); };
+void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySettings& settings) {
+  const auto group = [](Flag flag) { return flag.group(kSequenceGroup); };
   group(add_setting(app, "--c-l", settings.window_length,
                     "window length c_l in frames (default 40)"));
   group(add_setting(app, "--t-r", settings.distance_threshold,
@@ -66,15 +67,15 @@ void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySetting
                     "multiplies the automatic t_r (default: the database's)"));
   group(add_setting(app, "--safety-margin", settings.safety_margin,
                     "taken from the automatic t_r of standardized scores (default 0)"));
-  group(add_list(app, "--only-sequence", settings.only_sequences,
-                 "search only this training sequence; repeatable"));
+  group(app.add_list("--only-sequence", settings.only_sequences,
+                     "search only this training sequence; repeatable"));
   group(app.add_option("--save-matrix", inputs.matrix,
                        "write the distances: .npy (int32, never whole in memory) or .png (dark: "
                        "close)"));
   group(app.add_option("--ground-truth", inputs.ground_truth,
                        fmt::format("drawn into the picture: {}", ground_truth_help())));
   group(add_setting(app, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"))
-      ->check(CLI::NonNegativeNumber);
+      .non_negative();
   group(
       add_setting(app, "--verify", inputs.verify_cells,
                   "recompute so many random cells by the definition; exit code 5 if one differs"));
@@ -83,8 +84,8 @@ void add_sequence_flags(CLI::App& app, QueryInputs& inputs, SequenceQuerySetting
                        "8G)"));
 }
 
-void add_fabmap_flags(CLI::App& app, QueryInputs& inputs, FabmapQuerySettings& settings) {
-  const auto group = [](CLI::Option* option) { return option->group(kFabmapGroup); };
+void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettings& settings) {
+  const auto group = [](Flag flag) { return flag.group(kFabmapGroup); };
   group(add_setting(app, "--t-p", settings.place_threshold,
                     "probability above which a view is recognised (default 0.99)"));
   group(add_setting(app, "--c-w", settings.window, "in so many frames in a row (default 1)"));
@@ -103,9 +104,10 @@ void add_fabmap_flags(CLI::App& app, QueryInputs& inputs, FabmapQuerySettings& s
   group(app.add_option("--explain", inputs.explained_frame,
                        "list the words that speak for and against the best places of this frame, "
                        "and draw them in RESULT.explain.png"));
-  group(add_list(app, "--train-images", inputs.train_images,
-                 "[GROUP=]SEQUENCE: images of a training sequence, to draw views with --explain; "
-                 "repeatable"));
+  group(
+      app.add_list("--train-images", inputs.train_images,
+                   "[GROUP=]SEQUENCE: images of a training sequence, to draw views with --explain; "
+                   "repeatable"));
   group(app.add_option("--query-bow", inputs.query_bow,
                        "OpenFABMAP's BOW matrix (.yml, .yml.gz) instead of --query, with an "
                        "optional range"));
@@ -114,15 +116,14 @@ void add_fabmap_flags(CLI::App& app, QueryInputs& inputs, FabmapQuerySettings& s
 }
 
 // A flag of the other family would be without effect: say so instead.
-void refuse_flags(const CLI::App& app, const std::string& group, const std::string& method) {
-  for (const CLI::Option* option : app.get_options())
-    if (option->get_group() == group && option->count() > 0)
-      throw Error(ErrorKind::usage, fmt::format("{} has no effect with a database for {}",
-                                                option->get_name(), method));
+void refuse_flags(const Command& app, const std::string& group, const std::string& method) {
+  for (const std::string& flag : app.given_flags(group))
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has no effect with a database for {}", flag, method));
 }
 
 void run(Session& session, const QueryInputs& inputs, const QuerySettings& given,
-         const CLI::App& app) {
+         const Command& app) {
   QuerySettings settings = given;
   if (session.options.output.empty() && !session.options.json)
     throw Error(ErrorKind::usage, "give the result to write, as in -o RESULT.json, or --json");
@@ -154,7 +155,7 @@ int main(int argc, char** argv) {
                   "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;
   QuerySettings settings;
-  CLI::App& app = program.app();
+  const Command app = program.command();
   add_inputs(app, inputs);
   program.add_config(app, settings);
   add_setting(app, "--method", settings.method, method_help());

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "command.h"
 #include "synth/recording.h"
 
@@ -11,13 +12,13 @@ int main(int argc, char** argv) {
                        "  vpr-synth configs/worlds/small.json -o building");
   std::string world_path;
   vpr::NoSettings none;
-  program.add_config(program.app(), none);
-  program.app().add_option("WORLD", world_path, "world description (JSON)")->required();
+  program.add_config(program.command(), none);
+  program.command().add_option("WORLD", world_path, "world description (JSON)").required();
   program.set_run([&](vpr::Session& session) {
     if (session.options.output.empty())
       throw vpr::Error(vpr::ErrorKind::usage, "give the folder to write, as in -o building");
     vpr::World world = vpr::read_world(world_path);
-    if (program.app().count("--seed") > 0) world.seed = session.options.seed;
+    if (program.command().is_given("--seed")) world.seed = session.options.seed;
     vpr::OutputFolder folder(session.options.output, session.options.existing(),
                              vpr::is_recording_folder);
     const vpr::RecordingSize size =

@@ -1,6 +1,8 @@
 // vpr-train: databases from frames; listing, checking and extending them.
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "database/openfabmap.h"
 #include "recognition/automatic_threshold.h"
 #include "report/table.h"
@@ -127,7 +129,7 @@ int main(int argc, char** argv) {
 
   TrainInputs inputs;
   SequenceTrainSettings settings;
-  CLI::App& fastable = program.add_command(
+  const Command fastable = program.add_command(
       "fastable", "A database for FastABLE and OpenABLE: one LDB code a frame.",
       "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
       "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb",
@@ -152,7 +154,7 @@ int main(int argc, char** argv) {
   add_fabmap_command(program, fabmap);
 
   std::string database_path;
-  CLI::App& info = program.add_command(
+  const Command info = program.add_command(
       "info", "List a database, and verify its checksums.", "  vpr-train info corridor.vprdb",
       [&](Session& session) {
         const std::string verified = "All checksums are right.\n";
@@ -168,10 +170,10 @@ int main(int argc, char** argv) {
       });
   NoSettings none;
   program.add_config(info, none);
-  info.add_option("DB", database_path, "database")->required();
+  info.add_option("DB", database_path, "database").required();
 
   AddInputs added;
-  CLI::App& add = program.add_command(
+  const Command add = program.add_command(
       "add", "A new database with more sequences; the old ones are not described again.",
       "  vpr-train add building.vprdb --train wednesday -o building2.vprdb\n"
       "  vpr-train add places.vprdb --place lift=lift -o places2.vprdb",
@@ -183,21 +185,21 @@ int main(int argc, char** argv) {
           add_to_sequences(session, database_path, added);
       });
   program.add_config(add, none);
-  add.add_option("DB", database_path, "database to start from")->required();
+  add.add_option("DB", database_path, "database to start from").required();
   add_inputs(add, added.train);
   add_place_option(add, added.places);
   add.add_flag("--skip-unreadable", added.skip_unreadable,
                "frames that can't be decoded keep their index and never match");
 
   bool as_openfabmap = false;
-  CLI::App& export_command = program.add_command(
+  const Command export_command = program.add_command(
       "export", "Write a FAB-MAP database as the files of another program.",
       "  vpr-train export fabmap.vprdb --openfabmap -o openfabmap-files", [&](Session& session) {
         if (!as_openfabmap) throw Error(ErrorKind::usage, "say what to export, as in --openfabmap");
         export_openfabmap(session, database_path);
       });
   program.add_config(export_command, none);
-  export_command.add_option("DB", database_path, "FAB-MAP database")->required();
+  export_command.add_option("DB", database_path, "FAB-MAP database").required();
   export_command.add_flag("--openfabmap", as_openfabmap,
                           "OpenFABMAP's vocabulary, tree and BOW matrices (OpenCV YAML)");
   return program.main(argc, argv);

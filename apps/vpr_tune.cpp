@@ -1,6 +1,7 @@
 // vpr-tune: which window, which threshold? Whole grids for little more than one query.
 #include <fmt/format.h>
 
+#include "base/json.h"
 #include "base/stopwatch.h"
 #include "number_lists.h"
 #include "pipeline/score_basis.h"
@@ -165,7 +166,7 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
 }
 
 void add_fastable(Program& program, FastableTune& tune) {
-  CLI::App& command = program.add_command(
+  const Command command = program.add_command(
       "fastable", "All window lengths and thresholds of FastABLE in one pass.",
       "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
       "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 -o sweep.json",
@@ -173,11 +174,11 @@ void add_fastable(Program& program, FastableTune& tune) {
   program.add_config(command, tune.settings);
   add_tune_inputs(command, tune.inputs);
   command.add_option("--c-l", tune.inputs.windows, "window lengths, as in 2,5,10 or 10:50:10")
-      ->required();
+      .required();
   command
       .add_option("--t-r", tune.inputs.thresholds,
                   "thresholds, as in 0.2:0.6:0.05; the word auto may be one of them")
-      ->required();
+      .required();
   add_setting(command, "--score", tune.settings.score,
               "raw (default), standardized or standardized-offline");
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
@@ -189,16 +190,16 @@ void add_fastable(Program& program, FastableTune& tune) {
 }
 
 void add_fabmap(Program& program, FabmapTune& tune) {
-  CLI::App& command = program.add_command(
+  const Command command = program.add_command(
       "fabmap", "All windows and thresholds of FAB-MAP from one pass of posteriors.",
       "  vpr-tune fabmap places.vprdb --query walk --ground-truth places.csv --c-w 1,3,5,8 "
       "--t-p 0.6,0.99 -o sweep.json",
       [&tune](Session& session) { tune_fabmap(session, tune); });
   program.add_config(command, tune.settings);
   add_tune_inputs(command, tune.inputs);
-  command.add_option("--c-w", tune.inputs.windows, "windows, as in 1,3,5,8")->required();
+  command.add_option("--c-w", tune.inputs.windows, "windows, as in 1,3,5,8").required();
   command.add_option("--t-p", tune.inputs.thresholds, "thresholds, as in 0.5:0.95:0.05,0.99")
-      ->required();
+      .required();
   command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,
                    "frames that can't be decoded keep their index and show no words");
 }

@@ -19,12 +19,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/enum_names.h"
 #include "base/error.h"
+#include "base/json_fwd.h"
 
 namespace vpr {
-
-/// Keys keep the order in which they were written.
-using Json = nlohmann::ordered_json;
 
 /// Nothing if the text is no JSON, or nested deeper than any file of ours (so that what works
 /// through it may recurse).
@@ -46,22 +45,6 @@ size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The name closest to `word`; names must not be empty.
 std::string nearest(std::string_view word, const std::vector<std::string>& names);
-
-/// Names of an enum's values, in order; specialise as `kEnumNames<E>`.
-template <class E>
-inline constexpr std::array<std::string_view, 0> kEnumNames{};
-
-template <class E>
-std::string_view enum_name(E value) {
-  return kEnumNames<E>[static_cast<size_t>(value)];
-}
-
-template <class E>
-std::optional<E> enum_value(std::string_view name) {
-  for (size_t i = 0; i < kEnumNames<E>.size(); ++i)
-    if (kEnumNames<E>[i] == name) return static_cast<E>(i);
-  return std::nullopt;
-}
 
 namespace detail {
 template <class T>

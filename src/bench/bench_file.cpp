@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "report/json_fields.h"
 
 namespace vpr {

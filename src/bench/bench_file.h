@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "base/json_fwd.h"
 #include "bench/bench_result.h"
 #include "report/run_info.h"
 

@@ -7,6 +7,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "bench/generated.h"
 #include "bench/paper_times.h"
 #include "descriptors/describe.h"

@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/random.h"
 #include "base/stopwatch.h"
 #include "bench/generated.h"

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "descriptors/ldb.h"
 #include "descriptors/vocabulary.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/random.h"
 #include "bench/generated.h"
 #include "bench/matching_timers.h"

@@ -2,7 +2,6 @@
 // (tab6) and figures, and its Nordland tables (tab5, tab7).
 #pragma once
 
-#include "base/json.h"
 #include "bench/bench_result.h"
 #include "matching/rows.h"
 

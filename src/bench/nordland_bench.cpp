@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "bench/generated.h"
 #include "bench/matching_timers.h"
 #include "bench/paper_times.h"

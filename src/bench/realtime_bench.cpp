@@ -1,12 +1,16 @@
 #include "bench/realtime_bench.h"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <memory>
 #include <thread>
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/statistics.h"
 #include "bench/generated.h"
 #include "bench/matching_timers.h"

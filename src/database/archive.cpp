@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "base/checksum.h"
+#include "base/error.h"
+#include "base/json.h"
 #include "base/mapped_file.h"
 
 namespace vpr {

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/provenance.h"
 #include "database/archive.h"
 

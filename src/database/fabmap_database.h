@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json.h"
+#include "base/enum_names.h"
 #include "base/output_file.h"
 #include "database/chow_liu.h"
 #include "database/word_index.h"

@@ -4,8 +4,10 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "database/kmeans_seeds.h"
 #include "database/point_groups.h"

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/monitor.h"
 #include "base/random.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

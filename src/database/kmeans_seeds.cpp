@@ -1,7 +1,11 @@
 #include "database/kmeans_seeds.h"
 
+#include <algorithm>
 #include <limits>
 
+#include <opencv2/core/mat.hpp>
+
+#include "base/json.h"
 #include "database/point_groups.h"
 #include "descriptors/vocabulary.h"
 

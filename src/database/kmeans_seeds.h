@@ -1,10 +1,12 @@
 // Where k-means starts.
 #pragma once
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/monitor.h"
 #include "base/random.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -1,6 +1,9 @@
 #include "database/point_groups.h"
 
+#include <algorithm>
 #include <array>
+
+#include <opencv2/core/mat.hpp>
 
 #include "descriptors/vocabulary.h"
 

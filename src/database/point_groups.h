@@ -7,11 +7,13 @@
 #include <span>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/monitor.h"
 #include "base/parallel.h"
 #include "descriptors/nearest_centre.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

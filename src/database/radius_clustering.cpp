@@ -1,11 +1,14 @@
 #include "database/radius_clustering.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "database/point_groups.h"
 #include "descriptors/vocabulary.h"
 

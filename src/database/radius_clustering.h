@@ -1,9 +1,11 @@
 // A vocabulary by OpenFABMAP's sequential clustering: words no nearer than a radius.
 #pragma once
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/monitor.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

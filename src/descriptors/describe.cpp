@@ -2,6 +2,8 @@
 
 #include <mutex>
 
+#include <opencv2/core/mat.hpp>
+
 #include "descriptors/illumination.h"
 
 namespace vpr {

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include <opencv2/core/mat.hpp>
+
 namespace vpr {
 namespace {
 

@@ -1,7 +1,9 @@
 // Illumination invariance for colour frames (McManus et al., as ABLE-M uses it).
 #pragma once
 
-#include <opencv2/core/mat.hpp>
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <opencv2/core/mat.hpp>
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -1,5 +1,7 @@
 #include "descriptors/local_features.h"
 
+#include <algorithm>
+
 #include <dlib/array2d.h>
 #include <dlib/image_keypoint/surf.h>
 #include <dlib/opencv/cv_image.h>

@@ -7,7 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "base/json.h"
+#include "base/enum_names.h"
 
 namespace vpr {
 

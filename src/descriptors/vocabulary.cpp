@@ -6,6 +6,10 @@
 #include <cstring>
 #include <numeric>
 
+#include <opencv2/core/mat.hpp>
+
+#include "base/json.h"
+
 namespace vpr {
 namespace {
 

@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
+
 namespace vpr {
 namespace {
 

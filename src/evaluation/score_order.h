@@ -7,7 +7,7 @@
 #include <limits>
 #include <string_view>
 
-#include "base/json.h"
+#include "base/enum_names.h"
 
 namespace vpr {
 

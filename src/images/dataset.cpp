@@ -1,9 +1,13 @@
 #include "images/dataset.h"
 
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/json.h"
 
 namespace vpr {
 namespace {

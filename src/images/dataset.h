@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json.h"
+#include "base/enum_names.h"
 #include "images/sequence.h"
 
 namespace vpr {

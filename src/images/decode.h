@@ -3,7 +3,9 @@
 
 #include <filesystem>
 
-#include <opencv2/core/mat.hpp>
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -5,11 +5,13 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/monitor.h"
 #include "images/decode.h"
 #include "images/sequence.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

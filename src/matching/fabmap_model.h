@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json.h"
+#include "base/enum_names.h"
 #include "database/chow_liu.h"
 #include "database/view_words.h"
 

@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "base/json.h"
 #include "matching/rows.h"
 
 namespace vpr {

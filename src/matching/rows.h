@@ -6,7 +6,6 @@
 #include <functional>
 #include <span>
 
-#include "base/json.h"
 #include "base/monitor.h"
 #include "matching/codes.h"
 #include "matching/hamming_kernels.h"

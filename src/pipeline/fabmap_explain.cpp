@@ -4,7 +4,9 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 
+#include "base/error.h"
 #include "images/frames.h"
 
 namespace vpr {

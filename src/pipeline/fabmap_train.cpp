@@ -3,7 +3,9 @@
 #include <mutex>
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "database/kmeans.h"
 #include "database/radius_clustering.h"

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.h"
 #include "base/stopwatch.h"
 #include "matching/fastable_batch.h"
 #include "pipeline/query_steps.h"

@@ -1,5 +1,6 @@
 #include "pipeline/score_basis.h"
 
+#include "base/error.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_standardized.h"
 #include "pipeline/train.h"

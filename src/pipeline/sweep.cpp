@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "matching/fastable_batch.h"
 #include "pipeline/query_steps.h"

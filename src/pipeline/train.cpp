@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "matching/distance_statistics.h"
 #include "recognition/automatic_threshold.h"
 

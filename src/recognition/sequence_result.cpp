@@ -1,5 +1,7 @@
 #include "recognition/sequence_result.h"
 
+#include "base/json.h"
+
 namespace vpr {
 
 ThresholdScale scale_of(const SequenceQuerySettings& settings) {

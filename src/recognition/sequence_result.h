@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "recognition/clustering.h"
 #include "recognition/row_scan.h"
 #include "recognition/threshold.h"

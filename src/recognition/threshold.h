@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/json.h"
+#include "base/enum_names.h"
 #include "matching/standardization.h"
 
 namespace vpr {

@@ -1,10 +1,13 @@
 #include "report/comparison_report.h"
 
+#include <algorithm>
 #include <charconv>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "evaluation/metrics.h"
 #include "report/json_fields.h"
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "evaluation/comparison.h"
 #include "report/run_info.h"
 #include "report/table.h"

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.h"
 #include "report/metrics_report.h"
 
 namespace vpr {

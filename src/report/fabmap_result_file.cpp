@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "base/json.h"
 #include "report/json_fields.h"
 
 namespace vpr {

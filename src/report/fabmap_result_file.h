@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/json_fwd.h"
 #include "recognition/fabmap_result.h"
 #include "report/result_file.h"
 

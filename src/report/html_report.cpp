@@ -1,10 +1,12 @@
 #include "report/html_report.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/json.h"
 #include "report/evaluation_report.h"
 #include "report/gallery.h"
 #include "report/html_text.h"

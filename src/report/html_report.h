@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "evaluation/judgement.h"
 #include "images/sequence.h"

@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cstdint>
 
+#include "base/json.h"
+
 namespace vpr {
 
 std::string html_escaped(std::string_view text) {

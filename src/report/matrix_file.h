@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/json.h"
+#include "base/json_fwd.h"
 #include "base/output_file.h"
 #include "matching/rows.h"
 #include "recognition/sequence_result.h"

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/json.h"
 #include "evaluation/metrics.h"
 #include "evaluation/recall_at.h"
 

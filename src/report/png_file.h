@@ -3,9 +3,11 @@
 
 #include <filesystem>
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/output_file.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/json.h"
+
 namespace vpr {
 namespace {
 

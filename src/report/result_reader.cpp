@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "base/checksum.h"
+#include "base/error.h"
+#include "base/json.h"
 #include "base/npy.h"
 #include "report/json_fields.h"
 #include "report/result_file.h"

@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include "base/json.h"
 #include "base/provenance.h"
 
 namespace vpr {

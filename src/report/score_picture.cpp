@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "base/statistics.h"
 
 namespace vpr {

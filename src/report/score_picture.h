@@ -1,10 +1,12 @@
 // Scores, ground truth and recognitions as one picture.
 #pragma once
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/monitor.h"
 #include "evaluation/judgement.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/json_fwd.h"
 #include "evaluation/judgement.h"
 #include "report/run_info.h"
 #include "report/table.h"

@@ -1,5 +1,6 @@
 #include "report/svg_charts.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>

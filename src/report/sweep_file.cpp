@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "base/json.h"
+
 namespace vpr {
 namespace {
 

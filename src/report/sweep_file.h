@@ -1,13 +1,15 @@
 // Sweeps (vpr.sweep/1): JSON, and tables in the layout of the paper's (tables 1, 3 and 4).
 #pragma once
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/json.h"
 #include "base/statistics.h"
 #include "evaluation/sweep.h"
 #include "report/plot.h"
 #include "report/table.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -1,5 +1,8 @@
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "base/json.h"
 #include "report/json_fields.h"
 #include "report/sweep_file.h"
 

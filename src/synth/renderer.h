@@ -4,12 +4,14 @@
 
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/random.h"
 #include "synth/people.h"
 #include "synth/scene.h"
 #include "synth/walking.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

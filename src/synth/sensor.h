@@ -1,9 +1,11 @@
 // What a phone's camera adds to a picture.
 #pragma once
 
-#include <opencv2/core/mat.hpp>
-
 #include "base/random.h"
+
+namespace cv {
+class Mat;
+}
 
 namespace vpr {
 

@@ -1,5 +1,7 @@
 #include "base/statistics.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 using namespace vpr;

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "bench/generated.h"
 #include "matching/plain.h"
 #include "support.h"

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "bench/fabmap_bench.h"
 #include "bench/generated.h"
 #include "bench/matching_bench.h"

@@ -1,4 +1,6 @@
 // vpr-bench as a user runs it, with little to do.
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "base/json.h"

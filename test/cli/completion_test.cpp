@@ -1,4 +1,6 @@
 // What programs say of their own flags, for completions and manual pages.
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "support.h"

@@ -1,4 +1,5 @@
 // Bad input: one sentence, the right exit code, and nothing half-written.
+#include <algorithm>
 #include <csignal>
 #include <thread>
 

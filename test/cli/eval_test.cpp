@@ -1,4 +1,5 @@
 // vpr-eval on scores of other programs, as a user runs it.
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>

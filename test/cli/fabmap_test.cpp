@@ -1,4 +1,6 @@
 // FAB-MAP's commands as a user runs them, and every file of theirs tried broken.
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "base/json.h"

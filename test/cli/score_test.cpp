@@ -1,4 +1,5 @@
 // Standardized scores as a user asks for them.
+#include <algorithm>
 #include <filesystem>
 
 #include <catch2/catch.hpp>

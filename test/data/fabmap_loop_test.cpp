@@ -1,4 +1,5 @@
 // OpenFABMAP's own run on a corridor walked twice: its files in, its posteriors out.
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>

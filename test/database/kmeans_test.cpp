@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/simd.h"
 #include "database/radius_clustering.h"

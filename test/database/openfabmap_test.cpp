@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "support.h"
 

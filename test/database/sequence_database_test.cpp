@@ -1,9 +1,11 @@
 #include "database/sequence_database.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "support.h"
 

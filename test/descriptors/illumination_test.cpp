@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <catch2/catch.hpp>
+#include <opencv2/core/mat.hpp>
 
 using namespace vpr;
 

@@ -1,8 +1,11 @@
 #include "descriptors/local_features.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "support.h"
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/error.h"
 #include "base/npy.h"
 #include "evaluation/ground_truth.h"
 #include "evaluation/ground_truth/formats.h"

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/npy.h"
 #include "evaluation/ground_truth.h"
 #include "support.h"

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "evaluation/travelled.h"
 #include "support.h"
 

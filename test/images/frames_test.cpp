@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "support.h"
 

@@ -1,9 +1,11 @@
 #include "matching/distance_statistics.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "matching/bit_counts.h"
 #include "matching/plain.h"
 #include "matching/standardization.h"

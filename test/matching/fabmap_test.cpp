@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "matching/fabmap_evidence.h"
 #include "matching/fabmap_fbo.h"

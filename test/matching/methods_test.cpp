@@ -1,12 +1,14 @@
 // The contract of every sequence method: the same cells as the definition, each exactly once.
 #include "matching/methods.h"
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 #include <tuple>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "matching/fastable_batch.h"
 #include "matching/plain.h"

@@ -1,10 +1,12 @@
 #include "pipeline/query.h"
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "matching/plain.h"
 #include "pipeline/train.h"

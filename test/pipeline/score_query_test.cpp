@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"

@@ -1,5 +1,6 @@
 #include "recognition/clustering.h"
 
+#include <algorithm>
 #include <set>
 
 #include <catch2/catch.hpp>

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/json.h"
 #include "report/gallery.h"
 #include "report/html_text.h"
 #include "report/scores_report.h"

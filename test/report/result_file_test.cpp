@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/random.h"
 #include "support.h"
 

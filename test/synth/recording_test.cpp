@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/statistics.h"
 #include "cli/building.h"
 #include "descriptors/ldb.h"

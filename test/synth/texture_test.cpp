@@ -1,6 +1,7 @@
 #include "synth/texture.h"
 
 #include <catch2/catch.hpp>
+#include <opencv2/core/mat.hpp>
 
 using namespace vpr;
 

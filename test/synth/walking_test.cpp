@@ -1,9 +1,11 @@
 #include "synth/walking.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "support.h"
 
 using namespace vpr;

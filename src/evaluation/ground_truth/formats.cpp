@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "base/mapped_file.h"
 #include "evaluation/ground_truth/aligned.h"
 #include "evaluation/ground_truth/mask_image.h"

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/error.h"
 #include "base/mapped_file.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"

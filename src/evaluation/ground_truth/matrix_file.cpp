@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.h"
 #include "base/npy.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "evaluation/ground_truth/builder.h"
 
 namespace vpr {

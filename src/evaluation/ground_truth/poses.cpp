@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/mapped_file.h"
 #include "evaluation/csv.h"
 #include "evaluation/ground_truth/builder.h"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
 #include "evaluation/ground_truth/numbers.h"

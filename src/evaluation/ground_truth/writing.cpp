@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
+
 namespace vpr {
 
 std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
