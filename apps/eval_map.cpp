@@ -24,6 +24,7 @@ MapPanel panel_of(const Evaluation& evaluation) {
   panel.title = method_title(report) + " on " + report["query"].get<std::string>();
   if (report.contains("settings"))
     for (const char* key : {"c_l", "t_r", "c_w", "t_p"}) panel.title += setting(report, key, key);
+  panel.shows_places = report["settings"].contains("t_p");
   panel.fixes = evaluation.judgement.fixes;
   for (size_t frame = 0; frame < panel.fixes.size(); ++frame)
     panel.has_match.push_back(evaluation.truth.has_match(frame));

@@ -63,6 +63,9 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
     sources.query = open_sequence(parse_sequence_argument(*inputs.query));
   }
   if (sources.query) require_frames(*sources.query, scope.query_frames, "the query");
+  // References of FAB-MAP are places: the data set's training sequences are not.
+  const bool shows_places = evaluation.report["settings"].contains("t_p");
+  if (shows_places) dataset.reset();
   sources.references = open_references(find_train(inputs, dataset), scope);
   return sources;
 }
@@ -72,7 +75,8 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
 void add_picture_options(const Command& app, PictureInputs& inputs) {
   const std::string group = "Pictures";
   app.add_option("--html", inputs.html,
-                 "write a report with pictures: one file that opens anywhere, without a network")
+                 "write a report with pictures: one file that opens anywhere, without a network; a "
+                 "result is shown without a ground truth, too")
       .group(group)
       .type_name("FILE");
   app.add_option("--plot", inputs.plots,
@@ -89,6 +93,10 @@ void add_picture_options(const Command& app, PictureInputs& inputs) {
       .type_name("SEQUENCE");
 }
 
+bool wants_pictures(const PictureInputs& inputs) {
+  return !inputs.html.empty() || !inputs.plots.empty();
+}
+
 void check_picture_outputs(const Session& session, const PictureInputs& inputs) {
   const Existing existing = session.options.existing();
   if (!inputs.html.empty()) check_output_file(inputs.html, existing);
@@ -101,8 +109,9 @@ void write_pictures(Session& session, const PictureInputs& inputs, const std::st
   const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
   if (!inputs.html.empty()) {
     const FrameSources sources = find_frames(inputs, dataset, evaluation);
-    const std::string page = html_report(evaluation.report, evaluation.judgement, evaluation.truth,
-                                         matrix, sources, session.monitor);
+    const std::string page =
+        html_report(evaluation.report, evaluation.summary, evaluation.judgement, evaluation.truth,
+                    matrix, sources, session.monitor);
     write_file(inputs.html, page, existing);
   }
   if (inputs.plots.empty()) return;

@@ -19,6 +19,9 @@ struct PictureInputs {
 
 void add_picture_options(const Command& app, PictureInputs& inputs);
 
+/// Whether pictures of an evaluation are to be written.
+bool wants_pictures(const PictureInputs& inputs);
+
 /// Throws as the checks of outputs do. Call it before long work.
 void check_picture_outputs(const Session& session, const PictureInputs& inputs);
 

@@ -31,6 +31,7 @@ struct Evaluation {
   GroundTruth truth;
   Judgement judgement;
   std::optional<ScoreMatrix> matrix;
+  std::string summary = {};  ///< in one sentence
 };
 
 void add_score_options(const Command& app, ScoreInputs& inputs);

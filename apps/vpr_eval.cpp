@@ -25,6 +25,7 @@
 #include "report/metrics_report.h"
 #include "report/result_file.h"
 #include "report/scores_report.h"
+#include "report/summary.h"
 
 namespace vpr {
 namespace {
@@ -54,25 +55,38 @@ void visit_fields(EvalSettings& settings, Visitor&& visit) {
   visit("format", settings.inputs.format);
 }
 
-GroundTruthArgument find_ground_truth(const EvalInputs& inputs,
-                                      const std::optional<std::string>& query_name,
-                                      bool is_fabmap) {
+/// Nothing where none is named.
+std::optional<GroundTruthArgument> find_ground_truth(const EvalInputs& inputs,
+                                                     const std::optional<std::string>& query_name,
+                                                     bool is_fabmap) {
   const int given = inputs.tolerance_frames;
   if (!inputs.ground_truth.empty())
     return with_flags(parse_ground_truth_argument(inputs.ground_truth, std::max(given, 0)),
                       inputs.flags);
-  if (inputs.dataset.empty())
-    throw Error(ErrorKind::usage,
-                "give the ground truth, as in --ground-truth pairs.csv or --ground-truth aligned");
+  if (inputs.dataset.empty()) return std::nullopt;
   const Dataset dataset = read_dataset(inputs.dataset);
   const DatasetQuery& query = select_query(dataset, query_name);
   const auto& found = is_fabmap ? query.place_ground_truth : query.sequence_ground_truth;
-  if (!found)
-    throw Error(ErrorKind::usage, fmt::format("{}: the query {} has no ground truth",
-                                              inputs.dataset, query.sequence.name));
+  if (!found) return std::nullopt;
   GroundTruthArgument argument = *found;
   if (given >= 0) argument.tolerance_frames = given;
   return with_flags(argument, inputs.flags);
+}
+
+[[noreturn]] void refuse_without_truth(const EvalInputs& inputs) {
+  if (!inputs.dataset.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: the query has no ground truth; name it there or in --ground-truth",
+                            inputs.dataset));
+  throw Error(ErrorKind::usage,
+              "give the ground truth, as in --ground-truth pairs.csv or --ground-truth aligned; "
+              "without one, --html and --plot show a result, and nothing else is written");
+}
+
+/// Whether all that is asked for can be had without a ground truth: pictures of a result.
+bool only_looks(const Session& session, const EvalInputs& inputs) {
+  return !inputs.result.empty() && wants_pictures(inputs.pictures) && inputs.expected.empty() &&
+         inputs.map.folder.empty() && session.options.output.empty() && !session.options.json;
 }
 
 /// With the poses that the data set names for the query, where --poses gives none.
@@ -93,8 +107,11 @@ template <class Stored>
 Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& inputs) {
   constexpr bool kIsFabmap = std::is_same_v<Stored, StoredFabmapResult>;
   Evaluation evaluation;
-  evaluation.ground_truth = find_ground_truth(inputs, stored.result.query_name, kIsFabmap);
-  evaluation.truth = read_ground_truth(evaluation.ground_truth, scope_of(stored.result));
+  const auto named = find_ground_truth(inputs, stored.result.query_name, kIsFabmap);
+  if (!named && !only_looks(session, inputs)) refuse_without_truth(inputs);
+  const GroundTruthScope scope = scope_of(stored.result);
+  evaluation.ground_truth = named.value_or(GroundTruthArgument{});
+  evaluation.truth = named ? read_ground_truth(*named, scope) : unknown_ground_truth(scope);
   if (!inputs.scores.path.empty())
     evaluation.matrix = open_saved_scores(inputs.scores, missing_score(stored.result));
   evaluation.judgement = judge_result(session, with_poses(inputs, stored.result.query_name),
@@ -117,9 +134,11 @@ Evaluation evaluate(Session& session, const EvalInputs& inputs) {
   if (inputs.result.empty() && inputs.scores.path.empty())
     throw Error(ErrorKind::usage,
                 "give a result of vpr-query, or --scores of any program; see vpr-eval --help");
-  if (inputs.result.empty())
-    return evaluate_scores(session, inputs.scores, query_name(inputs),
-                           find_ground_truth(inputs, inputs.pictures.query, false));
+  if (inputs.result.empty()) {
+    const auto named = find_ground_truth(inputs, inputs.pictures.query, false);
+    if (!named) refuse_without_truth(inputs);
+    return evaluate_scores(session, inputs.scores, query_name(inputs), *named);
+  }
   if (result_method(inputs.result) == "fabmap")
     return evaluate(session, read_fabmap_result(inputs.result), inputs);
   return evaluate(session, read_result(inputs.result), inputs);
@@ -148,13 +167,23 @@ void run_protocols(Session& session, const EvalInputs& inputs) {
                      });
 }
 
-std::string tables(const Json& report, TableFormat format) {
+/// What the data set says.
+std::optional<double> frames_per_second(const EvalInputs& inputs) {
+  if (inputs.dataset.empty()) return std::nullopt;
+  const double rate = read_dataset(inputs.dataset).frames_per_second;
+  return rate > 0 ? std::optional(rate) : std::nullopt;
+}
+
+std::string tables(const Evaluation& evaluation, TableFormat format) {
+  const Json& report = evaluation.report;
+  const std::string summary = format == TableFormat::text ? evaluation.summary + "\n\n" : "";
+  if (!evaluation.truth.is_known) return summary + render_table(unjudged_table(report), format);
   Table table = summary_table(report);
   if (format == TableFormat::csv) {
     append_metrics(table, report);
     return render_table(table, format);
   }
-  std::string text = render_table(table, format);
+  std::string text = summary + render_table(table, format);
   for (const Table& more : metrics_tables(report)) text += "\n" + render_table(more, format);
   return text;
 }
@@ -180,6 +209,8 @@ void run(Session& session, const EvalInputs& inputs) {
       inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
   const Stopwatch watch;
   Evaluation evaluation = evaluate(session, inputs);
+  evaluation.summary =
+      summary_sentence(evaluation.judgement, evaluation.truth.is_known, frames_per_second(inputs));
   Json& report = evaluation.report;
   RunInfo info = session.run;
   for (const auto& [role, path] :
@@ -193,7 +224,7 @@ void run(Session& session, const EvalInputs& inputs) {
   if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
   write_pictures(session, inputs.pictures, inputs.dataset, evaluation);
   draw_map(session, inputs, evaluation);
-  session.print_result(tables(report, inputs.format), report);
+  session.print_result(tables(evaluation, inputs.format), report);
   if (!unmet.empty())
     throw Error(ErrorKind::expectation,
                 fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));

@@ -68,6 +68,19 @@ bool GroundTruth::has_match(size_t query) const {
                      [](const Pair& pair) { return pair.label == PlaceLabel::same; });
 }
 
+GroundTruth unknown_ground_truth(const GroundTruthScope& scope) {
+  GroundTruth truth;
+  truth.is_known = false;
+  truth.protocol = "none";
+  std::vector<GroundTruth::Pair> all;
+  for (size_t s = 0; s < scope.sequences.size(); ++s)
+    if (scope.sequences[s].searched && scope.sequences[s].frames > 0)
+      all.push_back({static_cast<uint32_t>(s), 0, PlaceLabel::ignore,
+                     static_cast<uint32_t>(scope.sequences[s].frames - 1)});
+  truth.pairs.assign(scope.query_frames, all);
+  return truth;
+}
+
 GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope) {
   return read(argument, scope, OddPairs::refuse).truth;
 }

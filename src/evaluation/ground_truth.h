@@ -45,6 +45,7 @@ struct GroundTruth {
   std::vector<std::vector<Pair>> pairs;
   int64_t tolerance_frames = 0;
   std::string protocol;  ///< in words, for reports
+  bool is_known = true;  ///< false: nothing is judged
 
   /// Same, if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label
   /// of an `ignore` pair that is exactly this one; otherwise different.
@@ -54,6 +55,9 @@ struct GroundTruth {
   /// Whether any frame of the searched sequences shows the query frame's place.
   bool has_match(size_t query) const;
 };
+
+/// Where nothing is known: every pair is labelled ignore.
+GroundTruth unknown_ground_truth(const GroundTruthScope& scope);
 
 /// What is odd about a ground truth.
 enum class FindingKind { out_of_range, contradiction, duplicate };

@@ -25,7 +25,17 @@ size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
 
 bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
   const Fix fix = judgement.fixes[query.frame];
-  return query.verdict == Verdict::correct ? fix == Fix::right : fix == Fix::wrong;
+  switch (query.verdict) {
+    case Verdict::correct:
+      return fix == Fix::right;
+    case Verdict::incorrect:
+      return fix == Fix::wrong;
+    case Verdict::ignored:
+      return fix == Fix::unjudged;
+    case Verdict::unreadable:
+      return false;
+  }
+  return false;
 }
 
 Judgement judge(const SequenceResult& result, const GroundTruth& truth,
@@ -80,7 +90,7 @@ Judgement judge(const SequenceResult& result, const ScoreMatrix& matrix, const G
                 std::span<const double> travelled_m, const Monitor& monitor) {
   Judgement judgement = judge(result, truth, travelled_m);
   require_fit(matrix, judgement.layout);
-  take_matrix(judgement, matrix, truth, monitor);
+  if (truth.is_known) take_matrix(judgement, matrix, truth, monitor);
   return judgement;
 }
 

@@ -52,7 +52,8 @@ Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Grou
                 const Monitor& monitor);
 
 /// A result with the matrix that was saved with it: outcomes and curves are the matrix's, and what
-/// is recognised is the result's. Throws Error(data) if the two do not fit.
+/// is recognised is the result's; where the ground truth is not known, outcomes are the result's,
+/// too. Throws Error(data) if the two do not fit.
 Judgement judge(const SequenceResult& result, const ScoreMatrix& matrix, const GroundTruth& truth,
                 std::span<const double> travelled_m, const Monitor& monitor);
 

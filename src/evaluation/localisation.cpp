@@ -9,7 +9,7 @@ namespace {
 Fix fix_of(PlaceLabel label) {
   return label == PlaceLabel::same        ? Fix::right
          : label == PlaceLabel::different ? Fix::wrong
-                                          : Fix::none;
+                                          : Fix::unjudged;
 }
 
 }  // namespace
@@ -81,6 +81,7 @@ std::vector<Fix> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> acce
     if (!query.best || query.key > *accepted) continue;
     if (query.verdict == Verdict::correct) fixes[query.frame] = Fix::right;
     if (query.verdict == Verdict::incorrect) fixes[query.frame] = Fix::wrong;
+    if (query.verdict == Verdict::ignored) fixes[query.frame] = Fix::unjudged;
   }
   return fixes;
 }

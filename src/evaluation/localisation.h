@@ -9,8 +9,9 @@
 
 namespace vpr {
 
-/// A frame of the path: a correct recognition, an incorrect one, or none (an ignored one is none).
-enum class Fix { none, right, wrong };
+/// A frame of the path: a correct recognition, an incorrect one, one that is not judged (a pair
+/// labelled ignore, which counts as none), or none.
+enum class Fix { none, right, wrong, unjudged };
 
 /// Metres are none where positions are not known.
 struct Localisation {

@@ -96,6 +96,23 @@ std::string method_title(const Json& report) {
   return has_score ? method + ", " + text(report["settings"]["score"]) : method;
 }
 
+std::string evaluation_title(const Json& report) {
+  return fmt::format("{} on {}", method_title(report), text(report["query"]));
+}
+
+std::string reference_word(const Json& report) {
+  return report.contains("settings") && report["settings"].contains("t_p") ? "training place"
+                                                                           : "training frame";
+}
+
+std::string score_words(const Json& report) {
+  if (report.contains("settings") && report["settings"].contains("score"))
+    return "standardized score (1/1024, summed)";
+  if (reference_word(report) == "training place") return "probability";
+  const std::string kind = text(report["outcomes"]["scores_are"]);
+  return report.contains("counts") ? kind + " (bits, summed)" : kind;
+}
+
 Table report_table(const Json& report) {
   const Json& settings = report["settings"];
   const Json& counts = report["counts"];

@@ -28,5 +28,13 @@ Table report_table(const Json& report);
 
 /// What a report is of, for titles: the method, and the score where it is not raw distances.
 std::string method_title(const Json& report);
+/// "method on query".
+std::string evaluation_title(const Json& report);
+
+/// What the references of a report's matches are: frames, or places of FAB-MAP.
+std::string reference_word(const Json& report);
+
+/// What the scores of a report's matches are, with their unit.
+std::string score_words(const Json& report);
 
 }  // namespace vpr

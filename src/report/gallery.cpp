@@ -66,9 +66,10 @@ std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const Ground
         items.push_back({kind, q, true_match(truth, judgement.layout, queries[q].frame)});
     }
   };
+  const Verdict good = truth.is_known ? Verdict::correct : Verdict::ignored;
   choose(GalleryKind::mistake, Verdict::incorrect, true);
-  choose(GalleryKind::hit, Verdict::correct, true);
-  choose(GalleryKind::weak, Verdict::correct, false);
+  choose(GalleryKind::hit, good, true);
+  choose(GalleryKind::weak, good, false);
   return items;
 }
 

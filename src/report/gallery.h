@@ -20,7 +20,8 @@ struct GalleryItem {
 };
 
 /// The worst mistakes (incorrect best matches with the best scores), the best hits and the weakest
-/// correct best matches: at most `most` of each, in this order. Of queries less than a window (or
+/// correct best matches: at most `most` of each, in this order; where the ground truth is not
+/// known, the best and the weakest of all best matches. Of queries less than a window (or
 /// five frames) apart the first by score is taken; ties go to the earlier query. A query stands for
 /// one kind only.
 std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const GroundTruth& truth,

@@ -1,35 +1,43 @@
 #include "report/html_report.h"
 
 #include <algorithm>
-#include <cstring>
+#include <set>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
+#include "matching/score_kernels.h"
 #include "report/evaluation_report.h"
-#include "report/gallery.h"
+#include "report/gallery_cards.h"
 #include "report/html_text.h"
 #include "report/metrics_report.h"
+#include "report/palette.h"
 #include "report/score_picture.h"
 #include "report/scores_report.h"
+#include "report/summary.h"
 #include "report/svg_charts.h"
-#include "report/thumbnails.h"
+#include "report/timeline.h"
 
 namespace vpr {
 namespace {
 
 #include "html_parts.inc"
 
-constexpr size_t kMostItems = 18;  // of each kind in the gallery
-constexpr size_t kStripFrames = 5;
-constexpr int kThumbnailSide = 128;  // pixels
 constexpr size_t kMatrixSide = 800;  // pixels
+constexpr std::string_view kMistakes =
+    "<label><input type=\"radio\" name=\"kind\" value=\"mistake\"> worst mistakes</label>";
+
+/// What is wider than the page scrolls, by keyboard, too.
+std::string scroll_begin(const std::string& escaped_title) {
+  return "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + escaped_title +
+         "\">";
+}
 
 std::string table_html(const Table& table) {
   const std::string title = html_escaped(table.title);
-  std::string html = "<p class=\"note\">" + title +
-                     "</p><div class=\"scroll\"><table aria-label=\"" + title + "\"><thead><tr>";
+  std::string html = "<p class=\"note\">" + title + "</p>" + scroll_begin(title) +
+                     "<table aria-label=\"" + title + "\"><thead><tr>";
   for (const std::string& column : table.columns)
     html += "<th scope=\"col\">" + html_escaped(column) + "</th>";
   html += "</tr></thead><tbody>";
@@ -56,31 +64,81 @@ std::string list_html(const Json& object) {
   return html;
 }
 
-std::string matrix_html(const Judgement& judgement, const GroundTruth& truth,
-                        const ScoreMatrix* matrix, const Monitor& monitor) {
-  const cv::Mat image = draw_scores(judgement, truth, matrix, kMatrixSide, monitor);
+std::string matrix_html(const Json& report, const Judgement& judgement,
+                        const ScorePicture& picture) {
   std::vector<uint8_t> png;
-  cv::imencode(".png", image, png);
-  return fmt::format(
-      "<img class=\"matrix\" width=\"{}\" height=\"{}\" alt=\"queries against references\" "
-      "src=\"data:image/png;base64,{}\">",
-      std::max(400, image.cols), std::max(400, image.cols) * image.rows / image.cols,
-      base64(std::as_bytes(std::span(png))));
+  cv::imencode(".png", picture.image, png);
+  return matrix_svg(judgement, picture, base64(std::as_bytes(std::span(png))),
+                    reference_word(report), score_words(report));
 }
 
-/// What a number beside a match is: sums of standardized scores are in 1/1024 deviations.
-std::string score_word(const Json& report) {
-  if (report.contains("settings") && report["settings"].contains("score"))
-    return "standardized score (1/1024, summed)";
-  return report["outcomes"]["scores_are"].get<std::string>();
+std::string legend_html(const std::vector<Meaning>& meanings) {
+  std::string html;
+  for (const Meaning meaning : meanings) html += legend_key(meaning);
+  return html;
+}
+
+std::vector<Meaning> timeline_meanings(const Judgement& judgement, const GroundTruth& truth) {
+  std::set<Meaning> found;
+  for (const QueryOutcome& query : judgement.outcomes.queries)
+    if (query.best) found.insert(meaning_of(judgement, query));
+  for (const Fix fix : judgement.fixes)
+    if (fix != Fix::none) found.insert(meaning_of(fix));
+  if (truth.is_known) found.insert(Meaning::truth);
+  return {found.begin(), found.end()};
+}
+
+/// Scores as thresholds are given: t_r in bits a frame or as mean z, t_p, or as they are.
+ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
+  const auto length = static_cast<double>(judgement.layout.window_length);
+  if (!report.contains("counts")) return {score_words(report), 1};
+  if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
+  if (report["settings"].contains("score")) return {"the mean z (t_r)", length * kScoreUnit};
+  return {"so many bits a frame (t_r with --t-r-scale bits)", length};
+}
+
+/// Both charts of best matches, with their legends.
+std::string curves_html(const Json& report, const Judgement& judgement) {
+  const auto figure = [](const std::string& svg, const std::string& title,
+                         const std::vector<Meaning>& meanings) {
+    return "<figure><figcaption>" + title + "</figcaption>" + svg + "<p class=\"legend\">" +
+           legend_html(meanings) + "</p></figure>";
+  };
+  std::string html = "<div class=\"charts\">";
+  std::set<Meaning> kinds;
+  for (const QueryOutcome& query : judgement.outcomes.queries)
+    if (query.best)
+      kinds.insert(query.verdict == Verdict::correct     ? Meaning::right
+                   : query.verdict == Verdict::incorrect ? Meaning::wrong
+                                                         : Meaning::unjudged);
+  if (!judgement.single_best.points.empty()) {
+    std::vector<Meaning> curves = {Meaning::best_matches};
+    if (judgement.all_pairs) curves.push_back(Meaning::all_pairs);
+    html += figure(curve_svg(judgement), "Precision and recall", curves);
+  }
+  return html +
+         figure(threshold_svg(judgement, score_axis(report, judgement)),
+                "What a threshold recognises", {kinds.begin(), kinds.end()}) +
+         "</div>";
+}
+
+/// What the first table says, without the protocol, which stands above.
+std::string tables_html(const Json& report, bool is_judged) {
+  if (!is_judged) return table_html(unjudged_table(report));
+  Table summary = summary_table(report);
+  summary.title = "Counts";
+  std::string html = table_html(summary);
+  for (const Table& table : metrics_tables(report)) html += table_html(table);
+  return html;
 }
 
 /// What scripts look up: a line of data for each query.
-Json page_data(const Json& report, const Judgement& judgement, const TimelineFrame& frame) {
+Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
+               const TimelineFrame& frame) {
   Json data;
   data["best"] = report["outcomes"]["best"];
   data["first_frame"] = report["outcomes"]["first_frame"];
-  data["kind"] = score_word(report);
+  data["kind"] = score_words(report);
   data["sequences"] = Json::array();
   for (const auto& sequence : judgement.layout.scope.sequences)
     data["sequences"].push_back(sequence.name);
@@ -96,6 +154,7 @@ Json page_data(const Json& report, const Judgement& judgement, const TimelineFra
     ranks.push_back(query.rank.value_or(0));
   }
   if (judgement.outcomes.has_ranks) data["ranks"] = ranks;
+  data["judged"] = is_judged;
   std::string recognised(judgement.fixes.size(), '.');
   for (const QueryOutcome& query : judgement.outcomes.queries)
     if (is_recognised(judgement, query)) recognised[query.frame] = 'f';
@@ -107,150 +166,49 @@ Json page_data(const Json& report, const Judgement& judgement, const TimelineFra
   return data;
 }
 
-/// The cards of the gallery, with the pictures that they need.
-class Gallery {
- public:
-  Gallery(const Judgement& judgement, const GroundTruth& truth, const FrameSources& sources)
-      : judgement_(judgement), sources_(sources) {
-    items_ = choose_gallery(judgement, truth, kMostItems);
-  }
-
-  void read_frames(const Monitor& monitor) {
-    std::set<size_t> query;
-    std::vector<std::set<size_t>> references(sources_.references.size());
-    const auto want = [&](const FrameMatch& match) {
-      if (match.sequence < references.size())
-        for (const size_t frame : frames_at(match.reference))
-          references[match.sequence].insert(frame);
-    };
-    for (const GalleryItem& item : items_) {
-      const QueryOutcome& outcome = outcome_of(item);
-      for (const size_t frame : frames_at(outcome.frame)) query.insert(frame);
-      want(*outcome.best);
-      if (item.truth) want(*item.truth);
-    }
-    if (sources_.query) query_ = make_thumbnails(*sources_.query, query, kThumbnailSide, monitor);
-    references_.resize(references.size());
-    for (size_t s = 0; s < references.size(); ++s)
-      if (sources_.references[s])
-        references_[s] =
-            make_thumbnails(*sources_.references[s], references[s], kThumbnailSide, monitor);
-  }
-
-  std::string html() const {
-    std::string html;
-    for (const GalleryItem& item : items_) html += card(item);
-    return html;
-  }
-
-  std::string note() const {
-    if (items_.empty()) return "No query has a best match that can be judged.";
-    std::string text = fmt::format(
-        "At most {} of each kind, of queries at least a window apart. Arrow keys go from one to "
-        "the "
-        "next, / to the search.",
-        kMostItems);
-    if (!sources_.query)
-      text += " Give the sequences (--query, --train or --dataset) for pictures.";
-    return text;
-  }
-
- private:
-  const QueryOutcome& outcome_of(const GalleryItem& item) const {
-    return judgement_.outcomes.queries[item.query];
-  }
-  std::vector<size_t> frames_at(size_t anchor) const {
-    return strip_frames(anchor, judgement_.layout.window_length, kStripFrames);
-  }
-
-  std::string place(const FrameMatch& match) const {
-    return fmt::format("{} {}", judgement_.layout.scope.sequences[match.sequence].name,
-                       match.reference);
-  }
-
-  static std::string strip(const std::string& title, const std::vector<size_t>& frames,
-                           const std::map<size_t, Thumbnail>& thumbnails) {
-    const auto last = thumbnails.find(frames.back());
-    const std::string name = last == thumbnails.end() ? "" : ": " + last->second.name;
-    std::string html = "<figure><figcaption>" + html_escaped(title + name) + "</figcaption>";
-    if (thumbnails.empty()) return html + "</figure>";
-    html += "<div class=\"strip\">";
-    for (const size_t frame : frames) {
-      const auto found = thumbnails.find(frame);
-      if (found == thumbnails.end() || found->second.jpeg.empty())
-        html += "<span class=\"gone\">no picture</span>";
-      else
-        html += fmt::format("<img alt=\"frame {}\" title=\"{}\" src=\"data:image/jpeg;base64,{}\">",
-                            frame, html_escaped(found->second.name), base64(found->second.jpeg));
-    }
-    return html + "</div></figure>";
-  }
-
-  std::string reference_strip(const std::string& title, const FrameMatch& match) const {
-    static const std::map<size_t, Thumbnail> kNone;
-    const auto& thumbnails =
-        match.sequence < references_.size() ? references_[match.sequence] : kNone;
-    return strip(title + " " + place(match), frames_at(match.reference), thumbnails);
-  }
-
-  std::string card(const GalleryItem& item) const {
-    const QueryOutcome& outcome = outcome_of(item);
-    const std::string_view kind = enum_name(item.kind);
-    std::string html = fmt::format(
-        "<article class=\"card {0}\" data-kind=\"{0}\" tabindex=\"0\"><h3>{1}: query {2}</h3>",
-        kind, outcome.verdict == Verdict::correct ? "right" : "wrong", outcome.frame);
-    html += fmt::format("<p>{} {:.6g}{}{}</p>", enum_name(judgement_.outcomes.kind),
-                        score_of_key(outcome.key, judgement_.outcomes.kind),
-                        is_recognised(judgement_, outcome) ? ", recognised" : ", not recognised",
-                        item.truth ? "" : "; the ground truth has no match");
-    html += strip(fmt::format("query {}", outcome.frame), frames_at(outcome.frame), query_);
-    html += reference_strip("best match", *outcome.best);
-    if (item.truth) html += reference_strip("true place", *item.truth);
-    return html + "</article>\n";
-  }
-
-  const Judgement& judgement_;
-  const FrameSources& sources_;
-  std::vector<GalleryItem> items_;
-  std::map<size_t, Thumbnail> query_;
-  std::vector<std::map<size_t, Thumbnail>> references_;
-};
-
 }  // namespace
 
-std::string html_report(const Json& report, const Judgement& judgement, const GroundTruth& truth,
-                        const ScoreMatrix* matrix, const FrameSources& sources,
-                        const Monitor& monitor) {
-  Gallery gallery(judgement, truth, sources);
+std::string html_report(const Json& report, const std::string& summary, const Judgement& judgement,
+                        const GroundTruth& truth, const ScoreMatrix* matrix,
+                        const FrameSources& sources, const Monitor& monitor) {
+  GalleryCards gallery(judgement, truth, sources);
   gallery.read_frames(monitor);
   const TimelineFrame frame;
-  std::string tables = table_html(summary_table(report));
-  for (const Table& table : metrics_tables(report)) tables += table_html(table);
+  const ScorePicture picture = draw_scores(judgement, truth, matrix, kMatrixSide, monitor);
   Json made = report["settings"];
   made.update(report["provenance"]);
   if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
-  const std::string method = method_title(report);
-  const std::string query = report["query"].get<std::string>();
+  Json protocol = report["protocol"];
+  protocol.erase("ground_truth");  // stands on top
+  if (truth.is_known)
+    protocol.erase("localisation");  // and above its table
+  else
+    for (const char* key :
+         {"tolerance_frames", "distinct", "best_match", "without_match", "single_best"})
+      protocol.erase(key);  // what is judged
+  const std::string ground_truth = report["protocol"]["ground_truth"].get<std::string>();
   return fill_page(
       kPage,
-      {{"title", html_escaped(fmt::format("{} on {}", method, query))},
-       {"subtitle", html_escaped(report["protocol"]["ground_truth"].get<std::string>())},
-       {"style", std::string(kStyle)},
+      {{"title", html_escaped(evaluation_title(report))},
+       {"summary", html_escaped(summary)},
+       {"subtitle", html_escaped("Ground truth: " + ground_truth)},
+       {"style", palette_css() + std::string(kStyle)},
        {"script", std::string(kScript)},
-       {"tables", tables},
-       {"protocol", list_html(report["protocol"])},
+       {"tables", tables_html(report, truth.is_known)},
+       {"protocol", list_html(protocol)},
        {"provenance", list_html(made)},
-       {"curve", curve_svg(judgement)},
-       {"timeline", timeline_svg(judgement, truth, frame)},
+       {"curves", curves_html(report, judgement)},
+       {"timeline_legend", legend_html(timeline_meanings(judgement, truth))},
+       {"timeline", timeline_svg(judgement, truth, reference_word(report), frame)},
        {"matrix_title", matrix != nullptr ? "Scores of all pairs" : "Recognitions of all pairs"},
-       {"matrix_legend",
-        fmt::format("Queries from top to bottom, references from left to right{}. Green: ground "
-                    "truth; blue: recognised, right; red: recognised, wrong.",
-                    matrix != nullptr ? "; dark is a good score" : "")},
-       {"matrix", matrix_html(judgement, truth, matrix, monitor)},
+       {"matrix_legend", legend_html(picture.shown)},
+       {"matrix", matrix_html(report, judgement, picture)},
+       {"gallery_title", truth.is_known ? "Mistakes and hits" : "Best matches"},
+       {"mistakes", truth.is_known ? std::string(kMistakes) : ""},
+       {"weak", truth.is_known ? "weakest right ones" : "weakest matches"},
        {"gallery_note", html_escaped(gallery.note())},
        {"cards", gallery.html()},
-       {"data", script_json(page_data(report, judgement, frame))}});
+       {"data", script_json(page_data(report, judgement, truth.is_known, frame))}});
 }
 
 }  // namespace vpr

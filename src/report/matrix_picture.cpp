@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <set>
 
 #include <opencv2/imgproc.hpp>
 
+#include "evaluation/score_layout.h"
+#include "report/framed_picture.h"
+#include "report/palette.h"
 #include "report/png_file.h"
 
 namespace vpr {
@@ -15,12 +19,6 @@ constexpr size_t kMostPixels = 2000;   // a side of a scaled-down picture
 constexpr size_t kFewestPixels = 600;  // a side of an enlarged one
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-const cv::Vec3b kTruth(60, 180, 60);
-const cv::Vec3b kHit(0, 150, 255);
-const cv::Vec3b kCorrect(255, 110, 20);
-const cv::Vec3b kIncorrect(30, 30, 230);
-const cv::Vec3b kIgnored(200, 170, 140);
-const cv::Vec3b kDivider(200, 120, 200);
 const cv::Vec3b kNoDistanceColour(235, 225, 215);
 
 cv::Vec3b blend(const cv::Vec3b& a, const cv::Vec3b& b) {
@@ -29,18 +27,12 @@ cv::Vec3b blend(const cv::Vec3b& a, const cv::Vec3b& b) {
   return mixed;
 }
 
-cv::Vec3b hit_colour(const SequenceResult& result, const Cell& hit, const GroundTruth* truth) {
-  if (truth == nullptr) return kHit;
-  switch (truth->label(result.anchor(hit.query_window), hit.sequence,
-                       result.anchor(hit.train_window))) {
-    case PlaceLabel::same:
-      return kCorrect;
-    case PlaceLabel::different:
-      return kIncorrect;
-    case PlaceLabel::ignore:
-      return kIgnored;
-  }
-  return kHit;
+Meaning meaning_of(const SequenceResult& result, const Cell& hit, const GroundTruth* truth) {
+  const PlaceLabel label = truth == nullptr
+                               ? PlaceLabel::ignore
+                               : truth->label(result.anchor(hit.query_window), hit.sequence,
+                                              result.anchor(hit.train_window));
+  return meaning_of(label);
 }
 
 }  // namespace
@@ -79,7 +71,7 @@ void MatrixPicture::operator()(const DistanceRow& row) {
   }
 }
 
-cv::Mat MatrixPicture::grey_image() const {
+std::optional<std::pair<uint32_t, uint32_t>> MatrixPicture::range() const {
   uint32_t least = kNone;
   uint32_t most = 0;
   for (const auto& value : pixels_->closest) {
@@ -87,6 +79,12 @@ cv::Mat MatrixPicture::grey_image() const {
     least = std::min<uint32_t>(least, value);
     most = std::max<uint32_t>(most, value);
   }
+  if (least == kNone) return std::nullopt;
+  return std::pair(least, most);
+}
+
+cv::Mat MatrixPicture::grey_image() const {
+  const auto [least, most] = range().value_or(std::pair(0u, 0u));
   cv::Mat image(static_cast<int>(pixels_->rows), static_cast<int>(pixels_->cols), CV_8UC3,
                 kNoDistanceColour);
   for (size_t p = 0; p < pixels_->closest.size(); ++p) {
@@ -110,6 +108,7 @@ cv::Vec3b& MatrixPicture::pixel(cv::Mat& image, size_t window, size_t sequence,
 void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
                                const GroundTruth& truth) const {
   const auto back = static_cast<int64_t>(result.settings.window_length) - 1;  // anchor to window
+  const cv::Vec3b colour = bgr_of(Meaning::truth);
   for (size_t window = 0; window < layout_.rows; ++window) {
     for (const GroundTruth::Pair& pair : truth.pairs[result.anchor(window)]) {
       if (pair.label != PlaceLabel::same) continue;
@@ -119,7 +118,7 @@ void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
       for (int64_t reference = first; reference <= last; ++reference) {
         cv::Vec3b& at = pixel(image, window, pair.sequence, static_cast<size_t>(reference - back));
         const bool is_pair = pair.first <= reference && reference <= pair.last();
-        if (at != kTruth) at = is_pair ? kTruth : blend(at, kTruth);
+        if (at != colour) at = is_pair ? colour : blend(at, colour);
       }
     }
   }
@@ -128,16 +127,35 @@ void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
 OutputFile MatrixPicture::write(const std::filesystem::path& path, Existing existing,
                                 const SequenceResult& result, const GroundTruth* truth) const {
   cv::Mat image = grey_image();
-  if (truth != nullptr) draw_truth(image, result, *truth);
-  for (const Cell& hit : result.hits)
-    pixel(image, hit.query_window, hit.sequence, hit.train_window) = hit_colour(result, hit, truth);
+  std::set<Meaning> shown;
+  if (truth != nullptr) {
+    draw_truth(image, result, *truth);
+    shown.insert(Meaning::truth);
+  }
+  for (const Cell& hit : result.hits) {
+    const Meaning meaning = meaning_of(result, hit, truth);
+    pixel(image, hit.query_window, hit.sequence, hit.train_window) = bgr_of(meaning);
+    shown.insert(meaning);
+  }
   for (const size_t column : layout_.first_column)
     if (column > 0 && column < layout_.cols)
-      image.col(static_cast<int>(column / scale_)).setTo(kDivider);
+      image.col(static_cast<int>(column / scale_)).setTo(bgr_of(Meaning::divider));
   const size_t side = std::max(pixels_->rows, pixels_->cols);
   const auto enlarge = static_cast<double>((kFewestPixels + side - 1) / side);
   cv::resize(image, image, {}, enlarge, enlarge, cv::INTER_NEAREST);
-  return write_png(path, image, existing);
+  const ScoreLayout layout = layout_of(result);
+  PictureFrame frame{column_bands(layout), row_bands(layout),
+                     enlarge / static_cast<double>(scale_)};
+  frame.shown.assign(shown.begin(), shown.end());
+  if (const auto found = range()) {
+    const auto value = [&](uint32_t biased) {
+      return static_cast<double>(int64_t{biased} - layout_.score_offset);
+    };
+    frame.greys = std::pair(value(found->first), value(found->second));
+  }
+  frame.grey_words =
+      layout_.has_scores ? "standardized score (1/1024, summed)" : "distance (bits, summed)";
+  return write_png(path, framed(image, frame), existing);
 }
 
 }  // namespace vpr

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -21,15 +23,17 @@ class MatrixPicture {
   /// Takes part of a row, from any thread.
   void operator()(const DistanceRow& row);
 
-  /// Writes a PNG: ground truth (if known) in green; hits orange, or, where the ground truth is
-  /// known, blue if correct and red if not (grey-blue if ignored). Sequences are divided by lines.
-  /// The caller commits.
+  /// Writes a PNG: ground truth (if known) and hits (not judged where it is not) in the palette's
+  /// colours, sequences divided by lines, axes that count frames, a legend and the scale of the
+  /// greys. The caller commits.
   OutputFile write(const std::filesystem::path& path, Existing existing,
                    const SequenceResult& result, const GroundTruth* truth) const;
 
  private:
   struct Pixels;
 
+  /// The smallest and the largest distance; nothing where there is none.
+  std::optional<std::pair<uint32_t, uint32_t>> range() const;
   cv::Mat grey_image() const;
   cv::Vec3b& pixel(cv::Mat& image, size_t window, size_t sequence, size_t train_window) const;
   void draw_truth(cv::Mat& image, const SequenceResult& result, const GroundTruth& truth) const;

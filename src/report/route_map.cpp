@@ -1,74 +1,111 @@
 #include "report/route_map.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
-#include "report/plot.h"
+#include "report/frame_axis.h"
+#include "report/palette.h"
 
 namespace vpr {
 namespace {
 
-// Readable for people who do not see red and green apart: shapes and brightness differ, too.
-constexpr const char* kWall = "#444444";
-constexpr const char* kTrain = "#9db8d2";
-constexpr const char* kPlace = "#2255aa";
-constexpr const char* kUnmapped = "#bbbbbb";
-constexpr const char* kMissed = "#e0a800";
-constexpr const char* kRight = "#1a8f3c";
-constexpr const char* kWrong = "#d01c1c";
+PlotLine points(Meaning meaning, PlotMark mark) {
+  return {std::string(colour_of(meaning).words), {}, PlotStyle::points, hex_of(meaning), mark};
+}
 
-PlotLine points(const std::string& name, const char* colour, PlotMark mark) {
-  PlotLine line{name, {}, PlotStyle::points};
-  line.colour = colour;
-  line.mark = mark;
-  return line;
+PlotLine line(Meaning meaning, PlotStyle style) {
+  return {std::string(colour_of(meaning).words), {}, style, hex_of(meaning)};
 }
 
 PlotLine wall_lines(const RouteMap& map, const std::string& floor) {
-  PlotLine line{"", {}, PlotStyle::line};
-  line.colour = kWall;
+  PlotLine walls = line(Meaning::wall, PlotStyle::line);
   for (const WallLine& wall : map.walls) {
     if (wall.from.floor != floor) continue;
-    line.points.insert(line.points.end(),
-                       {{wall.from.x, wall.from.y}, {wall.to.x, wall.to.y}, kPlotGap});
+    walls.points.insert(walls.points.end(),
+                        {{wall.from.x, wall.from.y}, {wall.to.x, wall.to.y}, kPlotGap});
   }
-  return line;
+  return walls;
+}
+
+/// A wide line, so that the query's dots can be seen on it.
+PlotLine train_lines(const RouteMap& map, const std::string& floor) {
+  PlotLine train = line(Meaning::train_path, PlotStyle::wide_line);
+  for (const auto& sequence : map.train) {
+    for (const auto& at : sequence)
+      train.points.push_back(at && at->floor == floor ? std::pair(at->x, at->y) : kPlotGap);
+    train.points.push_back(kPlotGap);
+  }
+  const bool is_empty = std::all_of(train.points.begin(), train.points.end(),
+                                    [](const auto& point) { return std::isnan(point.first); });
+  if (is_empty) train.points.clear();
+  return train;
+}
+
+/// Below what is drawn: about a quarter of its width, in round metres.
+PlotLine scale_bar(const std::vector<PlotLine>& lines) {
+  double left = std::numeric_limits<double>::infinity();
+  double right = -left;
+  double bottom = left;
+  double top = -left;
+  for (const PlotLine& drawn : lines)
+    for (const auto& [x, y] : drawn.points) {
+      if (std::isnan(x)) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      bottom = std::min(bottom, y);
+      top = std::max(top, y);
+    }
+  PlotLine bar{"", {}, PlotStyle::bar, hex_of(Meaning::wall)};
+  if (right <= left && top <= bottom) return bar;
+  const double size = std::max(right - left, top - bottom);
+  const auto metres = static_cast<double>(round_step(static_cast<size_t>(size), 4));
+  const double y = bottom - 0.06 * size;
+  bar.points = {{left, y}, {left + metres, y}};
+  bar.labels = {"", fmt::format("{} m", metres)};
+  return bar;
 }
 
 Plot panel_plot(const RouteMap& map, const MapPanel& panel, const std::string& floor) {
   Plot plot;
   plot.title = floor.empty() ? panel.title : fmt::format("{}, {}", panel.title, floor);
   plot.is_plan = true;
-  PlotLine train = points("training path", kTrain, PlotMark::dot);
-  for (const auto& sequence : map.train)
-    for (const auto& at : sequence)
-      if (at && at->floor == floor) train.points.emplace_back(at->x, at->y);
-  PlotLine places = points("training place", kPlace, PlotMark::square);
-  for (const RoutePoint& place : map.places)
-    if (place.floor == floor) places.points.emplace_back(place.x, place.y);
-  PlotLine unmapped = points("nothing to recognise", kUnmapped, PlotMark::dot);
-  PlotLine missed = points("not recognised", kMissed, PlotMark::dot);
-  PlotLine right = points("correct", kRight, PlotMark::disc);
-  PlotLine wrong = points("incorrect", kWrong, PlotMark::cross);
+  PlotLine places = points(Meaning::place, PlotMark::square);
+  if (panel.shows_places)
+    for (const RoutePoint& place : map.places)
+      if (place.floor == floor) places.points.emplace_back(place.x, place.y);
+  PlotLine unmapped = points(Meaning::unmapped, PlotMark::circle);
+  PlotLine missed = points(Meaning::missed, PlotMark::dot);
+  PlotLine unjudged = points(Meaning::unjudged, PlotMark::disc);
+  PlotLine right = points(Meaning::right, PlotMark::disc);
+  PlotLine wrong = points(Meaning::wrong, PlotMark::cross);
   for (size_t frame = 0; frame < map.query.size(); ++frame) {
     const auto& at = map.query[frame];
     if (!at || at->floor != floor) continue;
-    PlotLine& line = panel.fixes[frame] == Fix::right   ? right
-                     : panel.fixes[frame] == Fix::wrong ? wrong
-                     : panel.has_match[frame]           ? missed
-                                                        : unmapped;
-    line.points.emplace_back(at->x, at->y);
+    PlotLine& kind = panel.fixes[frame] == Fix::right      ? right
+                     : panel.fixes[frame] == Fix::wrong    ? wrong
+                     : panel.fixes[frame] == Fix::unjudged ? unjudged
+                     : panel.has_match[frame]              ? missed
+                                                           : unmapped;
+    kind.points.emplace_back(at->x, at->y);
   }
-  plot.lines = {wall_lines(map, floor), train, unmapped, missed, places, right, wrong};
-  std::erase_if(plot.lines, [](const PlotLine& line) { return line.points.empty(); });
+  plot.lines = {train_lines(map, floor),
+                wall_lines(map, floor),
+                unmapped,
+                missed,
+                places,
+                unjudged,
+                right,
+                wrong};
+  plot.lines.push_back(scale_bar(plot.lines));
+  std::erase_if(plot.lines, [](const PlotLine& drawn) { return drawn.points.empty(); });
   return plot;
 }
 
 }  // namespace
 
-void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
-                    const std::filesystem::path& folder) {
+std::vector<Plot> route_plots(const RouteMap& map, const std::vector<MapPanel>& panels) {
   std::vector<std::string> floors;
   for (const auto& at : map.query)
     if (at && std::find(floors.begin(), floors.end(), at->floor) == floors.end())
@@ -76,7 +113,12 @@ void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
   std::vector<Plot> plots;
   for (const std::string& floor : floors)
     for (const MapPanel& panel : panels) plots.push_back(panel_plot(map, panel, floor));
-  draw_plots(plots, panels.size(), "map", folder);
+  return plots;
+}
+
+void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
+                    const std::filesystem::path& folder) {
+  draw_plots(route_plots(map, panels), panels.size(), "map", folder);
 }
 
 }  // namespace vpr

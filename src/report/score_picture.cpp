@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -10,12 +9,6 @@
 
 namespace vpr {
 namespace {
-
-const cv::Vec3b kTruth(60, 180, 60);
-const cv::Vec3b kCorrect(255, 110, 20);
-const cv::Vec3b kIncorrect(30, 30, 230);
-const cv::Vec3b kIgnored(200, 170, 140);
-const cv::Vec3b kDivider(200, 120, 200);
 
 /// Cells to pixels.
 struct Grid {
@@ -35,8 +28,10 @@ struct Grid {
   }
 };
 
-void draw_grey(cv::Mat& image, const Grid& grid, const ScoreMatrix& matrix,
-               const Monitor& monitor) {
+/// Gives the scores of black and white.
+std::optional<std::pair<double, double>> draw_grey(cv::Mat& image, const Grid& grid,
+                                                   const ScoreMatrix& matrix,
+                                                   const Monitor& monitor) {
   std::vector<uint64_t> best(grid.rows * grid.cols, kNoScore);
   matrix.for_each_row(1, monitor, "drawing scores",
                       [&](size_t, size_t row, std::span<const uint64_t> keys) {
@@ -49,7 +44,7 @@ void draw_grey(cv::Mat& image, const Grid& grid, const ScoreMatrix& matrix,
     const double value = score_of_key(key, matrix.kind());
     if (std::isfinite(value)) values.push_back(value);
   }
-  if (values.empty()) return;
+  if (values.empty()) return std::nullopt;
   const double low = quantile(values, 0.01);
   const double high = quantile(values, 0.99);
   const bool is_distance = matrix.kind() == ScoreKind::distance;
@@ -57,39 +52,47 @@ void draw_grey(cv::Mat& image, const Grid& grid, const ScoreMatrix& matrix,
     if (best[p] == kNoScore) continue;
     const double value = score_of_key(best[p], matrix.kind());
     const double share = high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) : 0.5;
-    const auto grey = static_cast<uint8_t>(240 * (is_distance ? share : 1 - share));
+    const auto grey = static_cast<uint8_t>(255 * (is_distance ? share : 1 - share));
     image.at<cv::Vec3b>(static_cast<int>(p / grid.cols), static_cast<int>(p % grid.cols)) =
         cv::Vec3b(grey, grey, grey);
   }
+  return is_distance ? std::pair(low, high) : std::pair(high, low);
 }
 
 }  // namespace
 
-cv::Mat draw_scores(const Judgement& judgement, const GroundTruth& truth, const ScoreMatrix* matrix,
-                    size_t most_pixels, const Monitor& monitor) {
+ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
+                         const ScoreMatrix* matrix, size_t most_pixels, const Monitor& monitor) {
   const ScoreLayout& layout = judgement.layout;
   const Grid grid(layout, most_pixels);
-  cv::Mat image(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3,
-                cv::Scalar(255, 255, 255));
-  if (matrix != nullptr) draw_grey(image, grid, *matrix, monitor);
+  ScorePicture picture;
+  picture.cells = grid.scale;
+  picture.image.create(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3);
+  picture.image.setTo(cv::Scalar(255, 255, 255));
+  if (matrix != nullptr) picture.greys = draw_grey(picture.image, grid, *matrix, monitor);
+  std::vector<bool> is_shown(palette().size());
+  const auto set = [&](size_t row, size_t column, Meaning meaning) {
+    grid.pixel(picture.image, row, column) = bgr_of(meaning);
+    is_shown[static_cast<size_t>(meaning)] = true;
+  };
   std::vector<PlaceLabel> labels;
   for (size_t row = 0; row < row_count(layout); ++row) {
     label_row(truth, layout, row, labels);
     for (size_t c = 0; c < labels.size(); ++c)
-      if (labels[c] == PlaceLabel::same) grid.pixel(image, row, c) = kTruth;
+      if (labels[c] == PlaceLabel::same) set(row, c, Meaning::truth);
   }
   for (const ScoreLayout::Columns& columns : layout.columns)
-    if (columns.first > 0) image.col(static_cast<int>(columns.first / grid.scale)).setTo(kDivider);
+    if (columns.first > 0)
+      picture.image.col(static_cast<int>(columns.first / grid.scale))
+          .setTo(bgr_of(Meaning::divider));
   for (const RecognisedCell& cell : judgement.recognised) {
     const FrameMatch match = match_of_column(layout, cell.column);
-    const PlaceLabel label =
-        truth.label(layout.anchor(cell.query_window), match.sequence, match.reference);
-    grid.pixel(image, cell.query_window, cell.column) = label == PlaceLabel::same ? kCorrect
-                                                        : label == PlaceLabel::different
-                                                            ? kIncorrect
-                                                            : kIgnored;
+    set(cell.query_window, cell.column,
+        meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));
   }
-  return image;
+  for (const PaletteColour& colour : palette())
+    if (is_shown[static_cast<size_t>(colour.meaning)]) picture.shown.push_back(colour.meaning);
+  return picture;
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// Charts as SVG text for an HTML report; colours are classes of its style sheet.
+// Charts as SVG text for an HTML report; colours are the palette's classes.
 #pragma once
 
 #include <string>
@@ -6,6 +6,8 @@
 #include "evaluation/judgement.h"
 
 namespace vpr {
+
+struct ScorePicture;
 
 /// Where a timeline's frames lie, for scripts.
 struct TimelineFrame {
@@ -17,9 +19,26 @@ struct TimelineFrame {
 /// Precision against recall, best matches and, where there are some, all pairs.
 std::string curve_svg(const Judgement& judgement);
 
-/// Query frames from left to right; the column of each best match, of the ground truth, and below,
-/// a bar of fixes. Bounded in size for any number of queries: marks that fall together are one.
+/// How a chart shows scores: divided, and called so.
+struct ScoreAxis {
+  std::string label;
+  double divisor = 1;
+};
+
+/// Best matches that a threshold accepts, from the strictest to the loosest: right ones, wrong
+/// ones, and those that are not judged.
+std::string threshold_svg(const Judgement& judgement, const ScoreAxis& axis);
+
+/// Query frames from left to right, frames of the training sequences upwards, band by band: each
+/// best match, the ground truth, and below, a bar of fixes. Bounded in size for any number of
+/// queries: marks that fall together are one. `reference_word`: what the bands hold.
 std::string timeline_svg(const Judgement& judgement, const GroundTruth& truth,
-                         const TimelineFrame& frame);
+                         const std::string& reference_word, const TimelineFrame& frame);
+
+/// The picture with axes that count frames and, of a matrix, the scale of its greys. `png`: its
+/// pixels as base64.
+std::string matrix_svg(const Judgement& judgement, const ScorePicture& picture,
+                       const std::string& png, const std::string& reference_word,
+                       const std::string& score_words);
 
 }  // namespace vpr

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/json.h"
+#include "report/palette.h"
 
 namespace vpr {
 namespace {
@@ -180,15 +181,23 @@ Plot sweep_plot(const Sweep& sweep) {
                            is_fabmap(sweep) ? "recognitions" : "recognised places");
   plot.x_label = "incorrect";
   plot.y_label = "correct";
+  plot.starts_at_zero = true;
   for (const std::string& window : distinct_values(cells, &GridCell::window)) {
     PlotLine line{fmt::format("{} {}", is_fabmap(sweep) ? "c_w" : "c_l", window), {}};
+    std::vector<const GridCell*> order;
     for (const GridCell& cell : cells)
-      if (cell.window == window)
-        line.points.emplace_back(static_cast<double>(cell.incorrect),
-                                 static_cast<double>(cell.correct));
-    std::sort(line.points.begin(), line.points.end());
+      if (cell.window == window) order.push_back(&cell);
+    std::stable_sort(order.begin(), order.end(), [](const GridCell* a, const GridCell* b) {
+      return std::pair(a->incorrect, a->correct) < std::pair(b->incorrect, b->correct);
+    });
+    for (const GridCell* cell : order) {
+      line.points.emplace_back(static_cast<double>(cell->incorrect),
+                               static_cast<double>(cell->correct));
+      line.labels.push_back((is_fabmap(sweep) ? "t_p " : "t_r ") + cell->threshold);
+    }
     plot.lines.push_back(line);
   }
+  thin_labels(plot);
   return plot;
 }
 
@@ -232,8 +241,8 @@ cv::Mat draw_grid(const Sweep& sweep) {
             share > 0.7 ? cv::Scalar(255, 255, 255) : cv::Scalar(40, 40, 40));
     }
   };
-  draw("correct", &GridCell::correct, 0, {110, 150, 30});
-  draw("incorrect", &GridCell::incorrect, panel, {40, 40, 190});
+  draw("correct", &GridCell::correct, 0, bgr_of(Meaning::right));
+  draw("incorrect", &GridCell::incorrect, panel, bgr_of(Meaning::wrong));
   return canvas;
 }
 

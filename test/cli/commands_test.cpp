@@ -252,6 +252,42 @@ TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
   CHECK(table("latex").find("\\begin{tabular}") != std::string::npos);
 }
 
+TEST_CASE("a result can be looked at without a ground truth, and nothing else") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-query", world().query({"-o", out / "r.json"})).exit_code == 0);
+  const auto eval = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {out / "r.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-eval", words);
+  };
+  const auto looked = eval({"--html", out / "page.html", "--query", world().folder / "walk/back"});
+  CHECK(looked.exit_code == 0);
+  CHECK(looked.err.empty());
+  CHECK(looked.out.find("Nothing is judged without a ground truth.") != std::string::npos);
+  CHECK(looked.out.find("hits") != std::string::npos);
+  CHECK(looked.out.find("right") == std::string::npos);
+  const std::string page = test::read_text(out / "page.html");
+  CHECK(page.find("recognised, not judged") != std::string::npos);
+  CHECK(page.find("data:image/jpeg") != std::string::npos);
+  const auto alone = eval({});
+  CHECK(alone.exit_code == 2);
+  CHECK(alone.err.find("--html") != std::string::npos);
+  for (const std::string flag : {"-o", "--expect"})
+    CHECK(eval({"--html", out / "other.html", flag, out / "r.json"}).exit_code == 2);
+  CHECK(eval({"--html", out / "other.html", "--json"}).exit_code == 2);
+  CHECK_FALSE(fs::exists(out / "other.html"));
+  test::write_text(
+      out / "bare.json",
+      Json{{"schema", "vpr.dataset/1"},
+           {"name", "bare"},
+           {"fps", 4},
+           {"queries", {{{"name", "back"}, {"sequence", world().folder / "walk/back"}}}}}
+          .dump());
+  const auto timed = eval({"--html", out / "bare.html", "--dataset", out / "bare.json"});
+  CHECK(timed.err.empty());
+  CHECK(timed.out.find(" s). Nothing is judged") != std::string::npos);
+}
+
 TEST_CASE("every program has help with an example, and a version") {
   for (const std::string program :
        {"vpr-train", "vpr-query", "vpr-eval", "vpr-tune", "vpr-bench", "vpr-synth"}) {
@@ -283,6 +319,6 @@ TEST_CASE("a map shows one result or two of the same query, as SVG and PNG") {
   CHECK(drawn.exit_code == 0);
   if (drawn.err.find("gnuplot is not installed") != std::string::npos) return;
   CHECK(test::list_folder(out / "m") == std::vector<std::string>{"map.png", "map.svg"});
-  CHECK(test::read_text(out / "m/map.svg").find("incorrect") == std::string::npos);
-  CHECK(test::read_text(out / "m/map.svg").find("correct") != std::string::npos);
+  CHECK(test::read_text(out / "m/map.svg").find("recognised, wrong") == std::string::npos);
+  CHECK(test::read_text(out / "m/map.svg").find("recognised, right") != std::string::npos);
 }

@@ -14,4 +14,4 @@ for method in fastable openable; do
   "$bin/vpr-eval" "$out/$method.json" --dataset "$data" --expect "$source/configs/expected/small-fastable.json"
 done
 "$bin/vpr-query" "$out/f.vprdb" --dataset "$data" --c-w 3 --t-p 0.99 -o "$out/f.json" --quiet
-"$bin/vpr-eval" "$out/f.json" --dataset "$data" --expect "$source/configs/expected/small-fabmap.json"
+"$bin/vpr-eval" "$out/f.json" --dataset "$data" --expect "$source/configs/expected/small-fabmap.json" --html "$out/f.html"

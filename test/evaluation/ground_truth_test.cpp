@@ -91,3 +91,15 @@ TEST_CASE("aligned: frame i is frame i, within the tolerance") {
   CHECK(near.label(11, 0, 9) == PlaceLabel::same);
   CHECK_FALSE(near.has_match(12));
 }
+
+TEST_CASE("an unknown ground truth ignores every pair of what was searched") {
+  const GroundTruth truth =
+      unknown_ground_truth({2, {{"a", 3, true}, {"b", 4, false}, {"c", 1, true}, {"d", 0, true}}});
+  CHECK_FALSE(truth.is_known);
+  REQUIRE(truth.pairs.size() == 2);
+  CHECK(truth.pairs[1].size() == 2);
+  CHECK(truth.label(1, 0, 0) == PlaceLabel::ignore);
+  CHECK(truth.label(1, 0, 2) == PlaceLabel::ignore);
+  CHECK(truth.label(0, 2, 0) == PlaceLabel::ignore);
+  CHECK_FALSE(truth.has_match(0));
+}

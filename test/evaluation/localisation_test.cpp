@@ -13,7 +13,10 @@ namespace {
 std::vector<Fix> path(const std::string& text) {
   std::vector<Fix> fixes;
   for (const char c : text)
-    fixes.push_back(c == 'r' ? Fix::right : c == 'w' ? Fix::wrong : Fix::none);
+    fixes.push_back(c == 'r'   ? Fix::right
+                    : c == 'w' ? Fix::wrong
+                    : c == 'i' ? Fix::unjudged
+                               : Fix::none);
   return fixes;
 }
 
@@ -84,7 +87,7 @@ TEST_CASE("the closest hit of a window is its fix, at the anchor") {
   for (uint32_t frame = 0; frame < 5; ++frame)
     truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
   truth.pairs[5].push_back({0, 5, PlaceLabel::ignore});
-  CHECK(fixes_of(result, truth) == path("..wr.."));
+  CHECK(fixes_of(result, truth) == path("..wr.i"));
 }
 
 TEST_CASE("best matches are fixes up to the threshold, which counts") {

@@ -133,7 +133,8 @@ TEST_CASE("a page names nothing outside itself, however hostile its names are") 
                                          truth, "xxh3:0", {});
   const Sequence sequence = open_sequence({folder.path(), {}});
   const std::string page =
-      html_report(report, judgement, truth, nullptr, {sequence, {sequence}}, {});
+      html_report(report, "<s>all</s>", judgement, truth, nullptr, {sequence, {sequence}}, {});
+  CHECK(page.find("<s>all") == std::string::npos);
   CHECK(page.find("<img src=x") == std::string::npos);
   CHECK(page.find("</script><script>alert") == std::string::npos);
   CHECK(page.find("<b>method") == std::string::npos);
@@ -150,6 +151,73 @@ TEST_CASE("a page of nothing is a page") {
   const Judgement judgement = example("");
   GroundTruth truth;
   const Json report = scores_report_json({}, "none", judgement, truth, "xxh3:0", {});
-  CHECK(html_report(report, judgement, truth, nullptr, {}, {}).find("No query has") !=
+  CHECK(html_report(report, "", judgement, truth, nullptr, {}, {}).find("No query has") !=
         std::string::npos);
+}
+
+namespace {
+
+size_t count_of(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+std::string page_of(const Judgement& judgement, const GroundTruth& truth) {
+  const Json report = scores_report_json({"mine", {}, judgement.layout.window_length, {}}, "walk",
+                                         judgement, truth, "xxh3:0", {});
+  return html_report(report, "Recognised in 2 of 8 frames.", judgement, truth, nullptr, {}, {});
+}
+
+}  // namespace
+
+TEST_CASE("a page opens with its sentence and states the protocol once") {
+  const Judgement judgement = example("cwcwcwcw");
+  GroundTruth truth = example_truth(judgement);
+  truth.protocol = "pairs from my desk";
+  const std::string page = page_of(judgement, truth);
+  CHECK(page.find("<p class=\"summary\">Recognised in 2 of 8 frames.</p>") < page.find("<table"));
+  CHECK(count_of(page, "pairs from my desk") == 1);
+  CHECK(page.find("best match wrong, not recognised") != std::string::npos);
+  CHECK(page.find("worst mistakes") != std::string::npos);
+  CHECK(page.find("{{") == std::string::npos);
+}
+
+TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
+  Judgement judgement = example("cccccccc", 20);
+  ScoreLayout& layout = judgement.layout;
+  layout.scope.sequences = {{"monday", 111, true}, {"unused", 50, false}, {"<tuesday>", 41, true}};
+  layout.columns = {{0, 0, 92}, {2, 92, 22}};
+  const std::string page = page_of(judgement, example_truth(example("cccccccc", 20)));
+  const std::string timeline =
+      page.substr(page.find("<svg class=\"timeline\""),
+                  page.find("</svg>", page.find("<svg class=\"timeline\"")) -
+                      page.find("<svg class=\"timeline\""));
+  CHECK(timeline.find(">100</text>") != std::string::npos);
+  CHECK(timeline.find(">monday</text>") != std::string::npos);
+  CHECK(timeline.find(">&lt;tuesday&gt;</text>") != std::string::npos);
+  CHECK(timeline.find("unused") == std::string::npos);
+  const std::string matrix = page.substr(page.find("<svg class=\"matrix\""));
+  CHECK(matrix.find(">19</text>") != std::string::npos);  // the first window's anchor
+  CHECK(matrix.find(">monday</text>") != std::string::npos);
+}
+
+TEST_CASE("without a ground truth a page shows matches and judges nothing") {
+  Judgement judgement = example("cccccccc");
+  const GroundTruth truth = unknown_ground_truth(judgement.layout.scope);
+  for (QueryOutcome& query : judgement.outcomes.queries) query.verdict = Verdict::ignored;
+  judgement.fixes.assign(8, Fix::unjudged);
+  judgement.fixes[3] = Fix::none;
+  Json report = scores_report_json({"mine", {}, 1, {}}, "walk", judgement, truth, "xxh3:0", {});
+  report["counts"] = {{"hits", {{"correct", 0}, {"incorrect", 0}, {"ignored", 7}}}};
+  const std::string page = html_report(report, "", judgement, truth, nullptr, {}, {});
+  CHECK(page.find("recognised, not judged") != std::string::npos);
+  CHECK(page.find("recognised, wrong") == std::string::npos);
+  CHECK(page.find("worst mistakes") == std::string::npos);
+  CHECK(page.find("class=\"card mistake\"") == std::string::npos);
+  CHECK(page.find("class=\"card hit unjudged\"") != std::string::npos);
+  CHECK(page.find("wrong: query") == std::string::npos);
+  CHECK(page.find("right: query") == std::string::npos);
+  CHECK(page.find("; the ground truth has no match") == std::string::npos);
+  CHECK(page.find("<td>7</td>") != std::string::npos);
 }

@@ -46,13 +46,13 @@
     const i = Number(slider.value);
     const frame = data.first_frame + i;
     const match = data.matches[i];
-    let text = `Frame ${frame}: `;
-    if (match) text += `best match ${data.sequences[match[0]]} ${match[1]}, ${data.kind} ${data.scores[i]}, `;
-    else if (data.best[i] !== "u") text += "nothing found, ";
-    text += verdicts[data.best[i]];
-    if (match) text += data.recognised[frame] === "." ? " (not recognised)" : " (recognised)";
-    if (data.ranks && data.ranks[i]) text += `; the first right reference has rank ${data.ranks[i]}`;
-    byId("said").textContent = text + ".";
+    const parts = [];
+    if (match) parts.push(`best match ${data.sequences[match[0]]} ${match[1]}`, `${data.kind} ${data.scores[i]}`);
+    else if (data.best[i] !== "u") parts.push("nothing found");
+    if (data.judged || data.best[i] === "u") parts.push(verdicts[data.best[i]]);
+    if (match) parts.push(data.recognised[frame] === "." ? "not recognised" : "recognised");
+    if (data.ranks && data.ranks[i]) parts.push(`the first right reference has rank ${data.ranks[i]}`);
+    byId("said").textContent = `Frame ${frame}: ${parts.join(", ")}.`;
     if (here) {
       const x = data.left + data.width * (frame + 0.5) / data.frames;
       here.setAttribute("x1", x);

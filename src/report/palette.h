@@ -1,0 +1,70 @@
+// What a colour means: the one table of colours for pages, plots, maps, matrices and heat maps.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace cv {
+template <typename T, int n>
+class Vec;
+}
+
+namespace vpr {
+
+enum class PlaceLabel;
+
+/// What is drawn.
+enum class Meaning {
+  right,  ///< recognised, by the ground truth
+  wrong,
+  unjudged,    ///< recognised, and the pair is to be ignored or there is no ground truth
+  weak_right,  ///< a best match that is not recognised
+  weak_wrong,
+  weak_unjudged,
+  truth,
+  missed,    ///< not recognised on a map, though the ground truth has the place
+  unmapped,  ///< not recognised on a map, and the ground truth has no match
+  train_path,
+  place,  ///< of FAB-MAP
+  wall,
+  divider,  ///< between sequences
+  best_matches,
+  all_pairs
+};
+
+/// A row of the palette: 0xrrggbb on white and on dark paper.
+struct PaletteColour {
+  Meaning meaning = Meaning::right;
+  std::string_view name;   ///< of its CSS variable and class
+  std::string_view words;  ///< what a legend says
+  uint32_t light = 0;
+  uint32_t dark = 0;
+};
+
+/// Every meaning, in the order of Meaning. Colours that stand side by side in one picture can be
+/// told apart by people who do not see red, green or blue.
+std::span<const PaletteColour> palette();
+
+const PaletteColour& colour_of(Meaning meaning);
+
+/// "#rrggbb" on white.
+std::string hex_of(Meaning meaning);
+
+/// Blue, green, red on white, as OpenCV stores pixels.
+cv::Vec<uint8_t, 3> bgr_of(Meaning meaning);
+
+/// What a recognised pair means.
+Meaning meaning_of(PlaceLabel label);
+
+/// Colours of curves that mean nothing but their order, "#rrggbb" on white.
+std::span<const std::string_view> series_colours();
+
+/// The palette as CSS variables, for light and dark pages.
+std::string palette_css();
+
+/// A legend's entry in a page: a swatch and the words, which stay together.
+std::string legend_key(Meaning meaning);
+
+}  // namespace vpr
