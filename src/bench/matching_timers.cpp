@@ -64,7 +64,7 @@ void time_standardized(const MatchingCase& example, const Effort& effort, const 
   const Stopwatch watch;
   const ScoreBasis basis = score_basis(example);
   row.values.emplace_back("statistics_s", watch.elapsed_s());
-  ScoredFastable state{start_standardized(example.train, example.query, basis, kernels),
+  ScoredFastable state{start_standardized(example.train, example.query, basis, kernels, monitor),
                        start_scored_sums(example.train, example.settings)};
   size_t next = 0;
   size_t seen = 0;

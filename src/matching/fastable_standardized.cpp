@@ -69,7 +69,7 @@ void match_standardized(const TrainCodes& train, const QueryCodes& query,
   const size_t shortest = *std::min_element(window_lengths.begin(), window_lengths.end());
   if (!any_window_pair(train, query, shortest)) return;
   std::vector<FastableState> states = start_lengths(train, window_lengths, settings);
-  StandardizedState frames = start_standardized(train, query, basis, settings.kernels);
+  StandardizedState frames = start_standardized(train, query, basis, settings.kernels, monitor);
   const std::vector<uint8_t> readable = readable_frames(query);
   StepCounter counter(monitor, "match", query.words.size());
   for (size_t frame = 0; frame < query.words.size(); ++frame) {

@@ -40,9 +40,11 @@ void learn_everywhere(StandardizedState& state, const TrainCodes& train,
 }
 
 void learn_query(StandardizedState& state, const TrainCodes& train, const QueryCodes& query,
-                 const ScoreBasis& basis, const HammingKernels& kernels) {
+                 const ScoreBasis& basis, const HammingKernels& kernels, const Monitor& monitor) {
+  StepCounter counter(monitor, "learn", query.words.size());
   for (const FrameRun& run : query.runs) {
     for (size_t f = run.first; f < run.first + run.count; ++f) {
+      counter.add();
       if (!is_new_view(state.views, query.words[f])) continue;
       push_view(state.views, query.words[f]);
       teach(state, basis, query.words[f]);
@@ -55,7 +57,8 @@ void learn_query(StandardizedState& state, const TrainCodes& train, const QueryC
 }  // namespace
 
 StandardizedState start_standardized(const TrainCodes& train, const QueryCodes& query,
-                                     const ScoreBasis& basis, const HammingKernels& kernels) {
+                                     const ScoreBasis& basis, const HammingKernels& kernels,
+                                     const Monitor& monitor) {
   assert(basis.bias.size() == train.frame_count && basis.variance.size() == train.frame_count);
   const StandardizationSettings& settings = basis.settings;
   StandardizedState state;
@@ -69,7 +72,7 @@ StandardizedState start_standardized(const TrainCodes& train, const QueryCodes& 
   state.most_variance = settings.divide ? std::numeric_limits<float>::max() : kUnknown * kUnknown;
   state.forgetting = basis.offline ? 1 : settings.forgetting;
   state.weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
-  if (basis.offline && settings.learn) learn_query(state, train, query, basis, kernels);
+  if (basis.offline && settings.learn) learn_query(state, train, query, basis, kernels, monitor);
   return state;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/monitor.h"
 #include "matching/hamming_kernels.h"
 #include "matching/score_kernels.h"
 #include "matching/standardization.h"
@@ -34,9 +35,10 @@ struct StandardizedState {
 };
 
 /// For a ScoreBasis of the whole query (offline), its views are learned here, and none later.
-/// `query` is read only then.
+/// `query` is read only then. Throws Error(interrupted) once the user wants to stop.
 StandardizedState start_standardized(const TrainCodes& train, const QueryCodes& query,
-                                     const ScoreBasis& basis, const HammingKernels& kernels);
+                                     const ScoreBasis& basis, const HammingKernels& kernels,
+                                     const Monitor& monitor);
 
 /// Takes the next query frame: decides what is learned before it is scored. A frame that can't be
 /// read is no view.

@@ -1,5 +1,6 @@
 // Standardized scores: fast against plain, and what the method promises.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -366,4 +367,25 @@ TEST_CASE("settings of standardized scores out of range are refused") {
   CHECK(refused([](StandardizationSettings& s) { s.deviation_floor = 0; }));
   CHECK(refused([](StandardizationSettings& s) { s.view_change = -0.1; }));
   CHECK(refused([](StandardizationSettings& s) { s.lag_views = 0; }));
+}
+
+TEST_CASE("learning a whole query says how far it is, and stops when asked to") {
+  const Example example = make_example({40, 30}, 50, 3);
+  const ScoreBasis basis = make_basis(example, {}, true);
+  const TrainCodes train = make_train_codes(example.spans());
+  const QueryCodes query = make_query_codes({example.query, {}});
+  size_t learned = 0;
+  Monitor monitor;
+  monitor.progress = [&](const std::string& step, size_t done, size_t total) {
+    CHECK(step == "learn");
+    CHECK(total == 50);
+    learned = std::max(learned, done);
+  };
+  start_standardized(train, query, basis, select_kernels(), monitor);
+  CHECK(learned == 50);
+  const std::atomic<bool> stop{true};
+  monitor.stop = &stop;
+  CHECK(test::error_kind([&] {
+          start_standardized(train, query, basis, select_kernels(), monitor);
+        }) == ErrorKind::interrupted);
 }
