@@ -8,10 +8,13 @@
 #include "base/json.h"
 #include "base/stopwatch.h"
 #include "evaluation/counts.h"
+#include "pipeline/advice.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/score_check.h"
+#include "pipeline/train.h"
 #include "query_inputs.h"
+#include "repeated_command.h"
 #include "report/matrix_file.h"
 #include "report/matrix_picture.h"
 #include "report/result_file.h"
@@ -28,8 +31,9 @@ std::string query_fingerprint(const SequenceCodes& query) {
 
 Table places_table(const SequenceResult& result) {
   Table table;
-  table.title = fmt::format("{}: {} hits in {} places", result.query_name, result.hits.size(),
-                            result.places.size());
+  table.title = fmt::format("{}: {} hits in {} places, {} of {} windows recognised",
+                            result.query_name, result.hits.size(), result.places.size(),
+                            recognised_windows(result), result.query_windows);
   const bool is_raw = result.settings.score == Score::raw;
   table.columns = {"sequence", "query frame", "train frame", "hits",
                    is_raw ? "bits/frame" : "mean z"};
@@ -44,6 +48,41 @@ Table places_table(const SequenceResult& result) {
              : fmt::format("{:.2f}", mean_z(place.best_distance, result.settings.window_length))});
   }
   return table;
+}
+
+// The same query with the threshold that is suggested.
+std::string suggested_command(const Session& session, const SuggestedThreshold& suggested) {
+  std::vector<std::string> added = {"--t-r", fmt::format("{}", suggested.threshold), "--t-r-scale",
+                                    std::string(enum_name(suggested.scale))};
+  if (!session.options.output.empty() && !session.options.force) added.emplace_back("--force");
+  return repeated_command(session.run.command_line,
+                          {"--t-r", "--t-r-scale", "--safety-factor", "--safety-margin"}, added);
+}
+
+// Nothing where the threshold tells places apart; a warning, too, where it accepts too much.
+std::string advice_text(const Session& session, const SequenceResult& result) {
+  const auto advice = threshold_advice(result);
+  if (!advice) return "";
+  if (advice->is_too_large) warn(session.monitor, advice->sentence);
+  std::string text = advice->is_too_large ? "" : advice->sentence + "\n";
+  if (advice->suggested)
+    text += fmt::format("This recognises {} of {} windows:\n  {}\n", advice->suggested->windows,
+                        result.query_windows, suggested_command(session, *advice->suggested));
+  return text;
+}
+
+// Training walks that show the same place are why an automatic threshold finds nothing.
+void explain_nothing(const Session& session, const SequenceDatabase& database,
+                     const SequenceResult& result) {
+  const SequenceQuerySettings& settings = result.settings;
+  if (!result.hits.empty() || settings.distance_threshold) return;
+  const ThresholdTable* stored = find_thresholds(database.thresholds, settings.window_length);
+  if (stored == nullptr && is_left_to_queries(code_spans(database))) return;
+  warn_of_overlaps(database,
+                   stored != nullptr ? *stored
+                                     : compute_thresholds(database, settings.window_length, 1,
+                                                          session.kernels, session.monitor),
+                   session.monitor);
 }
 
 std::string summary(const QueryRun& run) {
@@ -156,7 +195,9 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const Json json = options.output.empty()
                         ? result_json(found.result, context)
                         : write_result(options.output, found.result, context, options.existing());
-  session.print_result(summary(found), json);
+  explain_nothing(session, database, found.result);
+  const std::string advice = advice_text(session, found.result);
+  session.print_result(summary(found) + advice, json);
 }
 
 }  // namespace vpr

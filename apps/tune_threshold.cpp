@@ -1,6 +1,4 @@
 // vpr-tune threshold: the automatic t_r, and why it is what it is.
-#include <functional>
-
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -10,7 +8,6 @@
 #include "pipeline/score_check.h"
 #include "pipeline/train.h"
 #include "recognition/automatic_score.h"
-#include "recognition/automatic_threshold.h"
 #include "report/run_info.h"
 #include "report/table.h"
 #include "tune_inputs.h"
@@ -24,33 +21,37 @@ std::string frame_span(const TrainSequence& sequence, size_t window, size_t leng
   return fmt::format("{}: {} to {}", sequence.name, first, last);
 }
 
-/// Closest windows of one length, and t_r from them.
+/// Closest windows of one length, and the t_r of each sequence that has a window.
 struct Automatic {
   ThresholdTable table;
-  std::function<double(const ClosestWindows&)> threshold;
+  std::vector<std::optional<AutomaticThreshold>> thresholds;
 };
 
 Automatic raw_thresholds(const Session& session, const ThresholdTune& command,
                          const SequenceDatabase& database, size_t length) {
   Automatic automatic{
       compute_thresholds(database, length, command.safety_factor, session.kernels, session.monitor),
-      [factor = command.safety_factor, length](const ClosestWindows& closest) {
-        return automatic_threshold(closest, length, factor);
-      }};
-  for (const std::string& sentence : overlap_warnings(automatic.table, database.sequences))
-    warn(session.monitor, sentence);
+      {}};
+  warn_of_overlaps(database, automatic.table, session.monitor);
+  for (size_t s = 0; s < database.sequences.size(); ++s)
+    automatic.thresholds.push_back(sequence_threshold(
+        database, automatic.table, s, command.safety_factor, session.kernels, session.monitor));
   return automatic;
 }
 
 Automatic score_thresholds(const Session& session, const SequenceQuerySettings& settings,
                            const SequenceDatabase& database, size_t length) {
   const MatchSettings match{length, size_t{1} << 33, session.kernels};
-  return {{length, 1,
-           find_closest_scores(code_spans(database), make_score_basis(database, settings), match,
-                               session.monitor)},
-          [margin = settings.safety_margin, length](const ClosestWindows& closest) {
-            return automatic_score_threshold(closest, length, margin);
-          }};
+  const std::vector<CodeSpan> spans = code_spans(database);
+  Automatic automatic{
+      {length, 1,
+       find_closest_scores(spans, make_score_basis(database, settings), match, session.monitor)},
+      std::vector<std::optional<AutomaticThreshold>>(spans.size())};
+  for (size_t s = 0; s < spans.size(); ++s)
+    if (count_windows(readable_runs(spans[s]), length) > 0)
+      automatic.thresholds[s] =
+          automatic_score_threshold(automatic.table.closest[s], length, settings.safety_margin);
+  return automatic;
 }
 
 // What a query with such thresholds would be set to.
@@ -88,52 +89,61 @@ Json head_json(const ThresholdTune& command) {
   return json;
 }
 
+/// What is listed, for people and for scripts.
+struct Listing {
+  Table table;
+  Json json;
+};
+
+void list_thresholds(const SequenceDatabase& database, const Automatic& automatic, bool is_raw,
+                     Listing& listing) {
+  const size_t length = automatic.table.window_length;
+  for (size_t s = 0; s < database.sequences.size(); ++s) {
+    const TrainSequence& own = database.sequences[s];
+    const auto& closest = automatic.table.closest[s];
+    const auto& t_r = automatic.thresholds[s];
+    std::vector<std::string>& row = listing.table.rows.emplace_back();
+    row = {own.name, std::to_string(length), "-", "-", "-", "-"};
+    Json item = {{"sequence", own.name}, {"c_l", length}, {"t_r", nullptr}};
+    if (t_r) {
+      item["t_r"] = t_r->value;
+      item["limited"] = t_r->is_largest;
+      row[2] = fmt::format("{:.2f}", t_r->value);
+      row[3] = t_r->is_largest ? "upper limit" : "closest windows";
+    }
+    if (closest) {
+      const TrainSequence& other = database.sequences[closest->other_sequence];
+      row[4] = frame_span(own, closest->window, length);
+      row[5] = frame_span(other, closest->other_window, length);
+      item["distance"] = closest->distance - (is_raw ? 0 : score_offset(length));
+      item["own_frames"] = row[4];
+      item["closest_frames"] = row[5];
+    }
+    listing.json["thresholds"].push_back(item);
+  }
+}
+
 void tune_threshold(Session& session, const ThresholdTune& command) {
   check_command(session, command);
   const bool is_raw = command.score == Score::raw;
   SequenceDatabase database = read_sequence_database(command.database);
-  if (database.sequences.size() < 2)
-    throw Error(ErrorKind::usage, fmt::format("{}: an automatic t_r needs at least two training "
-                                              "sequences, and it holds one",
-                                              command.database));
   if (!is_raw) ensure_statistics(database, session.kernels, session.monitor);
-  Table table;
-  table.title =
+  Listing listing{{}, head_json(command)};
+  listing.table.title =
       is_raw ? fmt::format("{}: automatic t_r, safety factor {:g}", command.database,
                            command.safety_factor)
              : fmt::format("{}: automatic t_r of {} scores, safety margin {:g}", command.database,
                            enum_name(command.score), command.safety_margin);
-  table.columns = {"sequence", "c_l", is_raw ? "t_r (bits)" : "t_r (mean z)", "own frames",
-                   "closest other frames"};
-  Json json = head_json(command);
-  json["thresholds"] = Json::array();
+  listing.table.columns = {"sequence", "c_l",        is_raw ? "t_r (bits)" : "t_r (mean z)",
+                           "from",     "own frames", "closest other frames"};
+  listing.json["thresholds"] = Json::array();
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
     SequenceQuerySettings settings = query_settings(command);
     settings.window_length = length;
     check_score(settings);
     const Automatic automatic = is_raw ? raw_thresholds(session, command, database, length)
                                        : score_thresholds(session, settings, database, length);
-    for (size_t s = 0; s < database.sequences.size(); ++s) {
-      const TrainSequence& own = database.sequences[s];
-      const auto& closest = automatic.table.closest[s];
-      Json item = {{"sequence", own.name}, {"c_l", length}};
-      if (!closest) {
-        table.rows.push_back({own.name, std::to_string(length), "-", "-", "-"});
-        item["t_r"] = nullptr;
-      } else {
-        const double t_r = automatic.threshold(*closest);
-        const std::string mine = frame_span(own, closest->window, length);
-        const std::string other =
-            frame_span(database.sequences[closest->other_sequence], closest->other_window, length);
-        table.rows.push_back(
-            {own.name, std::to_string(length), fmt::format("{:.2f}", t_r), mine, other});
-        item["t_r"] = t_r;
-        item["distance"] = closest->distance - (is_raw ? 0 : score_offset(length));
-        item["own_frames"] = mine;
-        item["closest_frames"] = other;
-      }
-      json["thresholds"].push_back(item);
-    }
+    list_thresholds(database, automatic, is_raw, listing);
     if (command.write) {
       std::erase_if(database.thresholds,
                     [&](const ThresholdTable& stored) { return stored.window_length == length; });
@@ -141,10 +151,10 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
     }
   }
   if (command.write) write_sequence_database(command.database, database, Existing::replace);
-  json["provenance"] = provenance_json(session.run);
+  listing.json["provenance"] = provenance_json(session.run);
   if (!session.options.output.empty())
-    write_file(session.options.output, to_text(json), session.options.existing());
-  session.print_result(render_table(table, command.format), json);
+    write_file(session.options.output, to_text(listing.json), session.options.existing());
+  session.print_result(render_table(listing.table, command.format), listing.json);
 }
 
 }  // namespace

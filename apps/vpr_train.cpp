@@ -4,21 +4,25 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "database/openfabmap.h"
-#include "recognition/automatic_threshold.h"
 #include "report/table.h"
 #include "train_inputs.h"
 
 namespace vpr {
 namespace {
 
-std::string threshold_text(const ThresholdTable& table, size_t sequence) {
-  const auto& closest = table.closest[sequence];
-  if (!closest) return "-";
-  return fmt::format("{:.2f}",
-                     automatic_threshold(*closest, table.window_length, table.safety_factor));
+std::optional<double> threshold_bits(const SequenceDatabase& database, const ThresholdTable& table,
+                                     size_t sequence, const Session& session) {
+  const auto automatic = sequence_threshold(database, table, sequence, table.safety_factor,
+                                            session.kernels, session.monitor);
+  return automatic ? std::optional(automatic->value) : std::nullopt;
 }
 
-Table database_table(const SequenceDatabase& database, const std::string& title) {
+std::string threshold_text(std::optional<double> bits) {
+  return bits ? fmt::format("{:.2f}", *bits) : "-";
+}
+
+Table database_table(const SequenceDatabase& database, const std::string& title,
+                     const Session& session) {
   Table table;
   table.title = title;
   table.columns = {"sequence", "frames", "unreadable"};
@@ -30,12 +34,12 @@ Table database_table(const SequenceDatabase& database, const std::string& title)
     row = {sequence.name, std::to_string(sequence.frame_count()),
            std::to_string(sequence.unreadable.size())};
     for (const ThresholdTable& thresholds : database.thresholds)
-      row.push_back(threshold_text(thresholds, s));
+      row.push_back(threshold_text(threshold_bits(database, thresholds, s, session)));
   }
   return table;
 }
 
-Json database_json(const SequenceDatabase& database, const RunInfo& run) {
+Json database_json(const SequenceDatabase& database, const Session& session) {
   Json json = {{"schema", "vpr.database-info/1"}, {"method", "fastable"}};
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
@@ -46,35 +50,30 @@ Json database_json(const SequenceDatabase& database, const RunInfo& run) {
                  {"unreadable", sequence.unreadable.size()}};
     item["t_r"] = Json::array();
     for (const ThresholdTable& table : database.thresholds) {
-      const auto& closest = table.closest[s];
-      item["t_r"].push_back(
-          {{"c_l", table.window_length},
-           {"bits",
-            closest ? Json(automatic_threshold(*closest, table.window_length, table.safety_factor))
-                    : Json()}});
+      const auto bits = threshold_bits(database, table, s, session);
+      item["t_r"].push_back({{"c_l", table.window_length}, {"bits", bits ? Json(*bits) : Json()}});
     }
     json["sequences"].push_back(item);
   }
-  json["provenance"] = provenance_json(run);
+  json["provenance"] = provenance_json(session.run);
   return json;
 }
 
-std::string summary(const SequenceDatabase& database, const std::string& path) {
+std::string summary(const SequenceDatabase& database, const std::string& path,
+                    const Session& session) {
   size_t frames = 0;
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
-  std::string text =
-      render_table(database_table(database, fmt::format("{}: fastable, {} sequences, {} frames",
-                                                        path, database.sequences.size(), frames)),
-                   TableFormat::text);
-  if (database.sequences.size() == 1)
-    text += "A single sequence gives no automatic t_r: queries need --t-r.\n";
-  return text;
+  return render_table(database_table(database,
+                                     fmt::format("{}: fastable, {} sequences, {} frames", path,
+                                                 database.sequences.size(), frames),
+                                     session),
+                      TableFormat::text);
 }
 
 void store(Session& session, const SequenceDatabase& database) {
   write_sequence_database(session.options.output, database, session.options.existing());
-  session.print_result(summary(database, session.options.output),
-                       database_json(database, session.run));
+  session.print_result(summary(database, session.options.output, session),
+                       database_json(database, session));
 }
 
 /// What `add` adds.
@@ -164,8 +163,8 @@ int main(int argc, char** argv) {
                                fabmap_json(database, session.run));
         } else {
           const SequenceDatabase database = read_sequence_database(database_path);
-          session.print_result(summary(database, database_path) + verified,
-                               database_json(database, session.run));
+          session.print_result(summary(database, database_path, session) + verified,
+                               database_json(database, session));
         }
       });
   NoSettings none;

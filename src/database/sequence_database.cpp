@@ -19,9 +19,21 @@ constexpr const char* kFramesFile = "frames.txt";
 constexpr const char* kStatisticsFile = "statistics.npy";
 
 Json sequence_to_json(const TrainSequence& sequence) {
-  return {{"name", sequence.name},
-          {"frames", sequence.frame_count()},
-          {"unreadable", sequence.unreadable}};
+  Json json = {{"name", sequence.name},
+               {"frames", sequence.frame_count()},
+               {"unreadable", sequence.unreadable}};
+  if (sequence.typical_distance) json["typical_distance"] = *sequence.typical_distance;
+  return json;
+}
+
+// A mean Hamming distance.
+double read_typical_distance(const Archive& archive, const Json& json) {
+  const auto found = json.find("typical_distance");
+  if (found == json.end() || !found->is_number()) archive.fail("\"typical_distance\" is no number");
+  const auto typical = found->get<double>();
+  if (!(typical >= 0 && typical <= 8 * kLdbBytes))
+    archive.fail("\"typical_distance\" is out of range");
+  return typical;
 }
 
 Json thresholds_to_json(const ThresholdTable& table) {
@@ -87,6 +99,8 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
     for (size_t s = 0; s + 1 < sequences.size(); ++s)
       if (sequences[s].name == sequence.name) archive.fail("two sequences have the same name");
     sequence.unreadable = read_unreadable(archive, json, count);
+    if (json.contains("typical_distance"))
+      sequence.typical_distance = read_typical_distance(archive, json);
     sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
                                 frame_names.begin() + ptrdiff_t(first + count));
     first += count;
@@ -162,12 +176,7 @@ std::optional<TrainStatistics> read_statistics(const Archive& archive, size_t fr
   if (!found->is_object()) archive.fail("\"statistics\" is no object");
   Json json = *found;
   TrainStatistics statistics;
-  const auto typical = json.find("typical_distance");
-  if (typical == json.end() || !typical->is_number())
-    archive.fail("\"typical_distance\" is no number");
-  statistics.typical_distance = typical->get<double>();
-  if (!(statistics.typical_distance >= 0 && statistics.typical_distance <= 8 * kLdbBytes))
-    archive.fail("\"typical_distance\" is out of range");
+  statistics.typical_distance = read_typical_distance(archive, json);
   json.erase("typical_distance");
   stored_settings_from_json({{"settings", json}}, statistics.settings, archive.name());
   const NpyArray rows = archive.array(kStatisticsFile);

@@ -19,10 +19,15 @@ struct TrainSequence {
   std::string name;
   std::vector<std::string> frame_names;
   std::vector<size_t> unreadable;  ///< rising
+  /// Mean Hamming distance of its frames that are no neighbours, in bits; none in databases of
+  /// older date.
+  std::optional<double> typical_distance = std::nullopt;
   size_t frame_count() const { return frame_names.size(); }
 };
 
-/// The window of another training sequence that is closest to any window of this one.
+/// The window of another training sequence that is closest to any window of this one. Of a
+/// database's only sequence: two windows of its own that show different places, and
+/// `other_sequence` is itself.
 struct ClosestWindows {
   uint32_t distance = 0;  ///< D, summed over the window
   size_t window = 0;      ///< of this sequence
@@ -31,7 +36,7 @@ struct ClosestWindows {
 };
 
 /// What automatic thresholds come from, for one window length. `closest` has one entry a training
-/// sequence; none where that sequence, or every other one, has no window.
+/// sequence; none where there are no such windows.
 struct ThresholdTable {
   size_t window_length = 0;
   double safety_factor = 1;

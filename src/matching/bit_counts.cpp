@@ -44,6 +44,16 @@ class BitCounter {
   size_t pending_ = 0;
 };
 
+// Bits in which a frame of `a` and one of `b` differ, summed over all pairs: below 2^64 for sets of
+// less than 100 million frames.
+uint64_t differing_pairs(const BitCounts& a, const BitCounts& b) {
+  uint64_t sum = 0;
+  for (size_t bit = 0; bit < a.ones.size(); ++bit)
+    sum += a.ones[bit] * uint64_t{b.frames - b.ones[bit]} +
+           (a.frames - a.ones[bit]) * uint64_t{b.ones[bit]};
+  return sum;
+}
+
 }  // namespace
 
 BitCounts count_bits(std::span<const CodeSpan> sequences) {
@@ -74,6 +84,18 @@ double mean_distance(const BitCounts& counts, const CodeWords& code) {
     before = parity;
   }
   return static_cast<double>(sum) / static_cast<double>(counts.frames);
+}
+
+double mean_distance_between(const BitCounts& a, const BitCounts& b) {
+  if (a.frames == 0 || b.frames == 0) return 0;
+  const auto pairs = static_cast<double>(a.frames) * static_cast<double>(b.frames);
+  return static_cast<double>(differing_pairs(a, b)) / pairs;
+}
+
+double mean_distance_within(const BitCounts& counts) {
+  if (counts.frames < 2) return 0;
+  const auto pairs = static_cast<double>(counts.frames) * static_cast<double>(counts.frames - 1);
+  return static_cast<double>(differing_pairs(counts, counts)) / pairs;
 }
 
 }  // namespace vpr

@@ -25,4 +25,11 @@ BitCounts without(const BitCounts& all, const BitCounts& some);
 /// 0 where none was counted.
 double mean_distance(const BitCounts& counts, const CodeWords& code);
 
+/// Mean Hamming distance of a frame of one set to a frame of the other, over all pairs. 0 where
+/// either is empty.
+double mean_distance_between(const BitCounts& a, const BitCounts& b);
+
+/// Mean Hamming distance of two different frames of a set, over all pairs. 0 of fewer than two.
+double mean_distance_within(const BitCounts& counts);
+
 }  // namespace vpr

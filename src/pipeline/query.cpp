@@ -82,62 +82,64 @@ std::vector<SequenceThreshold> plan_sequences(const SequenceDatabase& database,
   return planned;
 }
 
+// Databases of older date have no closest windows of a single sequence.
+const ThresholdTable* stored_table(const SequenceDatabase& database, size_t window_length) {
+  const ThresholdTable* table = find_thresholds(database.thresholds, window_length);
+  const bool is_old = table != nullptr && table->closest.size() == 1 && !table->closest[0];
+  return is_old ? nullptr : table;
+}
+
 ThresholdTable automatic_table(const SequenceDatabase& database,
                                const SequenceQuerySettings& settings,
                                const QueryResources& resources, const Monitor& monitor) {
-  const auto stored = find_thresholds(database.thresholds, settings.window_length);
+  const ThresholdTable* stored = stored_table(database, settings.window_length);
   if (stored != nullptr) return *stored;
-  warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it from its "
-                            "training sequences",
-                            settings.window_length));
+  if (is_left_to_queries(code_spans(database)))
+    warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
+                              "takes a while; vpr-tune threshold DB --c-l {} --write keeps it",
+                              settings.window_length, settings.window_length));
   const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
-  const ThresholdTable table =
-      compute_thresholds(database, settings.window_length, factor, resources.kernels, monitor);
-  for (const std::string& sentence : overlap_warnings(table, database.sequences))
-    warn(monitor, sentence);
-  return table;
+  return compute_thresholds(database, settings.window_length, factor, resources.kernels, monitor);
+}
+
+void plan_raw_thresholds(SequenceResult& result, const SequenceDatabase& database,
+                         const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings& settings = result.settings;
+  const ThresholdTable table = automatic_table(database, settings, resources, monitor);
+  for (size_t s = 0; s < result.sequences.size(); ++s) {
+    SequenceThreshold& sequence = result.sequences[s];
+    sequence.scale = ThresholdScale::bits;
+    if (!sequence.searched) continue;
+    const auto automatic =
+        sequence_threshold(database, table, s, settings.safety_factor.value_or(table.safety_factor),
+                           resources.kernels, monitor);
+    if (automatic) sequence.threshold = automatic->value;
+  }
 }
 
 // Standardized scores of training sequences against each other. They depend on the settings, and
 // are computed for each query.
-ThresholdTable automatic_scores(const SequenceDatabase& database,
-                                const SequenceQuerySettings& settings,
-                                const QueryResources& resources, const Monitor& monitor) {
-  return {settings.window_length, 1,
-          find_closest_scores(code_spans(database), make_score_basis(database, settings),
-                              {settings.window_length, resources.memory_limit, resources.kernels},
-                              monitor)};
-}
-
-double automatic_number(const ClosestWindows& closest, const ThresholdTable& table,
-                        const SequenceQuerySettings& settings) {
-  if (settings.score != Score::raw)
-    return automatic_score_threshold(closest, settings.window_length, settings.safety_margin);
-  return automatic_threshold(closest, settings.window_length,
-                             settings.safety_factor.value_or(table.safety_factor));
+void plan_score_thresholds(SequenceResult& result, const SequenceDatabase& database,
+                           const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings& settings = result.settings;
+  const auto closest = find_closest_scores(
+      code_spans(database), make_score_basis(database, settings),
+      {settings.window_length, resources.memory_limit, resources.kernels}, monitor);
+  for (size_t s = 0; s < result.sequences.size(); ++s) {
+    SequenceThreshold& sequence = result.sequences[s];
+    sequence.scale = ThresholdScale::mean_z;
+    if (!sequence.searched || sequence.windows == 0) continue;
+    sequence.threshold =
+        automatic_score_threshold(closest[s], settings.window_length, settings.safety_margin).value;
+  }
 }
 
 void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
-  const SequenceQuerySettings& settings = result.settings;
-  if (database.sequences.size() < 2)
-    throw Error(ErrorKind::usage,
-                "an automatic t_r needs at least two training sequences, and the database holds "
-                "one; give a number, as in --t-r 0.4");
-  const bool is_raw = settings.score == Score::raw;
-  const ThresholdTable table = is_raw ? automatic_table(database, settings, resources, monitor)
-                                      : automatic_scores(database, settings, resources, monitor);
-  for (size_t s = 0; s < result.sequences.size(); ++s) {
-    SequenceThreshold& sequence = result.sequences[s];
-    sequence.scale = is_raw ? ThresholdScale::bits : ThresholdScale::mean_z;
-    if (!sequence.searched || sequence.windows == 0) continue;
-    if (!table.closest[s])
-      throw Error(ErrorKind::usage,
-                  fmt::format("there is no automatic t_r for {}: no other training sequence has a "
-                              "window of {} frames; give a number, as in --t-r 0.4",
-                              sequence.name, settings.window_length));
-    sequence.threshold = automatic_number(*table.closest[s], table, settings);
-  }
+  if (result.settings.score == Score::raw)
+    plan_raw_thresholds(result, database, resources, monitor);
+  else
+    plan_score_thresholds(result, database, resources, monitor);
 }
 
 // Limits that need no distances: automatic thresholds, and numbers in bits a frame or deviations.

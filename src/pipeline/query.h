@@ -26,9 +26,8 @@ struct QueryRun {
 };
 
 /// Thresholds and the shape of a result, before any distance is known. Throws Error(usage) for
-/// settings out of range, an unknown sequence name, a query or training sequences that are all
-/// shorter than a window, and where t_r is automatic but the database holds a single sequence.
-/// Computes missing automatic thresholds, and says so.
+/// settings out of range, an unknown sequence name, and a query or training sequences that are all
+/// shorter than a window. Computes automatic thresholds that the database lacks.
 SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes& query,
                           const std::string& query_name, const SequenceQuerySettings& settings,
                           const QueryResources& resources, const Monitor& monitor);

@@ -19,9 +19,16 @@ void check_raw(const SequenceQuerySettings& settings) {
     throw Error(ErrorKind::usage,
                 "the safety margin is for standardized scores; raw distances have "
                 "--safety-factor");
-  if (settings.distance_threshold && *settings.distance_threshold < 0)
+  if (!settings.distance_threshold) return;
+  const double threshold = *settings.distance_threshold;
+  if (threshold < 0)
+    throw Error(ErrorKind::usage, fmt::format("t_r must not be negative, found {}", threshold));
+  if (threshold > 1 && scale_of(settings) == ThresholdScale::relative)
     throw Error(ErrorKind::usage,
-                fmt::format("t_r must not be negative, found {}", *settings.distance_threshold));
+                fmt::format("t_r is relative to the largest distance, where {} accepts everything; "
+                            "for bits a frame give --t-r {} --t-r-scale bits, else a share, as in "
+                            "--t-r 0.6",
+                            threshold, threshold));
 }
 
 void check_standardized(const SequenceQuerySettings& settings) {
@@ -31,6 +38,11 @@ void check_standardized(const SequenceQuerySettings& settings) {
                 fmt::format("t_r_scale {} means nothing for standardized scores, which have no "
                             "bits; leave it out, or give mean-z, as in --t-r -1.5",
                             enum_name(scale)));
+  if (settings.distance_threshold && *settings.distance_threshold > 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r of standardized scores is a mean z, where {} accepts places that "
+                            "are farther than usual; give one below 0, as in --t-r -1.5",
+                            *settings.distance_threshold));
   if (!find_sequence_method(settings.method).has_scores)
     throw Error(ErrorKind::usage, fmt::format("{} has no standardized scores; take fastable or "
                                               "fastable-online",

@@ -8,11 +8,13 @@
 #include "base/error.h"
 #include "matching/distance_statistics.h"
 #include "recognition/automatic_threshold.h"
+#include "recognition/same_place.h"
 
 namespace vpr {
 namespace {
 
 constexpr size_t kMemoryLimit = size_t{1} << 32;
+constexpr uint64_t kMostPairs = uint64_t{1} << 32;  // a few seconds
 
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Monitor& monitor) {
@@ -41,11 +43,24 @@ void warn_of_short_sequences(const SequenceDatabase& database, size_t window_len
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
                     const HammingKernels& kernels, const Monitor& monitor) {
+  if (is_left_to_queries(code_spans(database))) {
+    warn(monitor, fmt::format("the training sequences are long: their automatic t_r is computed "
+                              "when a query needs it; vpr-tune threshold DB --c-l {} --write does "
+                              "so once and keeps it",
+                              window_length));
+    return;
+  }
   database.thresholds.push_back(
       compute_thresholds(database, window_length, safety_factor, kernels, monitor));
-  for (const std::string& sentence :
-       overlap_warnings(database.thresholds.back(), database.sequences))
-    warn(monitor, sentence);
+  warn_of_overlaps(database, database.thresholds.back(), monitor);
+}
+
+void add_typical_distances(SequenceDatabase& database, const HammingKernels& kernels,
+                           const Monitor& monitor) {
+  const std::vector<CodeSpan> spans = code_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s)
+    if (!database.sequences[s].typical_distance)
+      database.sequences[s].typical_distance = typical_distance(spans[s], kernels, monitor);
 }
 
 void add_statistics(SequenceDatabase& database, const StatisticsSettings& settings,
@@ -85,6 +100,35 @@ ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t windo
   return {window_length, safety_factor, find_closest_windows(code_spans(database), match, monitor)};
 }
 
+bool is_left_to_queries(std::span<const CodeSpan> sequences) {
+  uint64_t pairs = 0;
+  uint64_t before = 0;
+  for (const CodeSpan& sequence : sequences) {
+    pairs += before * sequence.codes.size();
+    before += sequence.codes.size();
+  }
+  return pairs > kMostPairs;
+}
+
+std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
+                                                     const ThresholdTable& table, size_t sequence,
+                                                     double safety_factor,
+                                                     const HammingKernels& kernels,
+                                                     const Monitor& monitor) {
+  const CodeSpan span = code_spans(database)[sequence];
+  if (count_windows(readable_runs(span), table.window_length) == 0) return std::nullopt;
+  const auto& stored = database.sequences[sequence].typical_distance;
+  const double typical = stored ? *stored : typical_distance(span, kernels, monitor);
+  return automatic_threshold(table.closest[sequence], typical, table.window_length, safety_factor);
+}
+
+void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
+                      const Monitor& monitor) {
+  for (const std::string& sentence :
+       overlap_warnings(table, database.sequences, code_spans(database)))
+    warn(monitor, sentence);
+}
+
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings,
                                  const HammingKernels& kernels, const Monitor& monitor) {
@@ -95,6 +139,7 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   for (const NamedArgument& sequence : sequences)
     append_sequence(database, sequence, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
+  add_typical_distances(database, kernels, monitor);
   add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
   add_statistics(database, settings.statistics, kernels, monitor);
   return database;
@@ -109,6 +154,7 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   extended.codes.owned.assign(database.codes.view().begin(), database.codes.view().end());
   for (const NamedArgument& sequence : sequences)
     append_sequence(extended, sequence, skip_unreadable, monitor);
+  add_typical_distances(extended, kernels, monitor);
   for (const ThresholdTable& table : database.thresholds) {
     warn_of_short_sequences(extended, table.window_length, monitor);
     add_thresholds(extended, table.window_length, table.safety_factor, kernels, monitor);

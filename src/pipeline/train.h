@@ -8,6 +8,7 @@
 #include "database/sequence_database.h"
 #include "images/sequence.h"
 #include "matching/hamming_kernels.h"
+#include "recognition/threshold.h"
 
 namespace vpr {
 
@@ -33,9 +34,10 @@ struct NamedArgument {
   SequenceArgument sequence;
 };
 
-/// Describes each sequence and computes the thresholds for settings.window_length and the training
-/// statistics. Names must differ. Throws Error(usage) for settings out of range, and what
-/// describe_sequence throws. Warns of overlapping sequences, and of those shorter than a window.
+/// Describes each sequence and computes the thresholds for settings.window_length (unless
+/// is_left_to_queries, which is said) and the training statistics. Names must differ. Throws
+/// Error(usage) for settings out of range, and what describe_sequence throws. Warns of overlapping
+/// sequences, and of those shorter than a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings,
                                  const HammingKernels& kernels, const Monitor& monitor);
@@ -46,6 +48,22 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
                                const HammingKernels& kernels, const Monitor& monitor);
+
+/// Whether comparing all sequences with each other takes longer than training should (2^32 frame
+/// pairs and more): then thresholds are computed when a query asks for them.
+bool is_left_to_queries(std::span<const CodeSpan> sequences);
+
+/// The automatic t_r of one sequence, in bits a frame, with a safety factor; none if it has no
+/// window. Its typical distance is the one that the database holds, or else computed.
+std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
+                                                     const ThresholdTable& table, size_t sequence,
+                                                     double safety_factor,
+                                                     const HammingKernels& kernels,
+                                                     const Monitor& monitor);
+
+/// Says which sequences seem to show the same place (overlap_warnings).
+void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
+                      const Monitor& monitor);
 
 /// Closest windows for one window length.
 ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,

@@ -1,12 +1,17 @@
 #include "recognition/automatic_score.h"
 
+#include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "matching/fastable_standardized.h"
-#include "recognition/threshold.h"
+#include "recognition/elsewhere.h"
 
 namespace vpr {
 namespace {
+
+// Scores of c_l independent frames would spread by 1 / sqrt(c_l) deviations.
+constexpr double kSpread = 5.5;
 
 using ClosestTable = std::vector<std::optional<ClosestWindows>>;
 
@@ -39,19 +44,38 @@ void compare_with_others(std::span<const CodeSpan> sequences, size_t own, const 
       });
 }
 
+std::optional<ClosestWindows> closest_of_own(const CodeSpan& walk, const ScoreBasis& basis,
+                                             const MatchSettings& settings,
+                                             const Monitor& monitor) {
+  const TrainCodes train = make_train_codes({&walk, 1});
+  return closest_elsewhere(walk, settings.window_length, settings.kernels,
+                           [&](const QueryCodes& query, const RowConsumer& consume) {
+                             match_standardized(
+                                 train, query, {&settings.window_length, 1}, basis, settings,
+                                 monitor, [&](size_t, const DistanceRow& row) { consume(row); });
+                           });
+}
+
 }  // namespace
 
 ClosestTable find_closest_scores(std::span<const CodeSpan> sequences, const ScoreBasis& basis,
                                  const MatchSettings& settings, const Monitor& monitor) {
+  if (sequences.size() == 1) return {closest_of_own(sequences[0], basis, settings, monitor)};
   ClosestTable table(sequences.size());
   for (size_t own = 0; own < sequences.size(); ++own)
     compare_with_others(sequences, own, basis, settings, monitor, table);
   return table;
 }
 
-double automatic_score_threshold(const ClosestWindows& closest, size_t window_length,
-                                 double margin) {
-  return mean_z(closest.distance, window_length) - margin;
+double largest_score_threshold(size_t window_length) {
+  return -kSpread / std::sqrt(static_cast<double>(window_length));
+}
+
+AutomaticThreshold automatic_score_threshold(const std::optional<ClosestWindows>& closest,
+                                             size_t window_length, double margin) {
+  const double most = largest_score_threshold(window_length);
+  const double found = closest ? mean_z(closest->distance, window_length) : most;
+  return {std::min(found, most) - margin, !closest || most < found};
 }
 
 ScoreBasis basis_of(const ScoreBasis& all, std::span<const CodeSpan> sequences,

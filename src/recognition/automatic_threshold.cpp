@@ -1,21 +1,23 @@
 #include "recognition/automatic_threshold.h"
 
 #include <algorithm>
-#include <set>
+#include <cmath>
 #include <tuple>
 
-#include <fmt/format.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
-#include "base/statistics.h"
+#include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
+#include "recognition/elsewhere.h"
 
 namespace vpr {
 namespace {
 
-// Windows of different places differ by more, whatever the median of all sequences is: a tenth of
-// the bits of a frame.
-constexpr double kSamePlaceBits = kLdbBits / 10.0;
+// Of how much windows of c_l frames spread below the typical distance: c_l independent distances
+// would by 1 / sqrt(c_l). Measured on floors that look alike (docs/methods.md).
+constexpr double kSpread = 0.65;
+
+constexpr uint64_t kTypicalSamples = 1000;
 
 using ClosestTable = std::vector<std::optional<ClosestWindows>>;
 
@@ -52,56 +54,45 @@ void compare_with_later(std::span<const CodeSpan> sequences, size_t own,
       if (local[s]) keep_closer(table[s], *local[s]);
 }
 
-std::string window_text(const ThresholdTable& table, std::span<const TrainSequence> sequences,
-                        size_t sequence, size_t window) {
-  const size_t last = window + table.window_length - 1;
-  return fmt::format("{} frames {} to {} ({} to {})", sequences[sequence].name, window, last,
-                     sequences[sequence].frame_names[window],
-                     sequences[sequence].frame_names[last]);
+std::optional<ClosestWindows> closest_of_own(const CodeSpan& walk, const MatchSettings& settings,
+                                             const Monitor& monitor) {
+  const TrainCodes train = make_train_codes({&walk, 1});
+  return closest_elsewhere(walk, settings.window_length, settings.kernels,
+                           [&](const QueryCodes& query, const RowConsumer& consume) {
+                             match_fastable(train, query, settings, monitor, consume);
+                           });
 }
 
 }  // namespace
 
 ClosestTable find_closest_windows(std::span<const CodeSpan> sequences,
                                   const MatchSettings& settings, const Monitor& monitor) {
+  if (sequences.size() == 1) return {closest_of_own(sequences[0], settings, monitor)};
   ClosestTable table(sequences.size());
   for (size_t own = 0; own + 1 < sequences.size(); ++own)
     compare_with_later(sequences, own, settings, monitor, table);
   return table;
 }
 
-double automatic_threshold(const ClosestWindows& closest, size_t window_length,
-                           double safety_factor) {
-  return static_cast<double>(closest.distance) / static_cast<double>(window_length) * safety_factor;
+double largest_threshold(double typical_distance, size_t window_length) {
+  return (1 - kSpread / std::sqrt(static_cast<double>(window_length))) * typical_distance;
 }
 
-std::vector<std::string> overlap_warnings(const ThresholdTable& table,
-                                          std::span<const TrainSequence> sequences) {
-  std::vector<double> distances;
-  for (const auto& closest : table.closest)
-    if (closest) distances.push_back(closest->distance);
-  std::vector<std::string> warnings;
-  if (distances.empty()) return warnings;
-  const double middle = median(distances);
-  std::set<std::pair<size_t, size_t>> named;
-  for (size_t s = 0; s < table.closest.size(); ++s) {
-    const auto& closest = table.closest[s];
-    if (!closest) continue;
-    const double bits =
-        static_cast<double>(closest->distance) / static_cast<double>(table.window_length);
-    if (closest->distance >= middle / 2 && bits >= kSamePlaceBits) continue;
-    if (!named.insert(std::minmax(s, closest->other_sequence)).second) continue;
-    warnings.push_back(fmt::format(
-        "the training sequences {} and {} may show the same place, which makes their automatic "
-        "t_r too small ({:.1f} bits at c_l {}, median {:.1f}): compare {} with {}",
-        sequences[s].name, sequences[closest->other_sequence].name,
-        automatic_threshold(*closest, table.window_length, table.safety_factor),
-        table.window_length,
-        middle / static_cast<double>(table.window_length) * table.safety_factor,
-        window_text(table, sequences, s, closest->window),
-        window_text(table, sequences, closest->other_sequence, closest->other_window)));
-  }
-  return warnings;
+AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& closest,
+                                       double typical_distance, size_t window_length,
+                                       double safety_factor) {
+  const double most = largest_threshold(typical_distance, window_length);
+  const double found =
+      closest ? static_cast<double>(closest->distance) / static_cast<double>(window_length) : most;
+  return {std::min(found, most) * safety_factor, !closest || most < found};
+}
+
+double typical_distance(const CodeSpan& sequence, const HammingKernels& kernels,
+                        const Monitor& monitor) {
+  StatisticsSettings settings;
+  settings.samples = kTypicalSamples;
+  return compute_statistics(make_train_codes({&sequence, 1}), settings, kernels, monitor)
+      .typical_distance;
 }
 
 }  // namespace vpr

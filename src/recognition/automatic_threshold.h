@@ -1,32 +1,36 @@
-// The automatic t_r of FastABLE: how close windows of different training sequences come.
+// The automatic t_r of FastABLE: how close windows of different places come.
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "database/sequence_database.h"
 #include "matching/rows.h"
+#include "recognition/threshold.h"
 
 namespace vpr {
 
 /// For each training sequence the window of any other one that is closest to any of its own (paper,
 /// section VII-D: two training sequences never show the same place, so whatever is as close as
-/// they are is no recognition). Ties: smallest own window, then sequence, then window.
-/// One entry a sequence, none where it, or every other, is shorter than a window.
+/// they are is no recognition). Ties: smallest own window, then sequence, then window. Of a single
+/// sequence: closest_elsewhere. One entry a sequence, none where there are no such windows.
 std::vector<std::optional<ClosestWindows>> find_closest_windows(std::span<const CodeSpan> sequences,
                                                                 const MatchSettings& settings,
                                                                 const Monitor& monitor);
 
-/// t_r in bits a frame: distance / window_length * safety_factor.
-double automatic_threshold(const ClosestWindows& closest, size_t window_length,
-                           double safety_factor);
+/// The mean distance of frames of one sequence that are no neighbours, in bits: that of
+/// compute_statistics for this sequence alone, with its default neighbours and 1000 samples.
+double typical_distance(const CodeSpan& sequence, const HammingKernels& kernels,
+                        const Monitor& monitor);
 
-/// One sentence for each pair of sequences that seem to show the same place: those whose distance
-/// is below half the median of all, or below a tenth of the bits (with two
-/// sequences, the median is their own distance). Frames are named by index: first and last of each
-/// window.
-std::vector<std::string> overlap_warnings(const ThresholdTable& table,
-                                          std::span<const TrainSequence> sequences);
+/// What no automatic t_r is above, in bits a frame: (1 - 0.65 / sqrt(c_l)) of the sequence's
+/// typical distance. Where training sequences look different, their closest windows tell nothing.
+double largest_threshold(double typical_distance, size_t window_length);
+
+/// In bits a frame: the closest windows' distance / window_length, or largest_threshold where that
+/// is smaller or there are none; times safety_factor.
+AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& closest,
+                                       double typical_distance, size_t window_length,
+                                       double safety_factor);
 
 }  // namespace vpr

@@ -18,6 +18,12 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<ThresholdScale> = {"relative", "bits",
                                                                                "mean-z"};
 
+/// An automatic t_r of one training sequence, on the scale of its score.
+struct AutomaticThreshold {
+  double value = 0;
+  bool is_largest = false;  ///< the largest that one may be; closest windows are no reason for less
+};
+
 /// The smallest distance that is no hit: the smallest integer D with D / divisor >= threshold, as
 /// an IEEE double division. Where the divisor is 0 the quotient counts as 0. threshold is finite.
 uint32_t distance_limit(double threshold, uint32_t divisor);

@@ -101,13 +101,10 @@ TEST_CASE("settings out of range") {
   check_nothing_written();
 }
 
-TEST_CASE("an automatic threshold of a single sequence: the error says to give --t-r") {
-  const test::TemporaryFolder out;
-  REQUIRE(Bench::train({"--train", bench().folder / "one", "-o", out / "one.vprdb"}).exit_code ==
-          0);
-  check_failure(run_program("vpr-query", {out / "one.vprdb", "--query", bench().folder / "query",
-                                          "--c-l", "5", "-o", out / "r.json"}),
-                2, "--t-r");
+TEST_CASE("thresholds on another scale are refused with a number on the right one") {
+  check_failure(bench().query({"--c-l", "5", "--t-r", "55"}), 2, "--t-r 55 --t-r-scale bits");
+  check_failure(bench().query({"--c-l", "5", "--score", "standardized", "--t-r", "0.5"}), 2,
+                "--t-r -1.5");
 }
 
 TEST_CASE("databases that are missing, none, damaged or newer") {

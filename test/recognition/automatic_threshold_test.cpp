@@ -36,13 +36,6 @@ bool same(const std::optional<ClosestWindows>& a, const std::optional<ClosestWin
          a->other_sequence == b->other_sequence && a->other_window == b->other_window;
 }
 
-TrainSequence named(const std::string& name, size_t frames) {
-  TrainSequence sequence;
-  sequence.name = name;
-  for (size_t i = 0; i < frames; ++i) sequence.frame_names.push_back(std::to_string(i) + ".png");
-  return sequence;
-}
-
 }  // namespace
 
 TEST_CASE("the closest windows are those of all against all others") {
@@ -65,39 +58,35 @@ TEST_CASE("the closest windows are those of all against all others") {
   }
 }
 
-TEST_CASE("a single sequence has no automatic threshold") {
-  const Sequences one = {test::walk_codes(30, 1)};
-  CHECK_FALSE(find_closest_windows(spans_of(one), {3, size_t{1} << 30, select_kernels()}, {})
-                  .at(0)
-                  .has_value());
-}
-
 TEST_CASE("the automatic threshold is in bits a frame, times the safety factor") {
-  CHECK(automatic_threshold({500, 0, 0, 0}, 4, 0.8) == 100);
+  const AutomaticThreshold found = automatic_threshold(ClosestWindows{500, 0, 1, 0}, 400, 4, 0.8);
+  CHECK(found.value == 100);
+  CHECK_FALSE(found.is_largest);
 }
 
-TEST_CASE("sequences closer than half the median are named, each pair once, with their frames") {
-  const std::vector<TrainSequence> sequences = {named("a", 9), named("b", 9), named("c", 9),
-                                                named("d", 9), named("e", 9)};
-  const ThresholdTable fine{
-      2,
-      1,
-      {ClosestWindows{600, 0, 1, 0}, ClosestWindows{600, 0, 0, 0}, ClosestWindows{300, 0, 0, 0},
-       ClosestWindows{630, 0, 0, 0}, ClosestWindows{660, 0, 0, 0}}};
-  CHECK(overlap_warnings(fine, sequences).empty());  // exactly half is no warning
-  ThresholdTable close = fine;
-  close.closest[2] = ClosestWindows{299, 3, 4, 5};
-  CHECK(overlap_warnings(close, sequences).size() == 1);
-  const std::string text = overlap_warnings(close, sequences).front();
-  CHECK(text.find("c and e") != std::string::npos);
-  CHECK(text.find("c frames 3 to 4 (3.png to 4.png)") != std::string::npos);
-  CHECK(text.find("e frames 5 to 6") != std::string::npos);
+TEST_CASE("where training sequences look different, a share of the typical distance is the limit") {
+  CHECK(largest_threshold(400, 4) == Approx((1 - 0.65 / 2) * 400));
+  CHECK(largest_threshold(400, 1) == Approx(0.35 * 400));
+  const AutomaticThreshold far = automatic_threshold(ClosestWindows{2000, 0, 1, 0}, 400, 4, 0.5);
+  CHECK(far.value == Approx(135));
+  CHECK(far.is_largest);
+  const AutomaticThreshold alone = automatic_threshold(std::nullopt, 400, 4, 1);
+  CHECK(alone.value == Approx(270));
+  CHECK(alone.is_largest);
 }
 
-TEST_CASE("two sequences that overlap are named although the median is their own distance") {
-  const std::vector<TrainSequence> sequences = {named("a", 9), named("b", 9)};
-  const ThresholdTable same{2, 1, {ClosestWindows{20, 0, 1, 0}, ClosestWindows{20, 0, 0, 0}}};
-  CHECK(overlap_warnings(same, sequences).size() == 1);
-  const ThresholdTable other{2, 1, {ClosestWindows{600, 0, 1, 0}, ClosestWindows{600, 0, 0, 0}}};
-  CHECK(overlap_warnings(other, sequences).empty());
+TEST_CASE("the typical distance is that of frames of one sequence that are no neighbours") {
+  const std::vector<LdbCode> walk = test::walk_codes(40, 8, 100);
+  double mean = 0;
+  for (size_t i = 0; i < walk.size(); ++i) {
+    double sum = 0;
+    size_t count = 0;
+    for (size_t j = 0; j < walk.size(); ++j)
+      if (std::max(i, j) - std::min(i, j) > 5) {
+        sum += plain_hamming(walk[i], walk[j]);
+        ++count;
+      }
+    mean += sum / static_cast<double>(count) / static_cast<double>(walk.size());
+  }
+  CHECK(typical_distance({walk, {}}, select_kernels(), {}) == Approx(mean));
 }

@@ -1,0 +1,111 @@
+#include "recognition/elsewhere.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "matching/bit_counts.h"
+#include "matching/standardization.h"
+#include "recognition/row_scan.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kSampledFrames = 10'000;
+constexpr size_t kStretchFrames = 1000;
+constexpr size_t kStrictness = 5;  // one window in so many has something closer elsewhere
+
+/// Frames of a walk that are one query.
+struct Stretch {
+  size_t first = 0;
+  size_t count = 0;
+};
+
+std::vector<Stretch> choose_stretches(size_t frames, size_t window_length, size_t most_pairs) {
+  const size_t length = std::max(kStretchFrames, 2 * window_length);
+  if (length >= frames || frames <= most_pairs / frames) return {{0, frames}};
+  const size_t count = std::max<size_t>(2, most_pairs / frames / length);
+  std::vector<Stretch> stretches;
+  for (size_t s = 0; s < count; ++s)
+    stretches.push_back({s * (frames - length) / (count - 1), length});
+  return stretches;
+}
+
+// Of a row, what is at least `gap` windows before or behind the query window.
+void hand_on_far(const DistanceRow& row, size_t gap, const RowConsumer& consume) {
+  const size_t end = row.train_window + row.distances.size();
+  const size_t before = row.query_window + 1 > gap ? row.query_window + 1 - gap : 0;
+  const size_t to = std::clamp(before, row.train_window, end);
+  const size_t from = std::clamp(row.query_window + gap, row.train_window, end);
+  const auto hand_on = [&](size_t first, size_t last) {
+    if (first >= last) return;
+    consume({row.query_window, row.sequence, first,
+             row.distances.subspan(first - row.train_window, last - first)});
+  };
+  hand_on(row.train_window, to);
+  hand_on(from, end);
+}
+
+std::vector<size_t> unreadable_within(const CodeSpan& walk, const Stretch& stretch) {
+  std::vector<size_t> frames;
+  for (const size_t frame : walk.unreadable)
+    if (frame >= stretch.first && frame < stretch.first + stretch.count)
+      frames.push_back(frame - stretch.first);
+  return frames;
+}
+
+std::vector<uint8_t> readable_flags(const CodeSpan& walk) {
+  std::vector<uint8_t> readable(walk.codes.size(), 1);
+  for (const size_t frame : walk.unreadable) readable[frame] = 0;
+  return readable;
+}
+
+}  // namespace
+
+size_t half_width(const CodeSpan& walk) {
+  const size_t frames = walk.codes.size();
+  const double half = mean_distance_within(count_bits({&walk, 1})) / 2;
+  const std::vector<uint8_t> readable = readable_flags(walk);
+  const size_t step = std::max<size_t>(1, frames / kSampledFrames);
+  for (size_t apart = 1; apart < frames; ++apart) {
+    uint64_t sum = 0;
+    uint64_t count = 0;
+    for (size_t i = 0; i + apart < frames; i += step) {
+      if (readable[i] == 0 || readable[i + apart] == 0) continue;
+      sum += code_distance(code_words(walk.codes[i]), code_words(walk.codes[i + apart]));
+      ++count;
+    }
+    if (count > 0 && static_cast<double>(sum) >= half * static_cast<double>(count)) return apart;
+  }
+  return std::max<size_t>(frames, 1);
+}
+
+std::optional<ClosestWindows> closest_elsewhere(const CodeSpan& walk, size_t window_length,
+                                                const HammingKernels& kernels,
+                                                const WalkMatcher& match, size_t most_pairs) {
+  const size_t frames = walk.codes.size();
+  if (frames < window_length) return std::nullopt;
+  const size_t windows = frames - window_length + 1;
+  const size_t gap = half_width(walk) + window_length;
+  if (gap >= windows) return std::nullopt;
+  HitScan scan({{0}, windows, 0, kernels});  // no hits: only what is closest to each window
+  for (const Stretch& stretch : choose_stretches(frames, window_length, most_pairs)) {
+    const std::vector<size_t> unreadable = unreadable_within(walk, stretch);
+    const QueryCodes query =
+        make_query_codes({walk.codes.subspan(stretch.first, stretch.count), unreadable});
+    match(query, [&](DistanceRow row) {
+      row.query_window += stretch.first;
+      hand_on_far(row, gap, std::ref(scan));
+    });
+  }
+  std::vector<Cell> closest;
+  for (const auto& cell : scan.result().best)
+    if (cell) closest.push_back(*cell);
+  if (closest.empty()) return std::nullopt;
+  std::sort(closest.begin(), closest.end(), [](const Cell& a, const Cell& b) {
+    return std::tie(a.distance, a.query_window) < std::tie(b.distance, b.query_window);
+  });
+  const Cell& chosen = closest[(closest.size() - 1) / kStrictness];
+  return ClosestWindows{chosen.distance, chosen.query_window, 0, chosen.train_window};
+}
+
+}  // namespace vpr

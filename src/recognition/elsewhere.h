@@ -1,0 +1,34 @@
+// A walk compared with itself: what looks most like here, but is elsewhere?
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "database/sequence_database.h"
+#include "matching/rows.h"
+
+namespace vpr {
+
+/// After how many frames a walk shows another place: the smallest k for which frames k apart differ
+/// by at least half of what two of its frames differ by on average. From every frame, or 10 000
+/// spread over a longer walk. The number of frames where no k is large enough; at least 1.
+size_t half_width(const CodeSpan& walk);
+
+/// Gives the rows of a query against the whole walk, as RowConsumer says.
+using WalkMatcher = std::function<void(const QueryCodes& query, const RowConsumer& consume)>;
+
+/// Window pairs of longer walks are compared for stretches of it only, evenly spread.
+inline constexpr size_t kMostOwnPairs = size_t{1} << 31;
+
+/// For every window of the walk, the closest one that starts half_width(walk) + window_length or
+/// more frames before or behind it; of these pairs, ordered by distance and then by window, the one
+/// behind the closest fifth: the pair at (count - 1) / 5. Ties: the smallest other window. None
+/// where no two windows are that far apart. ClosestWindows::other_sequence is 0. Nothing of size
+/// n x n is kept; a walk of more than most_pairs window pairs is compared in stretches of 1000
+/// frames, or two windows, each a query of its own.
+std::optional<ClosestWindows> closest_elsewhere(const CodeSpan& walk, size_t window_length,
+                                                const HammingKernels& kernels,
+                                                const WalkMatcher& match,
+                                                size_t most_pairs = kMostOwnPairs);
+
+}  // namespace vpr

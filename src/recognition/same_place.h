@@ -1,0 +1,30 @@
+// Which training walks show the same place? They leave a diagonal of small distances.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "database/sequence_database.h"
+#include "matching/codes.h"
+
+namespace vpr {
+
+/// How far below the mean a diagonal must be: the closest of two walks, and, of a single walk, the
+/// one that its threshold comes from, behind closer ones.
+inline constexpr double kPairDepth = 1.2;
+inline constexpr double kOwnDepth = 1;
+
+/// Whether a diagonal of window_length frames with this mean distance is too far below what frames
+/// of the two walks differ by on average to be chance: bits < (1 - depth / sqrt(c_l)) * mean. A
+/// window of one frame never is.
+bool is_same_place(double bits_a_frame, double mean_distance, size_t window_length, double depth);
+
+/// One sentence for each pair of sequences that seem to show the same place at their closest
+/// windows (and for a single one, that it seems to show a place twice), with what to do. Frames are
+/// named by index and name: first and last of each window.
+std::vector<std::string> overlap_warnings(const ThresholdTable& table,
+                                          std::span<const TrainSequence> sequences,
+                                          std::span<const CodeSpan> spans);
+
+}  // namespace vpr

@@ -1,0 +1,130 @@
+// A walk compared with itself.
+#include "recognition/elsewhere.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "matching/fastable_batch.h"
+#include "matching/plain.h"
+#include "recognition/automatic_threshold.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+bool can_read(const CodeSpan& walk, size_t frame) {
+  return !std::binary_search(walk.unreadable.begin(), walk.unreadable.end(), frame);
+}
+
+// Means over all pairs of readable frames, and over those k apart.
+size_t slow_half_width(const CodeSpan& walk) {
+  const size_t frames = walk.codes.size();
+  const auto mean = [&](const auto& is_pair) {
+    double sum = 0;
+    double count = 0;
+    for (size_t i = 0; i < frames; ++i)
+      for (size_t j = i + 1; j < frames; ++j) {
+        if (!can_read(walk, i) || !can_read(walk, j) || !is_pair(i, j)) continue;
+        sum += plain_hamming(walk.codes[i], walk.codes[j]);
+        ++count;
+      }
+    return count == 0 ? -1 : sum / count;
+  };
+  const double typical = mean([](size_t, size_t) { return true; });
+  for (size_t k = 1; k < frames; ++k)
+    if (mean([&](size_t i, size_t j) { return j == i + k; }) >= typical / 2) return k;
+  return frames;
+}
+
+std::optional<ClosestWindows> slow_elsewhere(const CodeSpan& walk, size_t length) {
+  const size_t windows = walk.codes.size() < length ? 0 : walk.codes.size() - length + 1;
+  const size_t gap = slow_half_width(walk) + length;
+  const auto fits = [&](size_t window) {
+    for (size_t f = window; f < window + length; ++f)
+      if (!can_read(walk, f)) return false;
+    return true;
+  };
+  std::vector<ClosestWindows> closest;
+  for (size_t j = 0; j < windows; ++j) {
+    std::optional<ClosestWindows> own;
+    for (size_t i = 0; i < windows; ++i) {
+      if (!fits(j) || !fits(i) || std::max(i, j) - std::min(i, j) < gap) continue;
+      const uint32_t d = plain_window_distance(walk.codes, i, walk.codes, j, length);
+      if (!own || d < own->distance) own = ClosestWindows{d, j, 0, i};
+    }
+    if (own) closest.push_back(*own);
+  }
+  if (closest.empty()) return std::nullopt;
+  std::stable_sort(closest.begin(), closest.end(),
+                   [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  return closest[(closest.size() - 1) / 5];
+}
+
+std::optional<ClosestWindows> find_elsewhere(const CodeSpan& walk, size_t length,
+                                             size_t most_pairs = kMostOwnPairs) {
+  const MatchSettings settings{length, size_t{1} << 30, select_kernels()};
+  const TrainCodes train = make_train_codes({&walk, 1});
+  return closest_elsewhere(
+      walk, length, settings.kernels,
+      [&](const QueryCodes& query, const RowConsumer& consume) {
+        match_fastable(train, query, settings, {}, consume);
+      },
+      most_pairs);
+}
+
+bool same(const std::optional<ClosestWindows>& a, const std::optional<ClosestWindows>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->distance == b->distance && a->window == b->window &&
+         a->other_sequence == b->other_sequence && a->other_window == b->other_window;
+}
+
+}  // namespace
+
+TEST_CASE("places change after as many frames as half the average difference takes") {
+  // Four frames of one place, then four of another that differs in every bit of a byte or two.
+  std::vector<LdbCode> codes(8, LdbCode{});
+  for (size_t i = 4; i < 8; ++i) codes[i][0] = 0xff;
+  // 16 of 28 pairs differ by 8 bits: 32/7 on average. 1, 2, 3 apart: 8/7, 16/6, 24/5 bits.
+  CHECK(half_width({codes, {}}) == 2);
+  CHECK(half_width({std::vector<LdbCode>(5, LdbCode{}), {}}) == 1);  // no difference at all
+  for (const int bits : {10, 60, 300}) {
+    const auto walk = test::walk_codes(90, 4, bits);
+    CHECK(half_width({walk, {}}) == slow_half_width({walk, {}}));
+  }
+}
+
+TEST_CASE("the closest windows elsewhere are those of the definition") {
+  std::vector<LdbCode> walk = test::walk_codes(70, 5, 90);
+  std::copy_n(walk.begin() + 5, 9, walk.begin() + 45);  // ties at distance 0
+  const std::vector<size_t> unreadable = {20, 21, 60};
+  for (const size_t threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    for (const size_t length : {1, 2, 5, 9, 20, 33, 71}) {
+      INFO("c_l " << length);
+      CHECK(same(find_elsewhere({walk, {}}, length), slow_elsewhere({walk, {}}, length)));
+      CHECK(same(find_elsewhere({walk, unreadable}, length),
+                 slow_elsewhere({walk, unreadable}, length)));
+    }
+  }
+  CHECK_FALSE(find_elsewhere({walk, {}}, 40));  // no two windows are far enough apart
+}
+
+TEST_CASE("stretches that cover a walk give what the whole walk gives") {
+  const auto walk = test::walk_codes(1200, 6, 90);
+  CHECK(same(find_elsewhere({walk, {}}, 7, 1), find_elsewhere({walk, {}}, 7)));
+  const auto long_walk = test::walk_codes(2600, 7, 90);  // a part of it: no smaller a distance
+  const auto part = find_elsewhere({long_walk, {}}, 7, 1);
+  REQUIRE(part);
+  CHECK((part->window < 994 || part->window >= 1600));
+}
+
+TEST_CASE("a single sequence has the automatic threshold of its own windows") {
+  const std::vector<LdbCode> walk = test::walk_codes(60, 1, 120);
+  const CodeSpan span{walk, {}};
+  const auto found = find_closest_windows({&span, 1}, {6, size_t{1} << 30, select_kernels()}, {});
+  REQUIRE(found.size() == 1);
+  CHECK(same(found[0], slow_elsewhere(span, 6)));
+}

@@ -1,0 +1,89 @@
+// Training walks that show the same place are named.
+#include "recognition/same_place.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "matching/bit_counts.h"
+#include "recognition/automatic_threshold.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+TrainSequence named(const std::string& name, size_t frames) {
+  TrainSequence sequence;
+  sequence.name = name;
+  for (size_t i = 0; i < frames; ++i) sequence.frame_names.push_back(std::to_string(i) + ".png");
+  return sequence;
+}
+
+std::vector<std::string> warnings_of(const std::vector<std::vector<LdbCode>>& walks,
+                                     size_t length) {
+  std::vector<CodeSpan> spans;
+  std::vector<TrainSequence> sequences;
+  for (const auto& walk : walks) {
+    spans.push_back({walk, {}});
+    sequences.push_back(
+        named(std::string(1, static_cast<char>('a' + sequences.size())), walk.size()));
+  }
+  const ThresholdTable table{
+      length, 1, find_closest_windows(spans, {length, size_t{1} << 30, select_kernels()}, {})};
+  return overlap_warnings(table, sequences, spans);
+}
+
+}  // namespace
+
+TEST_CASE("mean distances of sets of codes come from counted bits") {
+  std::vector<LdbCode> codes(3, LdbCode{});
+  codes[0][0] = 3;
+  codes[1][0] = 1;
+  const CodeSpan first{std::span(codes).first(1), {}};
+  const CodeSpan rest{std::span(codes).subspan(1), {}};
+  CHECK(mean_distance_between(count_bits({&first, 1}), count_bits({&rest, 1})) == 1.5);
+  const CodeSpan all{codes, {}};
+  CHECK(mean_distance_within(count_bits({&all, 1})) == Approx(4 / 3.0));
+  CHECK(mean_distance_within(count_bits({&first, 1})) == 0);
+}
+
+TEST_CASE("a diagonal is too close for chance the sooner the longer it is") {
+  CHECK(is_same_place(218, 400, 7, kPairDepth));
+  CHECK_FALSE(is_same_place(218, 400, 6, kPairDepth));
+  CHECK(is_same_place(199, 400, 4, kOwnDepth));
+  CHECK_FALSE(is_same_place(200, 400, 4, kOwnDepth));
+  CHECK_FALSE(is_same_place(0, 400, 1, kOwnDepth));
+}
+
+TEST_CASE("two walks through one place are named, with their frames") {
+  std::vector<std::vector<LdbCode>> walks = {test::walk_codes(60, 1, 150),
+                                             test::walk_codes(60, 2, 150)};
+  CHECK(warnings_of(walks, 10).empty());
+  std::copy_n(walks[0].begin() + 20, 15, walks[1].begin() + 40);
+  const auto warnings = warnings_of(walks, 10);
+  REQUIRE(warnings.size() == 1);  // the pair once, not each of the two
+  CHECK(warnings[0].find("a and b seem to show the same place, or places that look alike") == 0);
+  CHECK(warnings[0].find("a frames 20 to 29 (20.png to 29.png)") != std::string::npos);
+  CHECK(warnings[0].find("b frames 40 to 49") != std::string::npos);
+  CHECK(warnings[0].find("train only one of them") != std::string::npos);
+}
+
+TEST_CASE("of many walks the pairs that overlap are named, the others not") {
+  std::vector<std::vector<LdbCode>> walks;
+  for (uint64_t w = 0; w < 5; ++w) walks.push_back(test::walk_codes(60, w + 1, 150));
+  std::copy_n(walks[2].begin(), 30, walks[4].begin() + 30);
+  const auto warnings = warnings_of(walks, 10);
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("c and e") == 0);
+}
+
+TEST_CASE("a single walk that shows a place twice is named") {
+  std::vector<LdbCode> walk = test::walk_codes(80, 1, 150);
+  CHECK(warnings_of({walk}, 8).empty());
+  std::copy_n(walk.begin() + 5, 20, walk.begin() + 50);
+  const auto warnings = warnings_of({walk}, 8);
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("a seems to show a place twice") == 0);
+  CHECK(warnings[0].find("--train a@FIRST:LAST") != std::string::npos);
+}
