@@ -22,6 +22,7 @@
 #include "base/simd.h"
 #include "completion.h"
 #include "progress.h"
+#include "report/result_file.h"
 
 namespace vpr {
 namespace {
@@ -33,6 +34,26 @@ std::atomic<bool> stop_wanted{false};  // set by a signal handler: the only glob
 void on_signal(int number) {
   stop_wanted = true;
   std::signal(number, SIG_DFL);  // a second Ctrl-C ends the program at once
+}
+
+// The settings and the seed that a result was made with.
+Json settings_of_result(const std::string& path) {
+  const Json result = read_result_json(path);
+  Json json = result.value("settings", Json::object());
+  const Json provenance = result.value("provenance", Json::object());
+  if (json.is_object() && provenance.is_object() && provenance.contains("seed"))
+    json["seed"] = provenance["seed"];
+  return json;
+}
+
+// The keys of a --config file: a configuration or a result.
+Json read_settings(const std::string& path) {
+  Json json = read_json(path, ErrorKind::usage);
+  if (!json.is_object() || !json.contains("schema")) return json;
+  if (json["schema"] == "vpr.result/1") return settings_of_result(path);
+  require_schema(json, "config", path, ErrorKind::usage);
+  json.erase("schema");
+  return json;
 }
 
 void set_up_process() {
@@ -127,14 +148,12 @@ void Program::add_config_option(const Command& command,
           "--config",
           [this, apply = std::move(apply)](const std::string& path) {
             common_.config = path;
-            Json json = read_json(path, ErrorKind::usage);
-            if (json.is_object() && json.contains("schema")) {
-              require_schema(json, "config", path, ErrorKind::usage);
-              json.erase("schema");
-            }
+            const Json json = read_settings(path);
+            if (json.is_object())
+              for (const auto& item : json.items()) common_.config_keys.push_back(item.key());
             apply(json, path);
           },
-          "settings from a JSON file (flags win)")
+          "settings from a JSON file, or those of a result (flags win)")
       ->trigger_on_parse();
 }
 

@@ -22,7 +22,8 @@ namespace vpr {
 struct CommonOptions {
   std::string output;
   std::string config;
-  uint64_t threads = 0;  ///< 0: all cores
+  std::vector<std::string> config_keys;  ///< that the configuration gives values for
+  uint64_t threads = 0;                  ///< 0: all cores
   uint64_t seed = 1;
   bool quiet = false;
   bool verbose = false;
@@ -85,7 +86,8 @@ class Program {
   /// The program itself is the command, where none of its others is named.
   void set_run(std::function<void(Session&)> run);
 
-  /// --config FILE fills `settings` and the common options before any flag does.
+  /// --config FILE fills `settings` and the common options before any flag does. A result file
+  /// stands for the settings and the seed that it was made with.
   template <class S>
   void add_config(const Command& command, S& settings) {
     add_config_option(command, [this, &settings](const Json& json, const std::string& where) {

@@ -1,4 +1,6 @@
 // vpr-query: where does a query sequence match a database?
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -54,9 +56,10 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
   const auto group = [](Flag flag) { return flag.group(kSequenceGroup); };
   group(add_setting(app, "--c-l", settings.window_length,
                     "window length c_l in frames (default 40)"));
-  group(add_setting(app, "--t-r", settings.distance_threshold,
-                    "threshold t_r: a number, or auto (default): from how close training sequences "
-                    "come"));
+  group(
+      add_setting(app, "--t-r", settings.distance_threshold,
+                  "threshold t_r: a number, or auto (default): from how close different places of "
+                  "the training sequences come"));
   group(add_setting(app, "--score", settings.score,
                     "raw (distances, default), standardized (less the bias of frames that are "
                     "close to everything) or standardized-offline (from the whole query)"));
@@ -122,11 +125,29 @@ void refuse_flags(const Command& app, const std::string& group, const std::strin
                 fmt::format("{} has no effect with a database for {}", flag, method));
 }
 
+template <class S>
+std::vector<std::string> keys_of(S settings) {
+  std::vector<std::string> keys;
+  visit_fields(settings, [&](const char* key, auto&) { keys.emplace_back(key); });
+  return keys;
+}
+
+// So would a key of the configuration.
+void refuse_keys(const CommonOptions& options, bool is_fabmap, const std::string& method) {
+  const auto sequence = keys_of(SequenceQuerySettings{});
+  const auto fabmap = keys_of(FabmapQuerySettings{});
+  const auto has = [](const std::vector<std::string>& keys, const std::string& key) {
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
+  };
+  for (const std::string& key : options.config_keys)
+    if (has(is_fabmap ? sequence : fabmap, key) && !has(is_fabmap ? fabmap : sequence, key))
+      throw Error(ErrorKind::usage, fmt::format("{}: {} has no effect with a database for {}",
+                                                options.config, key, method));
+}
+
 void run(Session& session, const QueryInputs& inputs, const QuerySettings& given,
          const Command& app) {
   QuerySettings settings = given;
-  if (session.options.output.empty() && !session.options.json)
-    throw Error(ErrorKind::usage, "give the result to write, as in -o RESULT.json, or --json");
   const std::string kind = database_method(inputs.database);
   const bool is_fabmap = kind == "fabmap";
   const std::string method = settings.method.empty() ? kind : settings.method;
@@ -135,6 +156,7 @@ void run(Session& session, const QueryInputs& inputs, const QuerySettings& given
     throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} can't use",
                                              inputs.database, kind, method));
   refuse_flags(app, is_fabmap ? kSequenceGroup : kFabmapGroup, kind);
+  refuse_keys(session.options, is_fabmap, kind);
   if (is_fabmap) refuse_flags(app, kGroundTruthGroup, kind);
   settings.sequence.method = settings.fabmap.method = method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
@@ -150,8 +172,9 @@ void run(Session& session, const QueryInputs& inputs, const QuerySettings& given
 int main(int argc, char** argv) {
   using namespace vpr;
   Program program("vpr-query", "Recognise the places of a query sequence in a database.",
-                  "  vpr-query corridor.vprdb --query corridor/query --c-l 20 --t-r 0.65 "
-                  "-o result.json\n"
+                  "  vpr-query corridor.vprdb --query tuesday\n"
+                  "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
+                  "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
                   "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;
   QuerySettings settings;

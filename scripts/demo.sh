@@ -21,10 +21,6 @@ fi
 
 echo; echo "== train"
 "$bin/vpr-train" fastable --dataset "$dataset" -o "$out/demo.vprdb" --force
-# A single training sequence has no automatic threshold.
-threshold=()
-[[ $(python3 -c 'import json,sys; print(len(json.load(open(sys.argv[1]))["train"]))' "$dataset") == 1 ]] &&
-  threshold=(--t-r 0.4)
 
 # Name, and whether there is a ground truth, of every query.
 mapfile -t queries < <(python3 -c '
@@ -38,7 +34,7 @@ for line in "${queries[@]}"; do
   map=()
   grep -q '"plan"' "$dataset" && map=(--map "$file.map")
   echo; echo "== query $query, and evaluate"
-  "$bin/vpr-query" "$out/demo.vprdb" --dataset "$dataset" --query "$query" "${threshold[@]}" \
+  "$bin/vpr-query" "$out/demo.vprdb" --dataset "$dataset" --query "$query" \
     --verify 1000 --save-matrix "$file.png" -o "$file.json" --force
   if [[ $has_truth == yes ]]; then
     "$bin/vpr-eval" "$file.json" --dataset "$dataset" --html "$file.html" "${map[@]}" -o "$file.report.json" --force

@@ -1,4 +1,7 @@
 // The programs as a user runs them, on a small generated world.
+#include <algorithm>
+#include <sstream>
+
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
@@ -217,6 +220,83 @@ TEST_CASE("settings come from a file, and flags win") {
   const auto wrong = run_program("vpr-query", base);
   CHECK(wrong.exit_code == 2);
   CHECK(wrong.err.find("did you mean") != std::string::npos);
+}
+
+TEST_CASE("a result stands for the settings it was made with") {
+  const test::TemporaryFolder out;
+  const std::vector<std::vector<std::string>> all = {
+      {"--t-r", "0.6", "--seed", "7"}, {}, {"--score", "standardized", "--t-r", "-1"}};
+  for (const auto& settings : all) {
+    std::vector<std::string> words = settings;
+    words.insert(words.end(), {"-o", out / "r.json", "--force"});
+    REQUIRE(run_program("vpr-query", world().query(words)).exit_code == 0);
+    const Json first = parse(test::read_text(out / "r.json"));
+    const auto again = run_program("vpr-query", {world().database(), "--dataset", world().dataset(),
+                                                 "--config", out / "r.json", "--json"});
+    INFO(again.err);
+    REQUIRE(again.exit_code == 0);
+    const Json second = parse(again.out);
+    CHECK(second["settings"] == first["settings"]);
+    CHECK(second["provenance"]["seed"] == first["provenance"]["seed"]);
+    CHECK(second["totals"] == first["totals"]);
+  }
+  std::string damaged = test::read_text(out / "r.json");
+  damaged.replace(damaged.find("\"c_l\": 10"), 9, "\"c_l\": 11");
+  test::write_text(out / "d.json", damaged);
+  CHECK(run_program("vpr-query", world().query({"--config", out / "d.json"})).exit_code == 4);
+}
+
+TEST_CASE("a key for another kind of database is refused, as its flag is") {
+  const test::TemporaryFolder out;
+  test::write_text(out / "c.json", R"({"c_l": 5, "t_p": 0.3})");
+  const auto refused = run_program("vpr-query", {world().database(), "--dataset", world().dataset(),
+                                                 "--config", out / "c.json"});
+  CHECK(refused.exit_code == 2);
+  CHECK(refused.err.find("t_p has no effect with a database for fastable") != std::string::npos);
+}
+
+TEST_CASE("a database and a query are enough for an answer") {
+  const test::TemporaryFolder out;
+  const auto query = run_program("vpr-query", world().query());
+  CHECK(query.exit_code == 0);
+  CHECK(query.out.find("windows recognised") != std::string::npos);
+  CHECK(query.out.find("\none") != std::string::npos);  // a place in the sequence "one"
+  REQUIRE(run_program("vpr-train", {"fastable", "--train", world().folder / "walk/one", "--c-l",
+                                    "10", "-o", out / "one.vprdb"})
+              .exit_code == 0);
+  const auto single = run_program(
+      "vpr-query", {out / "one.vprdb", "--query", world().folder / "walk/back", "--c-l", "10"});
+  INFO(single.out << single.err);
+  CHECK(single.exit_code == 0);
+  CHECK(single.out.find("\none") != std::string::npos);
+  CHECK(single.out.find("Nothing is close enough") == std::string::npos);
+}
+
+TEST_CASE("where nothing or everything is recognised, a command says what to try") {
+  const auto none = run_program("vpr-query", world().query({"--t-r", "0.01"}));
+  CHECK(none.exit_code == 0);
+  CHECK(none.out.find("Nothing is close enough. The closest are query frame") != std::string::npos);
+  const auto command = [&](const std::string& text) {
+    const size_t start = text.find("windows:\n  ") + 11;
+    std::istringstream words(text.substr(start, text.find('\n', start) - start));
+    std::vector<std::string> found;
+    for (std::string word; words >> word;) found.push_back(word);
+    return found;
+  };
+  std::vector<std::string> words = command(none.out);
+  REQUIRE(words.size() > 2);
+  words.erase(words.begin());
+  CHECK(std::count(words.begin(), words.end(), "--t-r") == 1);
+  const auto some = run_program("vpr-query", words);
+  CHECK(some.exit_code == 0);
+  CHECK(some.out.find(" 0 hits") == std::string::npos);
+  CHECK(some.out.find("Nothing is close enough") == std::string::npos);
+  const auto all = run_program("vpr-query", world().query({"--t-r", "1"}));
+  CHECK(all.err.find("% of all window pairs are hits") != std::string::npos);
+  words = command(all.out);
+  REQUIRE(words.size() > 2);
+  words.erase(words.begin());
+  CHECK(run_program("vpr-query", words).err.empty());
 }
 
 TEST_CASE("an expectation that is not met ends with 5 and a readable difference") {
