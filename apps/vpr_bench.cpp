@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "bench/bench_file.h"
+#include "bench/bench_tables.h"
 #include "bench/compare.h"
 #include "bench/describe_bench.h"
 #include "bench/fabmap_bench.h"
@@ -51,8 +52,10 @@ void check_outputs(const Session& session, const Presentation& presentation) {
 }
 
 std::string report_text(const BenchResult& result, TableFormat format) {
-  std::string text = render_table(rows_table(result), format);
-  if (format == TableFormat::csv) return text;
+  if (format == TableFormat::csv) return render_table(rows_table(result), format);
+  std::string text;
+  for (const Table& table : readable_tables(result))
+    text += (text.empty() ? "" : "\n") + render_table(table, format);
   for (const std::string& sentence : result.left_out) text += "Left out: " + sentence + ".\n";
   if (!result.paper.empty()) text += "\n" + render_table(paper_table(result), format);
   return text;

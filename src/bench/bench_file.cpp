@@ -56,7 +56,10 @@ Json bench_json(const BenchResult& result, const RunInfo& run) {
                              {"parameters", numbers_json(number.parameters)},
                              {"unit", number.unit},
                              {"paper", number.paper},
-                             {"ours", number.ours}});
+                             {"ours", number.ours},
+                             {"low", number.low},
+                             {"high", number.high},
+                             {"our_work", number.our_work}});
   json["provenance"] = provenance_json(run);
   json["machine"] = machine_json(run);
   return json;

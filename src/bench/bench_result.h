@@ -1,6 +1,7 @@
 // What every benchmark gives: rows of times, and the paper's numbers beside ours.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,7 +9,6 @@
 #include "base/json.h"
 #include "bench/measure.h"
 #include "report/plot.h"
-#include "report/table.h"
 
 namespace vpr {
 
@@ -26,6 +26,8 @@ struct BenchRow {
   double parameter(const std::string& name) const;  ///< 0 if there is none
 };
 
+std::optional<double> find_number(const NamedNumbers& numbers, const std::string& name);
+
 /// A number of the paper, and ours in its place.
 struct PaperNumber {
   std::string table;  ///< "tab6", ...
@@ -34,6 +36,9 @@ struct PaperNumber {
   std::string unit;
   double paper = 0;
   double ours = 0;
+  double low = 0;   ///< ours by quartiles: of a time the lower one, of a ratio the least of both
+  double high = 0;  ///< the upper one
+  std::string our_work;  ///< the row that stands in its place
 };
 
 struct BenchResult {
@@ -50,14 +55,15 @@ struct BenchResult {
 void add_speed_up(BenchResult& result, const std::string& work, const std::string& slower,
                   const std::string& name);
 
-/// Rows as a table: one column a parameter or value that any row has.
-Table rows_table(const BenchResult& result);
+/// The row with this work and these parameters, or null.
+const BenchRow* find_row(const BenchResult& result, const std::string& work,
+                         const NamedNumbers& parameters);
 
-/// The paper's numbers beside ours; nothing if there are none.
-Table paper_table(const BenchResult& result);
-
-/// The median of the row with this work and these parameters, or nothing.
-std::optional<double> find_median(const BenchResult& result, const std::string& work,
-                                  const NamedNumbers& parameters);
+/// A time of the paper, and that of one of our rows.
+PaperNumber paper_time(const std::string& table, const std::string& what, double paper_ms,
+                       const BenchRow& row);
+/// A ratio of the paper, and how many times `row` is as fast as `slower`.
+PaperNumber paper_ratio(const std::string& table, const std::string& what, double paper,
+                        const BenchRow& row, const BenchRow& slower);
 
 }  // namespace vpr

@@ -16,11 +16,10 @@ std::string row_name(const std::string& work, const NamedNumbers& parameters) {
   return name;
 }
 
-const BenchRow* find_row(const BenchResult& result, const BenchRow& wanted) {
-  const auto found = std::find_if(result.rows.begin(), result.rows.end(), [&](const BenchRow& row) {
-    return row.work == wanted.work && row.parameters == wanted.parameters;
-  });
-  return found == result.rows.end() ? nullptr : &*found;
+// In words: a large ratio whose spread reaches down to the old time proves nothing.
+std::string verdict(const BenchRatio& row, double factor) {
+  if (is_slower(row, factor)) return "slower";
+  return row.ratio > factor ? "unsure" : "";
 }
 
 // Of times that may be 0: the clock's least step apart, nothing is faster than nothing.
@@ -28,13 +27,17 @@ double quotient(double a, double b) { return b > 0 ? a / b : a > 0 ? 1e9 : 1; }
 
 }  // namespace
 
+bool is_slower(const BenchRatio& row, double factor) {
+  return row.ratio > factor && row.low > std::min(factor, 1.0);
+}
+
 BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer) {
   if (older.bench != newer.bench)
     throw Error(ErrorKind::data,
                 fmt::format("one is a benchmark of {}, the other of {}", older.bench, newer.bench));
   BenchComparison comparison;
   for (const BenchRow& row : older.rows) {
-    const BenchRow* other = find_row(newer, row);
+    const BenchRow* other = find_row(newer, row.work, row.parameters);
     if (other == nullptr) {
       comparison.only_in_one.push_back(row_name(row.work, row.parameters) +
                                        ": only in the old run");
@@ -48,7 +51,7 @@ BenchComparison compare_benches(const BenchResult& older, const BenchResult& new
                                  quotient(after.upper_quartile_ms, before.lower_quartile_ms)});
   }
   for (const BenchRow& row : newer.rows)
-    if (find_row(older, row) == nullptr)
+    if (find_row(older, row.work, row.parameters) == nullptr)
       comparison.only_in_one.push_back(row_name(row.work, row.parameters) +
                                        ": only in the new run");
   if (comparison.ratios.empty())
@@ -60,13 +63,15 @@ BenchComparison compare_benches(const BenchResult& older, const BenchResult& new
 
 Table comparison_table(const BenchComparison& comparison, double factor) {
   Table table;
-  table.title = fmt::format("New against old; above {:g} is too slow", factor);
+  table.title =
+      fmt::format("New against old; slower: above {:g}, and from quartile to quartile above {:g}",
+                  factor, std::min(factor, 1.0));
   table.columns = {"work", "old ms", "new ms", "new / old", "from", "to", ""};
   for (const BenchRatio& row : comparison.ratios)
     table.rows.push_back({row_name(row.work, row.parameters), fmt::format("{:.4g}", row.old_ms),
                           fmt::format("{:.4g}", row.new_ms), fmt::format("{:.3f}", row.ratio),
                           fmt::format("{:.3f}", row.low), fmt::format("{:.3f}", row.high),
-                          row.ratio > factor ? "slower" : ""});
+                          verdict(row, factor)});
   return table;
 }
 
@@ -83,7 +88,7 @@ Json comparison_json(const BenchComparison& comparison, double factor) {
                             {"ratio", row.ratio},
                             {"low", row.low},
                             {"high", row.high},
-                            {"slower", row.ratio > factor}});
+                            {"slower", is_slower(row, factor)}});
   }
   json["only_in_one"] = comparison.only_in_one;
   json["slower"] = count_slower(comparison, factor);
@@ -93,7 +98,7 @@ Json comparison_json(const BenchComparison& comparison, double factor) {
 size_t count_slower(const BenchComparison& comparison, double factor) {
   return static_cast<size_t>(
       std::count_if(comparison.ratios.begin(), comparison.ratios.end(),
-                    [&](const BenchRatio& row) { return row.ratio > factor; }));
+                    [&](const BenchRatio& row) { return is_slower(row, factor); }));
 }
 
 }  // namespace vpr

@@ -6,6 +6,7 @@
 
 #include "base/json_fwd.h"
 #include "bench/bench_result.h"
+#include "report/table.h"
 
 namespace vpr {
 
@@ -28,11 +29,16 @@ struct BenchComparison {
 /// Throws Error(data) if the two are different benchmarks, or have no row in common.
 BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer);
 
-/// `factor`: ratios above it are marked.
+/// Whether a median is more than `factor` times the old one, and the spread agrees: the lower
+/// quartile ratio is above 1 (above the factor, if that is smaller). Both strict.
+bool is_slower(const BenchRatio& row, double factor);
+
+/// Rows that are slower are marked, and those whose ratio is above the factor although their spread
+/// reaches down to the old time ("unsure").
 Table comparison_table(const BenchComparison& comparison, double factor);
 Json comparison_json(const BenchComparison& comparison, double factor);
 
-/// Rows whose ratio is above the factor (strict).
+/// Rows that are slower.
 size_t count_slower(const BenchComparison& comparison, double factor);
 
 }  // namespace vpr

@@ -1,5 +1,6 @@
 #include "bench/describe_bench.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -153,12 +154,15 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   }
   if (images) add_whole_sequence(result, *images, settings, monitor);
   const bool is_paper_size = frames.grey[0].size() == cv::Size(640, 480);
-  for (const PaperFrameTime& paper : kPaperFrameTimes)
-    if (is_paper_size)
-      for (const BenchRow& row : result.rows)
-        if (row.work == paper.our_work)
-          result.paper.push_back(
-              {"image times", paper.what, {}, "ms", paper.ms, row.time.median_ms});
+  for (const PaperFrameTime& paper : kPaperFrameTimes) {
+    if (!is_paper_size) break;
+    const auto ours = std::find_if(result.rows.begin(), result.rows.end(),
+                                   [&](const BenchRow& row) { return row.work == paper.our_work; });
+    if (ours == result.rows.end()) continue;
+    PaperNumber& number =
+        result.paper.emplace_back(paper_time("image times", paper.what, paper.ms, *ours));
+    number.parameters.clear();  // the pictures' size is the paper's
+  }
   return result;
 }
 

@@ -136,19 +136,16 @@ void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& 
     PlotLine line{fmt::format("c_l {}", length), {}};
     for (const uint64_t frames : settings.databases) {
       const NamedNumbers parameters = parameters_of(frames, length, settings.query_frames.front());
-      const auto fast = find_median(result, "fastable", parameters);
-      const auto slow = find_median(result, "openable", parameters);
-      if (!fast || !slow) continue;
-      line.points.emplace_back(static_cast<double>(frames), *slow / *fast);
+      const BenchRow* fast = find_row(result, "fastable", parameters);
+      const BenchRow* slow = find_row(result, "openable", parameters);
+      if (fast == nullptr || slow == nullptr) continue;
+      line.points.emplace_back(static_cast<double>(frames),
+                               slow->time.median_ms / fast->time.median_ms);
       for (const PaperSpeedUp& paper : kPaperSpeedUps)
         if (paper.frames == frames && paper.window_length == length)
           result.paper.push_back(
-              {"tab6",
-               fmt::format("FastABLE over OpenABLE, {}", paper.device),
-               {{"frames", static_cast<double>(frames)}, {"c_l", static_cast<double>(length)}},
-               "times",
-               paper.ratio,
-               *slow / *fast});
+              paper_ratio("tab6", fmt::format("FastABLE over OpenABLE, {}", paper.device),
+                          paper.ratio, *fast, *slow));
     }
     if (!line.points.empty()) speed_ups.push_back(line);
   }

@@ -83,17 +83,17 @@ void add_paper_numbers(BenchResult& result, const NordlandBenchSettings& setting
   for (const PaperNordlandTime& paper : kPaperNordlandTimes) {
     for (size_t i = 0; i < kPaperNordlandFrames.size(); ++i) {
       const NamedNumbers parameters = parameters_of(settings, kPaperNordlandFrames[i]);
-      const auto ours = find_median(result, paper.our_work, parameters);
-      if (ours)
-        result.paper.push_back({paper.table, paper.what, parameters, "ms", paper.ms[i], *ours});
+      if (const BenchRow* ours = find_row(result, paper.our_work, parameters))
+        result.paper.push_back(paper_time(paper.table, paper.what, paper.ms[i], *ours));
     }
   }
   // What matters of approximate search: is it faster than exact search?
   for (size_t i = 0; i < kPaperNordlandFrames.size(); ++i) {
     const NamedNumbers parameters = parameters_of(settings, kPaperNordlandFrames[i]);
-    if (const auto exact = find_median(result, "fastable", parameters))
-      result.paper.push_back({"tab5", "multi-probe LSH of ABLE-M's authors; ours: exact FastABLE",
-                              parameters, "ms", kPaperNordlandTimes[4].ms[i], *exact});
+    if (const BenchRow* exact = find_row(result, "fastable", parameters))
+      result.paper.push_back(paper_time("tab5",
+                                        "multi-probe LSH of ABLE-M's authors; ours: exact FastABLE",
+                                        kPaperNordlandTimes[4].ms[i], *exact));
   }
 }
 

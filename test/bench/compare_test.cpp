@@ -39,6 +39,16 @@ TEST_CASE("ratios and their spread, worked out by hand") {
   CHECK(count_slower(comparison, 0.9) == 2);
 }
 
+TEST_CASE("a ratio whose spread holds 1 proves nothing") {
+  BenchResult newer = make_run(1.9);  // 1.9 in the middle, 5.7 / 5 = 1.14 at the least
+  CHECK(count_slower(compare_benches(make_run(1), newer), 1.2) == 1);
+  newer.rows[0].time.lower_quartile_ms = 4.9;  // 0.98 at the least
+  const BenchComparison comparison = compare_benches(make_run(1), newer);
+  CHECK(count_slower(comparison, 1.2) == 0);
+  CHECK(comparison_table(comparison, 1.2).rows[0].back() == "unsure");
+  CHECK(comparison_json(comparison, 1.2)["rows"][0]["slower"] == false);
+}
+
 TEST_CASE("rows without a partner are named; runs with none in common are refused") {
   BenchResult older = make_run(1);
   BenchResult newer = make_run(1);

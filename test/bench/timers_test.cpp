@@ -39,9 +39,11 @@ TEST_CASE("every method has a row for every case, and the paper's number beside 
   }
   REQUIRE(result.paper.size() == 2);  // 500 frames, c_l 20, two devices
   CHECK(result.paper[0].paper == 11.4);
-  const auto fast = find_median(result, "fastable", result.rows.front().parameters);
-  CHECK(fast == result.rows.front().time.median_ms);
-  CHECK(!find_median(result, "fastable", {{"frames", 3}}));
+  CHECK(result.paper[0].our_work == "fastable");
+  CHECK(result.paper[0].low <= result.paper[0].ours);
+  CHECK(result.paper[0].ours <= result.paper[0].high);
+  CHECK(find_row(result, "fastable", result.rows.front().parameters) == &result.rows.front());
+  CHECK(find_row(result, "fastable", {{"frames", 3}}) == nullptr);
 }
 
 TEST_CASE("a window that does not fit is left out, and said") {
