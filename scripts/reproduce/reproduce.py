@@ -5,27 +5,54 @@
 
 EXPERIMENT is a file in configs/paper without .json. Without --data, the rendered stand-in of each
 data set is used (vpr-synth, configs/worlds); with it, DIR/<data set>/dataset.json (data/README.md).
-Writes out/EXPERIMENT.json, .csv and .md. What was rendered and trained stays in out/reproduce.
+Writes out/EXPERIMENT.json (docs/reproduction.schema.json), .csv and .md. What was rendered and
+trained stays in out/reproduce. The programs are those of build/release/bin, or of the folder that
+the environment's VPR_BIN names.
 """
 import argparse
-import csv
+import hashlib
 import json
 import os
 import pathlib
 import subprocess
 import sys
+import time
+
+from tables import cells_of, write_csv, write_json, write_markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ.get("VPR_BIN") or ROOT / "build/release/bin")
 WORK = ROOT / "out/reproduce"
+SIGN_OF_LIFE_S = 30
 
 
-def run(program, *arguments):
-    """Runs a program of the toolkit; what it prints on stdout is dropped, errors are shown."""
-    words = [str(BIN / program), *map(str, arguments)]
-    done = subprocess.run(words, stdout=subprocess.DEVNULL)
-    if done.returncode != 0:
-        sys.exit(done.returncode)
+def say(sentence):
+    print(f"[{time.strftime('%H:%M:%S')}] {sentence}", file=sys.stderr, flush=True)
+
+
+def run(what, program, *arguments):
+    """Runs a program of the toolkit, and says what it does, how long it has been at it, and how long
+    it took; what it prints on stdout is dropped, errors are shown."""
+    if not (BIN / program).exists():
+        sys.exit(f"reproduce: {BIN / program} is missing; build it with cmake --build --preset "
+                 f"release --target {program}, or name the programs' folder in VPR_BIN")
+    say(what)
+    start = time.monotonic()
+    child = subprocess.Popen([str(BIN / program), *map(str, arguments)], stdout=subprocess.DEVNULL)
+    while True:
+        try:
+            code = child.wait(timeout=SIGN_OF_LIFE_S)
+            break
+        except subprocess.TimeoutExpired:
+            if not sys.stderr.isatty():  # where there is no progress bar
+                say(f"{what}: for {time.monotonic() - start:.0f} s")
+        except KeyboardInterrupt:  # the program got the signal, too
+            child.wait()
+            sys.exit(130)
+    if code != 0:
+        sys.exit(code)
+    if time.monotonic() - start > SIGN_OF_LIFE_S:
+        say(f"{what}: done after {time.monotonic() - start:.0f} s")
 
 
 def read(path):
@@ -49,8 +76,7 @@ class DataSet:
             target = WORK / name
             self.description = target / "dataset.json"
             if not is_fresh(self.description, world, BIN / "vpr-synth"):
-                print(f"rendering {name}", file=sys.stderr)
-                run("vpr-synth", world, "-o", target, "--force")
+                run(f"render the stand-in {name}", "vpr-synth", world, "-o", target, "--force")
         else:
             self.description = pathlib.Path(folder) / name / "dataset.json"
             if not self.description.exists():
@@ -63,7 +89,7 @@ class DataSet:
         database = WORK / f"{self.name}{'' if self.is_stand_in else '.data'}.{method}.vprdb"
         options = ["--c-l", 40] if method == "fastable" else []
         if not is_fresh(database / "manifest.json", self.description, BIN / "vpr-train"):
-            run("vpr-train", method, "--dataset", self.description, *options, "-o", database,
+            run(f"train {method} on {self.name}", "vpr-train", method, "--dataset", self.description, *options, "-o", database,
                 "--force")
         return database
 
@@ -75,6 +101,8 @@ class Laboratory:
         self.folder = folder
         self.data_sets = {}
         self.databases = {}
+        self.machine = None  # that times were measured on
+        self.makers = []  # program, version, commit and seed behind the numbers
 
     def data(self, name):
         if name not in self.data_sets:
@@ -91,20 +119,46 @@ class Laboratory:
         out = WORK / "sweep.json"
         flags = [word for flag, values in grids.items()
                  for word in (flag, ",".join(str(v) for v in sorted(set(values))))]
-        run("vpr-tune", method, self.database(name, method), "--dataset",
-            self.data(name).description, "--query", query, *flags, "-o", out, "--force", "--quiet")
+        run(f"sweep {method} on {name}, query {query}", "vpr-tune", method,
+            self.database(name, method), "--dataset", self.data(name).description, "--query", query,
+            *flags, "-o", out, "--force", "--quiet")
         keys = ("c_w", "t_p") if method == "fabmap" else ("c_l", "t_r")
-        return {tuple(cell[key] for key in keys): cell for cell in read(out)["cells"]}
+        return {tuple(cell[key] for key in keys): cell for cell in self.written(out)["cells"]}
 
     def report(self, method, name, query, *settings):
         """The evaluation report of one query."""
         family = "fabmap" if method == "fabmap" else "fastable"
         result, report = WORK / "result.json", WORK / "report.json"
         data = ["--dataset", self.data(name).description]
-        run("vpr-query", self.database(name, family), *data, "--query", query, "--method", method,
-            *settings, "-o", result, "--force", "--quiet")
-        run("vpr-eval", result, *data, "-o", report, "--force", "--quiet")
-        return read(report)
+        words = " ".join(map(str, settings))
+        run(f"query {name} with {query}: {method} {words}", "vpr-query",
+            self.database(name, family), *data, "--query", query, "--method", method, *settings,
+            "-o", result, "--force", "--quiet")
+        run(f"evaluate {query}", "vpr-eval", result, *data, "-o", report, "--force", "--quiet")
+        return self.written(report)
+
+    def written(self, path):
+        """A file that a program wrote, whose makers are remembered."""
+        content = read(path)
+        made_by = content["provenance"]
+        maker = {key: made_by[key] for key in ("program", "version", "commit", "seed")}
+        if maker not in self.makers:
+            self.makers.append(maker)
+        return content
+
+    def provenance(self):
+        """What made the numbers, from which data; without paths and times."""
+        return {
+            "program": "reproduce.py",
+            "version": self.makers[0]["version"],
+            "commit": self.makers[0]["commit"],
+            "seed": self.makers[0]["seed"],
+            "programs": self.makers,
+            "data": [{"name": data.name, "title": data.title, "stand_in": data.is_stand_in,
+                      "dataset_sha256": hashlib.sha256(data.description.read_bytes()).hexdigest()}
+                     for _, data in sorted(self.data_sets.items())],
+            "databases": {f"{name}.{method}": read(path / "manifest.json")["checksum"]
+                          for (name, method), path in sorted(self.databases.items())}}
 
 
 def measures(counts):
@@ -144,8 +198,7 @@ def check_openable(laboratory, name, query, row, counts):
     report = laboratory.report("openable", name, query, "--c-l", row["c_l"], "--t-r", row["t_r"])
     if report["counts"] != counts:
         sys.exit(f"reproduce: OpenABLE and FastABLE differ on {query}: {report['counts']}, {counts}")
-    print(f"{query}: OpenABLE has the same counts at c_l {row['c_l']}, t_r {row['t_r']}",
-          file=sys.stderr)
+    say(f"{query}: OpenABLE has the same counts at c_l {row['c_l']}, t_r {row['t_r']}")
 
 
 def run_floor(experiment, laboratory):
@@ -153,8 +206,7 @@ def run_floor(experiment, laboratory):
     ours = []
     for row in experiment["rows"]:
         if row["method"] == "FAB-MAP" and not laboratory.data(row["data"]).has_places:
-            print(f"{row['data']}: no FAB-MAP, its dataset.json names no places and pretraining",
-                  file=sys.stderr)
+            say(f"{row['data']}: no FAB-MAP, its dataset.json names no places and pretraining")
             continue
         if row["method"] == "FAB-MAP":
             report = laboratory.report("fabmap", row["data"], row["query"], "--c-w", row["c_w"],
@@ -179,14 +231,17 @@ def run_maps(experiment, laboratory):
     for row in experiment["rows"]:
         name, query = row["data"], row["query"]
         found = {}
-        for column, method, settings in (
-                ("FAB-MAP places", "fabmap", ["--c-w", row["c_w"], "--t-p", row["t_p"]]),
-                ("OpenABLE places", "openable", ["--c-l", row["c_l"], "--t-r", row["t_r"]])):
-            found[column] = laboratory.report(method, name, query, *settings)["counts"]["distinct"]
+        for title, method, settings, wrong in (
+                ("FAB-MAP", "fabmap", ["--c-w", row["c_w"], "--t-p", row["t_p"]], "incorrect"),
+                ("OpenABLE", "openable", ["--c-l", row["c_l"], "--t-r", row["t_r"]],
+                 "incorrect places")):
+            counts = measures(laboratory.report(method, name, query, *settings)["counts"])
+            found[f"{title} places"] = counts["distinct"]
+            found[f"{title} {wrong}"] = counts[wrong]
             keep_result(WORK / f"map-{method}")
         target = ROOT / "out/figures" / f"{name}-{query}"
         target.parent.mkdir(parents=True, exist_ok=True)
-        run("vpr-eval", WORK / "map-fabmap.json", "--dataset", laboratory.data(name).description,
+        run(f"draw {target.name}", "vpr-eval", WORK / "map-fabmap.json", "--dataset", laboratory.data(name).description,
             "--map", target, "--map-with", WORK / "map-openable.json", "--force")
         ours.append((row, found))
     return ours
@@ -205,55 +260,28 @@ def run_bench(experiment, laboratory):
     if laboratory.folder and command[0] == "nordland":
         nordland = pathlib.Path(laboratory.folder) / "nordland"
         command += ["--train", nordland / "summer", "--query", nordland / "winter"]
-    run("vpr-bench", *command, "-o", out, "--force")
+    run(f"measure {' '.join(map(str, command))}", "vpr-bench", *command, "-o", out, "--force")
+    measured = laboratory.written(out)
+    laboratory.machine = {key: measured["machine"][key] for key in ("host", "threads", "simd")}
     rows = []
-    for entry in read(out)["paper"]:
+    for entry in measured["paper"]:
         if entry["table"] != experiment["table"]:
             continue
-        row = {"what": entry["what"], **{key: int(v) for key, v in entry["parameters"].items()},
+        row = {"what": entry["what"], "our_work": entry["our_work"],
+               **{key: int(v) for key, v in entry["parameters"].items()},
                entry["unit"]: entry["paper"]}
-        rows.append((row, {entry["unit"]: float(f"{entry['ours']:.4g}")}))
+        rows.append((row, {entry["unit"]: rounded(entry["ours"])},
+                     {"low": rounded(entry["low"]), "high": rounded(entry["high"])}))
     return rows
+
+
+def rounded(value):
+    """To four digits."""
+    return float(f"{value:.4g}")
 
 
 KINDS = {"fabmap": run_grid, "sequence": run_grid, "floor": run_floor, "maps": run_maps,
          "bench": run_bench}
-
-
-def cells_of(rows):
-    """One entry a number: settings, name, the paper's and ours."""
-    cells = []
-    for row, ours in rows:
-        measured = [key for key in row if key in ours]
-        settings = {key: value for key, value in row.items() if key not in measured}
-        for key in measured:
-            cells.append({**settings, "measure": key, "paper": row[key], "ours": ours[key]})
-    return cells
-
-
-def write_markdown(path, title, cells):
-    """A row for each setting, a column for each measure: ours (the paper's)."""
-    keys = [key for key in dict.fromkeys(key for cell in cells for key in cell)
-            if key not in ("measure", "paper", "ours", "data", "query")]
-    names = list(dict.fromkeys(cell["measure"] for cell in cells))
-    table = {}
-    for cell in cells:
-        settings = tuple(str(cell.get(key, "")) for key in keys)
-        table.setdefault(settings, {})[cell["measure"]] = f"{cell['ours']} ({cell['paper']})"
-    lines = [f"# {title}", "", "Ours (the paper's).", "",
-             "| " + " | ".join(keys + names) + " |",
-             "|" + "---|" * len(keys) + "---:|" * len(names)]
-    for settings, values in table.items():
-        lines.append("| " + " | ".join([*settings, *(values.get(n, "") for n in names)]) + " |")
-    path.write_text("\n".join(lines) + "\n")
-
-
-def write_csv(path, cells):
-    keys = list(dict.fromkeys(key for cell in cells for key in cell))
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, keys, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(cells)
 
 
 def main():
@@ -273,10 +301,11 @@ def main():
         data = ["Nordland"] if real else ["generated codes, a stand-in"]
     title = f"{experiment['title']}: {', '.join(data)}"
     out = ROOT / "out" / arguments.experiment
-    out.with_suffix(".json").write_text(json.dumps(
-        {"title": title, "paper": experiment["paper"], "data": data, "cells": cells}, indent=1) + "\n")
+    write_json(out.with_suffix(".json"), experiment, title, data, cells, laboratory.provenance(),
+               laboratory.machine)
     write_csv(out.with_suffix(".csv"), cells)
-    write_markdown(out.with_suffix(".md"), title, cells)
+    write_markdown(out.with_suffix(".md"), title, experiment["kind"], cells,
+                   experiment.get("notes", []))
     print(out.with_suffix(".md").read_text())
 
 

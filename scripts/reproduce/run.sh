@@ -1,9 +1,31 @@
 #!/usr/bin/env bash
-# Builds what is missing, then runs one experiment:   run.sh EXPERIMENT [--data DIR]
+# Builds the programs that one experiment needs, then runs it.
+#   run.sh EXPERIMENT [--data DIR]
+# EXPERIMENT is the name of a file in configs/paper. VPR_BIN=DIR takes programs that are already
+# built, as in VPR_BIN=build/ci/bin, and builds nothing.
 set -euo pipefail
-[[ -n ${VPR_BIN:-} ]] || {
-  root=$(cd "$(dirname "$0")/../.." && pwd)
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+experiment=${1:-}
+for word in "$@"; do
+  [[ $word == -h || $word == --help ]] && exec python3 "$here/reproduce.py" --help
+done
+if [[ -z $experiment || ! -f $root/configs/paper/$experiment.json ]]; then
+  names=$(cd "$root/configs/paper" && printf '%s, ' *.json | sed 's/\.json//g; s/, $//')
+  echo "run.sh: unknown experiment \"$experiment\"; there are $names" >&2
+  exit 2
+fi
+if [[ -z ${VPR_BIN:-} ]]; then
+  # Timings need vpr-bench alone, tables of counts the others.
+  if grep -q '"kind": "bench"' "$root/configs/paper/$experiment.json"; then
+    programs=(vpr-bench)
+  else
+    programs=(vpr-synth vpr-train vpr-query vpr-eval vpr-tune)
+  fi
+  [[ $experiment == figures ]] && programs+=(vpr-bench)
   "$root/scripts/install-deps.sh"
-  (cd "$root" && cmake --preset release >/dev/null && cmake --build --preset release >&2)
-}
-exec python3 "$(dirname "$0")/reproduce.py" "$@"
+  echo "building ${programs[*]} into build/release (VPR_BIN=DIR takes built ones)" >&2
+  (cd "$root" && cmake --preset release >/dev/null &&
+    cmake --build --preset release --target "${programs[@]}" >&2)
+fi
+exec python3 "$here/reproduce.py" "$@"

@@ -1,0 +1,77 @@
+"""What an experiment writes: one entry a number as JSON and CSV, and a table to read."""
+import csv
+import json
+
+
+def cells_of(rows):
+    """One entry a number: settings, name, the paper's and ours, of times with their quartiles."""
+    cells = []
+    for row, ours, *spread in rows:
+        measured = [key for key in row if key in ours]
+        settings = {key: value for key, value in row.items() if key not in measured}
+        for key in measured:
+            cells.append({**settings, "measure": key, "paper": row[key], "ours": ours[key],
+                          **(spread[0] if spread else {})})
+    return cells
+
+
+def markdown_table(head, numbers_from, rows):
+    """Columns from `numbers_from` on are aligned to the right."""
+    line = "|" + "---|" * numbers_from + "---:|" * (len(head) - numbers_from)
+    return ["| " + " | ".join(head) + " |", line,
+            *("| " + " | ".join(row) + " |" for row in rows)]
+
+
+def count_table(cells):
+    """A row for each setting, a column for each measure: ours (the paper's)."""
+    keys = [key for key in dict.fromkeys(key for cell in cells for key in cell)
+            if key not in ("measure", "paper", "ours", "data", "query")]
+    names = list(dict.fromkeys(cell["measure"] for cell in cells))
+    table = {}
+    for cell in cells:
+        settings = tuple(str(cell.get(key, "")) for key in keys)
+        table.setdefault(settings, {})[cell["measure"]] = f"{cell['ours']} ({cell['paper']})"
+    return ["Ours (the paper's).", "",
+            *markdown_table(keys + names, len(keys),
+                            ([*settings, *(values.get(n, "") for n in names)]
+                             for settings, values in table.items()))]
+
+
+def time_table(cells):
+    """The paper's grid: a column for each number of frames; what was measured here with its
+    quartiles, below it what the paper has in its place."""
+    unit = cells[0]["measure"]
+    frames = sorted({cell["frames"] for cell in cells})
+    blocks = {}
+    for cell in cells:
+        block = blocks.setdefault((cell["c_l"], cell["our_work"]), {})
+        block.setdefault(f"ours: {cell['our_work']}", {})[cell["frames"]] = (
+            f"{cell['ours']:g} ({cell['low']:g} to {cell['high']:g})")
+        block.setdefault(f"paper: {cell['what']}", {})[cell["frames"]] = f"{cell['paper']:g}"
+    rows = [[str(c_l), who, *(values.get(n, "") for n in frames)]
+            for (c_l, _), block in blocks.items() for who, values in block.items()]
+    per = "milliseconds a query frame" if unit == "ms" else "times as fast"
+    return [f"Against database frames, {per}; ours: median (from quartile to quartile).", "",
+            *markdown_table(["c_l", "whose", *map(str, frames)], 2, rows)]
+
+
+def write_markdown(path, title, kind, cells, notes):
+    table = time_table(cells) if kind == "bench" else count_table(cells)
+    path.write_text("\n".join([f"# {title}", "", *table, *(f"\n{note}" for note in notes)]) + "\n")
+
+
+def write_json(path, experiment, title, data, cells, provenance, machine):
+    content = {"schema": "vpr.reproduction/1", "experiment": path.stem, "title": title,
+               "paper": experiment["paper"], "data": data, "cells": cells,
+               "notes": experiment.get("notes", []), "provenance": provenance}
+    if machine:
+        content["machine"] = machine
+    path.write_text(json.dumps(content, indent=1) + "\n")
+
+
+def write_csv(path, cells):
+    keys = list(dict.fromkeys(key for cell in cells for key in cell))
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, keys, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(cells)

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""What scripts/reproduce writes and says, without running an experiment.   reproduce.py SOURCE"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+source = pathlib.Path(sys.argv[1])
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(source / "scripts/reproduce"))
+import tables  # noqa: E402
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"reproduce: {message}")
+
+
+def check_mistyped_name():
+    """A mistyped name is said before anything is installed or built."""
+    with tempfile.TemporaryDirectory() as folder:
+        for program in ("cmake", "apt-get", "dpkg-query"):
+            stub = pathlib.Path(folder) / program
+            stub.write_text("#!/bin/sh\necho started >&2\nexit 1\n")
+            stub.chmod(0o755)
+        environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
+        environment.pop("VPR_BIN", None)
+        done = subprocess.run([source / "scripts/reproduce/run.sh", "nosuch"], env=environment,
+                              capture_output=True, text=True)
+    check(done.returncode == 2, f"nosuch ended with {done.returncode}")
+    check("started" not in done.stderr, "nosuch began to build")
+    check("nosuch" in done.stderr and "tab4" in done.stderr, f"nosuch: {done.stderr}")
+
+
+def check_files(folder):
+    """JSON fits its schema, and times keep their quartiles and the paper's grid."""
+    times = tables.cells_of(
+        [({"what": f"FastABLE over OpenABLE, {phone}", "our_work": "fastable", "frames": frames,
+           "c_l": 20, "times": paper}, {"times": 12.5}, {"low": 11.0, "high": 14.0})
+         for phone, papers in (("A", (11.4, 9.8)), ("B", (15.3, 11.0)))
+         for frames, paper in zip((500, 1000), papers)])
+    tables.write_markdown(folder / "tab6.md", "Table 6", "bench", times, [])
+    lines = (folder / "tab6.md").read_text().splitlines()
+    check("| c_l | whose | 500 | 1000 |" in lines, lines)
+    check("| 20 | ours: fastable | 12.5 (11 to 14) | 12.5 (11 to 14) |" in lines, lines)
+    check("| 20 | paper: FastABLE over OpenABLE, A | 11.4 | 9.8 |" in lines, lines)
+    check(len(lines) == 9, lines)
+
+    counts = tables.cells_of([({"sequence": "S", "data": "d", "query": "q", "c_l": 40, "hits": 3},
+                               {"hits": 5})])
+    tables.write_markdown(folder / "tab4.md", "Table 4", "sequence", counts, ["A note."])
+    text = (folder / "tab4.md").read_text()
+    check("| S | 40 | 5 (3) |" in text and text.endswith("\nA note.\n"), text)
+
+    maker = {"program": "vpr-tune", "version": "0.1.0", "commit": "unknown", "seed": 1}
+    provenance = {**maker, "program": "reproduce.py", "programs": [maker],
+                  "data": [{"name": "d", "title": "D", "stand_in": True, "dataset_sha256": "0" * 64}],
+                  "databases": {"d.fastable": "xxh3:" + "0" * 32}}
+    for name, cells, machine in (("tab4", counts, None),
+                                 ("tab6", times, {"host": "h", "threads": 1, "simd": "AVX2"})):
+        tables.write_json(folder / f"{name}.json", {"paper": "P"}, "T", ["D"], cells, provenance,
+                          machine)
+    done = subprocess.run([sys.executable, source / "scripts/check_schemas.py",
+                           folder / "tab4.json", folder / "tab6.json"])
+    if done.returncode != 0:
+        sys.exit(done.returncode)  # 77: cannot be checked here
+
+
+def check_experiments():
+    """Settings that experiments share quote the same number of the paper (tables win)."""
+    rows = {name: json.loads((source / f"configs/paper/{name}.json").read_text())["rows"]
+            for name in ("tab1", "tab2", "tab4", "figures")}
+    of = {}
+    for name in ("tab1", "tab2"):
+        for row in rows[name]:
+            of[row["data"], row["query"], "c_w", row["c_w"], row["t_p"]] = row["distinct"]
+    for row in rows["tab4"]:
+        of[row["data"], row["query"], "c_l", row["c_l"], row["t_r"]] = row["correct places"]
+    compared = 0
+    for row in rows["figures"]:
+        for column, window, threshold in (("FAB-MAP places", "c_w", "t_p"),
+                                          ("OpenABLE places", "c_l", "t_r")):
+            key = row["data"], row["query"], window, row[window], row[threshold]
+            if key in of:
+                compared += 1
+                check(row[column] == of[key], f"figures: {key}: {row[column]}, table: {of[key]}")
+    check(compared == 5, f"{compared} numbers of figures stand in tables")
+
+
+check_mistyped_name()
+check_experiments()
+with tempfile.TemporaryDirectory() as out:
+    check_files(pathlib.Path(out))
