@@ -107,6 +107,21 @@ std::string latex_escaped(const std::string& text) {
   return escaped;
 }
 
+// What a reference calls the table: words of its title, at most so many characters.
+std::string latex_label(const std::string& title) {
+  constexpr size_t kMostCharacters = 40;
+  std::string label;
+  for (const char c : title) {
+    const bool is_word = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (is_word)
+      label += c;
+    else if (!label.empty() && label.back() != '-')
+      label += '-';
+    if (label.size() == kMostCharacters) break;
+  }
+  return label.substr(0, label.find_last_not_of('-') + 1);
+}
+
 std::string latex_table(const Table& table) {
   const auto line = [](const std::vector<std::string>& cells) {
     std::vector<std::string> escaped;
@@ -115,12 +130,14 @@ std::string latex_table(const Table& table) {
   };
   std::string columns;
   for (size_t c = 0; c < table.columns.size(); ++c) columns += is_numeric(table, c) ? 'r' : 'l';
-  std::string text = "\\begin{table}\n\\centering\n";
-  if (!table.title.empty()) text += fmt::format("\\caption{{{}}}\n", latex_escaped(table.title));
-  text +=
-      fmt::format("\\begin{{tabular}}{{{}}}\n\\hline\n{}\\hline\n", columns, line(table.columns));
+  std::string text = "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n";
+  if (!table.title.empty())
+    text += fmt::format("\\caption{{{}}}\n\\label{{tab:{}}}\n", latex_escaped(table.title),
+                        latex_label(table.title));
+  text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}\\midrule\n", columns,
+                      line(table.columns));
   for (const auto& row : table.rows) text += line(row);
-  return text + "\\hline\n\\end{tabular}\n\\end{table}\n";
+  return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
 }
 
 }  // namespace

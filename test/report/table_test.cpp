@@ -32,3 +32,13 @@ TEST_CASE("LaTeX escapes its special characters") {
   CHECK(text.find("50 \\%") != std::string::npos);
   CHECK(text.find("x \\& y \\\\") != std::string::npos);
 }
+
+TEST_CASE("a LaTeX table has rules of booktabs, and a label that can be referred to") {
+  CHECK(render_table({"fastable on query (pairs, tolerance 3)", {"n"}, {{"1"}}},
+                     TableFormat::latex) ==
+        "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n"
+        "\\caption{fastable on query (pairs, tolerance 3)}\n"
+        "\\label{tab:fastable-on-query-pairs-tolerance-3}\n"
+        "\\begin{tabular}{r}\n\\toprule\nn \\\\\n\\midrule\n1 \\\\\n\\bottomrule\n"
+        "\\end{tabular}\n\\end{table}\n");
+}
