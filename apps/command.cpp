@@ -84,6 +84,7 @@ int report_error(const std::string& program, ErrorKind kind, const std::string& 
 }  // namespace
 
 void Session::print(const std::string& text) const {
+  progress.clear();
   const bool written =
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (!written)
@@ -175,7 +176,7 @@ void Program::run_session(int argc, char** argv) {
   const ThreadLimit limit(common_.threads);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
-  Session session{common_, monitor, {}, select_kernels()};
+  Session session{common_, monitor, {}, select_kernels(), progress};
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
   session.run.threads = thread_count();

@@ -57,14 +57,18 @@ struct NoSettings {};
 template <class Visitor>
 void visit_fields(NoSettings&, Visitor&&) {}
 
+class ProgressLine;
+
 /// What a command gets to work with.
 struct Session {
   const CommonOptions& options;
   const Monitor& monitor;
   RunInfo run;
   HammingKernels kernels;
+  ProgressLine& progress;
 
-  /// Prints to stdout; Error(output) if that fails (a full disk, a closed pipe).
+  /// Prints to stdout, where a progress line has been before; Error(output) if that fails (a full
+  /// disk, a closed pipe).
   void print(const std::string& text) const;
   /// A readable text, or with --json the JSON; neither with --quiet (but --json always).
   void print_result(const std::string& text, const Json& json) const;

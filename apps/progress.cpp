@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace vpr {
@@ -12,6 +13,11 @@ namespace {
 
 constexpr double kRedrawMs = 100;
 constexpr size_t kBarWidth = 24;
+constexpr size_t kLabelWidth = 30;
+constexpr size_t kUsualWidth = 80;
+// Before, the time left would be a guess from too little.
+constexpr double kLeastSeconds = 1;
+constexpr double kLeastShare = 0.02;
 
 std::string duration_text(double seconds) {
   const auto whole = std::lround(seconds);
@@ -19,34 +25,74 @@ std::string duration_text(double seconds) {
                        : fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
-std::string line_text(const std::string& step, size_t done, size_t total, double elapsed_s) {
-  if (total == 0) return fmt::format("{} {}", step, done);
-  done = std::min(done, total);
-  const double share = static_cast<double>(done) / static_cast<double>(total);
-  const auto filled = static_cast<size_t>(share * kBarWidth);
-  const std::string left = done == 0 ? "?" : duration_text(elapsed_s / share - elapsed_s);
-  return fmt::format("{:<9}[{}{}] {:3.0f} %  {}/{}  ETA {}", step, std::string(filled, '#'),
-                     std::string(kBarWidth - filled, ' '), 100 * share, done, total, left);
+std::string first_word(const std::string& text) { return text.substr(0, text.find(' ')); }
+
+double share_of(size_t done, size_t total) {
+  return total == 0 ? 0 : static_cast<double>(std::min(done, total)) / static_cast<double>(total);
+}
+
+// Long names lose their beginning: the end and the number tell parts apart.
+std::string label_text(const std::string& step) {
+  std::string label = step;
+  if (label.size() > kLabelWidth) {
+    const std::string begin = first_word(step).substr(0, kLabelWidth / 2) + " ...";
+    size_t from = label.size() - (kLabelWidth - begin.size());
+    while (from < label.size() && (label[from] & 0xc0) == 0x80) ++from;  // not within a character
+    label = begin + label.substr(from);
+  }
+  return fmt::format("{:<{}}", label, kLabelWidth);
+}
+
+size_t terminal_width() {
+  winsize size{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : kUsualWidth;
 }
 
 }  // namespace
+
+std::string progress_text(const std::string& step, size_t done, size_t total, double seconds_left,
+                          size_t width) {
+  std::string text = label_text(step);
+  if (total == 0) {
+    text += fmt::format(" {}", done);
+  } else {
+    const double share = share_of(done, total);
+    const auto filled = static_cast<size_t>(share * kBarWidth);
+    text += fmt::format(" [{}{}] {:3.0f} %", std::string(filled, '#'),
+                        std::string(kBarWidth - filled, ' '), 100 * share);
+    if (seconds_left >= 0) text += fmt::format("  ETA {}", duration_text(seconds_left));
+  }
+  return text.substr(0, width);
+}
 
 ProgressLine::ProgressLine(bool enabled) : enabled_(enabled && ::isatty(STDERR_FILENO) != 0) {}
 
 ProgressLine::~ProgressLine() { clear(); }
 
+double ProgressLine::seconds_left(double share) const {
+  const double elapsed_s = step_time_.elapsed_s();
+  const double gone = share - first_share_;
+  if (elapsed_s < kLeastSeconds || gone < kLeastShare || share >= 1) return -1;
+  return elapsed_s / gone * (1 - share);
+}
+
 void ProgressLine::show(const std::string& step, size_t done, size_t total) {
   if (!enabled_) return;
   const std::lock_guard lock(mutex_);
-  if (step != step_ || done < last_done_ / 2) {
-    step_ = step;
+  const double share = share_of(done, total);
+  if (first_word(step) != step_ || share < last_share_ / 2) {  // threads report out of order
+    step_ = first_word(step);
     step_time_ = {};
+    first_share_ = share;
   }
-  last_done_ = done;
+  last_share_ = share;
   if (drawn_ && since_drawn_.elapsed_ms() < kRedrawMs) return;
   since_drawn_ = {};
   drawn_ = true;
-  fmt::print(stderr, "\r\x1b[K{}", line_text(step, done, total, step_time_.elapsed_s()));
+  // A line that fills the last column would be continued on the next, and not be erased.
+  fmt::print(stderr, "\r\x1b[K{}",
+             progress_text(step, done, total, seconds_left(share), terminal_width() - 1));
   std::fflush(stderr);
 }
 

@@ -9,6 +9,12 @@
 
 namespace vpr {
 
+/// "match monday 3/14       [#####     ]  50 %  ETA 0:12", at most `width` columns; what comes
+/// before the bar has one width for all steps. `total` 0: unknown, the count stands alone.
+/// `seconds_left` below 0: not known, left out.
+std::string progress_text(const std::string& step, size_t done, size_t total, double seconds_left,
+                          size_t width);
+
 /// Draws on stderr, only if that is a terminal. Thread-safe.
 class ProgressLine {
  public:
@@ -17,18 +23,22 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
+  /// The first word of `step` is the step, the others say which part of it (base/step_parts.h).
   void show(const std::string& step, size_t done, size_t total);
-  /// Takes the line away, so that something else can be printed.
+  /// Takes the line away, so that something else can be printed, on stdout or stderr.
   void clear();
 
  private:
+  double seconds_left(double share) const;
+
   std::mutex mutex_;
   bool enabled_;
   bool drawn_ = false;
   std::string step_;
   Stopwatch step_time_;
   Stopwatch since_drawn_;
-  size_t last_done_ = 0;
+  double first_share_ = 0;  ///< of the step, when it began
+  double last_share_ = 0;
 };
 
 }  // namespace vpr

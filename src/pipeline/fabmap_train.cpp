@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/step_parts.h"
 #include "database/kmeans.h"
 #include "database/radius_clustering.h"
 #include "images/frames.h"
@@ -40,11 +41,12 @@ std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& p
                                           const FabmapTrainSettings& settings,
                                           const Monitor& monitor) {
   std::vector<cv::Mat> all;
-  for (const SequenceArgument& argument : pretrain) {
+  for (size_t p = 0; p < pretrain.size(); ++p) {
     FrameList frames;
     for (cv::Mat& descriptors : for_each_descriptors<cv::Mat>(
-             open_sequence(argument), settings.features, on_unreadable(settings.skip_unreadable),
-             monitor, frames, [](const cv::Mat& found) { return found; }))
+             open_sequence(pretrain[p]), settings.features, on_unreadable(settings.skip_unreadable),
+             part_of(monitor, "pretraining", p, pretrain.size()), frames,
+             [](const cv::Mat& found) { return found; }))
       all.push_back(descriptors);
   }
   return all;
@@ -104,9 +106,11 @@ FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
 
 void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
                bool skip_unreadable, const Monitor& monitor) {
-  for (const GroupArgument& group : groups) {
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const GroupArgument& group = groups[g];
     const SequenceWords words =
-        describe_words(open_sequence(group.sequence), database, skip_unreadable, monitor);
+        describe_words(open_sequence(group.sequence), database, skip_unreadable,
+                       part_of(monitor, group.name, g, groups.size()));
     add_group(database, {group.name, group.is_place, words.names, words.unreadable}, words.frames);
   }
   index_views(database);

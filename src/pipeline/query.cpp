@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/step_parts.h"
 #include "base/stopwatch.h"
 #include "matching/fastable_batch.h"
 #include "pipeline/query_steps.h"
@@ -241,10 +242,13 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   const TrainCodes train = searched_codes(database, result);
   const QueryCodes query_codes = make_query_codes({query.codes, query.frames.unreadable});
 
+  // A relative threshold is known only after all distances were seen once.
+  const bool has_two_passes = needs_maxima(result);
+  const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   Stopwatch watch;
-  if (needs_maxima(result)) {
+  if (has_two_passes) {
     MaximumScan scan(result.sequences.size(), resources.kernels);
-    method.match(train, query_codes, match, monitor, std::ref(scan));
+    method.match(train, query_codes, match, part_of(monitor, "pass", 0, 2), std::ref(scan));
     set_relative_limits(result, scan.result());
     run.seconds["maximum"] = watch.elapsed_s();
   }
@@ -255,9 +259,9 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
   const size_t length = match.window_length;
   match_rows(
-      result, database, train, query_codes, {&length, 1}, match, monitor,
+      result, database, train, query_codes, {&length, 1}, match, last_pass,
       [&](const LengthRowConsumer& consume) {
-        method.match(train, query_codes, match, monitor,
+        method.match(train, query_codes, match, last_pass,
                      [&](const DistanceRow& row) { consume(0, row); });
       },
       [&](size_t, const DistanceRow& row) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/step_parts.h"
 #include "matching/distance_statistics.h"
 #include "recognition/automatic_threshold.h"
 #include "recognition/same_place.h"
@@ -29,6 +30,13 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
   codes.insert(codes.end(), described.codes.begin(), described.codes.end());
   database.sequences.push_back(
       {argument.name, std::move(described.frames.names), std::move(described.frames.unreadable)});
+}
+
+void append_sequences(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,
+                      bool skip_unreadable, const Monitor& monitor) {
+  for (size_t s = 0; s < sequences.size(); ++s)
+    append_sequence(database, sequences[s], skip_unreadable,
+                    part_of(monitor, sequences[s].name, s, sequences.size()));
 }
 
 void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
@@ -136,8 +144,7 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   check_safety_factor(settings.safety_factor);
   SequenceDatabase database;
   database.descriptor = settings.descriptor;
-  for (const NamedArgument& sequence : sequences)
-    append_sequence(database, sequence, settings.skip_unreadable, monitor);
+  append_sequences(database, sequences, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
   add_typical_distances(database, kernels, monitor);
   add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
@@ -152,8 +159,7 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   extended.descriptor = database.descriptor;
   extended.sequences = database.sequences;
   extended.codes.owned.assign(database.codes.view().begin(), database.codes.view().end());
-  for (const NamedArgument& sequence : sequences)
-    append_sequence(extended, sequence, skip_unreadable, monitor);
+  append_sequences(extended, sequences, skip_unreadable, monitor);
   add_typical_distances(extended, kernels, monitor);
   for (const ThresholdTable& table : database.thresholds) {
     warn_of_short_sequences(extended, table.window_length, monitor);

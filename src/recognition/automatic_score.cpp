@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/step_parts.h"
 #include "matching/fastable_standardized.h"
 #include "recognition/elsewhere.h"
 
@@ -63,7 +64,8 @@ ClosestTable find_closest_scores(std::span<const CodeSpan> sequences, const Scor
   if (sequences.size() == 1) return {closest_of_own(sequences[0], basis, settings, monitor)};
   ClosestTable table(sequences.size());
   for (size_t own = 0; own < sequences.size(); ++own)
-    compare_with_others(sequences, own, basis, settings, monitor, table);
+    compare_with_others(sequences, own, basis, settings,
+                        part_of(monitor, "training", own, sequences.size()), table);
   return table;
 }
 

@@ -6,6 +6,7 @@
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
+#include "base/step_parts.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "recognition/elsewhere.h"
@@ -70,7 +71,8 @@ ClosestTable find_closest_windows(std::span<const CodeSpan> sequences,
   if (sequences.size() == 1) return {closest_of_own(sequences[0], settings, monitor)};
   ClosestTable table(sequences.size());
   for (size_t own = 0; own + 1 < sequences.size(); ++own)
-    compare_with_later(sequences, own, settings, monitor, table);
+    compare_with_later(sequences, own, settings,
+                       part_of(monitor, "training", own, sequences.size() - 1), table);
   return table;
 }
 
