@@ -115,7 +115,11 @@ void export_openfabmap(Session& session, const std::string& path) {
   check_output_folder(session.options.output, session.options.existing(), is_openfabmap_folder);
   const FabmapDatabase database = read_fabmap_database(path);
   write_openfabmap(session.options.output, database, session.options.existing());
-  session.print_result(fabmap_summary(database, path), fabmap_json(database, session.run));
+  session.print_result(
+      fmt::format("{}: vocabulary.yml, tree.yml, bow-pretrain.yml ({} frames), bow-train.yml ({} "
+                  "views), as vpr-train fabmap --from-openfabmap reads them\n",
+                  session.options.output, database.pretrain.views(), database.views.views()),
+      fabmap_json(database, session.run));
 }
 
 }  // namespace
