@@ -21,8 +21,10 @@
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "completion.h"
+#include "help.h"
 #include "progress.h"
 #include "report/result_file.h"
+#include "suggestions.h"
 
 namespace vpr {
 namespace {
@@ -76,6 +78,34 @@ std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {
   return logger;
 }
 
+// Help comes from the same description as completions and manual pages.
+class HelpFormatter : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
+    const CLI::App* parent = app->get_parent();
+    return help_text(describe_commands(*app),
+                     parent == nullptr || name.starts_with(parent->get_name() + " ")
+                         ? name
+                         : parent->get_name() + " " + app->get_name());
+  }
+};
+
+constexpr const char* kExitCodes =
+    "  0    done\n"
+    "  1    internal error: a defect of the program\n"
+    "  2    usage, configuration, or an existing output without --force\n"
+    "  3    a file, folder or frame is missing, or can't be read, decoded or written\n"
+    "  4    a database, result or ground truth is damaged or does not fit\n"
+    "  5    an expectation was not met\n"
+    "  130  interrupted";
+
+// Flags of the parser's own.
+void group_own_flags(CLI::App& app, const std::string& version) {
+  app.set_version_flag("--version", version, "print the version and end");
+  app.get_version_ptr()->group(kCommonGroup);
+  app.get_help_ptr()->group(kCommonGroup)->description("print this help and end");
+}
+
 int report_error(const std::string& program, ErrorKind kind, const std::string& sentence) {
   fmt::print(stderr, "{}: {}\n", program, sentence);
   return exit_code(kind);
@@ -102,20 +132,27 @@ void Session::print_result(const std::string& text, const Json& json) const {
 Program::Program(const std::string& name, const std::string& description,
                  const std::string& example)
     : name_(name), app_(std::make_unique<CLI::App>(description, name)) {
-  app_->footer("Example:\n" + example +
-               "\n\nExit codes: 0 done, 1 internal error, 2 usage, 3 input or output, 4 damaged or "
-               "unfit data,\n5 expectation not met, 130 interrupted.");
-  app_->set_version_flag("--version",
-                         fmt::format("{} {} ({})", name, program_version(), program_commit()));
-  app_->get_formatter()->column_width(34);
+  app_->footer(
+      fmt::format("{}:\n{}\n\n{}:\n{}", kExampleSection, example, kExitCodeSection, kExitCodes));
+  app_->formatter(std::make_shared<HelpFormatter>());
+  group_own_flags(*app_, version());
+  app_->add_option("--completion",
+                   "print completions for a shell, or the manual page; nothing else may be given")
+      ->type_name("bash|zsh|fish|man")
+      ->group(kCommonGroup);
 }
 
 Program::~Program() = default;
 
+std::string Program::version() const {
+  return fmt::format("{} {} ({})", name_, program_version(), program_commit());
+}
+
 Command Program::add_command(const std::string& name, const std::string& description,
                              const std::string& example, std::function<void(Session&)> run) {
   CLI::App& app = *app_->add_subcommand(name, description);
-  app.footer("Example:\n" + example);
+  app.footer(fmt::format("{}:\n{}", kExampleSection, example));
+  group_own_flags(app, version());
   add_common_flags(Command(app));
   app.callback([this, run = std::move(run)] { run_ = run; });
   if (!run_) app_->require_subcommand(1);
@@ -130,16 +167,19 @@ void Program::set_run(std::function<void(Session&)> run) {
 }
 
 void Program::add_common_flags(const Command& command) {
-  command.add_option("-o,--output", common_.output, "where the result goes");
-  add_setting(command, "--threads", common_.threads,
-              fmt::format("threads to use; 0: all cores{}",
-                          common_.threads == 0 ? " (default)"
-                                               : fmt::format("; default {}", common_.threads)));
-  add_setting(command, "--seed", common_.seed, "seed of everything that is random (default 1)");
-  command.add_flag("--quiet", common_.quiet, "no progress, no warnings, no table");
-  command.add_flag("-v,--verbose", common_.verbose, "say more");
-  command.add_flag("--force", common_.force, "replace an existing output");
-  command.add_flag("--json", common_.json, "print the result as JSON on standard output");
+  const auto group = [](Flag flag) { flag.group(kCommonGroup); };
+  group(command.add_option("-o,--output", common_.output, "where the result goes"));
+  group(add_setting(
+      command, "--threads", common_.threads,
+      fmt::format(
+          "threads to use; 0: all cores{}",
+          common_.threads == 0 ? " (default)" : fmt::format("; default {}", common_.threads))));
+  group(add_setting(command, "--seed", common_.seed,
+                    "seed of everything that is random (default 1)"));
+  group(command.add_flag("--quiet", common_.quiet, "no progress, no warnings, no table"));
+  group(command.add_flag("-v,--verbose", common_.verbose, "say more"));
+  group(command.add_flag("--force", common_.force, "replace an existing output"));
+  group(command.add_flag("--json", common_.json, "print the result as JSON on standard output"));
 }
 
 void Program::add_config_option(const Command& command,
@@ -155,6 +195,8 @@ void Program::add_config_option(const Command& command,
             apply(json, path);
           },
           "settings from a JSON file, or those of a result (flags win)")
+      ->type_name("FILE")
+      ->group(kCommonGroup)
       ->trigger_on_parse();
 }
 
@@ -197,8 +239,13 @@ int Program::main(int argc, char** argv) {
       app_->parse(argc, argv);
     } catch (const CLI::ParseError& error) {
       if (error.get_exit_code() == 0) return app_->exit(error);  // --help, --version
+      if (const auto unknown = unknown_word(describe_commands(*app_), {argv + 1, argv + argc}))
+        throw Error(ErrorKind::usage, *unknown);
       throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), name_));
     }
+    if (app_->count("--completion") > 0)
+      throw Error(ErrorKind::usage,
+                  fmt::format("--completion stands alone, as in {} --completion bash", name_));
     run_session(argc, argv);
     return 0;
   } catch (const Error& error) {

@@ -104,6 +104,7 @@ class Program {
   int main(int argc, char** argv);
 
  private:
+  std::string version() const;
   void add_common_flags(const Command& command);
   void add_config_option(const Command& command,
                          std::function<void(const Json&, const std::string&)> apply);

@@ -1,5 +1,5 @@
-// A program's commands and flags as data, read from its parser: what completions and manual pages
-// are written from, so that they can't get stale.
+// A program's commands and flags as data, read from its parser: what help, completions and manual
+// pages are written from, so that they can't get stale.
 #pragma once
 
 #include <string>
@@ -11,29 +11,47 @@ class App;
 
 namespace vpr {
 
+/// Headings that stand apart: flags that all programs share come last.
+inline constexpr const char* kCommonGroup = "Common options";
+inline constexpr const char* kExampleSection = "Example";
+inline constexpr const char* kExitCodeSection = "Exit codes";
+
 struct FlagEntry {
-  std::vector<std::string> names;  ///< with dashes, short ones first
-  std::string value;               ///< FILE, NUMBER, a|b|c; empty: takes none
-  std::vector<std::string> choices;
+  std::vector<std::string> names;    ///< with dashes, short ones first
+  std::string value;                 ///< FILE, NUMBER, a|b|c; empty: takes none
+  std::vector<std::string> choices;  ///< values that completions offer
   std::string help;
   std::string group;
+  bool is_required = false;
 };
 
 struct ArgumentEntry {
   std::string name;
   std::string help;
+  bool is_required = false;
+};
+
+/// A part of what help ends with: a heading, and lines as they stand.
+struct Section {
+  std::string title;
+  std::string text;
 };
 
 struct CommandEntry {
   std::string name;
   std::string description;
-  std::string footer;
+  std::vector<Section> sections;
   std::vector<ArgumentEntry> arguments;
-  std::vector<FlagEntry> flags;
+  std::vector<FlagEntry> flags;  ///< by group; within one, what is required first
   std::vector<CommandEntry> commands;
+  bool runs_itself = true;  ///< false: one of its commands must be named
 };
 
-/// Hidden flags (without a group) are left out.
+/// Hidden flags (without a group) are left out. What stands behind a colon in the name of a flag's
+/// value are its choices.
 CommandEntry describe_commands(const CLI::App& app);
+
+/// Headings end with a colon and stand behind an empty line, or first.
+std::vector<Section> split_sections(const std::string& footer);
 
 }  // namespace vpr

@@ -122,13 +122,45 @@ std::string manual_flags(const CommandEntry& command) {
     for (const std::string& name : flag.names) names.push_back("\\fB" + troff(name) + "\\fR");
     text += fmt::format(".TP\n{}{}\n{}\n", fmt::join(names, ", "),
                         flag.value.empty() ? "" : " \\fI" + troff(flag.value) + "\\fR",
-                        troff(flag.help));
+                        troff(flag.help + (flag.is_required ? " (required)" : "")));
   }
   return text;
 }
 
 std::string as_it_stands(const std::string& text) {
   return text.empty() ? "" : ".PP\n.nf\n" + troff(text) + "\n.fi\n";
+}
+
+std::string upper_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return static_cast<char>(c >= 'a' && c <= 'z' ? c - 32 : c); });
+  return text;
+}
+
+std::string main_heading(const std::string& title) {
+  return ".SH " + troff(upper_case(title)) + "\n";
+}
+
+std::string inner_heading(const std::string& title) { return ".PP\n" + troff(title) + ":\n"; }
+
+/// Of a command: what is neither an example nor the exit codes, each with its heading.
+std::string manual_sections(const CommandEntry& command,
+                            std::string (*heading)(const std::string& title)) {
+  std::string text;
+  for (const Section& section : command.sections)
+    if (section.title != kExampleSection && section.title != kExitCodeSection)
+      text += heading(section.title) + as_it_stands(section.text);
+  return text;
+}
+
+/// The sections of one title, of the program and its commands.
+std::string manual_section(const CommandEntry& program, const std::string& title,
+                           const std::string& heading) {
+  std::string text;
+  for (const auto& [level, command] : levels(program))
+    for (const Section& section : command->sections)
+      if (section.title == title) text += as_it_stands(section.text);
+  return text.empty() ? "" : fmt::format(".SH {}\n{}", heading, text);
 }
 
 }  // namespace
@@ -189,28 +221,28 @@ std::string fish_completion(const CommandEntry& program) {
 }
 
 std::string manual_page(const CommandEntry& program, const std::string& version) {
-  std::string upper = program.name;
-  std::transform(upper.begin(), upper.end(), upper.begin(),
-                 [](char c) { return static_cast<char>(c >= 'a' && c <= 'z' ? c - 32 : c); });
   std::string description = program.description;
   if (description.ends_with('.')) description.pop_back();
   std::string page = fmt::format(
       ".TH {} 1 \"\" \"vpr-toolkit {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n",
-      troff(upper), version, troff(program.name), troff(description));
+      troff(upper_case(program.name)), version, troff(program.name), troff(description));
   for (const auto& [level, command] : levels(program)) {
     if (level.empty() && program.arguments.empty() && !program.commands.empty()) continue;
     page += fmt::format("\\fB{}{}\\fR [\\fIOPTIONS\\fR]", troff(program.name),
                         level.empty() ? "" : " " + troff(level));
     for (const ArgumentEntry& argument : command->arguments)
-      page += " [\\fI" + troff(argument.name) + "\\fR]";
+      page += fmt::format(fmt::runtime(argument.is_required ? " \\fI{}\\fR" : " [\\fI{}\\fR]"),
+                          troff(argument.name));
     page += "\n.br\n";
   }
   page += ".SH OPTIONS\n" + manual_flags(program);
   if (!program.commands.empty()) page += ".SH COMMANDS\n";
   for (const CommandEntry& command : program.commands)
     page += fmt::format(".SS {}\n{}\n", troff(command.name), troff(command.description)) +
-            manual_flags(command) + as_it_stands(command.footer);
-  return page + ".SH NOTES\n" + as_it_stands(program.footer);
+            manual_flags(command) + manual_sections(command, inner_heading);
+  return page + manual_sections(program, main_heading) +
+         manual_section(program, kExampleSection, "EXAMPLES") +
+         manual_section(program, kExitCodeSection, "EXIT STATUS");
 }
 
 std::string command_text(const CommandEntry& program, const std::string& kind,

@@ -1,6 +1,8 @@
 #include "flags.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace vpr {
 
@@ -17,6 +19,10 @@ Flag Flag::group(const std::string& heading) {
 Flag Flag::type_name(const std::string& word) {
   option_->type_name(word);
   return *this;
+}
+
+Flag Flag::choices(const std::string& word, const std::vector<std::string>& names) {
+  return type_name(fmt::format("{}:{}", word, fmt::join(names, "|")));
 }
 
 Flag Flag::non_negative() {
@@ -87,7 +93,9 @@ Flag Command::add_list(const std::string& flag, std::vector<std::string>& values
                    ->type_name("TEXT"));
 }
 
-void Command::add_footer(const std::string& text) const { app_->footer(text + app_->get_footer()); }
+void Command::add_footer(const std::string& text) const {
+  app_->footer(text + "\n" + app_->get_footer());
+}
 
 bool Command::is_given(const std::string& flag) const { return app_->count(flag) > 0; }
 

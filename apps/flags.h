@@ -25,6 +25,8 @@ class Flag {
   Flag group(const std::string& heading);
   /// What help calls its value: FILE, NUMBER, text|csv.
   Flag type_name(const std::string& word);
+  /// Values that completions offer, where they are too many for help, which has `word`.
+  Flag choices(const std::string& word, const std::vector<std::string>& names);
   /// A number below 0 is a usage error.
   Flag non_negative();
   /// The two can't be given together.
@@ -63,7 +65,7 @@ class Command {
   /// A flag that may be given several times; each value stands as it is.
   Flag add_list(const std::string& flag, std::vector<std::string>& values,
                 const std::string& help) const;
-  /// Puts text in front of what help ends with.
+  /// Puts a section (a heading with a colon, and lines) in front of what help ends with.
   void add_footer(const std::string& text) const;
 
   /// Whether a flag was given, after parsing.

@@ -20,16 +20,17 @@ void add_number(const Command& command, const std::string& flag, std::optional<d
 std::string ground_truth_help() {
   std::vector<std::string_view> presets;
   for (const GroundTruthPreset& preset : ground_truth_presets()) presets.push_back(preset.name);
-  return fmt::format("file or folder, or a word: aligned, {}; see --ground-truth-format",
+  return fmt::format("file or folder, or a word: aligned, {}; formats below",
                      fmt::join(presets, ", "));
 }
 
 void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
                             const std::string& format_flag) {
   const auto add = [&](const std::string& flag, std::string& value, const std::string& help) {
-    command.add_option(flag, value, help).group(kGroundTruthGroup);
+    return command.add_option(flag, value, help).group(kGroundTruthGroup);
   };
-  add(format_flag, flags.format, fmt::format("default: found by content; {}", format_summaries()));
+  add(format_flag, flags.format, "default: found by content").choices("FORMAT", format_names());
+  command.add_footer("Ground truth formats:\n" + format_summaries());
   add("--ground-truth-reference", flags.reference,
       "poses, tum, kitti, utm: those of the training sequence");
   add_number(command, "--radius", flags.options.radius_m,

@@ -265,7 +265,7 @@ int main(int argc, char** argv) {
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
-  app.add_footer(metrics_help() + "\n");
+  app.add_footer(metrics_help());
   CompareInputs compare;
   add_compare(program, compare);
   program.set_run([&](Session& session) { run(session, inputs); });

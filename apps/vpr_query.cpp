@@ -30,18 +30,28 @@ void visit_fields(QuerySettings& settings, Visitor&& visit) {
   visit("method", settings.method);
 }
 
-std::string method_help() {
-  std::vector<std::string> lines;
-  for (const SequenceMethod& method : sequence_methods())
-    lines.push_back(fmt::format("{} ({})", method.name, method.summary));
-  return fmt::format("{}, fabmap; default: the database's", fmt::join(lines, ", "));
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const SequenceMethod& method : sequence_methods()) names.emplace_back(method.name);
+  names.emplace_back("fabmap");
+  return names;
 }
 
-std::string variant_help() {
-  std::vector<std::string> lines;
+std::vector<std::string> variant_names() {
+  std::vector<std::string> names;
+  for (const FabmapVariant& variant : fabmap_variants()) names.emplace_back(variant.name);
+  return names;
+}
+
+// Tables of what --method and --variant take.
+std::string method_help() {
+  std::string text = "Methods:\n";
+  for (const SequenceMethod& method : sequence_methods())
+    text += fmt::format("  {:<17}{}\n", method.name, method.summary);
+  text += "\nVariants of FAB-MAP:\n";
   for (const FabmapVariant& variant : fabmap_variants())
-    lines.push_back(fmt::format("{} ({})", variant.name, variant.summary));
-  return fmt::format("{}; default fabmap2", fmt::join(lines, ", "));
+    text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
+  return text;
 }
 
 void add_inputs(const Command& app, QueryInputs& inputs) {
@@ -92,7 +102,9 @@ void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettin
   group(add_setting(app, "--t-p", settings.place_threshold,
                     "probability above which a view is recognised (default 0.99)"));
   group(add_setting(app, "--c-w", settings.window, "in so many frames in a row (default 1)"));
-  group(add_setting(app, "--variant", settings.variant, variant_help()));
+  group(add_setting(app, "--variant", settings.variant,
+                    "how likelihoods are computed (default fabmap2)"))
+      .choices("VARIANT", variant_names());
   group(add_setting(app, "--word-model", settings.word_model, "tree (default) or naive-bayes"));
   group(add_setting(app, "--new-place", settings.new_place,
                     "pretrain (average over the pretraining frames, default) or mean-field"));
@@ -181,7 +193,9 @@ int main(int argc, char** argv) {
   const Command app = program.command();
   add_inputs(app, inputs);
   program.add_config(app, settings);
-  add_setting(app, "--method", settings.method, method_help());
+  add_setting(app, "--method", settings.method, "default: the database's")
+      .choices("METHOD", method_names());
+  app.add_footer(method_help());
   app.add_flag("--skip-unreadable", settings.sequence.skip_unreadable,
                "frames that can't be decoded keep their index and never match");
   add_sequence_flags(app, inputs, settings.sequence);

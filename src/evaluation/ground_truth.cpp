@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "base/error.h"
+#include "base/json.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
 #include "evaluation/ground_truth/presets.h"
@@ -90,8 +93,26 @@ InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
   return read(argument, scope, OddPairs::count);
 }
 
+namespace {
+
+// A word that is one or two slips of the hand away from a known one, and no file.
+void refuse_mistyped_word(const std::string& text) {
+  std::vector<std::string> words = {"aligned"};
+  for (const GroundTruthPreset& preset : ground_truth_presets()) words.emplace_back(preset.name);
+  const std::string best = nearest(text, words);
+  std::error_code error;
+  if (edit_distance(text, best) <= 2 && !std::filesystem::exists(text, error))
+    throw Error(ErrorKind::usage,
+                fmt::format("the ground truth {} is neither a file nor a word that stands for one; "
+                            "did you mean {}?",
+                            text, best));
+}
+
+}  // namespace
+
 GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tolerance_frames) {
   const bool is_word = text == "aligned" || find_preset(text) != nullptr;
+  if (!is_word) refuse_mistyped_word(text);
   return is_word ? GroundTruthArgument{text, {}, tolerance_frames}
                  : GroundTruthArgument{"", text, tolerance_frames};
 }

@@ -15,9 +15,9 @@ TEST_CASE("every program writes completions and a manual page that know all its 
     for (const std::string kind : {"bash", "zsh", "fish", "man"}) {
       const auto run = run_program(program, {"--completion", kind});
       CHECK(run.exit_code == 0);
-      for (size_t at = 0; (at = help.find("  --", at)) != std::string::npos; ++at) {
-        const size_t end = help.find_first_of(" \n,", at + 4);
-        std::string name = help.substr(at + 4, end - at - 4);
+      for (size_t at = 0; (at = help.find("\n  --", at)) != std::string::npos; ++at) {
+        const size_t end = help.find_first_of(" \n,", at + 5);
+        std::string name = help.substr(at + 5, end - at - 5);
         if (kind == "man")
           for (size_t dash = 0; (dash = name.find('-', dash)) != std::string::npos; dash += 2)
             name.replace(dash, 1, "\\-");

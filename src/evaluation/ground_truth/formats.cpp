@@ -121,18 +121,22 @@ std::string format_names(bool (*wanted)(const GroundTruthFormat& format)) {
 }
 
 std::string format_summaries() {
-  std::vector<std::string> texts;
+  std::string text;
   for (const GroundTruthFormat& format : ground_truth_formats())
-    texts.push_back(fmt::format("{} ({})", format.name, format.summary));
-  return fmt::format("{}", fmt::join(texts, ", "));
+    text += fmt::format("  {:<14}{}\n", format.name, format.summary);
+  return text;
+}
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const GroundTruthFormat& format : ground_truth_formats()) names.emplace_back(format.name);
+  return names;
 }
 
 const GroundTruthFormat& find_format(std::string_view name) {
-  std::vector<std::string> names;
-  for (const GroundTruthFormat& format : ground_truth_formats()) {
+  for (const GroundTruthFormat& format : ground_truth_formats())
     if (format.name == name) return format;
-    names.emplace_back(format.name);
-  }
+  const std::vector<std::string> names = format_names();
   throw Error(ErrorKind::usage,
               fmt::format("unknown ground truth format \"{}\"; did you mean {}? There are {}", name,
                           nearest(name, names), fmt::join(names, ", ")));

@@ -41,8 +41,10 @@ std::span<const GroundTruthFormat> ground_truth_formats();
 
 /// "pairs, aligned, ...": the names of those for which `wanted` is true.
 std::string format_names(bool (*wanted)(const GroundTruthFormat& format));
-/// "NAME (SUMMARY), ...", for help texts.
+/// A line each, for help texts.
 std::string format_summaries();
+/// All of them.
+std::vector<std::string> format_names();
 
 /// Throws Error(usage), naming the nearest, if there is none.
 const GroundTruthFormat& find_format(std::string_view name);
