@@ -270,6 +270,9 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
         for (const RowConsumer& observe : observers) observe(row);
       });
   HitScanResult found = scan.result();
+  const std::vector<Cell> verified =
+      method.is_exact ? cells.result()
+                      : choose_found(found, resources.verify_cells, resources.seed);
   result.hits = std::move(found.hits);
   result.best = std::move(found.best);
   run.seconds["match"] = watch.elapsed_s();
@@ -281,8 +284,10 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   }
 
   watch = {};
-  check_cells(cells.result(), database, query, result.settings, monitor);
-  run.verified_cells = cells.result().size();
+  if (resources.verify_cells > 0 && verified.empty())
+    warn(monitor, fmt::format("{} found no cell that could be verified", method.name));
+  check_cells(verified, database, query, result.settings, monitor);
+  run.verified_cells = verified.size();
   if (resources.verify_cells > 0) run.seconds["verify"] = watch.elapsed_s();
 
   watch = {};

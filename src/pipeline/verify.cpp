@@ -40,6 +40,11 @@ std::unordered_set<uint64_t> choose_indices(uint64_t bound, uint64_t count, uint
   return chosen;
 }
 
+bool by_position(const Cell& a, const Cell& b) {
+  return std::tie(a.query_window, a.sequence, a.train_window) <
+         std::tie(b.query_window, b.sequence, b.train_window);
+}
+
 }  // namespace
 
 std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
@@ -55,11 +60,21 @@ std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
          static_cast<uint32_t>(train.sequence), static_cast<uint32_t>(train.window), 0});
   };
   for (const uint64_t index : choose_indices(rows * cols, count, seed)) add(index);
-  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) {
-    return std::tie(a.query_window, a.sequence, a.train_window) <
-           std::tie(b.query_window, b.sequence, b.train_window);
-  });
+  std::sort(cells.begin(), cells.end(), by_position);
   return cells;
+}
+
+std::vector<Cell> choose_found(const HitScanResult& found, size_t count, uint64_t seed) {
+  if (count == 0) return {};
+  std::vector<Cell> all = found.hits;
+  for (const auto& best : found.best)
+    if (best) all.push_back(*best);
+  std::sort(all.begin(), all.end(), by_position);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  std::vector<Cell> chosen;
+  for (const uint64_t index : choose_indices(all.size(), count, seed)) chosen.push_back(all[index]);
+  std::sort(chosen.begin(), chosen.end(), by_position);
+  return chosen;
 }
 
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,

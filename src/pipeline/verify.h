@@ -17,6 +17,10 @@ std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
                                const std::vector<FrameRun>& query_runs, size_t window_length,
                                size_t count, uint64_t seed);
 
+/// Up to `count` different ones of the cells that an approximate method found, hits and best
+/// matches, uniformly chosen and sorted in the same way; all where there are fewer.
+std::vector<Cell> choose_found(const HitScanResult& found, size_t count, uint64_t seed);
+
 /// The cells whose distance is not that of the plain scalar definition, with the right distance.
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,
                               std::span<const LdbCode> query, size_t window_length,

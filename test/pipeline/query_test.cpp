@@ -257,3 +257,22 @@ TEST_CASE("a wrong cell is found") {
   CHECK(wrong[0].train_window == 4);
   CHECK(wrong[0].distance == plain_window_distance(train, 4, query, 2, 4));
 }
+
+TEST_CASE("of an approximate method the cells that it found are verified") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  const SequenceDatabase database = make_database(train, 5);
+  SequenceQuerySettings settings;
+  settings.method = "lsh";
+  settings.window_length = 5;
+  settings.distance_threshold = 100;
+  settings.threshold_scale = ThresholdScale::bits;
+  const QueryRun run = query_all(database, make_query(train[0]), settings);
+  REQUIRE(run.result.hits.size() >= 50);
+  CHECK(run.verified_cells == 50);
+  const HitScanResult found{{{0, 0, 1, 7}, {2, 0, 1, 9}}, {Cell{0, 0, 1, 7}, {}, Cell{2, 1, 0, 8}}};
+  CHECK(choose_found(found, 9, 1) == std::vector<Cell>{{0, 0, 1, 7}, {2, 0, 1, 9}, {2, 1, 0, 8}});
+  CHECK(choose_found(found, 2, 1).size() == 2);
+  CHECK(choose_found(found, 0, 1).empty());
+  CHECK(choose_found({{}, {std::nullopt}}, 5, 1).empty());
+}
