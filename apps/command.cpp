@@ -30,6 +30,7 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMostThreads = 1024;
+constexpr const char* kMemoryFlag = "--max-memory";
 
 std::atomic<bool> stop_wanted{false};  // set by a signal handler: the only global
 
@@ -104,6 +105,12 @@ void group_own_flags(CLI::App& app, const std::string& version) {
   app.set_version_flag("--version", version, "print the version and end");
   app.get_version_ptr()->group(kCommonGroup);
   app.get_help_ptr()->group(kCommonGroup)->description("print this help and end");
+}
+
+// Whether the command that was given takes --max-memory.
+bool has_memory_flag(const CLI::App& app) {
+  const auto commands = app.get_subcommands();
+  return (commands.empty() ? app : *commands.front()).get_option_no_throw(kMemoryFlag) != nullptr;
 }
 
 int report_error(const std::string& program, ErrorKind kind, const std::string& sentence) {
@@ -252,7 +259,8 @@ int Program::main(int argc, char** argv) {
     return report_error(name_, error.kind(), error.what());
   } catch (const std::bad_alloc&) {
     return report_error(name_, ErrorKind::internal,
-                        "out of memory; use fewer frames or --max-memory");
+                        fmt::format("out of memory; use fewer frames{}",
+                                    has_memory_flag(*app_) ? " or a lower --max-memory" : ""));
   } catch (const std::exception& error) {
     return report_error(name_, ErrorKind::internal,
                         fmt::format("internal error, please report it: {}", error.what()));
@@ -271,6 +279,15 @@ Json flag_value(const std::string& text) {
   if (const auto negative = parse(int64_t{})) return *negative;
   if (const auto real = parse(double{}); real && std::isfinite(real->get<double>())) return *real;
   return text;
+}
+
+Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help) {
+  return command
+      .add_option(
+          kMemoryFlag,
+          [&bytes](const std::string& text) { bytes = parse_bytes(text, kMemoryFlag); },
+          fmt::format("{} (default {}G)", help, bytes >> 30))
+      .type_name("BYTES");
 }
 
 size_t parse_bytes(const std::string& text, const std::string& flag) {

@@ -20,7 +20,7 @@ struct QueryInputs {
   int tolerance_frames = -1;  ///< below 0: the data set's, or 0
   GroundTruthFlags flags;     ///< of the ground truth
   std::string matrix;
-  std::string max_memory = "8G";
+  size_t memory_limit = kDefaultMemoryLimit;
   uint64_t verify_cells = 0;
   std::string query_bow;   ///< FAB-MAP: OpenFABMAP's BOW matrix instead of frames
   std::string posteriors;  ///< FAB-MAP: where to write them

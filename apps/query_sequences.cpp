@@ -140,7 +140,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
                                               settings.method));
   QueryResources resources;
   resources.kernels = session.kernels;
-  resources.memory_limit = parse_bytes(inputs.max_memory, "--max-memory");
+  resources.memory_limit = inputs.memory_limit;
   resources.verify_cells = inputs.verify_cells;
   resources.seed = options.seed;
 

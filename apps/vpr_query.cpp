@@ -92,9 +92,8 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
   group(
       add_setting(app, "--verify", inputs.verify_cells,
                   "recompute so many random cells by the definition; exit code 5 if one differs"));
-  group(app.add_option("--max-memory", inputs.max_memory,
-                       "for rings and hits, as in 512M; more is computed twice instead (default "
-                       "8G)"));
+  group(add_memory_flag(app, inputs.memory_limit,
+                        "for rings and hits, as in 512M; more is computed twice instead"));
 }
 
 void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettings& settings) {

@@ -48,8 +48,8 @@ FastableState start_scored_sums(const TrainCodes& train, const MatchSettings& se
                             kMaxScoredWindow, settings.window_length));
   if (!ring_fits(train.frame_count, settings.window_length, settings.memory_limit))
     throw Error(ErrorKind::usage,
-                fmt::format("standardized scores of {} training frames at c_l {} need {} MiB to "
-                            "be kept in; raise --max-memory",
+                fmt::format("standardized scores of {} training frames at c_l {} need {} MiB of "
+                            "memory beside what other c_l take; raise --max-memory",
                             train.frame_count, settings.window_length,
                             (train.frame_count * (settings.window_length + 1) >> 19) + 1));
   return start_fastable(train, settings);

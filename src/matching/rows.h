@@ -40,9 +40,13 @@ void visit_fields(LshSettings& settings, Visitor&& visit) {
   visit("probe_level", settings.probe_level);
 }
 
+/// Bytes for rings and hits, where the user says nothing.
+inline constexpr size_t kDefaultMemoryLimit = size_t{1} << 33;
+
 struct MatchSettings {
-  size_t window_length = 40;              ///< c_l, at least 1, at most kMaxWindowLength
-  size_t memory_limit = size_t{1} << 33;  ///< bytes for rings; beyond, work is done twice instead
+  size_t window_length = 40;  ///< c_l, at least 1, at most kMaxWindowLength
+  /// Bytes for rings; beyond, work is done twice instead.
+  size_t memory_limit = kDefaultMemoryLimit;
   HammingKernels kernels;
   LshSettings lsh = {};
   uint64_t seed = 1;  ///< of lsh

@@ -14,9 +14,9 @@ namespace vpr {
 /// What does not change the result.
 struct QueryResources {
   HammingKernels kernels;
-  size_t memory_limit = size_t{1} << 33;  ///< bytes for rings and hits
-  size_t verify_cells = 0;                ///< recompute so many cells by definition
-  uint64_t seed = 1;                      ///< of their choice
+  size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and hits
+  size_t verify_cells = 0;                    ///< recompute so many cells by definition
+  uint64_t seed = 1;                          ///< of their choice
 };
 
 struct QueryRun {

@@ -14,7 +14,6 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kMemoryLimit = size_t{1} << 32;
 constexpr uint64_t kMostPairs = uint64_t{1} << 32;  // a few seconds
 
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
@@ -104,7 +103,7 @@ std::vector<CodeSpan> code_spans(const SequenceDatabase& database) {
 ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,
                                   double safety_factor, const HammingKernels& kernels,
                                   const Monitor& monitor) {
-  const MatchSettings match{window_length, kMemoryLimit, kernels};
+  const MatchSettings match{window_length, kDefaultMemoryLimit, kernels};
   return {window_length, safety_factor, find_closest_windows(code_spans(database), match, monitor)};
 }
 

@@ -96,7 +96,9 @@ void HitScan::operator()(const DistanceRow& row) {
       settings_.max_hits)
     throw Error(
         ErrorKind::usage,
-        fmt::format("more than {} hits; lower --t-r, or raise --max-memory", settings_.max_hits));
+        fmt::format("more than {} hits, which is what --max-memory has room for; give a stricter "
+                    "--t-r, or more memory",
+                    settings_.max_hits));
 }
 
 HitScanResult HitScan::result() {
