@@ -24,6 +24,11 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
+template <class T>
+void add_once(std::vector<T>& values, const T& value) {
+  if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+}
+
 double parse_number(const std::string& text, const std::string& flag) {
   const Json value = flag_value(text);
   if (!value.is_number())
@@ -34,33 +39,44 @@ double parse_number(const std::string& text, const std::string& flag) {
   return value.get<double>();
 }
 
+// One part of a list: a number, or a range.
+std::vector<double> parse_part(const std::string& part, const std::string& flag) {
+  const std::vector<std::string> range = split(part, ':');
+  if (range.size() == 1) return {parse_number(part, flag)};
+  const double first = parse_number(range[0], flag);
+  const double last = parse_number(range[1], flag);
+  const double step = range.size() > 2 ? parse_number(range[2], flag) : 1;
+  const double count = std::floor((last - first) / step + 1e-9);
+  if (range.size() > 3 || !(step > 0) || !(last >= first) || count > kMostValues)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: a range is FIRST:LAST:STEP with at most {:.0f} values, found "
+                            "\"{}\"",
+                            flag, kMostValues, part));
+  std::vector<double> numbers;
+  for (double i = 0; i <= count; ++i) numbers.push_back(std::round((first + i * step) * 1e9) / 1e9);
+  return numbers;
+}
+
 }  // namespace
 
 std::vector<double> parse_numbers(const std::string& text, const std::string& flag) {
   std::vector<double> numbers;
+  for (const std::string& part : split(text, ','))
+    for (const double number : parse_part(part, flag)) add_once(numbers, number);
+  return numbers;
+}
+
+std::vector<std::optional<double>> parse_thresholds(const std::string& text,
+                                                    const std::string& flag) {
+  std::vector<std::optional<double>> thresholds;
   for (const std::string& part : split(text, ',')) {
-    const std::vector<std::string> range = split(part, ':');
-    if (range.size() == 1) {
-      numbers.push_back(parse_number(part, flag));
-      continue;
-    }
-    const double first = parse_number(range[0], flag);
-    const double last = parse_number(range[1], flag);
-    const double step = range.size() > 2 ? parse_number(range[2], flag) : 1;
-    const double count = std::floor((last - first) / step + 1e-9);
-    if (range.size() > 3 || !(step > 0) || !(last >= first) || count > kMostValues)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: a range is FIRST:LAST:STEP with at most {:.0f} values, found "
-                              "\"{}\"",
-                              flag, kMostValues, part));
-    for (double i = 0; i <= count; ++i)
-      numbers.push_back(std::round((first + i * step) * 1e9) / 1e9);
+    if (part == "auto")
+      add_once(thresholds, std::optional<double>());
+    else
+      for (const double number : parse_part(part, flag))
+        add_once(thresholds, std::optional(number));
   }
-  // A value that is given twice counts once, where it comes first.
-  std::vector<double> once;
-  for (const double number : numbers)
-    if (std::find(once.begin(), once.end(), number) == once.end()) once.push_back(number);
-  return once;
+  return thresholds;
 }
 
 std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,11 @@ namespace vpr {
 /// or a mixture; repeated values count once. Values of a range are rounded to nine decimals, so
 /// that 0.3 is 0.3. Throws Error(usage), naming the flag.
 std::vector<double> parse_numbers(const std::string& text, const std::string& flag);
+
+/// The same, and the word "auto" among them, which is none: an automatic threshold. In the order in
+/// which they are given.
+std::vector<std::optional<double>> parse_thresholds(const std::string& text,
+                                                    const std::string& flag);
 
 /// The same for whole numbers from 1 on.
 std::vector<uint64_t> parse_counts(const std::string& text, const std::string& flag);

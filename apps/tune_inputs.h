@@ -11,6 +11,8 @@
 #include "ground_truth_flags.h"
 #include "images/dataset.h"
 #include "pipeline/sweep.h"
+#include "report/table.h"
+#include "tune_grids.h"
 
 namespace vpr {
 
@@ -21,11 +23,11 @@ struct TuneInputs {
   int tolerance_frames = -1;  ///< below 0: the data set's, or 0
   GroundTruthFlags flags;
   std::vector<std::string> datasets;
-  std::string windows;     ///< c_l or c_w
-  std::string thresholds;  ///< t_r or t_p
+  GridFlags grid;
   std::string validate;
   std::string validate_ground_truth;
   bool resume = false;
+  std::string save_config;
   std::string plots;
   std::string heat_map;
   TableFormat format = TableFormat::text;
@@ -42,14 +44,16 @@ void add_tune_inputs(const Command& command, TuneInputs& inputs);
 /// The queries of --query or --dataset. Throws Error(usage) if there is none, or no ground truth.
 std::vector<Source> find_sources(const TuneInputs& inputs, bool is_fabmap);
 
-/// The query of --validate; warns if a setting is chosen on it.
+/// The query of --validate, by its path or, with one data set, its name; warns if a setting is
+/// chosen on it.
 std::optional<Source> find_validation(const TuneInputs& inputs, const std::vector<Source>& sources,
-                                      const Monitor& monitor);
+                                      bool is_fabmap, const Monitor& monitor);
 
 /// Reads the ground truth for a scope, and keeps what it says of itself.
 TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol);
 
-/// Throws Error(usage) if nothing is to be written, or as the checks of outputs do.
+/// Throws Error(usage) if two outputs are one file, or --save-config has several data sets; and as
+/// the checks of outputs do.
 void check_outputs(const TuneInputs& inputs, const CommonOptions& options);
 
 /// What a sweep depends on beside its settings: grid, data and database.
@@ -74,7 +78,8 @@ class PartialSweeps {
   std::vector<Sweep> finished_;
 };
 
-/// Writes pictures, plots and JSON, and prints the table.
+/// Writes pictures, plots, configuration and JSON, and prints the tables. Throws
+/// Error(expectation), when all else is done, if --save-config has nothing to save.
 void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps,
              const std::string& method, const Json& settings, double seconds);
 
@@ -85,6 +90,21 @@ Recommendation recommend_cell(const std::vector<Cell>& cells) {
   return recommend(scores);
 }
 
+/// vpr-tune fastable: what it sets beside the grid. `tune` must live as long as the program.
+struct FastableTune {
+  TuneInputs inputs;
+  SequenceQuerySettings settings;
+  size_t memory_limit = kDefaultMemoryLimit;
+};
+void add_fastable(Program& program, FastableTune& tune);
+
+/// The same for vpr-tune fabmap.
+struct FabmapTune {
+  TuneInputs inputs;
+  FabmapQuerySettings settings;
+};
+void add_fabmap(Program& program, FabmapTune& tune);
+
 /// vpr-tune threshold; `tune` must live as long as the program.
 struct ThresholdTune {
   std::string database;
@@ -94,6 +114,7 @@ struct ThresholdTune {
   double safety_margin = 0;  ///< of standardized scores
   StandardizationSettings standardization;
   bool write = false;
+  size_t memory_limit = kDefaultMemoryLimit;
   TableFormat format = TableFormat::text;
 };
 

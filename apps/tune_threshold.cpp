@@ -40,8 +40,8 @@ Automatic raw_thresholds(const Session& session, const ThresholdTune& command,
 }
 
 Automatic score_thresholds(const Session& session, const SequenceQuerySettings& settings,
-                           const SequenceDatabase& database, size_t length) {
-  const MatchSettings match{length, size_t{1} << 33, session.kernels};
+                           const SequenceDatabase& database, size_t length, size_t memory_limit) {
+  const MatchSettings match{length, memory_limit, session.kernels};
   const std::vector<CodeSpan> spans = code_spans(database);
   Automatic automatic{
       {length, 1,
@@ -141,8 +141,9 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
     SequenceQuerySettings settings = query_settings(command);
     settings.window_length = length;
     check_score(settings);
-    const Automatic automatic = is_raw ? raw_thresholds(session, command, database, length)
-                                       : score_thresholds(session, settings, database, length);
+    const Automatic automatic =
+        is_raw ? raw_thresholds(session, command, database, length)
+               : score_thresholds(session, settings, database, length, command.memory_limit);
     list_thresholds(database, automatic, is_raw, listing);
     if (command.write) {
       std::erase_if(database.thresholds,
@@ -174,6 +175,7 @@ void add_threshold(Program& program, ThresholdTune& tune) {
   add_setting(command, "--safety-margin", tune.safety_margin,
               "taken from t_r of standardized scores (default 0)");
   command.add_flag("--write", tune.write, "keep them in the database");
+  add_memory_flag(command, tune.memory_limit, "for the ring of standardized scores, as in 512M");
   add_setting(command, "--format", tune.format,
               "of the table: text (default), csv, markdown or latex");
 }

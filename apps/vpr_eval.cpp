@@ -184,6 +184,8 @@ std::string tables(const Evaluation& evaluation, TableFormat format) {
     return render_table(table, format);
   }
   std::string text = summary + render_table(table, format);
+  const std::string places = format == TableFormat::text ? recognitions_text(report) : "";
+  if (!places.empty()) text += "\n" + places;
   for (const Table& more : metrics_tables(report)) text += "\n" + render_table(more, format);
   return text;
 }

@@ -58,7 +58,7 @@ BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
   BenchRow row{"cluster", {{"hits", static_cast<double>(count)}}, "set of hits", {}, {}, ""};
   size_t places = 0;
   row.time = summarise(time_repeatedly(
-      effort, [&] { places = cluster_hits(hits, {}).size(); }, monitor));
+      effort, [&] { places = cluster_hits(hits, {}).places.size(); }, monitor));
   row.values.emplace_back("places", static_cast<double>(places));
   return row;
 }

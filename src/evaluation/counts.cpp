@@ -1,6 +1,7 @@
 #include "evaluation/counts.h"
 
 #include <algorithm>
+#include <cassert>
 #include <set>
 
 namespace vpr {
@@ -95,15 +96,28 @@ GroundTruthScope scope_of(const SequenceResult& result) {
   return scope;
 }
 
+std::vector<JudgedPlace> judge_places(const SequenceResult& result, const GroundTruth& truth) {
+  assert(result.place_of.size() == result.hits.size());
+  const auto label_of = [&](const auto& pair) {
+    return truth.label(result.anchor(pair.query_window), pair.sequence,
+                       result.anchor(pair.train_window));
+  };
+  std::vector<JudgedPlace> judged;
+  for (const Recognition& place : result.places) judged.push_back({label_of(place), {}});
+  for (size_t h = 0; h < result.hits.size(); ++h)
+    count(judged[result.place_of[h]].hits, label_of(result.hits[h]));
+  return judged;
+}
+
 SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth) {
   SequenceCounts counts;
-  const auto label_at = [&](size_t query_window, size_t sequence, size_t train_window) {
-    return truth.label(result.anchor(query_window), sequence, result.anchor(train_window));
-  };
-  for (const Cell& hit : result.hits)
-    count(counts.hits, label_at(hit.query_window, hit.sequence, hit.train_window));
-  for (const Recognition& place : result.places)
-    count(counts.places, label_at(place.query_window, place.sequence, place.train_window));
+  for (const JudgedPlace& place : judge_places(result, truth)) {
+    counts.hits.correct += place.hits.correct;
+    counts.hits.incorrect += place.hits.incorrect;
+    counts.hits.ignored += place.hits.ignored;
+    count(counts.places, place.label);
+    if (place.is_mixed()) ++counts.mixed_places;
+  }
   counts.distinct = counts.places.correct;
   counts.best_match = count_best_matches(result, truth);
   return counts;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "evaluation/ground_truth.h"
 #include "recognition/fabmap_result.h"
@@ -28,9 +29,10 @@ struct BestMatchCounts {
 };
 
 struct SequenceCounts {
-  LabelCounts hits;       ///< window pairs below the threshold, judged at both anchors
-  LabelCounts places;     ///< clusters, judged at their representative's anchors
-  uint64_t distinct = 0;  ///< correct places
+  LabelCounts hits;           ///< window pairs below the threshold, judged at both anchors
+  LabelCounts places;         ///< clusters, judged at their representative's anchors
+  uint64_t mixed_places = 0;  ///< correct places of whose hits some are incorrect
+  uint64_t distinct = 0;      ///< correct places
   BestMatchCounts best_match;
 };
 
@@ -39,6 +41,18 @@ struct FabmapCounts {
   uint64_t distinct = 0;  ///< places recognised correctly at least once
   BestMatchCounts best_match;
 };
+
+/// A cluster as the ground truth sees it: its representative may lie at a correct pair although
+/// many, or most, of its hits do not.
+struct JudgedPlace {
+  PlaceLabel label = PlaceLabel::different;  ///< at its representative's anchors
+  LabelCounts hits;
+
+  bool is_mixed() const { return label == PlaceLabel::same && hits.incorrect > 0; }
+};
+
+/// One for each of the result's places, in its order.
+std::vector<JudgedPlace> judge_places(const SequenceResult& result, const GroundTruth& truth);
 
 /// Whether a query window has an unreadable frame.
 bool shows_unreadable(const SequenceResult& result, size_t window);

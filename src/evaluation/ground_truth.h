@@ -13,6 +13,9 @@
 namespace vpr {
 
 enum class PlaceLabel { different, same, ignore };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"different", "same",
+                                                                           "ignore"};
 
 /// A number of frames that only the ground truth itself can tell.
 inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();

@@ -1,22 +1,34 @@
 #include "evaluation/sweep.h"
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 #include <tuple>
-
-#include <fmt/format.h>
 
 namespace vpr {
 namespace {
 
-// Larger is better.
-auto rank(const SweepScore& score) {
-  return std::tuple(score.distinct, score.hits, -static_cast<int64_t>(score.window));
+/// Indices of the cells of one window whose thresholds are numbers, the strictest first.
+using Ladder = std::vector<size_t>;
+
+std::map<uint64_t, Ladder> ladders_of(std::span<const SweepScore> scores) {
+  std::map<uint64_t, Ladder> ladders;
+  for (size_t i = 0; i < scores.size(); ++i)
+    if (scores[i].looseness) ladders[scores[i].window].push_back(i);
+  for (auto& entry : ladders)
+    std::stable_sort(entry.second.begin(), entry.second.end(), [&](size_t a, size_t b) {
+      return *scores[a].looseness < *scores[b].looseness;
+    });
+  return ladders;
+}
+
+Ladder::const_iterator find_first_error(const Ladder& ladder, std::span<const SweepScore> scores) {
+  return std::find_if(ladder.begin(), ladder.end(),
+                      [&](size_t cell) { return scores[cell].incorrect > 0; });
 }
 
 bool beats(const SweepScore& a, const SweepScore& b) {
-  return a.distinct >= b.distinct && a.incorrect <= b.incorrect &&
-         (a.distinct > b.distinct || a.incorrect < b.incorrect);
+  return a.correct >= b.correct && a.incorrect <= b.incorrect &&
+         (a.correct > b.correct || a.incorrect < b.incorrect);
 }
 
 std::vector<size_t> pareto_front(std::span<const SweepScore> scores) {
@@ -28,51 +40,56 @@ std::vector<size_t> pareto_front(std::span<const SweepScore> scores) {
   return front;
 }
 
-std::optional<size_t> find_nearest_error(std::span<const SweepScore> scores, size_t chosen) {
-  std::optional<size_t> nearest;
-  if (!scores[chosen].threshold) return nearest;
-  const auto distance = [&](size_t i) {
-    return std::abs(*scores[i].threshold - *scores[chosen].threshold);
+// Ladders are visited from the shortest window and the strictest threshold on: of equals the first
+// stays.
+void keep_better(std::optional<size_t>& kept, size_t cell, std::span<const SweepScore> scores) {
+  if (scores[cell].correct == 0) return;
+  if (!kept || scores[cell].correct > scores[*kept].correct) kept = cell;
+}
+
+// Why no setting is recommended, though the grid has numbers.
+Advice missing_advice(std::span<const SweepScore> scores) {
+  const auto any = [&](uint64_t SweepScore::*count) {
+    return std::any_of(scores.begin(), scores.end(), [&](const SweepScore& score) {
+      return score.looseness && score.*count > 0;
+    });
   };
-  for (size_t i = 0; i < scores.size(); ++i)
-    if (scores[i].threshold && scores[i].incorrect > 0 &&
-        scores[i].window == scores[chosen].window && (!nearest || distance(i) < distance(*nearest)))
-      nearest = i;
-  return nearest;
+  if (any(&SweepScore::correct)) return Advice::always_errors;
+  return any(&SweepScore::incorrect) ? Advice::no_correct_hits : Advice::no_hits;
 }
 
 }  // namespace
 
 SweepScore score_of(const SequenceCellCounts& cell) {
-  return {cell.counts.distinct, cell.counts.places.incorrect, cell.counts.hits.correct,
-          cell.window_length, cell.distance_threshold};
+  return {cell.counts.hits.correct, cell.counts.hits.incorrect, cell.window_length,
+          cell.distance_threshold};
 }
 
 SweepScore score_of(const FabmapCellCounts& cell) {
-  return {cell.counts.distinct, cell.counts.hits.incorrect, cell.counts.hits.correct, cell.window,
-          cell.place_threshold};
+  return {cell.counts.hits.correct, cell.counts.hits.incorrect, cell.window, -cell.place_threshold};
 }
 
 Recommendation recommend(std::span<const SweepScore> scores) {
   Recommendation choice;
   choice.pareto = pareto_front(scores);
-  for (size_t i = 0; i < scores.size(); ++i) {
-    if (scores[i].incorrect > 0 || scores[i].distinct == 0) continue;
-    if (!choice.cell || rank(scores[i]) > rank(scores[*choice.cell])) choice.cell = i;
-  }
-  if (!choice.cell) {
-    const bool any = std::any_of(scores.begin(), scores.end(),
-                                 [](const SweepScore& score) { return score.distinct > 0; });
-    choice.reason = any ? "every setting that recognises a place has an incorrect one, too"
-                        : "no setting recognises a place";
+  const std::map<uint64_t, Ladder> ladders = ladders_of(scores);
+  if (ladders.empty()) {
+    choice.advice = scores.empty() ? Advice::no_hits : Advice::only_automatic;
     return choice;
   }
-  const SweepScore& best = scores[*choice.cell];
-  choice.nearest_error = find_nearest_error(scores, *choice.cell);
-  choice.reason = fmt::format(
-      "most distinct correct places ({}) without an incorrect one; of equals the one "
-      "with most correct hits ({}), then the shortest window",
-      best.distinct, best.hits);
+  for (const auto& [window, ladder] : ladders) {
+    const auto error = find_first_error(ladder, scores);
+    for (auto cell = ladder.begin(); cell != error; ++cell)
+      keep_better(cell + 1 == error ? choice.near_miss : choice.cell, *cell, scores);
+  }
+  choice.advice = choice.cell ? Advice::recommended : missing_advice(scores);
+  if (choice.cell) choice.near_miss.reset();
+  const auto& named = choice.cell ? choice.cell : choice.near_miss;
+  if (!named) return choice;
+  const Ladder& ladder = ladders.at(scores[*named].window);
+  const auto error = find_first_error(ladder, scores);
+  if (error != ladder.end()) choice.first_error = *error;
+  if (!choice.cell) choice.advice = choice.first_error ? Advice::next_errs : Advice::grid_ends;
   return choice;
 }
 

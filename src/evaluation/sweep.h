@@ -1,11 +1,14 @@
 // Counts over a grid of settings, and which setting to choose.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "evaluation/counts.h"
 
 namespace vpr {
@@ -23,28 +26,51 @@ struct FabmapCellCounts {
   FabmapCounts counts;
 };
 
-/// What a choice looks at: places for sequences, (frame, place) recognitions for FAB-MAP.
+/// What a choice looks at: hits, never clusters of them. As a threshold is loosened, hits only
+/// become more, and so do the incorrect ones; but clusters merge, and a wrong one vanishes in a
+/// right one.
 struct SweepScore {
-  uint64_t distinct = 0;            ///< places recognised correctly
-  uint64_t incorrect = 0;           ///< wrong ones
-  uint64_t hits = 0;                ///< correct hits
+  uint64_t correct = 0;             ///< hits
+  uint64_t incorrect = 0;           ///< hits
   uint64_t window = 0;              ///< c_l or c_w
-  std::optional<double> threshold;  ///< t_r or t_p; none: automatic
+  std::optional<double> looseness;  ///< t_r, or -t_p: more is accepted where it is larger;
+                                    ///< none: automatic
 };
 
 SweepScore score_of(const SequenceCellCounts& cell);
 SweepScore score_of(const FabmapCellCounts& cell);
 
+/// What a grid allows to say.
+enum class Advice {
+  recommended,
+  no_hits,          ///< every setting is too strict, or the place is not known
+  no_correct_hits,  ///< hits, but only incorrect ones
+  always_errors,    ///< every setting with a correct hit has an incorrect one, too
+  next_errs,        ///< settings without an error, but the next looser threshold has one
+  grid_ends,        ///< settings without an error, but the next looser threshold is not in the grid
+  only_automatic    ///< automatic thresholds have no order, and so no next looser one
+};
+
+template <>
+inline constexpr std::array<std::string_view, 7> kEnumNames<Advice> = {
+    "recommended", "no_hits",   "no_correct_hits", "always_errors",
+    "next_errs",   "grid_ends", "only_automatic"};
+
 struct Recommendation {
-  /// The cell with most distinct correct places and no incorrect one; of equals the one with most
-  /// hits, then the shortest window, then the first. None where every cell has an incorrect place,
-  /// or none has a correct one.
+  Advice advice = Advice::no_hits;
+  /// The cell with most correct hits among those whose threshold, every stricter and the next
+  /// looser one of the same window have no incorrect hit; of equals the one with the shortest
+  /// window, then the strictest threshold. The next looser one must be in the grid: a setting that
+  /// nobody has looked beyond is not recommended. Cells with an automatic threshold are passed
+  /// over.
   std::optional<size_t> cell;
-  std::string reason;          ///< in words
-  std::vector<size_t> pareto;  ///< cells that no other beats in both distinct and incorrect places
-  /// The cell with an incorrect place and the same window whose threshold is nearest to the
-  /// recommended one; automatic ones are not compared. None where there is none.
-  std::optional<size_t> nearest_error;
+  /// The error-free cell with most correct hits, where it lacks only an error-free neighbour:
+  /// advice next_errs or grid_ends.
+  std::optional<size_t> near_miss;
+  /// Of the window of `cell` or `near_miss`: the strictest threshold with an incorrect hit. None:
+  /// no threshold of this window in the grid has one.
+  std::optional<size_t> first_error;
+  std::vector<size_t> pareto;  ///< cells that no other beats in both correct and incorrect hits
 };
 
 Recommendation recommend(std::span<const SweepScore> scores);

@@ -291,8 +291,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   if (resources.verify_cells > 0) run.seconds["verify"] = watch.elapsed_s();
 
   watch = {};
-  result.places =
-      cluster_by_sequence(result.hits, result.sequences.size(), result.settings.clustering);
+  cluster(result);
   run.seconds["cluster"] = watch.elapsed_s();
   return run;
 }

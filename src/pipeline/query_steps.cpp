@@ -43,17 +43,4 @@ HitScanSettings scan_settings(const SequenceResult& result, const QueryResources
   return settings;
 }
 
-std::vector<Recognition> cluster_by_sequence(const std::vector<Cell>& hits, size_t sequences,
-                                             const ClusterSettings& settings) {
-  std::vector<std::vector<Cell>> by_sequence(sequences);
-  for (const Cell& hit : hits) by_sequence[hit.sequence].push_back(hit);
-  std::vector<Recognition> places;
-  for (std::vector<Cell>& own : by_sequence) {
-    const std::vector<Recognition> found = cluster_hits(own, settings);
-    places.insert(places.end(), found.begin(), found.end());
-    std::vector<Cell>().swap(own);
-  }
-  return places;
-}
-
 }  // namespace vpr

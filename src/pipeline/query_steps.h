@@ -19,8 +19,4 @@ void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& ma
 /// A scan for hits below the result's limits.
 HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources);
 
-/// Places of each sequence, one after the other. `hits`: by query window, sequence, train window.
-std::vector<Recognition> cluster_by_sequence(const std::vector<Cell>& hits, size_t sequences,
-                                             const ClusterSettings& settings);
-
 }  // namespace vpr

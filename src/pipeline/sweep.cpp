@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -32,6 +34,12 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Sequ
     throw Error(
         ErrorKind::usage,
         fmt::format("a sweep is exact; {} is not, leave it out of the settings", base.method));
+  // Each sentence once: most are the same for every setting.
+  std::set<std::string> said;
+  Monitor once = monitor;
+  once.warn = [&](const std::string& sentence) {
+    if (said.insert(sentence).second) warn(monitor, sentence);
+  };
   std::vector<LengthSweep> sweeps;
   for (const uint64_t length : grid.window_lengths) {
     LengthSweep& sweep = sweeps.emplace_back();
@@ -39,11 +47,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Sequ
       SequenceQuerySettings settings = base;
       settings.window_length = length;
       settings.distance_threshold = threshold;
-      // What there is to warn of is the same for every threshold.
-      const bool is_first = sweep.planned.empty();
-      Monitor quiet = monitor;
-      if (!is_first) quiet.warn = nullptr;
-      sweep.planned.push_back(plan_query(database, query, query_name, settings, resources, quiet));
+      sweep.planned.push_back(plan_query(database, query, query_name, settings, resources, once));
     }
   }
   return sweeps;
@@ -51,6 +55,12 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Sequ
 
 bool any_relative(const std::vector<LengthSweep>& sweeps) {
   return std::any_of(sweeps.front().planned.begin(), sweeps.front().planned.end(), needs_maxima);
+}
+
+// All lengths keep their hits at the same time: each may have its share of the memory.
+QueryResources share_of(QueryResources resources, size_t lengths) {
+  resources.memory_limit /= lengths;
+  return resources;
 }
 
 // Hits below the largest limit of any threshold, sequence by sequence.
@@ -73,8 +83,7 @@ SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,
   for (const Cell& hit : sweep.found.hits)
     if (hit.distance < result.sequences[hit.sequence].distance_limit) result.hits.push_back(hit);
   result.best = sweep.found.best;
-  result.places =
-      cluster_by_sequence(result.hits, result.sequences.size(), result.settings.clustering);
+  cluster(result);
   return {result.settings.window_length, result.settings.distance_threshold,
           result.settings.distance_threshold ? scale_of(result.settings) : automatic_scale(result),
           count_recognitions(result, truth)};
@@ -110,7 +119,7 @@ std::vector<SequenceCellCounts> sweep_sequences(
         if (needs_maxima(result)) set_relative_limits(result, sweep.maxima->result());
   }
   for (LengthSweep& sweep : sweeps)
-    sweep.hits = std::make_unique<HitScan>(widest_scan(sweep, resources));
+    sweep.hits = std::make_unique<HitScan>(widest_scan(sweep, share_of(resources, sweeps.size())));
   match_lengths([&](size_t l, const DistanceRow& row) { (*sweeps[l].hits)(row); });
   for (LengthSweep& sweep : sweeps) {
     sweep.found = sweep.hits->result();
@@ -131,9 +140,11 @@ SweepIntervals sequence_intervals(const SequenceDatabase& database, const Sequen
                                   const SequenceQuerySettings& settings,
                                   const TruthReader& read_truth, const QueryResources& resources,
                                   const Monitor& monitor) {
+  Monitor quiet = monitor;  // the sweep has said what there is to say
+  quiet.warn = nullptr;
   const SequenceResult result =
-      run_query(plan_query(database, query, "", settings, resources, monitor), database, query,
-                resources, {}, monitor)
+      run_query(plan_query(database, query, "", settings, resources, quiet), database, query,
+                resources, {}, quiet)
           .result;
   const GroundTruth truth = read_truth(scope_of(result));
   const auto interval = [&](const auto& pairs, PlaceLabel wanted) {

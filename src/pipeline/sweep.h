@@ -23,7 +23,8 @@ using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
 /// The counts that vpr-query and vpr-eval give for every cell, by c_l, then t_r. Frame distances
 /// are computed once (twice with thresholds relative to the largest distance): windows of all
 /// lengths come from the same pass, thresholds of one length from its hits at the largest. `base`:
-/// the other settings. Throws as plan_query does.
+/// the other settings. Each warning is said once. Throws as plan_query does, and Error(usage) where
+/// the hits of all lengths do not fit into the memory together.
 std::vector<SequenceCellCounts> sweep_sequences(
     const SequenceDatabase& database, const SequenceCodes& query, const std::string& query_name,
     const SequenceQuerySettings& base, const SequenceGrid& grid, const TruthReader& read_truth,

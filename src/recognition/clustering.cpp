@@ -105,7 +105,7 @@ void add_hit(Recognition& place, Sums& sums, const Cell& hit) {
 
 }  // namespace
 
-std::vector<Recognition> cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings) {
+Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings) {
   assert(settings.eps >= 0 && settings.eps <= kMaxEps);
   assert(hits.size() < std::numeric_limits<uint32_t>::max());
   DisjointSets sets(hits.size());
@@ -118,9 +118,10 @@ std::vector<Recognition> cluster_hits(std::span<const Cell> hits, const ClusterS
       join_rows(sets, hits, rows[r], rows[r - back], reach[dy]);
     }
   }
-  std::vector<Recognition> places;
+  Clusters clusters;
+  auto& [places, place_of] = clusters;
+  place_of.resize(hits.size());
   std::vector<Sums> sums;
-  std::vector<uint32_t> place_of(hits.size());
   for (size_t i = 0; i < hits.size(); ++i) {
     const uint32_t root = sets.root(static_cast<uint32_t>(i));
     if (root == i) {
@@ -135,7 +136,26 @@ std::vector<Recognition> cluster_hits(std::span<const Cell> hits, const ClusterS
     places[p].query_window = rounded_mean(sums[p].query, places[p].hits);
     places[p].train_window = rounded_mean(sums[p].train, places[p].hits);
   }
-  return places;
+  return clusters;
+}
+
+Clusters cluster_by_sequence(std::span<const Cell> hits, size_t sequences,
+                             const ClusterSettings& settings) {
+  std::vector<std::vector<Cell>> by_sequence(sequences);
+  for (const Cell& hit : hits) by_sequence[hit.sequence].push_back(hit);
+  Clusters all;
+  std::vector<std::vector<uint32_t>> place_of;  // by sequence
+  for (std::vector<Cell>& own : by_sequence) {
+    Clusters found = cluster_hits(own, settings);
+    for (uint32_t& place : found.place_of) place += static_cast<uint32_t>(all.places.size());
+    all.places.insert(all.places.end(), found.places.begin(), found.places.end());
+    place_of.push_back(std::move(found.place_of));
+    std::vector<Cell>().swap(own);
+  }
+  std::vector<size_t> next(sequences, 0);
+  all.place_of.reserve(hits.size());
+  for (const Cell& hit : hits) all.place_of.push_back(place_of[hit.sequence][next[hit.sequence]++]);
+  return all;
 }
 
 }  // namespace vpr

@@ -35,8 +35,19 @@ struct Recognition {
   bool operator==(const Recognition&) const = default;
 };
 
+/// What hits become.
+struct Clusters {
+  std::vector<Recognition> places;
+  std::vector<uint32_t> place_of;  ///< one a hit: the index of its place
+};
+
 /// `hits`: of one training sequence, sorted by query window then train window, each cell once.
 /// Clusters in the order of their first hit. Time near-linear in the hits for a given eps.
-std::vector<Recognition> cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings);
+Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings);
+
+/// The same for hits of `sequences` training sequences, sorted by query window, sequence, train
+/// window: places of each sequence, one after the other.
+Clusters cluster_by_sequence(std::span<const Cell> hits, size_t sequences,
+                             const ClusterSettings& settings);
 
 }  // namespace vpr

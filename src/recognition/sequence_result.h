@@ -87,6 +87,7 @@ struct SequenceResult {
   std::vector<Cell> hits;                    ///< by query window, sequence, train window
   std::vector<std::optional<Cell>> best;     ///< per query window
   std::vector<Recognition> places;           ///< by sequence, then first hit
+  std::vector<uint32_t> place_of;            ///< one a hit: the index of its place
   std::optional<SearchRecall> recall;        ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of standardized scores
 
@@ -98,5 +99,8 @@ struct SequenceResult {
   /// Where the user is at the end of a window that starts at this frame.
   size_t anchor(size_t window) const { return window + settings.window_length - 1; }
 };
+
+/// Clusters the hits into `places`, and notes in `place_of` which hit is in which.
+void cluster(SequenceResult& result);
 
 }  // namespace vpr

@@ -8,9 +8,26 @@
 namespace vpr {
 namespace {
 
+constexpr size_t kMostPlaces = 20;  // in a printed list
+
 Json label_counts_json(const LabelCounts& counts) {
   return {
       {"correct", counts.correct}, {"incorrect", counts.incorrect}, {"ignored", counts.ignored}};
+}
+
+// Every place with what its hits are: the place is judged at its mean, whatever they say.
+Json recognitions_json(const SequenceResult& result, const GroundTruth& truth) {
+  Json json = Json::array();
+  const std::vector<JudgedPlace> judged = judge_places(result, truth);
+  for (size_t p = 0; p < judged.size(); ++p) {
+    const Recognition& place = result.places[p];
+    json.push_back({{"sequence", result.sequences[place.sequence].name},
+                    {"query", result.anchor(place.query_window)},
+                    {"train", result.anchor(place.train_window)},
+                    {"label", enum_name(judged[p].label)},
+                    {"hits", label_counts_json(judged[p].hits)}});
+  }
+  return json;
 }
 
 void add_sequence_protocol(Json& protocol, Score score) {
@@ -18,6 +35,7 @@ void add_sequence_protocol(Json& protocol, Score score) {
   protocol["anchor"] = "a window is judged at its last frame";
   protocol["hits"] = fmt::format("window pairs with a {} below the threshold", measure);
   protocol["places"] = "clusters of hits, judged at their mean";
+  protocol["mixed_places"] = "correct places of whose hits some are incorrect";
   protocol["distinct"] = "correct places";
   protocol["best_match"] = fmt::format(
       "the window with the lowest {}, ties to the first; rate = correct / (queries - "
@@ -41,7 +59,25 @@ std::string text(const Json& json) {
   return json.is_string() ? json.get<std::string>() : json.dump();
 }
 
+// Of a place in a report.
+std::string verdict_text(const Json& place) {
+  if (place["label"] == enum_name(PlaceLabel::different)) return "wrong";
+  if (place["label"] == enum_name(PlaceLabel::ignore)) return "ignored";
+  return place["hits"]["incorrect"] == 0 ? "right" : "mixed";
+}
+
 }  // namespace
+
+Json counts_json(const SequenceCounts& counts) {
+  return {{"hits", label_counts_json(counts.hits)},
+          {"places", label_counts_json(counts.places)},
+          {"mixed_places", counts.mixed_places},
+          {"distinct", counts.distinct}};
+}
+
+Json counts_json(const FabmapCounts& counts) {
+  return {{"hits", label_counts_json(counts.hits)}, {"distinct", counts.distinct}};
+}
 
 Json best_match_json(const BestMatchCounts& counts) {
   return {
@@ -60,10 +96,9 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
   Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
   json["query"] = result.query_name;
   json["settings"] = settings_in_force(result.settings);
-  json["counts"] = {{"hits", label_counts_json(counts.hits)},
-                    {"places", label_counts_json(counts.places)},
-                    {"distinct", counts.distinct}};
+  json["counts"] = counts_json(counts);
   json["best_match"] = best_match_json(counts.best_match);
+  json["recognitions"] = recognitions_json(result, truth);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
   add_sequence_protocol(json["protocol"], result.settings.score);
@@ -79,7 +114,7 @@ Json report_json(const FabmapResult& result, const FabmapCounts& counts, const J
   Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
   json["query"] = result.query_name;
   json["settings"] = value_to_json(result.settings);
-  json["counts"] = {{"hits", label_counts_json(counts.hits)}, {"distinct", counts.distinct}};
+  json["counts"] = counts_json(counts);
   json["best_match"] = best_match_json(counts.best_match);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
@@ -139,6 +174,7 @@ Table report_table(const Json& report) {
   add("hits wrong", text(counts["hits"]["incorrect"]));
   if (!is_fabmap) {
     add("places right", text(counts["places"]["correct"]));
+    add("of these mixed", text(counts["mixed_places"]));
     add("places wrong", text(counts["places"]["incorrect"]));
   }
   add("distinct", text(counts["distinct"]));
@@ -148,6 +184,25 @@ Table report_table(const Json& report) {
       best["rate"].is_null() ? "-" : fmt::format("{:.1f}", 100 * best["rate"].get<double>()));
   table.rows = {row};
   return table;
+}
+
+std::string recognitions_text(const Json& report) {
+  if (!report.contains("recognitions")) return "";
+  Table table;
+  table.title = "Places, judged at their mean (mixed: right there, but some of the hits are wrong)";
+  table.columns = {"sequence", "query frame", "train frame", "place", "hits right", "hits wrong"};
+  const Json& places = report["recognitions"];
+  for (const Json& place : places) {
+    if (table.rows.size() == kMostPlaces) break;
+    const Json& hits = place["hits"];
+    table.rows.push_back({text(place["sequence"]), text(place["query"]), text(place["train"]),
+                          verdict_text(place), text(hits["correct"]), text(hits["incorrect"])});
+  }
+  if (table.rows.empty()) return "";
+  return render_table(table, TableFormat::text) +
+         (places.size() > kMostPlaces
+              ? fmt::format("... and {} more\n", places.size() - kMostPlaces)
+              : "");
 }
 
 }  // namespace vpr

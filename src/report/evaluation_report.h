@@ -19,12 +19,19 @@ Json report_json(const FabmapResult& result, const FabmapCounts& counts, const J
                  const GroundTruth& truth, const std::string& result_fingerprint,
                  const RunInfo& run);
 
+/// "counts" of a report, or of a cell of a sweep.
+Json counts_json(const SequenceCounts& counts);
+Json counts_json(const FabmapCounts& counts);
 Json best_match_json(const BestMatchCounts& counts);
 /// What the ground truth is, in words.
 Json protocol_json(const GroundTruth& truth);
 
 /// One row: the setting and its counts.
 Table report_table(const Json& report);
+
+/// The first 20 places of a sequence result, with the right and wrong hits of each; empty for other
+/// reports, and where there is none.
+std::string recognitions_text(const Json& report);
 
 /// What a report is of, for titles: the method, and the score where it is not raw distances.
 std::string method_title(const Json& report);

@@ -1,6 +1,7 @@
 // Reading of result files: nothing that they say is trusted.
 #include <array>
 #include <limits>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -128,6 +129,18 @@ void read_cells(const fs::path& path, const Fields& fields, SequenceResult& resu
   if (result.best.size() != result.query_windows) fields.fail("best matches do not fit the query");
 }
 
+// Clustering asks for settings in range, and hits in order.
+void check_clusterable(const Fields& fields, const SequenceResult& result) {
+  const int64_t eps = result.settings.clustering.eps;
+  if (eps < 0 || eps > kMaxEps) fields.fail("its clustering.eps is out of range");
+  const auto position = [](const Cell& hit) {
+    return std::tie(hit.query_window, hit.sequence, hit.train_window);
+  };
+  for (size_t h = 1; h < result.hits.size(); ++h)
+    if (position(result.hits[h - 1]) >= position(result.hits[h]))
+      fields.fail("its hits are not in order");
+}
+
 }  // namespace
 
 Json read_result_json(const fs::path& path) {
@@ -164,9 +177,13 @@ StoredResult read_result(const fs::path& path) {
     fields.fail("its numbers of windows and frames do not fit");
   result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
   result.sequences = read_sequences(fields, where, result.score_offset());
+  std::vector<Recognition> places;
   for (const Json& item : fields.list("recognitions"))
-    result.places.push_back(read_recognition(Fields(item, where), result));
+    places.push_back(read_recognition(Fields(item, where), result));
   read_cells(path, fields, result);
+  check_clusterable(fields, result);
+  cluster(result);
+  if (result.places != places) fields.fail("its recognitions are not the clusters of its hits");
   return stored;
 }
 

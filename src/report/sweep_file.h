@@ -1,11 +1,10 @@
-// Sweeps (vpr.sweep/1): JSON, and tables in the layout of the paper's (tables 1, 3 and 4).
+// Sweeps (vpr.sweep/1) as JSON and pictures; sweep_table.h has the tables.
 #pragma once
 
 #include "base/json.h"
 #include "base/statistics.h"
 #include "evaluation/sweep.h"
 #include "report/plot.h"
-#include "report/table.h"
 
 namespace cv {
 class Mat;
@@ -28,6 +27,7 @@ struct Sweep {
   std::vector<SequenceCellCounts> sequence_cells;  ///< by c_l, then t_r
   std::vector<FabmapCellCounts> fabmap_cells;      ///< by c_w, then t_p
   Recommendation recommendation;
+  std::optional<Json> recommended_settings;  ///< all of them, as vpr-query --config takes them
   std::optional<SweepIntervals> intervals;
   std::optional<Json> validation;  ///< query and counts of the recommended setting elsewhere
   std::string protocol;            ///< of the ground truth, in words
@@ -40,17 +40,10 @@ void add_sweeps(Json& json, const std::vector<Sweep>& sweeps);
 /// The sweeps that add_sweeps wrote. Throws Error(data) if anything is not as it writes it.
 std::vector<Sweep> read_sweeps(const Json& json, const std::string& where);
 
-/// Correct and incorrect counts: a row a query and threshold, two columns a window. All sweeps have
-/// the same grid, and there is at least one.
-Table sweep_table(const std::vector<Sweep>& sweeps);
-
-/// The recommendation in words, for people.
-std::string recommendation_text(const Sweep& sweep);
-
-/// Correct against incorrect, a line a window.
+/// Correct against incorrect hits, a line a window.
 Plot sweep_plot(const Sweep& sweep);
 
-/// Correct and incorrect over the grid, side by side, one sweep below the other: BGR, 8 bits.
+/// Correct and incorrect hits over the grid, side by side, one sweep below the other: BGR, 8 bits.
 cv::Mat draw_sweeps(const std::vector<Sweep>& sweeps);
 
 }  // namespace vpr

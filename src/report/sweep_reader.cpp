@@ -40,6 +40,7 @@ SequenceCellCounts read_sequence_cell(const Fields& cell) {
   const Fields counts = cell.object("counts");
   read.counts.hits = read_labels(counts.object("hits"));
   read.counts.places = read_labels(counts.object("places"));
+  if (counts.has("mixed_places")) read.counts.mixed_places = counts.count("mixed_places", kMost);
   read.counts.distinct = counts.count("distinct", kMost);
   read.counts.best_match = read_best(cell.object("best_match"));
   return read;
@@ -85,6 +86,8 @@ std::vector<Sweep> read_sweeps(const Json& json, const std::string& where) {
         sweep.intervals->incorrect_places = read_interval(intervals, "incorrect_places");
       }
     }
+    if (item.contains("recommended_settings") && item["recommended_settings"].is_object())
+      sweep.recommended_settings = item["recommended_settings"];
     if (item.contains("validation")) sweep.validation = item["validation"];
   }
   // Each query has as many cells, in the order of queries.

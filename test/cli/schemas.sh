@@ -41,6 +41,8 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 --score standardized -o "$out/t2.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 \
   --score standardized --t-r=-2,auto -o "$out/s2.json" --quiet
+"$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query \
+  --save-config "$out/best.json" -o "$out/s3.json" --quiet
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
@@ -48,4 +50,5 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   "$out/p.json" "$out/c.json" "$out/cv.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json" \
-  "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json"
+  "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \
+  "$out/s3.json" "$out/best.json"

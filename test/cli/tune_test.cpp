@@ -157,11 +157,14 @@ TEST_CASE("lists and ranges of vpr-tune") {
   };
   CHECK(parse(check("5", "auto", 0))["cells"].size() == 1);
   CHECK(parse(check("5", "auto,0.3", 0))["cells"].size() == 2);
+  CHECK(parse(check("5", "0.3,auto,0.4,auto", 0))["cells"].size() == 3);
   CHECK(parse(check("5,5,4:5", "0.2:0.4:0.1,0.3", 0))["cells"].size() == 2 * 3);
   CHECK(parse(check("5", "0.1:0.9:0.2", 0))["cells"][4]["t_r"] == 0.9);
-  for (const char* wrong : {"", "x", "0", "2.5", "5:1", "1:5:0", "1:2:3:4", "5,,6", "99999"})
+  for (const char* wrong : {"x", "0", "2.5", "5:1", "1:5:0", "1:2:3:4", "5,,6", "99999"})
     check(wrong, "0.3", 2);
-  for (const char* wrong : {"", "x", "0.5:0.1:0.1", "-1", "nan"}) check("5", wrong, 2);
+  for (const char* wrong : {"x", "0.5:0.1:0.1", "-1", "nan", "0.2auto", "auto0.2", "autos", ",auto",
+                            "automatic", "0.2,,auto"})
+    check("5", wrong, 2);
 }
 
 TEST_CASE("an interrupted batch goes on where it stopped, and gives the same file") {
@@ -205,4 +208,93 @@ TEST_CASE("an interrupted batch goes on where it stopped, and gives the same fil
   };
   CHECK(comparable("s.json") == comparable("t.json"));
   CHECK(parse(test::read_text(out / "s.json"))["queries"].size() == 2);
+}
+
+TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query takes its choice") {
+  const test::TemporaryFolder out;
+  const std::vector<std::string> data = {"--query", world().walk("back"), "--ground-truth",
+                                         world().truth("back")};
+  const auto run = [&](const std::string& family, const std::string& database,
+                       std::vector<std::string> more) {
+    std::vector<std::string> words = {family, database};
+    words.insert(words.end(), data.begin(), data.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-tune", words);
+  };
+  const auto plain = run("fastable", world().database(), {});
+  REQUIRE(plain.exit_code == 0);
+  CHECK(plain.out.find("hits by t_r and c_l (* recommended)") != std::string::npos);
+  CHECK(plain.out.find("vpr-query " + world().database()) != std::string::npos);
+  const auto saved =
+      run("fastable", world().database(), {"--save-config", out / "c.json", "-o", out / "s.json"});
+  REQUIRE(saved.exit_code == 0);
+  CHECK(saved.out.find("--config " + std::string(out / "c.json")) != std::string::npos);
+  const Json sweep = parse(test::read_text(out / "s.json"));
+  Json settings = sweep["queries"][0]["recommended_settings"];
+  Json config = parse(test::read_text(out / "c.json"));
+  CHECK(config["schema"] == "vpr.config/1");
+  config.erase("schema");
+  CHECK(config == settings);
+  const Json cell = sweep["cells"][sweep["queries"][0]["recommended"].get<size_t>()];
+  CHECK(settings["c_l"] == cell["c_l"]);
+  CHECK(cell["counts"]["hits"]["incorrect"] == 0);
+  // The counts of the recommended cell, from the file alone.
+  REQUIRE(run_program("vpr-query", {world().database(), "--query", world().walk("back"), "--config",
+                                    out / "c.json", "-o", out / "r.json"})
+              .exit_code == 0);
+  const Json report = parse(
+      run_program("vpr-eval", {out / "r.json", "--ground-truth", world().truth("back"), "--json"})
+          .out);
+  CHECK(report["counts"] == cell["counts"]);
+  CHECK(report["settings"] == settings);
+}
+
+TEST_CASE("without a recommendation there is no configuration, and the exit code says so") {
+  const test::TemporaryFolder out;
+  const auto outcome =
+      run_program("vpr-tune", {"fastable", world().database(), "--query", world().walk("back"),
+                               "--ground-truth", world().truth("back"), "--c-l", "5", "--t-r",
+                               "0.01,0.02", "--save-config", out / "c.json", "-o", out / "s.json"});
+  CHECK(outcome.exit_code == 5);
+  CHECK(outcome.err.find("give a larger t_r") != std::string::npos);
+  CHECK(test::list_folder(out.path()) == std::vector<std::string>{"s.json"});
+  const Json query = parse(test::read_text(out / "s.json"))["queries"][0];
+  CHECK(query["advice"] == "no_hits");
+  CHECK((query["recommended"].is_null() && query["recommended_settings"].is_null()));
+}
+
+TEST_CASE("FAB-MAP has a default grid and a configuration, too") {
+  const test::TemporaryFolder out;
+  const auto outcome = run_program(
+      "vpr-tune", {"fabmap", world().fabmap(), "--query", world().walk("back"), "--ground-truth",
+                   "aligned", "--tolerance", "25", "--format", "csv", "-o", out / "s.json"});
+  REQUIRE(outcome.exit_code == 0);
+  const Json sweep = parse(test::read_text(out / "s.json"));
+  CHECK(sweep["cells"].size() == 5 * 10);
+  CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') == 1 + 5 * 10);
+  CHECK(outcome.out.find("query,c_w,t_p,scale,hits_correct,hits_incorrect") == 0);
+}
+
+TEST_CASE("a validation may be another query of the data set, by its name") {
+  const test::TemporaryFolder out;
+  const auto query = [&](const std::string& name) {
+    return Json{{"name", name},
+                {"sequence", world().walk(name)},
+                {"ground_truth", {{"format", "pairs"}, {"path", world().truth(name)}}}};
+  };
+  const Json dataset = {
+      {"schema", "vpr.dataset/1"}, {"name", "both"}, {"queries", {query("back"), query("again")}}};
+  test::write_text(out / "d.json", dataset.dump());
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"fastable",     world().database(), "--dataset",
+                                      out / "d.json", "--query",          "back"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-tune", words);
+  };
+  const auto outcome = run({"--validate", "again"});
+  CHECK(outcome.exit_code == 0);
+  CHECK(outcome.out.find("On again: hits ") != std::string::npos);
+  CHECK(outcome.out.find("{") == std::string::npos);
+  CHECK(run({"--validate", "nobody"}).exit_code == 2);
+  CHECK(run({"--validate-ground-truth", world().truth("again")}).exit_code == 2);
 }

@@ -31,6 +31,7 @@ TEST_CASE("windows are judged at their anchors") {
   truth.pairs[5].push_back({0, 5, PlaceLabel::same});
   truth.pairs[6].push_back({0, 6, PlaceLabel::ignore});
   result.hits = {{3, 0, 3, 5}, {3, 0, 4, 5}, {4, 0, 4, 5}, {5, 0, 5, 5}};
+  cluster(result);
   const SequenceCounts counts = count_recognitions(result, truth);
   CHECK(counts.hits.correct == 1);
   CHECK(counts.hits.incorrect == 2);
@@ -44,6 +45,24 @@ TEST_CASE("places are judged at their mean, and the correct ones are distinct") 
   CHECK(counts.places.correct == 1);
   CHECK(counts.places.incorrect == 1);
   CHECK(counts.distinct == 1);
+}
+
+TEST_CASE("a place that is right at its mean says how many of its hits are wrong") {
+  SequenceResult result = example();
+  // One cluster around (3, 3), of which only the diagonal is right; one wrong hit apart.
+  result.hits = {{2, 0, 2, 5}, {2, 0, 4, 5}, {3, 0, 3, 5},
+                 {4, 0, 2, 5}, {4, 0, 4, 5}, {7, 0, 0, 5}};
+  cluster(result);
+  const std::vector<JudgedPlace> judged = judge_places(result, aligned(0));
+  REQUIRE(judged.size() == 2);
+  CHECK((judged[0].label == PlaceLabel::same && judged[0].is_mixed()));
+  CHECK((judged[0].hits.correct == 3 && judged[0].hits.incorrect == 2));
+  CHECK((judged[1].label == PlaceLabel::different && !judged[1].is_mixed()));
+  const SequenceCounts counts = count_recognitions(result, aligned(0));
+  CHECK((counts.hits.correct == 3 && counts.hits.incorrect == 3));
+  CHECK((counts.places.correct == 1 && counts.places.incorrect == 1));
+  CHECK(counts.mixed_places == 1);
+  CHECK(count_recognitions(result, aligned(9)).mixed_places == 0);
 }
 
 TEST_CASE("best matches count over the windows that have a match") {

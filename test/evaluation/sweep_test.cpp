@@ -4,24 +4,82 @@
 
 using namespace vpr;
 
-TEST_CASE(
-    "the recommendation has most places and no error; ties by hits, then window, then order") {
-  // distinct, incorrect, hits, window, threshold
-  const std::vector<SweepScore> scores = {
-      {3, 1, 90, 10, 0.5}, {2, 0, 50, 20, 0.4}, {2, 0, 60, 40, 0.4}, {2, 0, 60, 20, 0.5},
-      {2, 0, 60, 20, 0.6}, {1, 0, 99, 5, 0.3},  {4, 9, 99, 20, 0.9}, {2, 3, 70, 20, 0.7}};
-  const Recommendation choice = recommend(scores);
-  CHECK(choice.cell == 3);
-  CHECK(choice.nearest_error == 7);  // the same window, 0.2 away; 0.9 is 0.4 away
-  CHECK(choice.pareto == std::vector<size_t>{0, 1, 2, 3, 4, 6});
+namespace {
+
+// Correct and incorrect hits at thresholds 0.1, 0.2, ...
+std::vector<SweepScore> ladder(uint64_t window,
+                               const std::vector<std::pair<uint64_t, uint64_t>>& hits) {
+  std::vector<SweepScore> scores;
+  for (size_t t = 0; t < hits.size(); ++t)
+    scores.push_back({hits[t].first, hits[t].second, window, 0.1 * static_cast<double>(t + 1)});
+  return scores;
 }
 
-TEST_CASE("without a setting that has no error, none is recommended") {
-  CHECK(!recommend({}).cell);
-  const Recommendation wrong = recommend(std::vector<SweepScore>{{5, 1, 9, 1, 0.1}});
-  CHECK(!wrong.cell);
-  CHECK(wrong.reason.find("incorrect") != std::string::npos);
-  const Recommendation nothing = recommend(std::vector<SweepScore>{{0, 0, 0, 1, 0.1}});
-  CHECK(!nothing.cell);
-  CHECK(nothing.reason.find("no setting recognises") != std::string::npos);
+std::vector<SweepScore> joined(std::vector<SweepScore> a, const std::vector<SweepScore>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+}  // namespace
+
+TEST_CASE("recommended is what has no incorrect hit here, at any stricter and the next looser") {
+  // 0.2 is the last that has an error-free neighbour: the error is at 0.4.
+  const Recommendation choice = recommend(ladder(20, {{3, 0}, {7, 0}, {9, 0}, {20, 1}, {50, 9}}));
+  CHECK(choice.advice == Advice::recommended);
+  CHECK(choice.cell == 1);
+  CHECK(choice.first_error == 3);
+  CHECK(!choice.near_miss);
+  CHECK(choice.pareto == std::vector<size_t>{2, 3, 4});
+}
+
+TEST_CASE("a setting without an error above one with an error is not recommended") {
+  // As clusters do, when a wrong one merges into a right one. Hits of real sweeps only grow.
+  const Recommendation choice = recommend(ladder(10, {{5, 0}, {9, 4}, {24, 0}, {30, 0}, {40, 0}}));
+  CHECK(!choice.cell);
+  CHECK(choice.advice == Advice::next_errs);
+  CHECK(choice.near_miss == 0);
+  CHECK(choice.first_error == 1);
+}
+
+TEST_CASE("most correct hits win, then the shortest window, then the strictest threshold") {
+  const auto scores =
+      joined(joined(ladder(40, {{4, 0}, {8, 0}, {8, 0}, {9, 1}}), ladder(5, {{7, 0}, {7, 0}})),
+             ladder(20, {{8, 0}, {8, 0}, {8, 0}}));
+  const Recommendation choice = recommend(scores);
+  CHECK(choice.cell == 6);  // c_l 20, 0.1: the same 8 hits as c_l 40 and as 0.2
+  CHECK(!choice.first_error);
+}
+
+TEST_CASE("stricter is a larger t_p") {
+  FabmapCellCounts cell;
+  std::vector<SweepScore> scores;
+  for (const auto& [t_p, correct, incorrect] : std::vector<std::tuple<double, uint64_t, uint64_t>>{
+           {0.5, 30, 8}, {0.9, 20, 0}, {0.99, 12, 0}, {0.6, 25, 3}}) {
+    cell.place_threshold = t_p;
+    cell.counts.hits = {correct, incorrect, 0};
+    scores.push_back(score_of(cell));
+  }
+  const Recommendation choice = recommend(scores);
+  CHECK(choice.cell == 2);
+  CHECK(choice.first_error == 3);  // 0.6, the next looser one of 0.9
+}
+
+TEST_CASE("where no setting is recommended, it is said why") {
+  const auto advice = [](const std::vector<SweepScore>& scores) {
+    const Recommendation choice = recommend(scores);
+    CHECK(!choice.cell);
+    return choice.advice;
+  };
+  CHECK(advice({}) == Advice::no_hits);
+  CHECK(advice(ladder(5, {{0, 0}, {0, 0}})) == Advice::no_hits);
+  CHECK(advice(ladder(5, {{0, 0}, {0, 3}})) == Advice::no_correct_hits);
+  CHECK(advice(ladder(5, {{0, 0}, {4, 3}})) == Advice::always_errors);
+  CHECK(advice(ladder(5, {{0, 0}, {4, 0}, {9, 3}})) == Advice::next_errs);
+  CHECK(advice(ladder(5, {{0, 0}, {4, 0}})) == Advice::grid_ends);
+  CHECK(advice(ladder(5, {{4, 0}})) == Advice::grid_ends);
+  CHECK(advice({{4, 0, 5, {}}}) == Advice::only_automatic);
+  // An automatic threshold has no place among the numbers.
+  CHECK(advice({{4, 0, 5, {}}, {4, 0, 5, 0.3}}) == Advice::grid_ends);
+  CHECK(recommend(ladder(5, {{0, 0}, {4, 0}})).near_miss == 1);
+  CHECK(!recommend(ladder(5, {{0, 0}, {4, 0}})).first_error);
 }

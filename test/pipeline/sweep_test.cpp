@@ -93,3 +93,47 @@ TEST_CASE("an empty grid is refused") {
           sweep_sequences(database, query, "q", {}, {{}, {0.3}}, make_truth, {}, {});
         }) == ErrorKind::usage);
 }
+
+TEST_CASE("a sweep warns of everything that its settings would be warned of, and once") {
+  SequenceDatabase database = make_database();
+  SequenceCodes query{test::walk_codes(90, 10, 40), {}};
+  for (size_t i = 0; i < query.codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  query.frames.unreadable = {30};
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  std::vector<std::string> said;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
+  // The automatic threshold comes last, and nothing is stored for it.
+  sweep_sequences(database, query, "q", {}, {{5, 9}, {0.3, 0.6, std::nullopt}}, make_truth,
+                  resources, monitor);
+  const auto times = [&](const std::string& words) {
+    return std::count_if(said.begin(), said.end(), [&](const std::string& sentence) {
+      return sentence.find(words) != std::string::npos;
+    });
+  };
+  CHECK(times("no automatic t_r for c_l 5") == 1);
+  CHECK(times("no automatic t_r for c_l 9") == 1);
+  CHECK(times("can't be decoded") == 1);
+}
+
+TEST_CASE("the hits of all window lengths share the memory") {
+  const SequenceDatabase database = make_database();
+  SequenceCodes query{test::walk_codes(90, 10, 40), {}};
+  for (size_t i = 0; i < query.codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  SequenceQuerySettings bits;
+  bits.threshold_scale = ThresholdScale::bits;
+  const auto run = [&](std::vector<uint64_t> lengths, size_t memory) {
+    resources.memory_limit = memory;
+    return test::error_kind([&] {
+      sweep_sequences(database, query, "q", bits, {std::move(lengths), {1500.0}}, make_truth,
+                      resources, {});
+    });
+  };
+  const size_t enough = 64 * size_t{90} * 270;
+  CHECK(!run({1}, enough));
+  CHECK(run({1, 2}, enough) == ErrorKind::usage);
+  CHECK(!run({1, 2}, 2 * enough));
+}

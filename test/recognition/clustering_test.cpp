@@ -47,35 +47,35 @@ std::vector<size_t> slow_labels(const std::vector<Cell>& hits, const ClusterSett
 }  // namespace
 
 TEST_CASE("no hits give no places, one hit gives itself") {
-  CHECK(cluster_hits({}, {}).empty());
-  const auto places = cluster_hits(cells({{7, 9}}), {});
+  CHECK(cluster_hits({}, {}).places.empty());
+  const auto places = cluster_hits(cells({{7, 9}}), {}).places;
   REQUIRE(places.size() == 1);
   CHECK(places[0] == Recognition{0, 7, 7, 7, 9, 9, 9, 1, 16});
 }
 
 TEST_CASE("a distance of exactly eps is inside, unless the published program's rule is chosen") {
   const auto straight = cells({{0, 0}, {0, 2}});
-  CHECK(cluster_hits(straight, {}).size() == 1);
-  CHECK(cluster_hits(straight, {2, false}).size() == 2);
-  CHECK(cluster_hits(cells({{0, 0}, {0, 3}}), {}).size() == 2);
-  CHECK(cluster_hits(cells({{0, 0}, {2, 0}}), {}).size() == 1);
-  CHECK(cluster_hits(cells({{0, 0}, {2, 1}}), {}).size() == 2);  // sqrt 5
-  CHECK(cluster_hits(cells({{0, 1}, {1, 0}}), {}).size() == 1);  // backwards in train
+  CHECK(cluster_hits(straight, {}).places.size() == 1);
+  CHECK(cluster_hits(straight, {2, false}).places.size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {0, 3}}), {}).places.size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {2, 0}}), {}).places.size() == 1);
+  CHECK(cluster_hits(cells({{0, 0}, {2, 1}}), {}).places.size() == 2);  // sqrt 5
+  CHECK(cluster_hits(cells({{0, 1}, {1, 0}}), {}).places.size() == 1);  // backwards in train
 }
 
 TEST_CASE("indices 0 and 1 do not wrap around") {
-  CHECK(cluster_hits(cells({{0, 0}, {1, 1}, {2, 4294967295U}}), {}).size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {1, 1}, {2, 4294967295U}}), {}).places.size() == 2);
 }
 
 TEST_CASE("means are rounded half up, extents and best distance are kept") {
-  const auto places = cluster_hits(cells({{10, 20}, {11, 21}, {11, 22}, {12, 22}}), {});
+  const auto places = cluster_hits(cells({{10, 20}, {11, 21}, {11, 22}, {12, 22}}), {}).places;
   REQUIRE(places.size() == 1);
   CHECK(places[0].query_window == 11);
   CHECK(places[0].train_window == 21);  // 21.25
   CHECK((places[0].query_first == 10 && places[0].query_last == 12));
   CHECK((places[0].train_first == 20 && places[0].train_last == 22));
   CHECK((places[0].hits == 4 && places[0].best_distance == 30));
-  CHECK(cluster_hits(cells({{0, 0}, {1, 0}}), {})[0].query_window == 1);  // 0.5
+  CHECK(cluster_hits(cells({{0, 0}, {1, 0}}), {}).places[0].query_window == 1);  // 0.5
 }
 
 TEST_CASE("clusters are those of textbook DBSCAN") {
@@ -88,9 +88,11 @@ TEST_CASE("clusters are those of textbook DBSCAN") {
     const std::vector<Cell> hits = cells({pairs.begin(), pairs.end()});
     const ClusterSettings settings{static_cast<int64_t>(uniform_below(engine, 5)), round % 2 == 0};
     const std::vector<size_t> label = slow_labels(hits, settings);
-    const auto places = cluster_hits(hits, settings);
+    const auto [places, place_of] = cluster_hits(hits, settings);
     const std::set<size_t> roots(label.begin(), label.end());
     REQUIRE(places.size() == roots.size());
+    for (size_t h = 0; h < hits.size(); ++h)
+      REQUIRE(place_of[h] == size_t(std::distance(roots.begin(), roots.find(label[h]))));
     size_t place = 0;
     for (const size_t root : roots) {  // in the order of first hits, as the places are
       REQUIRE(places[place].hits == size_t(std::count(label.begin(), label.end(), root)));
@@ -98,4 +100,16 @@ TEST_CASE("clusters are those of textbook DBSCAN") {
       ++place;
     }
   }
+}
+
+TEST_CASE("places of several sequences come one after the other, and every hit knows its own") {
+  // By query window, sequence, train window.
+  const std::vector<Cell> hits = {
+      {0, 0, 0, 1}, {0, 2, 0, 1}, {1, 0, 1, 1}, {1, 2, 30, 1}, {9, 0, 9, 1}};
+  const Clusters clusters = cluster_by_sequence(hits, 3, {});
+  REQUIRE(clusters.places.size() == 4);
+  CHECK((clusters.places[0].sequence == 0 && clusters.places[0].hits == 2));
+  CHECK((clusters.places[2].sequence == 2 && clusters.places[3].train_window == 30));
+  CHECK(clusters.place_of == std::vector<uint32_t>{0, 2, 0, 3, 1});
+  CHECK(cluster_by_sequence({}, 3, {}).places.empty());
 }

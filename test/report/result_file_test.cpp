@@ -135,6 +135,10 @@ TEST_CASE("results that were tampered with are refused, never a crash") {
                                                  {"/recognitions/0/query/window", 4},
                                                  {"/files/hits/checksum", "xxh3:0"},
                                                  {"/files", Json::array()},
+                                                 {"/settings/clustering/eps", 5000},
+                                                 {"/settings/clustering/eps", 0},
+                                                 {"/recognitions", Json::array()},
+                                                 {"/recognitions/0/hits", 3},
                                                  {"/schema", "vpr.result/2"},
                                                  {"/query", Json()}}) {
     INFO(pointer);

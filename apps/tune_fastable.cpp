@@ -1,0 +1,90 @@
+// vpr-tune fastable: c_l and t_r.
+#include "base/json.h"
+#include "pipeline/score_basis.h"
+#include "tune_grids.h"
+#include "tune_sweep.h"
+
+namespace vpr {
+namespace {
+
+struct FastableTuner {
+  using Cell = SequenceCellCounts;
+  static constexpr const char* kMethod = "fastable";
+
+  Session& session;
+  const FastableTune& command;
+  SequenceDatabase database;
+  QueryResources resources;
+
+  const std::string& database_fingerprint() const { return database.fingerprint; }
+  SequenceCodes describe(const Source& source) const {
+    return describe_sequence(open_sequence(source.sequence.sequence), database.descriptor,
+                             command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail,
+                             session.monitor);
+  }
+  SequenceGrid grid(const SequenceCodes& query) const {
+    return sequence_grid(command.inputs.grid, command.settings, database, query);
+  }
+  static SequenceGrid grid_of(std::span<const Cell> cells) { return sequence_grid_of(cells); }
+  std::vector<Cell> sweep(const SequenceCodes& query, const std::string& name,
+                          const SequenceGrid& grid, const TruthReader& reader) const {
+    return sweep_sequences(database, query, name, command.settings, grid, reader, resources,
+                           session.monitor);
+  }
+  SequenceQuerySettings settings_of(const Cell& cell) const {
+    SequenceQuerySettings settings = command.settings;
+    settings.window_length = cell.window_length;
+    settings.distance_threshold = cell.distance_threshold;
+    return settings;
+  }
+  Json settings_json(const Cell& cell) const { return settings_in_force(settings_of(cell)); }
+  SweepIntervals intervals(const SequenceCodes& query, const Cell& cell,
+                           const TruthReader& reader) const {
+    return sequence_intervals(database, query, settings_of(cell), reader, resources,
+                              session.monitor);
+  }
+  static std::vector<Cell>& cells_of(Sweep& sweep) { return sweep.sequence_cells; }
+  static const std::vector<Cell>& cells_of(const Sweep& sweep) { return sweep.sequence_cells; }
+};
+
+void tune_fastable(Session& session, const FastableTune& command) {
+  const TuneInputs& inputs = command.inputs;
+  check_outputs(inputs, session.options);
+  const std::vector<Source> sources = find_sources(inputs, false);
+  const auto validation = find_validation(inputs, sources, false, session.monitor);
+  FastableTuner tuner{session, command, read_sequence_database(inputs.database), {}};
+  if (command.settings.score != Score::raw)
+    ensure_statistics(tuner.database, session.kernels, session.monitor);
+  tuner.resources.kernels = session.kernels;
+  tuner.resources.seed = session.options.seed;
+  tuner.resources.memory_limit = session.run.memory_limit = command.memory_limit;
+  Json settings = settings_in_force(command.settings);
+  for (const char* key : {"c_l", "t_r"}) settings.erase(key);
+  tune(session, inputs, tuner, sources, validation, settings);
+}
+
+}  // namespace
+
+void add_fastable(Program& program, FastableTune& tune) {
+  const Command command = program.add_command(
+      "fastable", "All window lengths and thresholds of FastABLE in one pass.",
+      "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv\n"
+      "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
+      "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json",
+      [&tune](Session& session) { tune_fastable(session, tune); });
+  program.add_config(command, tune.settings);
+  add_tune_inputs(command, tune.inputs);
+  command.add_option("--c-l", tune.inputs.grid.windows, window_length_help());
+  command.add_option("--t-r", tune.inputs.grid.thresholds, distance_threshold_help());
+  add_setting(command, "--score", tune.settings.score,
+              "raw (default), standardized or standardized-offline");
+  add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
+              "of the numbers: relative (default) or bits; of standardized scores mean-z");
+  add_setting(command, "--safety-margin", tune.settings.safety_margin,
+              "taken from the automatic t_r of standardized scores (default 0)");
+  command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,
+                   "frames that can't be decoded keep their index and never match");
+  add_memory_flag(command, tune.memory_limit, "for rings and hits of all c_l, as in 512M");
+}
+
+}  // namespace vpr

@@ -1,0 +1,101 @@
+#include "tune_grids.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "number_lists.h"
+#include "pipeline/train.h"
+
+namespace vpr {
+namespace {
+
+constexpr const char* kWindowLengths = "5,10,20,40,80";
+constexpr const char* kFabmapWindows = "1,2,3,5,8";
+constexpr const char* kPlaceThresholds = "0.3:0.9:0.1,0.95,0.99,0.999";
+
+// By ThresholdScale: relative, bits, mean-z.
+constexpr std::array<const char*, 3> kDistanceThresholds = {"0.3:0.9:0.025", "100:490:15",
+                                                            "-4:-0.5:0.125"};
+
+std::string given_or(const std::string& given, const char* otherwise) {
+  return given.empty() ? otherwise : given;
+}
+
+// Those that are no usage error for this query.
+std::vector<uint64_t> fitting_windows(const SequenceDatabase& database,
+                                      const SequenceCodes& query) {
+  const std::vector<CodeSpan> spans = code_spans(database);
+  const std::vector<FrameRun> query_runs =
+      readable_runs(CodeSpan{query.codes, query.frames.unreadable});
+  std::vector<uint64_t> lengths = parse_counts(kWindowLengths, "--c-l");
+  const uint64_t shortest = lengths.front();
+  std::erase_if(lengths, [&](uint64_t length) {
+    return count_windows(query_runs, length) == 0 ||
+           std::all_of(spans.begin(), spans.end(), [&](const CodeSpan& span) {
+             return count_windows(readable_runs(span), length) == 0;
+           });
+  });
+  return lengths.empty() ? std::vector{shortest} : lengths;
+}
+
+template <class T>
+void add_once(std::vector<T>& values, const T& value) {
+  if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+}
+
+}  // namespace
+
+SequenceGrid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
+                           const SequenceDatabase& database, const SequenceCodes& query) {
+  const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];
+  return {flags.windows.empty() ? fitting_windows(database, query)
+                                : parse_counts(flags.windows, "--c-l"),
+          parse_thresholds(given_or(flags.thresholds, thresholds), "--t-r")};
+}
+
+FabmapGrid fabmap_grid(const GridFlags& flags) {
+  return {parse_counts(given_or(flags.windows, kFabmapWindows), "--c-w"),
+          parse_numbers(given_or(flags.thresholds, kPlaceThresholds), "--t-p")};
+}
+
+SequenceGrid sequence_grid_of(std::span<const SequenceCellCounts> cells) {
+  SequenceGrid grid;
+  for (const SequenceCellCounts& cell : cells) {
+    add_once(grid.window_lengths, cell.window_length);
+    add_once(grid.distance_thresholds, cell.distance_threshold);
+  }
+  return grid;
+}
+
+FabmapGrid fabmap_grid_of(std::span<const FabmapCellCounts> cells) {
+  FabmapGrid grid;
+  for (const FabmapCellCounts& cell : cells) {
+    add_once(grid.windows, cell.window);
+    add_once(grid.place_thresholds, cell.place_threshold);
+  }
+  return grid;
+}
+
+std::string window_length_help() {
+  return fmt::format("window lengths, as in 2,5,10 or 10:50:10 (default: those of {} that fit)",
+                     kWindowLengths);
+}
+
+std::string distance_threshold_help() {
+  return fmt::format(
+      "thresholds, as in 0.2:0.6:0.05 or --t-r=-3:-1:0.25; the word auto may be one "
+      "of them (default: {}; in bits {}; of standardized scores {})",
+      kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]);
+}
+
+std::string fabmap_window_help() {
+  return fmt::format("windows, as in 1,3,5,8 (default {})", kFabmapWindows);
+}
+
+std::string place_threshold_help() {
+  return fmt::format("thresholds, as in 0.5:0.95:0.05,0.99 (default {})", kPlaceThresholds);
+}
+
+}  // namespace vpr

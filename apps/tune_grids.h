@@ -1,0 +1,34 @@
+// The grids of vpr-tune: what the flags say, or defaults.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "pipeline/sweep.h"
+
+namespace vpr {
+
+/// Lists as the flags take them; an empty one stands for the default.
+struct GridFlags {
+  std::string windows;     ///< c_l or c_w
+  std::string thresholds;  ///< t_r or t_p
+};
+
+/// The default c_l are those of 5, 10, 20, 40 and 80 that fit the query and a training sequence (5
+/// where none does); the default t_r go from strict to loose on the scale of the settings. Throws
+/// Error(usage) as the lists do.
+SequenceGrid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
+                           const SequenceDatabase& database, const SequenceCodes& query);
+FabmapGrid fabmap_grid(const GridFlags& flags);
+
+/// The grid of a sweep that is finished: further queries get the same, whatever fits them.
+SequenceGrid sequence_grid_of(std::span<const SequenceCellCounts> cells);
+FabmapGrid fabmap_grid_of(std::span<const FabmapCellCounts> cells);
+
+/// For help: "windows ..., default ...".
+std::string window_length_help();
+std::string distance_threshold_help();
+std::string fabmap_window_help();
+std::string place_threshold_help();
+
+}  // namespace vpr

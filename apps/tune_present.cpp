@@ -1,0 +1,147 @@
+// What vpr-tune writes and prints.
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "report/png_file.h"
+#include "report/run_info.h"
+#include "report/sweep_table.h"
+#include "tune_inputs.h"
+
+namespace vpr {
+namespace {
+
+// A word of a shell's command line.
+std::string quoted(const std::string& word) {
+  const bool is_plain = !word.empty() && word.find_first_not_of(
+                                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                             "0123456789_-+=.,:/@%") == std::string::npos;
+  if (is_plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+// The flags of the recommended setting that are not vpr-query's defaults; those that came from a
+// configuration file come from it again.
+std::vector<std::string> setting_flags(const Json& settings) {
+  std::vector<std::string> flags;
+  for (const auto& [key, flag] :
+       {std::pair("c_l", "--c-l"), std::pair("t_r", "--t-r"), std::pair("c_w", "--c-w"),
+        std::pair("t_p", "--t-p"), std::pair("score", "--score")})
+    if (settings.contains(key)) {
+      const Json& value = settings[key];
+      const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+      flags.push_back(fmt::format("{}{}{}", flag, text.starts_with('-') ? "=" : " ", text));
+    }
+  if (settings.value("t_r_scale", "") == enum_name(ThresholdScale::bits))
+    flags.emplace_back("--t-r-scale bits");
+  if (settings.value("skip_unreadable", false)) flags.emplace_back("--skip-unreadable");
+  return flags;
+}
+
+// Runs the recommended setting on the query that it was chosen on.
+std::string query_command(const TuneInputs& inputs, const CommonOptions& options,
+                          const Sweep& sweep, size_t index) {
+  std::vector<std::string> words = {"vpr-query", quoted(inputs.database)};
+  if (!inputs.datasets.empty()) {
+    words.push_back("--dataset " + quoted(inputs.datasets[index]));
+    if (!inputs.query.empty()) words.push_back("--query " + quoted(inputs.query));
+  } else {
+    words.push_back("--query " + quoted(inputs.query));
+  }
+  const std::string& config = inputs.save_config.empty() ? options.config : inputs.save_config;
+  if (!config.empty()) words.push_back("--config " + quoted(config));
+  if (inputs.save_config.empty())
+    for (const std::string& flag : setting_flags(*sweep.recommended_settings))
+      words.push_back(flag);
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+std::string result_text(const TuneInputs& inputs, const CommonOptions& options,
+                        const std::vector<Sweep>& sweeps) {
+  if (inputs.format == TableFormat::csv) return render_table(cells_table(sweeps), TableFormat::csv);
+  std::string text;
+  for (const Table& table : sweep_tables(sweeps)) text += render_table(table, inputs.format) + "\n";
+  for (size_t s = 0; s < sweeps.size(); ++s) {
+    text += recommendation_text(sweeps[s]);
+    if (!sweeps[s].recommendation.cell) continue;
+    if (sweeps[s].validation) text += validation_text(*sweeps[s].validation);
+    text += fmt::format("  {} -o result.json\n", query_command(inputs, options, sweeps[s], s));
+  }
+  return text;
+}
+
+void draw_plots(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps) {
+  if (!can_draw_plots()) {
+    warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
+    return;
+  }
+  OutputFolder folder(inputs.plots, session.options.existing(), is_plot_folder);
+  for (size_t s = 0; s < sweeps.size(); ++s) {
+    Plot plot = sweep_plot(sweeps[s]);
+    if (sweeps.size() > 1) plot.file += fmt::format("-{}", s + 1);
+    draw_plot(plot, folder.temporary());
+  }
+  folder.commit();
+}
+
+// The recommended settings as vpr-query --config takes them.
+std::string config_text(const Json& settings) {
+  Json json = {{"schema", "vpr.config/1"}};
+  json.update(settings);
+  return to_text(json);
+}
+
+}  // namespace
+
+void check_outputs(const TuneInputs& inputs, const CommonOptions& options) {
+  std::vector<std::string> files;
+  for (const std::string& file : {options.output, inputs.heat_map, inputs.save_config}) {
+    if (file.empty()) continue;
+    if (std::find(files.begin(), files.end(), file) != files.end())
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}: is written twice; give one of the outputs another name", file));
+    check_output_file(file, options.existing());
+    files.push_back(file);
+  }
+  if (!inputs.plots.empty()) check_output_folder(inputs.plots, options.existing(), is_plot_folder);
+  if (!inputs.save_config.empty() && inputs.datasets.size() > 1)
+    throw Error(ErrorKind::usage,
+                fmt::format("--save-config keeps one recommendation, and each of {} data sets has "
+                            "its own; sweep them one by one",
+                            inputs.datasets.size()));
+}
+
+void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps,
+             const std::string& method, const Json& settings, double seconds) {
+  const CommonOptions& options = session.options;
+  Json json = {{"schema", "vpr.sweep/1"}, {"method", method}, {"settings", settings}};
+  add_sweeps(json, sweeps);
+  json["provenance"] = provenance_json(session.run);
+  session.run.simd_target = session.kernels.target;
+  session.run.paths = {{"database", inputs.database}};
+  json["machine"] = machine_json(session.run);
+  json["timing"] = timing_json({{"sweep", seconds}});
+  const std::optional<Json>& recommended = sweeps.front().recommended_settings;
+  std::vector<OutputFile> files;
+  if (!inputs.heat_map.empty())
+    files.push_back(write_png(inputs.heat_map, draw_sweeps(sweeps), options.existing()));
+  if (!inputs.save_config.empty() && recommended)
+    files.emplace_back(inputs.save_config, options.existing()).write(config_text(*recommended));
+  if (!options.output.empty())
+    files.emplace_back(options.output, options.existing()).write(to_text(json));
+  for (OutputFile& file : files) file.commit();
+  if (!inputs.plots.empty()) draw_plots(session, inputs, sweeps);
+  session.print_result(result_text(inputs, options, sweeps), json);
+  if (!inputs.save_config.empty() && !recommended)
+    throw Error(ErrorKind::expectation,
+                fmt::format("{}: is not written, for no setting is recommended: {}",
+                            inputs.save_config, reason_text(sweeps.front())));
+}
+
+}  // namespace vpr
