@@ -104,16 +104,18 @@ TEST_CASE("a sweep warns of everything that its settings would be warned of, and
   std::vector<std::string> said;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
-  // The automatic threshold comes last, and nothing is stored for it.
-  sweep_sequences(database, query, "q", {}, {{5, 9}, {0.3, 0.6, std::nullopt}}, make_truth,
+  // Two of the training sequences have runs of 49 frames at most.
+  database.sequences[2].unreadable = {40};
+  sweep_sequences(database, query, "q", {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, make_truth,
                   resources, monitor);
   const auto times = [&](const std::string& words) {
     return std::count_if(said.begin(), said.end(), [&](const std::string& sentence) {
       return sentence.find(words) != std::string::npos;
     });
   };
-  CHECK(times("no automatic t_r for c_l 5") == 1);
-  CHECK(times("no automatic t_r for c_l 9") == 1);
+  CHECK(times("b: has no 50 readable frames") == 1);
+  CHECK(times("c: has no 50 readable frames") == 1);
+  CHECK(times("b: has no 55 readable frames") == 1);
   CHECK(times("can't be decoded") == 1);
 }
 
