@@ -10,6 +10,7 @@
 #include "base/step_parts.h"
 #include "base/stopwatch.h"
 #include "matching/fastable_batch.h"
+#include "matching/views.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/score_check.h"
@@ -192,6 +193,16 @@ void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& databas
                   database.sequences[first.sequence].name, first.train_window, first.distance));
 }
 
+std::optional<ResultViews> find_views(const SequenceDatabase& database,
+                                      const SequenceCodes& query) {
+  if (!database.statistics) return std::nullopt;
+  const double typical = database.statistics->typical_distance;
+  ResultViews views{view_starts(query.codes, query.frames.unreadable, typical), {}};
+  for (const CodeSpan& sequence : code_spans(database))
+    views.train.push_back(view_starts(sequence.codes, sequence.unreadable, typical));
+  return views;
+}
+
 }  // namespace
 
 SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes& query,
@@ -293,6 +304,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   watch = {};
   cluster(result);
   run.seconds["cluster"] = watch.elapsed_s();
+  result.views = find_views(database, query);
   return run;
 }
 

@@ -77,6 +77,12 @@ struct SearchRecall {
   size_t hits = 0;        ///< that there are below the thresholds
 };
 
+/// Where stretches of frames that look alike begin (matching/views.h).
+struct ResultViews {
+  std::vector<uint32_t> query;               ///< first frames, rising, from 0 on
+  std::vector<std::vector<uint32_t>> train;  ///< the same, per training sequence
+};
+
 struct SequenceResult {
   SequenceQuerySettings settings;
   std::string query_name;
@@ -90,6 +96,7 @@ struct SequenceResult {
   std::vector<uint32_t> place_of;            ///< one a hit: the index of its place
   std::optional<SearchRecall> recall;        ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of standardized scores
+  std::optional<ResultViews> views;          ///< none where no typical distance is known
 
   /// By how much biased sums of standardized scores are above the scores that files hold; 0 for
   /// distances.

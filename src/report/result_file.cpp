@@ -57,21 +57,38 @@ Json recognition_json(const SequenceResult& result, const Recognition& place) {
            {{"window", place.query_window},
             {"anchor", result.anchor(place.query_window)},
             {"first", place.query_first},
-            {"last", place.query_last}}},
+            {"last", place.query_last},
+            {"first_frame", place.query_first},
+            {"last_frame", result.anchor(place.query_last)}}},
           {"train",
            {{"window", place.train_window},
             {"anchor", result.anchor(place.train_window)},
             {"first", place.train_first},
-            {"last", place.train_last}}},
+            {"last", place.train_last},
+            {"first_frame", place.train_first},
+            {"last_frame", result.anchor(place.train_last)}}},
           {"hits", place.hits},
           {"best_distance", place.best_distance - result.score_offset()}};
 }
 
-OutputFile write_rows(const fs::path& path, const std::vector<CellRow>& rows, Existing existing,
+// First frames of views: the query's with -1 for the sequence, then those of each sequence.
+std::vector<std::array<int32_t, 2>> view_rows(const ResultViews& views) {
+  std::vector<std::array<int32_t, 2>> rows;
+  const auto add = [&](int32_t sequence, const std::vector<uint32_t>& starts) {
+    for (const uint32_t frame : starts) rows.push_back({sequence, static_cast<int32_t>(frame)});
+  };
+  add(-1, views.query);
+  for (size_t s = 0; s < views.train.size(); ++s) add(static_cast<int32_t>(s), views.train[s]);
+  return rows;
+}
+
+template <size_t kRowColumns>
+OutputFile write_rows(const fs::path& path,
+                      const std::vector<std::array<int32_t, kRowColumns>>& rows, Existing existing,
                       Json& entry) {
   const std::span<const int32_t> values(rows.empty() ? nullptr : rows.front().data(),
-                                        rows.size() * kColumns);
-  return write_companion(path, values, {rows.size(), kColumns}, existing, entry);
+                                        rows.size() * kRowColumns);
+  return write_companion(path, values, {rows.size(), kRowColumns}, existing, entry);
 }
 
 }  // namespace
@@ -86,6 +103,7 @@ void check_result_output(const fs::path& path, Existing existing) {
   check_output_file(path, existing);
   check_output_file(companion_path(path, "hits.npy"), existing);
   check_output_file(companion_path(path, "best.npy"), existing);
+  check_output_file(companion_path(path, "views.npy"), existing);
 }
 
 void add_result_checksum(Json& json) { json["checksum"] = result_checksum(json); }
@@ -143,11 +161,16 @@ Json write_result(const fs::path& path, const SequenceResult& result, const Resu
   OutputFile best =
       write_rows(companion_path(path, "best.npy"), best_rows(result), existing, best_entry);
   json["files"] = {{"hits", hits_entry}, {"best", best_entry}};
+  std::optional<OutputFile> views;
+  if (result.views)
+    views.emplace(write_rows(companion_path(path, "views.npy"), view_rows(*result.views), existing,
+                             json["files"]["views"]));
   add_result_checksum(json);
   OutputFile main(path, existing);
   main.write(to_text(json));
   hits.commit();
   best.commit();
+  if (views) views->commit();
   main.commit();
   return json;
 }

@@ -1,4 +1,5 @@
-// Result files (vpr.result/1): RESULT.json and, named after it, RESULT.hits.npy, RESULT.best.npy.
+// Result files (vpr.result/1): RESULT.json and, named after it, RESULT.hits.npy, RESULT.best.npy
+// and RESULT.views.npy.
 #pragma once
 
 #include <filesystem>

@@ -141,6 +141,38 @@ void check_clusterable(const Fields& fields, const SequenceResult& result) {
       fields.fail("its hits are not in order");
 }
 
+// The first frames of one sequence's views: rows from `row` on.
+std::vector<uint32_t> take_views(std::span<const int32_t> rows, size_t& row, int32_t sequence,
+                                 uint64_t frames, const Fields& files) {
+  std::vector<uint32_t> starts;
+  for (; 2 * row < rows.size() && rows[2 * row] == sequence; ++row) {
+    const int32_t frame = rows[2 * row + 1];
+    const bool follows =
+        starts.empty() ? frame == 0 : frame > 0 && static_cast<uint32_t>(frame) > starts.back();
+    if (!follows || static_cast<uint64_t>(frame) >= frames)
+      files.fail("views.npy holds a frame that is out of range or order");
+    starts.push_back(static_cast<uint32_t>(frame));
+  }
+  if (starts.empty() != (frames == 0)) files.fail("views.npy does not fit the sequences");
+  return starts;
+}
+
+// Results of older versions have none.
+void read_views(const fs::path& path, const Fields& fields, SequenceResult& result) {
+  const Fields files = fields.object("files");
+  if (!files.has("views")) return;
+  const NpyArray array = read_companion(companion_path(path, "views.npy"), files.object("views"));
+  const auto rows = array.values<int32_t>(2);
+  if (array.shape()[1] != 2) files.fail("views.npy has other columns");
+  size_t row = 0;
+  ResultViews& views = result.views.emplace();
+  views.query = take_views(rows, row, -1, result.query_frames, files);
+  for (size_t s = 0; s < result.sequences.size(); ++s)
+    views.train.push_back(
+        take_views(rows, row, static_cast<int32_t>(s), result.sequences[s].frames, files));
+  if (2 * row != rows.size()) files.fail("views.npy does not fit the sequences");
+}
+
 }  // namespace
 
 Json read_result_json(const fs::path& path) {
@@ -184,6 +216,7 @@ StoredResult read_result(const fs::path& path) {
   check_clusterable(fields, result);
   cluster(result);
   if (result.places != places) fields.fail("its recognitions are not the clusters of its hits");
+  read_views(path, fields, result);
   return stored;
 }
 

@@ -203,7 +203,8 @@ TEST_CASE("numbers are read as people write them, and only in range") {
   const test::TemporaryFolder out;
   CHECK(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}).exit_code == 0);
   CHECK(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}).exit_code == 0);
-  for (const char* kind : {"r.json", "r.hits.npy", "r.best.npy"}) fs::remove(bench().folder / kind);
+  for (const char* kind : {"r.json", "r.hits.npy", "r.best.npy", "r.views.npy"})
+    fs::remove(bench().folder / kind);
   check_failure(bench().query({"--threads", "-1"}), 2, "threads");
   check_failure(bench().query({"--seed", "99999999999999999999999"}), 2, "seed");
   check_failure(bench().query({"--verify", "-1"}), 2, "verify");

@@ -158,6 +158,37 @@ TEST_CASE("a result whose text was changed is refused, unless only machine and t
   CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
 }
 
+TEST_CASE("where views begin is written beside the result and read back") {
+  const test::TemporaryFolder folder;
+  SequenceResult result = example();
+  result.views = ResultViews{{0, 3}, {{0, 1, 5}, {0}}};
+  const Json json = write_result(folder / "r.json", result, {}, Existing::refuse);
+  CHECK(json["files"]["views"]["rows"] == 6);
+  const auto views = read_result(folder / "r.json").result.views;
+  REQUIRE(views);
+  CHECK(views->query == result.views->query);
+  CHECK(views->train == result.views->train);
+  test::write_text(folder / "r.views.npy", test::read_text(folder / "r.best.npy"));
+  CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  // Frames that are out of range or order, and sequences without the first one.
+  for (const ResultViews& bad : {ResultViews{{0, 5}, {{0}, {0}}}, ResultViews{{0, 0}, {{0}, {0}}},
+                                 ResultViews{{1}, {{0}, {0}}}, ResultViews{{0}, {{0}, {}}},
+                                 ResultViews{{0}, {{0}, {0}, {0}}}}) {
+    result.views = bad;
+    write_result(folder / "r.json", result, {}, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("a recognition says which frames its windows cover") {
+  const Json place = result_json(example(), {})["recognitions"][0]["query"];
+  CHECK(place["first"] == 0);
+  CHECK(place["first_frame"] == 0);
+  CHECK(place["last"] == 1);
+  CHECK(place["anchor"] == 2);
+  CHECK(place["last_frame"] == 2);
+}
+
 TEST_CASE("random damage gives an error or a result, never a crash") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
