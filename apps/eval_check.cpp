@@ -13,10 +13,9 @@ namespace {
 void run(Session& session, const CheckInputs& inputs) {
   const CommonOptions& options = session.options;
   if (!options.output.empty()) check_output_file(options.output, options.existing());
-  const GroundTruthArgument argument = with_flags(
-      parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames), inputs.flags);
+  const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
-      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor));
+      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   const Json json = ground_truth_report_json(found, summarise(found), session.run);
   if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
   std::string text = render_table(ground_truth_table(json), inputs.format);
@@ -36,8 +35,6 @@ void add_check(Program& program, CheckInputs& inputs) {
       "  vpr-eval check GT.npz --json",
       [&inputs](Session& session) { run(session, inputs); });
   command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
-  add_setting(command, "--tolerance", inputs.tolerance_frames, "in frames (default 0)")
-      .non_negative();
   add_setting(command, "--format", inputs.format, "of the table: text, csv, markdown or latex");
   add_ground_truth_flags(command, inputs.flags);
   add_scope_flags(command, inputs.scope);

@@ -9,7 +9,6 @@ namespace vpr {
 
 struct CheckInputs {
   std::string ground_truth;
-  int tolerance_frames = 0;
   GroundTruthFlags flags;
   ScopeInputs scope;
   TableFormat format = TableFormat::text;

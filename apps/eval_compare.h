@@ -11,7 +11,8 @@ namespace vpr {
 
 struct CompareInputs {
   std::vector<std::string> reports;
-  uint64_t block = 0;  ///< 0: chosen from the windows
+  uint64_t block = 0;            ///< 0: chosen from the windows
+  bool allow_different = false;  ///< ground truths
   TableFormat format = TableFormat::text;
 };
 

@@ -26,10 +26,9 @@ void run(Session& session, const ConvertInputs& inputs) {
     throw Error(ErrorKind::usage, "give the file to write, as in -o pairs.csv");
   const GroundTruthFormat& target = find_target(inputs.target);
   check_output_file(options.output, options.existing());
-  const GroundTruthArgument argument = with_flags(
-      parse_ground_truth_argument(inputs.ground_truth, inputs.tolerance_frames), inputs.flags);
+  const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
-      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor));
+      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   require_undamaged(found, inputs.ground_truth);
   const GroundTruthSummary summary = summarise(found);
   if (summary.ignored > 0 && !target.holds_ignored)
@@ -61,9 +60,6 @@ void add_convert(Program& program, ConvertInputs& inputs) {
       [&inputs](Session& session) { run(session, inputs); });
   command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
   command.add_option("--to", inputs.target, format_names(is_written)).required();
-  add_setting(command, "--tolerance", inputs.tolerance_frames,
-              "in frames; becomes part of what is written (default 0)")
-      .non_negative();
   add_ground_truth_flags(command, inputs.flags, "--from,--ground-truth-format");
   add_scope_flags(command, inputs.scope);
 }

@@ -9,7 +9,6 @@ namespace vpr {
 struct ConvertInputs {
   std::string ground_truth;
   std::string target;
-  int tolerance_frames = 0;
   GroundTruthFlags flags;
   ScopeInputs scope;
 };

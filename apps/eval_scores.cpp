@@ -51,8 +51,6 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
               "best matches from this score on count as recognised along the path (default: that "
               "of recall at 100 % precision)")
       .group(group);
-  app.add_option("--name", inputs.name, "of the method in tables (default: the file's)")
-      .group(group);
   app.add_option(
          "--poses", inputs.poses,
          "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too (default: "
@@ -82,8 +80,7 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
     refuse(is_given && !has_scores, flag, without);
   for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
                                        std::pair(inputs.threshold.has_value(), "--threshold"),
-                                       std::pair(inputs.window_length != 1, "--window"),
-                                       std::pair(!inputs.name.empty(), "--name")}) {
+                                       std::pair(inputs.window_length != 1, "--window")}) {
     refuse(is_given && has_result, flag, beside);
     refuse(is_given && !has_scores, flag, without);
   }
@@ -105,9 +102,10 @@ ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
           {ScoreKind::distance, inputs.references_first, inputs.missing.value_or(missing)}};
 }
 
-std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames) {
+std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames,
+                                  const Monitor& monitor) {
   if (inputs.poses.empty()) return {};
-  return read_travelled(inputs.poses, query_frames);
+  return read_travelled(inputs.poses, query_frames, monitor);
 }
 
 Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const std::string& query,
@@ -120,9 +118,10 @@ Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const st
   evaluation.matrix = open_scores(inputs);
   const ScoreMatrix& matrix = *evaluation.matrix;
   const ScoreLayout layout = layout_of(matrix, inputs.window_length);
-  evaluation.truth = read_ground_truth(ground_truth, layout.scope);
-  evaluation.judgement = judge(matrix, layout, evaluation.truth, inputs.threshold,
-                               travelled_way(inputs, layout.scope.query_frames), session.monitor);
+  evaluation.truth = read_ground_truth(ground_truth, layout.scope, session.monitor);
+  evaluation.judgement =
+      judge(matrix, layout, evaluation.truth, inputs.threshold,
+            travelled_way(inputs, layout.scope.query_frames, session.monitor), session.monitor);
   warn_negative(session, inputs, evaluation.judgement);
   const std::string name =
       inputs.name.empty() ? std::filesystem::path(inputs.path).stem().string() : inputs.name;
@@ -136,18 +135,18 @@ Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const st
 Judgement judge_result(Session& session, const ScoreInputs& inputs,
                        const std::optional<ScoreMatrix>& matrix, const SequenceResult& result,
                        const GroundTruth& truth) {
-  const std::vector<double> travelled = travelled_way(inputs, result.query_frames);
+  const std::vector<double> travelled = travelled_way(inputs, result.query_frames, session.monitor);
   if (matrix) return judge(result, *matrix, truth, travelled, session.monitor);
   return judge(result, truth, travelled);
 }
 
-Judgement judge_result(Session&, const ScoreInputs& inputs,
+Judgement judge_result(Session& session, const ScoreInputs& inputs,
                        const std::optional<ScoreMatrix>& matrix, const FabmapResult& result,
                        const GroundTruth& truth) {
   if (matrix)
     throw Error(ErrorKind::usage,
                 "a FAB-MAP result takes no --scores; evaluate the matrix without the result");
-  return judge(result, truth, travelled_way(inputs, result.query_frames));
+  return judge(result, truth, travelled_way(inputs, result.query_frames, session.monitor));
 }
 
 }  // namespace vpr

@@ -20,7 +20,7 @@ struct ScoreInputs {
   std::optional<double> missing;
   std::optional<double> threshold;
   uint64_t window_length = 1;
-  std::string name;   ///< of the method; empty: the file's
+  std::string name;   ///< for tables; empty: the file's, or the method
   std::string poses;  ///< of the query, for metres
 };
 
@@ -31,7 +31,8 @@ struct Evaluation {
   GroundTruth truth;
   Judgement judgement;
   std::optional<ScoreMatrix> matrix;
-  std::string summary = {};  ///< in one sentence
+  std::string summary = {};       ///< in one sentence
+  std::string recognitions = {};  ///< rows of --recognitions-csv, where they are asked for
 };
 
 void add_score_options(const Command& app, ScoreInputs& inputs);
@@ -49,7 +50,8 @@ ScoreMatrix open_scores(const ScoreInputs& inputs);
 ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
 
 /// What --poses says; nothing without it.
-std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames);
+std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames,
+                                  const Monitor& monitor);
 
 /// Evaluates --scores alone. `query`: its name for the report.
 Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const std::string& query,

@@ -29,12 +29,15 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   const auto add = [&](const std::string& flag, std::string& value, const std::string& help) {
     return command.add_option(flag, value, help).group(kGroundTruthGroup);
   };
+  add_setting(command, "--tolerance", flags.tolerance_frames,
+              "pairs this many frames off are the same place, too (default: the data set's, or 0)")
+      .group(kGroundTruthGroup);
   add(format_flag, flags.format, "default: found by content").choices("FORMAT", format_names());
   command.add_footer("Ground truth formats:\n" + format_summaries());
   add("--ground-truth-reference", flags.reference,
       "poses, tum, kitti, utm: those of the training sequence");
   add_number(command, "--radius", flags.options.radius_m,
-             "poses, tum, kitti, utm: the same place within so many metres (default 25)");
+             "poses, tum, kitti, utm: the same place within so many metres (utm: default 25)");
   add_number(command, "--angle", flags.options.angle_deg,
              "and with headings that differ by at most so many degrees (default: any)");
   add_number(command, "--reference-step", flags.options.reference_step,
@@ -46,6 +49,7 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
 }
 
 GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags) {
+  if (flags.tolerance_frames) argument.tolerance_frames = *flags.tolerance_frames;
   if (!flags.format.empty()) argument.format = flags.format;
   GroundTruthOptions& options = argument.options;
   if (!flags.reference.empty()) options.reference = flags.reference;
@@ -58,8 +62,18 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
   return argument;
 }
 
+bool any_given(const GroundTruthFlags& flags) {
+  return flags.tolerance_frames || !flags.format.empty() || !flags.reference.empty() ||
+         !flags.soft.empty() || value_to_json(flags.options) != value_to_json(GroundTruthOptions{});
+}
+
+GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags) {
+  return with_flags(parse_ground_truth_argument(text, 0), flags);
+}
+
 Json ground_truth_flags_json(const GroundTruthFlags& flags) {
   Json json = value_to_json(flags.options);
+  json["tolerance"] = flags.tolerance_frames ? Json(*flags.tolerance_frames) : Json();
   json["format"] = flags.format;
   json["reference"] = flags.reference;
   json["soft"] = flags.soft;

@@ -1,6 +1,7 @@
 // The flags that say how a ground truth is read, for every program that takes one.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "base/json_fwd.h"
@@ -12,8 +13,9 @@ namespace vpr {
 /// What the help calls the flags.
 inline constexpr const char* kGroundTruthGroup = "Ground truth";
 
-/// Beside --ground-truth and --tolerance.
+/// Beside --ground-truth.
 struct GroundTruthFlags {
+  std::optional<int> tolerance_frames;  ///< none: the data set's, or 0
   std::string format;
   std::string reference;
   std::string soft;
@@ -30,6 +32,12 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
 
 /// `argument` with what the flags say; a flag wins over a data set.
 GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags);
+
+/// Whether any flag is given.
+bool any_given(const GroundTruthFlags& flags);
+
+/// The ground truth that --ground-truth names as `text`, as the flags say.
+GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags);
 
 /// What results depend on.
 Json ground_truth_flags_json(const GroundTruthFlags& flags);

@@ -1,7 +1,5 @@
 #include "query_inputs.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "evaluation/ground_truth.h"
 
@@ -10,17 +8,13 @@ namespace vpr {
 QuerySource find_query(const QueryInputs& inputs) {
   QuerySource source;
   if (!inputs.ground_truth.empty())
-    source.ground_truth = with_flags(
-        parse_ground_truth_argument(inputs.ground_truth, std::max(inputs.tolerance_frames, 0)),
-        inputs.flags);
+    source.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
   if (!inputs.dataset.empty()) {
     const Dataset dataset = read_dataset(inputs.dataset);
     const DatasetQuery& query = select_query(dataset, inputs.query);
     source.sequence = query.sequence;
-    if (!source.ground_truth) source.ground_truth = query.sequence_ground_truth;
-    if (source.ground_truth && inputs.tolerance_frames >= 0)
-      source.ground_truth->tolerance_frames = inputs.tolerance_frames;
-    if (source.ground_truth) source.ground_truth = with_flags(*source.ground_truth, inputs.flags);
+    if (!source.ground_truth && query.sequence_ground_truth)
+      source.ground_truth = with_flags(*query.sequence_ground_truth, inputs.flags);
     return source;
   }
   if (!inputs.query) throw Error(ErrorKind::usage, "give the query sequence, as in --query FOLDER");

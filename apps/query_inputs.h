@@ -17,8 +17,7 @@ struct QueryInputs {
   std::optional<std::string> query;
   std::string dataset;
   std::string ground_truth;
-  int tolerance_frames = -1;  ///< below 0: the data set's, or 0
-  GroundTruthFlags flags;     ///< of the ground truth
+  GroundTruthFlags flags;  ///< of the ground truth
   std::string matrix;
   size_t memory_limit = kDefaultMemoryLimit;
   uint64_t verify_cells = 0;

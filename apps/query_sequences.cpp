@@ -106,9 +106,11 @@ bool has_gaps(const SequenceResult& result, const SequenceDatabase& database) {
 }
 
 void check_matrix_output(const QueryInputs& inputs, const std::string& output, Existing existing) {
-  if (!inputs.ground_truth.empty() && !inputs.matrix.ends_with(".png"))
+  const bool has_truth = !inputs.ground_truth.empty() || any_given(inputs.flags);
+  if (has_truth && !inputs.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage,
-                "--ground-truth is for the picture of --save-matrix FILE.png; counts come from "
+                "--ground-truth, and what goes with it, is for the picture of --save-matrix "
+                "FILE.png; counts come from "
                 "vpr-eval");
   if (inputs.matrix.empty()) return;
   const std::filesystem::path matrix = std::filesystem::absolute(inputs.matrix).lexically_normal();
@@ -116,7 +118,8 @@ void check_matrix_output(const QueryInputs& inputs, const std::string& output, E
                                            ? std::filesystem::path()
                                            : std::filesystem::absolute(output).lexically_normal();
   for (const auto& other :
-       {result, companion_path(result, "hits.npy"), companion_path(result, "best.npy")})
+       {result, companion_path(result, "hits.npy"), companion_path(result, "best.npy"),
+        companion_path(result, "views.npy")})
     if (matrix == other)
       throw Error(ErrorKind::usage, fmt::format("{}: is written twice; give --save-matrix another "
                                                 "name",
@@ -159,7 +162,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
       plan_query(database, query, source.sequence.name, settings, resources, session.monitor);
   std::optional<GroundTruth> truth;
   if (source.ground_truth && inputs.matrix.ends_with(".png"))
-    truth = read_ground_truth(*source.ground_truth, scope_of(planned));
+    truth = read_ground_truth(*source.ground_truth, scope_of(planned), session.monitor);
 
   const MatrixLayout layout = matrix_layout(planned);
   std::optional<MatrixFile> matrix;

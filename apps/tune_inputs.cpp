@@ -22,19 +22,15 @@ Source find_in_dataset(const TuneInputs& inputs, const std::string& path, const 
   if (!truth)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: the query {} has no ground truth", path, query.sequence.name));
-  Source source{query.sequence, *truth};
-  if (inputs.tolerance_frames >= 0) source.ground_truth.tolerance_frames = inputs.tolerance_frames;
-  source.ground_truth = with_flags(source.ground_truth, inputs.flags);
-  return source;
+  return {query.sequence, with_flags(*truth, inputs.flags)};
 }
 
 // A sequence and a ground truth as the command line names them.
 Source parse_source(const TuneInputs& inputs, const std::string& sequence,
                     const std::string& ground_truth) {
   const SequenceArgument argument = parse_sequence_argument(sequence);
-  const int tolerance = std::max(inputs.tolerance_frames, 0);
   return {{sequence_names({argument}).front(), argument},
-          with_flags(parse_ground_truth_argument(ground_truth, tolerance), inputs.flags)};
+          ground_truth_argument(ground_truth, inputs.flags)};
 }
 
 bool share_frames(const SequenceArgument& a, const SequenceArgument& b) {
@@ -90,7 +86,6 @@ Json sweep_key(const TuneInputs& inputs, const Json& settings, const std::string
           {"thresholds", inputs.grid.thresholds},
           {"datasets", inputs.datasets},
           {"query", inputs.query},
-          {"tolerance", inputs.tolerance_frames},
           {"ground_truth", ground_truth_flags_json(inputs.flags)},
           {"validate", inputs.validate},
           {"validate_ground_truth", inputs.validate_ground_truth},
@@ -131,8 +126,6 @@ void add_tune_inputs(const Command& command, TuneInputs& inputs) {
   command.add_option("DB", inputs.database, "database made by vpr-train").required();
   command.add_option("--query", inputs.query, "query sequence, or with --dataset the name of one");
   command.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
-  add_setting(command, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames")
-      .non_negative();
   command.add_list("--dataset", inputs.datasets,
                    "data set description with query and ground truth; repeatable");
   command.add_flag("--resume", inputs.resume,

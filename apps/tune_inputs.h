@@ -20,7 +20,6 @@ struct TuneInputs {
   std::string database;
   std::string query;
   std::string ground_truth;
-  int tolerance_frames = -1;  ///< below 0: the data set's, or 0
   GroundTruthFlags flags;
   std::vector<std::string> datasets;
   GridFlags grid;

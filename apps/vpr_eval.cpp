@@ -11,9 +11,11 @@
 #include "eval_check.h"
 #include "eval_compare.h"
 #include "eval_convert.h"
+#include "eval_csv.h"
 #include "eval_map.h"
 #include "eval_pictures.h"
 #include "eval_protocols.h"
+#include "eval_results.h"
 #include "eval_scores.h"
 #include "evaluation/counts.h"
 #include "evaluation/expectation.h"
@@ -22,7 +24,7 @@
 #include "report/evaluation_report.h"
 #include "report/fabmap_result_file.h"
 #include "report/matrix_file.h"
-#include "report/metrics_report.h"
+#include "report/outcome_csv.h"
 #include "report/result_file.h"
 #include "report/scores_report.h"
 #include "report/summary.h"
@@ -31,14 +33,17 @@ namespace vpr {
 namespace {
 
 struct EvalInputs {
-  std::string result;
+  std::vector<std::string> results;
+  std::string result;    ///< the one that is evaluated
+  std::string row_name;  ///< what its rows are called
+  std::vector<std::string> names;
   std::string ground_truth;
   std::string dataset;
-  int tolerance_frames = -1;  ///< below 0: the data set's, or 0
   GroundTruthFlags flags;
   std::string protocols;
   std::string expected;
   TableFormat format = TableFormat::text;
+  CsvInputs csv;
   ScoreInputs scores;
   PictureInputs pictures;
   MapInputs map;
@@ -51,7 +56,7 @@ struct EvalSettings {
 
 template <class Visitor>
 void visit_fields(EvalSettings& settings, Visitor&& visit) {
-  visit("tolerance", settings.inputs.tolerance_frames);
+  visit("tolerance", settings.inputs.flags.tolerance_frames);
   visit("format", settings.inputs.format);
 }
 
@@ -59,18 +64,13 @@ void visit_fields(EvalSettings& settings, Visitor&& visit) {
 std::optional<GroundTruthArgument> find_ground_truth(const EvalInputs& inputs,
                                                      const std::optional<std::string>& query_name,
                                                      bool is_fabmap) {
-  const int given = inputs.tolerance_frames;
-  if (!inputs.ground_truth.empty())
-    return with_flags(parse_ground_truth_argument(inputs.ground_truth, std::max(given, 0)),
-                      inputs.flags);
+  if (!inputs.ground_truth.empty()) return ground_truth_argument(inputs.ground_truth, inputs.flags);
   if (inputs.dataset.empty()) return std::nullopt;
   const Dataset dataset = read_dataset(inputs.dataset);
   const DatasetQuery& query = select_query(dataset, query_name);
   const auto& found = is_fabmap ? query.place_ground_truth : query.sequence_ground_truth;
   if (!found) return std::nullopt;
-  GroundTruthArgument argument = *found;
-  if (given >= 0) argument.tolerance_frames = given;
-  return with_flags(argument, inputs.flags);
+  return with_flags(*found, inputs.flags);
 }
 
 [[noreturn]] void refuse_without_truth(const EvalInputs& inputs) {
@@ -86,7 +86,8 @@ std::optional<GroundTruthArgument> find_ground_truth(const EvalInputs& inputs,
 /// Whether all that is asked for can be had without a ground truth: pictures of a result.
 bool only_looks(const Session& session, const EvalInputs& inputs) {
   return !inputs.result.empty() && wants_pictures(inputs.pictures) && inputs.expected.empty() &&
-         inputs.map.folder.empty() && session.options.output.empty() && !session.options.json;
+         inputs.map.folder.empty() && session.options.output.empty() && !session.options.json &&
+         !inputs.csv.any();
 }
 
 /// With the poses that the data set names for the query, where --poses gives none.
@@ -111,14 +112,22 @@ Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& in
   if (!named && !only_looks(session, inputs)) refuse_without_truth(inputs);
   const GroundTruthScope scope = scope_of(stored.result);
   evaluation.ground_truth = named.value_or(GroundTruthArgument{});
-  evaluation.truth = named ? read_ground_truth(*named, scope) : unknown_ground_truth(scope);
+  evaluation.truth =
+      named ? read_ground_truth(*named, scope, session.monitor) : unknown_ground_truth(scope);
   if (!inputs.scores.path.empty())
     evaluation.matrix = open_saved_scores(inputs.scores, missing_score(stored.result));
   evaluation.judgement = judge_result(session, with_poses(inputs, stored.result.query_name),
                                       evaluation.matrix, stored.result, evaluation.truth);
-  evaluation.report =
-      report_json(stored.result, count_recognitions(stored.result, evaluation.truth),
-                  evaluation.judgement, evaluation.truth, stored.fingerprint, session.run);
+  const auto counts = count_recognitions(stored.result, evaluation.truth);
+  if constexpr (kIsFabmap)
+    evaluation.report = report_json(stored.result, counts, evaluation.judgement, evaluation.truth,
+                                    stored.fingerprint, session.run);
+  else
+    evaluation.report =
+        report_json(stored.result, counts, count_by_view(stored.result, evaluation.truth),
+                    evaluation.judgement, evaluation.truth, stored.fingerprint, session.run);
+  if (!inputs.csv.recognitions.empty())
+    evaluation.recognitions = recognitions_csv(stored.result, evaluation.truth, inputs.row_name);
   return evaluation;
 }
 
@@ -126,11 +135,11 @@ Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& in
 std::string query_name(const EvalInputs& inputs) {
   if (!inputs.dataset.empty())
     return select_query(read_dataset(inputs.dataset), inputs.pictures.query).sequence.name;
-  if (!inputs.pictures.query) return "queries";
+  if (!inputs.pictures.query) return kUnnamedQuery;
   return sequence_names({parse_sequence_argument(*inputs.pictures.query)}).front();
 }
 
-Evaluation evaluate(Session& session, const EvalInputs& inputs) {
+Evaluation evaluate_unnamed(Session& session, const EvalInputs& inputs) {
   if (inputs.result.empty() && inputs.scores.path.empty())
     throw Error(ErrorKind::usage,
                 "give a result of vpr-query, or --scores of any program; see vpr-eval --help");
@@ -144,6 +153,50 @@ Evaluation evaluate(Session& session, const EvalInputs& inputs) {
   return evaluate(session, read_result(inputs.result), inputs);
 }
 
+Evaluation evaluate(Session& session, const EvalInputs& inputs) {
+  Evaluation evaluation = evaluate_unnamed(session, inputs);
+  if (!inputs.scores.name.empty()) evaluation.report["name"] = inputs.scores.name;
+  return evaluation;
+}
+
+/// Of result i alone, or of the scores.
+EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
+  const auto& paths = inputs.results.empty() ? std::vector{inputs.scores.path} : inputs.results;
+  EvalInputs one = inputs;
+  one.row_name = row_names(inputs.names, paths)[i];
+  if (!inputs.results.empty()) one.result = inputs.results[i];
+  if (!inputs.names.empty()) one.scores.name = inputs.names[i];
+  return one;
+}
+
+void check_names(const EvalInputs& inputs) {
+  const size_t results = std::max<size_t>(inputs.results.size(), 1);
+  if (inputs.names.empty() || inputs.names.size() == results) return;
+  throw Error(ErrorKind::usage, fmt::format("give --name for each result, in their order: there "
+                                            "are {} results and {} names",
+                                            results, inputs.names.size()));
+}
+
+/// A row for each of several results.
+void run_several(Session& session, const EvalInputs& inputs) {
+  const PictureInputs& pictures = inputs.pictures;
+  if (!inputs.scores.path.empty() || !inputs.expected.empty() || !pictures.html.empty() ||
+      !pictures.plots.empty() || !inputs.map.folder.empty())
+    throw Error(ErrorKind::usage,
+                "several results make one table; --scores, --expect, --html, --plot and --map take "
+                "one result");
+  check_score_inputs(inputs.scores, true);
+  check_csv_outputs(session, inputs.csv, true);
+  const std::vector<std::string> names = row_names(inputs.names, inputs.results);
+  CsvRows rows;
+  evaluate_several(session, inputs.results, names, inputs.format, [&](size_t i) {
+    const Evaluation evaluation = evaluate(session, inputs_of(inputs, i));
+    add_rows(rows, inputs.csv, evaluation, names[i]);
+    return evaluation.report;
+  });
+  write_csv_rows(session, inputs.csv, rows);
+}
+
 /// The counts under each of several protocols.
 void run_protocols(Session& session, const EvalInputs& inputs) {
   if (!inputs.ground_truth.empty() || !inputs.dataset.empty() || !inputs.expected.empty())
@@ -151,17 +204,19 @@ void run_protocols(Session& session, const EvalInputs& inputs) {
         ErrorKind::usage,
         "--protocol stands for a ground truth, and its counts are compared with none: leave "
         "out --ground-truth, --dataset and --expect");
-  if (inputs.result.empty() || !inputs.scores.path.empty())
-    throw Error(ErrorKind::usage, "--protocol takes a result of vpr-query, and no --scores");
+  if (inputs.results.size() != 1 || !inputs.scores.path.empty())
+    throw Error(ErrorKind::usage, "--protocol takes one result of vpr-query, and no --scores");
   const PictureInputs& pictures = inputs.pictures;
-  if (!pictures.html.empty() || !pictures.plots.empty() || !inputs.map.folder.empty())
-    throw Error(ErrorKind::usage,
-                "--html, --plot and --map show one protocol: give it as --ground-truth, as in "
-                "--ground-truth nordland-exact");
+  if (!pictures.html.empty() || !pictures.plots.empty() || !inputs.map.folder.empty() ||
+      inputs.csv.any())
+    throw Error(
+        ErrorKind::usage,
+        "pictures and rows for data frames show one protocol: give it as --ground-truth, as in "
+        "--ground-truth nordland-exact");
   check_score_inputs(inputs.scores, true);
-  evaluate_protocols(session, inputs.protocols, inputs.result, inputs.format,
+  evaluate_protocols(session, inputs.protocols, inputs.results[0], inputs.format,
                      [&](const std::string& protocol) {
-                       EvalInputs one = inputs;
+                       EvalInputs one = inputs_of(inputs, 0);
                        one.ground_truth = protocol;
                        return evaluate(session, one).report;
                      });
@@ -174,20 +229,12 @@ std::optional<double> frames_per_second(const EvalInputs& inputs) {
   return rate > 0 ? std::optional(rate) : std::nullopt;
 }
 
-std::string tables(const Evaluation& evaluation, TableFormat format) {
+std::string tables(const Evaluation& evaluation, const EvalInputs& inputs) {
   const Json& report = evaluation.report;
-  const std::string summary = format == TableFormat::text ? evaluation.summary + "\n\n" : "";
-  if (!evaluation.truth.is_known) return summary + render_table(unjudged_table(report), format);
-  Table table = summary_table(report);
-  if (format == TableFormat::csv) {
-    append_metrics(table, report);
-    return render_table(table, format);
-  }
-  std::string text = summary + render_table(table, format);
-  const std::string places = format == TableFormat::text ? recognitions_text(report) : "";
-  if (!places.empty()) text += "\n" + places;
-  for (const Table& more : metrics_tables(report)) text += "\n" + render_table(more, format);
-  return text;
+  const std::string summary = inputs.format == TableFormat::text ? evaluation.summary + "\n\n" : "";
+  if (!evaluation.truth.is_known)
+    return summary + render_table(unjudged_table(report), inputs.format);
+  return summary + report_text({report}, {inputs.row_name}, inputs.format);
 }
 
 void draw_map(Session& session, const EvalInputs& inputs, const Evaluation& evaluation) {
@@ -200,13 +247,17 @@ void draw_map(Session& session, const EvalInputs& inputs, const Evaluation& eval
   write_map(session, inputs.map, inputs.dataset, evaluation, &second);
 }
 
-void run(Session& session, const EvalInputs& inputs) {
+void run(Session& session, const EvalInputs& all) {
   const CommonOptions& options = session.options;
-  if (!inputs.protocols.empty()) return run_protocols(session, inputs);
+  check_names(all);
+  if (!all.protocols.empty()) return run_protocols(session, all);
+  if (all.results.size() > 1) return run_several(session, all);
+  const EvalInputs inputs = inputs_of(all, 0);
   if (!options.output.empty()) check_output_file(options.output, options.existing());
   check_score_inputs(inputs.scores, !inputs.result.empty());
   check_picture_outputs(session, inputs.pictures);
   check_map_inputs(session, inputs.map, inputs.dataset);
+  check_csv_outputs(session, inputs.csv, !inputs.result.empty());
   const Json expected =
       inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
   const Stopwatch watch;
@@ -226,7 +277,10 @@ void run(Session& session, const EvalInputs& inputs) {
   if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
   write_pictures(session, inputs.pictures, inputs.dataset, evaluation);
   draw_map(session, inputs, evaluation);
-  session.print_result(tables(evaluation, inputs.format), report);
+  CsvRows rows;
+  add_rows(rows, inputs.csv, evaluation, inputs.row_name);
+  write_csv_rows(session, inputs.csv, rows);
+  session.print_result(tables(evaluation, inputs), report);
   if (!unmet.empty())
     throw Error(ErrorKind::expectation,
                 fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));
@@ -243,17 +297,20 @@ int main(int argc, char** argv) {
                   "  vpr-eval result.json --ground-truth ground_truth.csv\n"
                   "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown\n"
                   "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv\n"
+                  "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
+                  "--name \"c_l 20\"\n"
                   "  vpr-eval result.json --protocol nordland-all");
   EvalInputs inputs;
   ConvertInputs convert;
   CheckInputs check;
   const Command app = program.command();
-  app.add_option("RESULT", inputs.result, "result of vpr-query");
+  app.add_option("RESULT", inputs.results,
+                 "result of vpr-query; several make one table with a row for each");
   app.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
   app.add_option("--dataset", inputs.dataset, "data set description that names the ground truth");
-  add_setting(app, "--tolerance", inputs.tolerance_frames,
-              "of the ground truth, in frames (default: the data set's, or 0)")
-      .non_negative();
+  app.add_list("--name", inputs.names,
+               "what tables and comparisons call the result or the scores (default: the method, or "
+               "the file's name); repeat it for several results, in their order");
   app.add_option("--expect", inputs.expected,
                  "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
                  "if they differ");
@@ -264,6 +321,7 @@ int main(int argc, char** argv) {
                  "instead of a ground truth: one of these words, several with commas, or "
                  "nordland-all; a row for each");
   add_ground_truth_flags(app, inputs.flags);
+  add_csv_options(app, inputs.csv);
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");

@@ -87,8 +87,6 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                        "close)"));
   group(app.add_option("--ground-truth", inputs.ground_truth,
                        fmt::format("drawn into the picture: {}", ground_truth_help())));
-  group(add_setting(app, "--tolerance", inputs.tolerance_frames, "of the ground truth, in frames"))
-      .non_negative();
   group(
       add_setting(app, "--verify", inputs.verify_cells,
                   "recompute so many random cells by the definition; exit code 5 if one differs"));

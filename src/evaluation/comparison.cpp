@@ -19,18 +19,42 @@ struct Paired {
   ScoreKind kind = ScoreKind::distance;
 };
 
-bool is_judged(const QueryOutcome& query) {
-  return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
+// A query that one method could not get right is no measure of the others.
+bool is_comparable(const QueryOutcome& query) {
+  return !query.is_unreachable &&
+         (query.verdict == Verdict::correct || query.verdict == Verdict::incorrect);
 }
 
 std::map<size_t, const QueryOutcome*> judged_by_frame(const Outcomes& outcomes) {
   std::map<size_t, const QueryOutcome*> frames;
   for (const QueryOutcome& query : outcomes.queries)
-    if (is_judged(query)) frames[query.frame] = &query;
+    if (is_comparable(query)) frames[query.frame] = &query;
   return frames;
 }
 
-std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& comparison) {
+// The outcomes of one query frame, one a method; none where a method does not judge it.
+using FrameOutcomes = std::vector<const QueryOutcome*>;
+
+FrameOutcomes outcomes_at(const std::vector<std::map<size_t, const QueryOutcome*>>& frames,
+                          size_t frame) {
+  FrameOutcomes outcomes;
+  for (const auto& own : frames) {
+    const auto found = own.find(frame);
+    if (found == own.end()) return {};
+    outcomes.push_back(found->second);
+  }
+  return outcomes;
+}
+
+// The first method that does not agree with the first of all; as many as there are, if all do.
+size_t first_dispute(const FrameOutcomes& outcomes) {
+  size_t m = 0;
+  while (m < outcomes.size() && outcomes[m]->has_match == outcomes.front()->has_match) ++m;
+  return m;
+}
+
+std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& comparison,
+                            Disputed disputed) {
   std::vector<std::map<size_t, const QueryOutcome*>> frames;
   for (const NamedOutcomes& method : methods) {
     frames.push_back(judged_by_frame(method.outcomes));
@@ -38,20 +62,18 @@ std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& 
   }
   std::vector<Paired> paired(methods.size());
   for (const auto& entry : frames.front()) {
-    const size_t frame = entry.first;
-    const QueryOutcome* first = entry.second;
-    const bool is_common = std::all_of(frames.begin(), frames.end(),
-                                       [&](const auto& own) { return own.contains(frame); });
-    if (!is_common) continue;
-    for (size_t m = 0; m < methods.size(); ++m) {
-      const QueryOutcome* query = frames[m].at(frame);
-      if (query->has_match != first->has_match)
+    const FrameOutcomes outcomes = outcomes_at(frames, entry.first);
+    const size_t dispute = first_dispute(outcomes);
+    if (dispute < outcomes.size()) {
+      if (disputed == Disputed::refuse)
         throw Error(ErrorKind::data,
                     fmt::format("{} and {} have different ground truths: only one has a match for "
                                 "query frame {}",
-                                methods.front().name, methods[m].name, frame));
-      paired[m].queries.push_back(query);
+                                methods.front().name, methods[dispute].name, entry.first));
+      ++comparison.disputed;
+      continue;
     }
+    for (size_t m = 0; m < outcomes.size(); ++m) paired[m].queries.push_back(outcomes[m]);
   }
   for (size_t m = 0; m < methods.size(); ++m) {
     Paired& method = paired[m];
@@ -153,10 +175,10 @@ Differences bootstrap(const std::vector<Paired>& paired, const Comparison& compa
 }  // namespace
 
 Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
-                            uint64_t seed, const Monitor& monitor) {
+                            uint64_t seed, const Monitor& monitor, Disputed disputed) {
   if (methods.size() < 2) throw Error(ErrorKind::data, "a comparison needs two or more reports");
   Comparison comparison;
-  const std::vector<Paired> paired = pair_up(methods, comparison);
+  const std::vector<Paired> paired = pair_up(methods, comparison, disputed);
   comparison.common = paired.front().queries.size();
   if (comparison.common == 0)
     throw Error(ErrorKind::data, "the reports have no query frame in common");

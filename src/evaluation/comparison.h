@@ -38,20 +38,26 @@ struct PairedCounts {
 struct Comparison {
   size_t common = 0;        ///< query frames that all methods judge
   size_t judged = 0;        ///< of these, with a match
+  size_t disputed = 0;      ///< left out: ground truths do not agree on whether there is a match
   std::vector<size_t> own;  ///< per method, frames that it judges
   size_t block = 0;
   std::vector<ComparedValue> values;  ///< metric after metric, in each method after method
   std::vector<PairedCounts> paired;   ///< per method
 };
 
+/// What to do where methods do not agree on which queries have a match.
+enum class Disputed { refuse, leave_out };
+
 /// Values and differences over the query frames that all methods judge (neither unreadable nor
-/// ignored): recall@K for those K that all know, and every curve metric of best matches. Intervals
-/// are the central 95 % of `resamples` differences under the circular block bootstrap (Politis and
-/// Romano 1992): stretches of `block` neighbouring queries are drawn with replacement, the same for
-/// all methods (paired), and resamples without a value are left out. The same seed gives the same
-/// intervals. Throws Error(data) for fewer than two methods, no common frame, or methods that do
-/// not agree on which queries have a match.
+/// ignored, and within reach of every method's windows): recall@K for those K that all know, and
+/// every curve metric of best matches. Intervals are the central 95 % of `resamples` differences
+/// under the circular block bootstrap (Politis and Romano 1992): stretches of `block` neighbouring
+/// queries are drawn with replacement, the same for all methods (paired), and resamples without a
+/// value are left out. The same seed gives the same intervals. Throws Error(data) for fewer than
+/// two methods, no common frame, or, unless these are left out, methods that do not agree on which
+/// queries have a match.
 Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
-                            uint64_t seed, const Monitor& monitor);
+                            uint64_t seed, const Monitor& monitor,
+                            Disputed disputed = Disputed::refuse);
 
 }  // namespace vpr

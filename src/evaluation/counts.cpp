@@ -4,6 +4,8 @@
 #include <cassert>
 #include <set>
 
+#include "evaluation/outcomes.h"
+
 namespace vpr {
 namespace {
 
@@ -19,30 +21,6 @@ void count(LabelCounts& counts, PlaceLabel label) {
       ++counts.ignored;
       return;
   }
-}
-
-BestMatchCounts count_best_matches(const SequenceResult& result, const GroundTruth& truth) {
-  BestMatchCounts counts;
-  for (size_t window = 0; window < result.best.size(); ++window) {
-    const auto& best = result.best[window];
-    const size_t anchor = result.anchor(window);
-    if (!best && shows_unreadable(result, window)) {
-      ++counts.unreadable;
-      continue;
-    }
-    if (!truth.has_match(anchor)) {
-      ++counts.without_match;
-      continue;
-    }
-    ++counts.queries;
-    // An approximate method may find nothing at all, which is wrong.
-    const PlaceLabel label =
-        best ? truth.label(anchor, best->sequence, result.anchor(best->train_window))
-             : PlaceLabel::different;
-    if (label == PlaceLabel::same) ++counts.correct;
-    if (label == PlaceLabel::ignore) ++counts.ignored;
-  }
-  return counts;
 }
 
 }  // namespace
@@ -71,20 +49,7 @@ FabmapCounts count_recognitions(const FabmapResult& result, const GroundTruth& t
     if (label == PlaceLabel::same) recognised.insert(hit.place);
   }
   counts.distinct = recognised.size();
-  const std::set<size_t> unreadable(result.query_unreadable.begin(), result.query_unreadable.end());
-  for (size_t frame = 0; frame < result.best.size(); ++frame) {
-    if (unreadable.contains(frame)) {
-      ++counts.best_match.unreadable;
-    } else if (!truth.has_match(frame)) {
-      ++counts.best_match.without_match;
-    } else {
-      ++counts.best_match.queries;
-      const auto& best = result.best[frame];
-      const PlaceLabel label = best ? truth.label(frame, 0, best->place) : PlaceLabel::different;
-      if (label == PlaceLabel::same) ++counts.best_match.correct;
-      if (label == PlaceLabel::ignore) ++counts.best_match.ignored;
-    }
-  }
+  counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
 }
 
@@ -119,7 +84,7 @@ SequenceCounts count_recognitions(const SequenceResult& result, const GroundTrut
     if (place.is_mixed()) ++counts.mixed_places;
   }
   counts.distinct = counts.places.correct;
-  counts.best_match = count_best_matches(result, truth);
+  counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
 }
 

@@ -22,6 +22,8 @@ struct BestMatchCounts {
   uint64_t correct = 0;
   uint64_t ignored = 0;        ///< of `queries`: the best match is an ignored pair
   uint64_t without_match = 0;  ///< windows whose anchor has no match; not in `queries`
+  uint64_t unreachable = 0;    ///< whose anchor has matches only where no training window ends, in
+                               ///< the first c_l - 1 frames; not in `queries`
   uint64_t unreadable = 0;     ///< windows with an unreadable frame; not in `queries`
 
   /// correct / (queries - ignored); none where there are none.

@@ -15,6 +15,7 @@ class CsvParser {
 
   std::vector<CsvRow> parse() {
     std::vector<CsvRow> rows;
+    skip_comments();
     while (at_ < text_.size()) {
       CsvRow row{line_, {}};
       do row.fields.push_back(field());
@@ -28,6 +29,14 @@ class CsvParser {
   }
 
  private:
+  // Lines that begin with #, in front of everything else.
+  void skip_comments() {
+    while (at_ < text_.size() && text_[at_] == '#') {
+      at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1;
+      ++line_;
+    }
+  }
+
   bool take(char c) {
     if (at_ >= text_.size() || text_[at_] != c) return false;
     ++at_;

@@ -12,7 +12,8 @@ struct CsvRow {
   std::vector<std::string> fields;
 };
 
-/// Empty lines are left out; a byte order mark is skipped. `where` names the file in errors.
+/// Empty lines are left out; a byte order mark, and lines in front of the first row that begin with
+/// #, are skipped. `where` names the file in errors.
 /// Throws Error(data) for a quote that does not end or stands inside an unquoted field.
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
 

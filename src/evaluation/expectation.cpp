@@ -30,6 +30,20 @@ class Comparison {
     }
   }
 
+  /// Values of any kind, which must be equal.
+  void compare_values(const Json& found, const Json& expected, const std::string& key) {
+    if (!expected.is_object()) {
+      ++numbers_;
+      if (found != expected)
+        unmet.push_back(
+            fmt::format("{}: expected {}, found {}", key, expected.dump(), found.dump()));
+      return;
+    }
+    for (const auto& item : expected.items())
+      compare_values(found.is_object() ? found.value(item.key(), Json()) : Json(), item.value(),
+                     key + "." + item.key());
+  }
+
   size_t numbers() const { return numbers_; }
   std::vector<std::string> unmet;
 
@@ -68,24 +82,52 @@ class Comparison {
 
 }  // namespace
 
+namespace {
+
+// What an earlier report was made under, of what must not change.
+Json conditions_of(const Json& report) {
+  Json conditions = Json::object();
+  const auto keep = [&](const char* part, const char* key) {
+    if (report.contains(part) && report[part].contains(key))
+      conditions[part][key] = report[part][key];
+  };
+  conditions["settings"] = report.value("settings", Json::object());
+  const bool is_of_scores = !report.contains("counts");
+  if (is_of_scores) conditions["settings"].erase("method");  // a name for tables
+  keep("protocol", "tolerance_frames");
+  keep("provenance", "ground_truth");
+  if (!conditions.contains("provenance")) keep("protocol", "ground_truth");
+  return conditions;
+}
+
+}  // namespace
+
 std::vector<std::string> unmet_expectations(const Json& report, const Json& expected,
                                             const std::string& where) {
   const bool is_report =
       expected.is_object() && expected.contains("schema") && expected["schema"] == "vpr.report/1";
   if (!is_report) require_schema(expected, "expected", where, ErrorKind::usage);
   Comparison comparison(where);
-  static const std::vector<std::string> kCompared = {"counts", "best_match", "metrics",
-                                                     "localisation"};
+  static const std::vector<std::string> kParts = {"counts",       "best_match", "metrics",
+                                                  "localisation", "settings",   "protocol"};
+  const auto part_kind = [](const std::string& key) {
+    return std::find(kParts.begin(), kParts.end(), key) - kParts.begin();
+  };
+  constexpr ptrdiff_t kNumbers = 4;  // the first parts
   for (const auto& item : expected.items()) {
-    const bool compared = std::count(kCompared.begin(), kCompared.end(), item.key()) > 0;
-    if (compared)
+    const ptrdiff_t kind = part_kind(item.key());
+    if (kind < kNumbers)
       comparison.compare(report.value(item.key(), Json()), item.value(), item.key());
-    else if (!is_report && item.key() != "schema")
-      detail::unknown_key(where, item.key(), kCompared);
+    else if (kind == std::ssize(kParts) && !is_report && item.key() != "schema")
+      detail::unknown_key(where, item.key(), kParts);
   }
   if (comparison.numbers() == 0)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: expects nothing; give at least one number", where));
+  const Json conditions = is_report ? conditions_of(expected) : expected;
+  for (const char* part : {"settings", "protocol", "provenance"})
+    if (conditions.contains(part))
+      comparison.compare_values(report.value(part, Json()), conditions[part], part);
   return comparison.unmet;
 }
 

@@ -13,16 +13,17 @@
 namespace vpr {
 namespace {
 
-InspectedGroundTruth read(GroundTruthArgument argument, const GroundTruthScope& scope,
-                          OddPairs odd) {
+InspectedGroundTruth read(GroundTruthArgument argument, const GroundTruthScope& scope, OddPairs odd,
+                          const Monitor& monitor) {
   if (argument.tolerance_frames < 0)
-    throw Error(ErrorKind::usage, "the tolerance must not be negative");
+    throw Error(ErrorKind::usage, fmt::format("the tolerance must be 0 frames or more, found {}",
+                                              argument.tolerance_frames));
   const GroundTruthPreset* preset = find_preset(argument.format);
   if (preset != nullptr) argument = preset_argument(*preset, argument, scope);
   const GroundTruthFormat& format =
       argument.format.empty() ? recognise_format(argument.path) : find_format(argument.format);
   require_options(format, argument);
-  GroundTruthBuilder builder(argument, scope, odd);
+  GroundTruthBuilder builder(argument, scope, odd, monitor);
   const std::string protocol = format.read(builder);
   InspectedGroundTruth result =
       builder.finish(preset == nullptr ? protocol : preset_protocol(*preset, protocol));
@@ -84,13 +85,14 @@ GroundTruth unknown_ground_truth(const GroundTruthScope& scope) {
   return truth;
 }
 
-GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope) {
-  return read(argument, scope, OddPairs::refuse).truth;
+GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope,
+                              const Monitor& monitor) {
+  return read(argument, scope, OddPairs::refuse, monitor).truth;
 }
 
 InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
-                                          const GroundTruthScope& scope) {
-  return read(argument, scope, OddPairs::count);
+                                          const GroundTruthScope& scope, const Monitor& monitor) {
+  return read(argument, scope, OddPairs::count, monitor);
 }
 
 namespace {

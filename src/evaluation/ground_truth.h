@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/monitor.h"
 #include "images/dataset.h"
 
 namespace vpr {
@@ -85,13 +86,16 @@ struct InspectedGroundTruth {
 /// or where the format is unknown or lacks an option; Error(input) if a file can't be read;
 /// Error(data), naming file and line, if it is damaged, an index is out of range or a pair has both
 /// labels. A pair that is listed twice counts once.
-GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope);
+/// Warns of what is odd but no damage: a radius that calls nearly everything the same.
+GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope,
+                              const Monitor& monitor = {});
 
 /// The same, but indices that are out of range and pairs with both labels are counted, not thrown;
 /// and numbers of frames may be kUnknownFrames: they become those of the file, or one more than its
 /// largest index.
 InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
-                                          const GroundTruthScope& scope);
+                                          const GroundTruthScope& scope,
+                                          const Monitor& monitor = {});
 
 /// `text` as --ground-truth takes it: a word (aligned, or the name of a preset), or a path.
 GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tolerance_frames);

@@ -93,7 +93,7 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                         Share& share = shares[worker];
                         QueryOutcome& query = outcomes.queries[row];
                         query.frame = layout.anchor(row);
-                        query.has_match = truth.has_match(query.frame);
+                        look_up_match(query, truth, layout);
                         label_row(truth, layout, row, share.labels);
                         judge(query, share, keys, layout);
                       });

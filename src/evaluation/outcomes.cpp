@@ -24,13 +24,19 @@ bool is_judged(const QueryOutcome& query) {
 
 }  // namespace
 
+void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout) {
+  query.has_match = has_column_of(truth, layout, query.frame);
+  query.is_unreachable = !query.has_match && truth.has_match(query.frame);
+}
+
 Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth) {
+  const ScoreLayout layout = layout_of(result);
   Outcomes outcomes{
       ScoreKind::distance, result.query_frames, result.settings.window_length, false, {}};
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = outcomes.queries.emplace_back();
     query.frame = result.anchor(window);
-    query.has_match = truth.has_match(query.frame);
+    look_up_match(query, truth, layout);
     const auto& best = result.best[window];
     if (best) {
       query.best = FrameMatch{best->sequence, result.anchor(best->train_window)};
@@ -80,6 +86,8 @@ BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   for (const QueryOutcome& query : outcomes.queries) {
     if (query.verdict == Verdict::unreadable) {
       ++counts.unreadable;
+    } else if (query.is_unreachable) {
+      ++counts.unreachable;
     } else if (!query.has_match) {
       ++counts.without_match;
     } else {

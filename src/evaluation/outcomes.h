@@ -20,7 +20,8 @@ enum class Verdict {
 struct QueryOutcome {
   size_t frame = 0;  ///< of the query: a window's anchor
   Verdict verdict = Verdict::incorrect;
-  bool has_match = false;          ///< the ground truth has this place among the references
+  bool has_match = false;          ///< the ground truth has this place where a reference is judged
+  bool is_unreachable = false;     ///< it has it, but only where no training window ends
   std::optional<FrameMatch> best;  ///< ties to the first
   uint64_t key = kNoScore;         ///< score_key of the best match
   bool is_tied = false;            ///< another reference scores the same (known from a matrix only)
@@ -36,6 +37,9 @@ struct Outcomes {
   bool has_ranks = false;             ///< from a matrix
   std::vector<QueryOutcome> queries;  ///< by frame
 };
+
+/// Sets has_match and is_unreachable of the query whose frame is set.
+void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout);
 
 /// Best matches of a result, judged at anchors; a best match that is labelled ignore is `ignored`
 /// (what would have come next is not known).

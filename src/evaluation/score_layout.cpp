@@ -63,6 +63,19 @@ void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
   }
 }
 
+bool has_column_of(const GroundTruth& truth, const ScoreLayout& layout, size_t anchor) {
+  const auto& pairs = truth.pairs[anchor];
+  return std::any_of(layout.columns.begin(), layout.columns.end(), [&](const auto& columns) {
+    const auto first = static_cast<int64_t>(layout.window_length - 1);
+    const auto end = first + static_cast<int64_t>(columns.count);
+    return std::any_of(pairs.begin(), pairs.end(), [&](const GroundTruth::Pair& pair) {
+      return pair.sequence == columns.sequence && pair.label == PlaceLabel::same &&
+             pair.first - truth.tolerance_frames < end &&
+             pair.last() + truth.tolerance_frames >= first;
+    });
+  });
+}
+
 FrameMatch match_of_column(const ScoreLayout& layout, size_t column) {
   for (const ScoreLayout::Columns& columns : layout.columns)
     if (column >= columns.first && column < columns.first + columns.count)

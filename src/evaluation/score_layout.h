@@ -42,6 +42,10 @@ void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout);
 void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
                std::vector<PlaceLabel>& labels);
 
+/// Whether a column can be right for a query anchor: the anchor of one shows the same place. False
+/// for a place that the ground truth has only where no window of the layout ends.
+bool has_column_of(const GroundTruth& truth, const ScoreLayout& layout, size_t anchor);
+
 /// Sequence and anchor frame of a column, which exists.
 struct FrameMatch {
   uint32_t sequence = 0;

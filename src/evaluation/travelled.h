@@ -6,10 +6,13 @@
 
 namespace vpr {
 
+struct Monitor;
+
 /// Metres from the first frame to each of `frames` frames along the straight lines between their
-/// positions: a CSV file with columns frame, x and y (others are not looked at), in metres, one
-/// line for every frame, in any order. Throws Error(input) if it can't be read, Error(data), naming
-/// the line, if it is damaged, or a frame is missing, double or out of range.
-std::vector<double> read_travelled(const std::filesystem::path& path, size_t frames);
+/// positions: poses as read_pose_csv reads them. Metres are an extra: where a frame has no pose, it
+/// warns and gives none at all. Throws Error(data) where positions are too far apart for metres,
+/// and otherwise as read_pose_csv does.
+std::vector<double> read_travelled(const std::filesystem::path& path, size_t frames,
+                                   const Monitor& monitor);
 
 }  // namespace vpr

@@ -29,7 +29,8 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<MatrixRows> = {"auto
 struct GroundTruthOptions {
   std::filesystem::path reference;  ///< poses and file names: the training side
   std::filesystem::path soft;       ///< matrices: pairs to ignore where the matrix has 0
-  /// Poses and file names: the same place within so many metres, bounds included. Nothing: 25.
+  /// Poses and file names: the same place within so many metres, bounds included. Poses need it;
+  /// nothing with file names: the benchmark's 25.
   std::optional<double> radius_m;
   std::optional<double> angle_deg;  ///< and with headings that differ by at most so much
   /// Aligned: query frame i is training frame `reference_step` i, rounded. Nothing: 1.

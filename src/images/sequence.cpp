@@ -201,6 +201,24 @@ SequenceArgument parse_sequence_argument(const std::string& text) {
   return {text.substr(0, at), *range};
 }
 
+std::optional<uint64_t> frame_in_range(const FrameRange& range, uint64_t recorded) {
+  if (recorded < range.first || (range.last && recorded >= *range.last)) return std::nullopt;
+  const uint64_t behind = recorded - range.first;
+  return behind % range.step == 0 ? std::optional(behind / range.step) : std::nullopt;
+}
+
+std::optional<uint64_t> frame_count(const FrameRange& range) {
+  if (!range.last) return std::nullopt;
+  return *range.last <= range.first ? 0 : (*range.last - range.first - 1) / range.step + 1;
+}
+
+std::string range_hint(const fs::path& path) {
+  return fmt::format(
+      "; where the sequence is a range of a recording, give this file the same "
+      "range, as in {}@60:111",
+      path.string());
+}
+
 std::string range_text(const FrameRange& range) {
   if (range.is_all()) return "";
   return fmt::format("@{}:{}{}", range.first == 0 ? "" : std::to_string(range.first),

@@ -19,6 +19,12 @@ struct FrameRange {
   bool operator==(const FrameRange&) const = default;
 };
 
+/// The frame of the range that frame `recorded` of the whole recording is; nothing outside it.
+std::optional<uint64_t> frame_in_range(const FrameRange& range, uint64_t recorded);
+
+/// How many frames a range has whose end is given; nothing for one to the end.
+std::optional<uint64_t> frame_count(const FrameRange& range);
+
 /// `PATH` or `PATH@FIRST:LAST[:STEP]`.
 struct SequenceArgument {
   std::filesystem::path path;
@@ -31,6 +37,10 @@ SequenceArgument parse_sequence_argument(const std::string& text);
 
 /// "@10:20", "@:20:2"; empty for all frames.
 std::string range_text(const FrameRange& range);
+
+/// What an error about a frame that is out of range says more, where the file `path` counts the
+/// frames of a whole recording: "; if the sequence is ..., as in PATH@60:111".
+std::string range_hint(const std::filesystem::path& path);
 
 enum class SequenceKind { images, video };
 

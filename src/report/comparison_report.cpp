@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "evaluation/metrics.h"
 #include "report/json_fields.h"
+#include "report/scores_report.h"
 
 namespace vpr {
 namespace {
@@ -41,6 +42,9 @@ void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
     case 'c':
       query.verdict = Verdict::correct;
       return;
+    case 'b':
+      query.is_unreachable = true;
+      [[fallthrough]];
     case 'w':
     case 'n':
       query.verdict = Verdict::incorrect;
@@ -119,22 +123,78 @@ StoredReport read_report(const std::filesystem::path& path) {
   report.query = fields.text("query");
   report.ground_truth = fields.object("protocol").text("ground_truth");
   const Fields provenance = fields.object("provenance");
+  if (provenance.has("ground_truth"))
+    report.ground_truth_fingerprint = provenance.text("ground_truth");
+  if (fields.has("name")) report.name = fields.text("name");
   report.fingerprint = provenance.text(provenance.has("result") ? "result" : "scores");
   report.outcomes = read_outcomes(fields);
   return report;
 }
 
+GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports) {
+  std::optional<std::string> first;
+  bool is_known = true;
+  for (const StoredReport& report : reports) {
+    is_known = is_known && report.ground_truth_fingerprint;
+    if (!report.ground_truth_fingerprint) continue;
+    if (!first) first = report.ground_truth_fingerprint;
+    if (first != report.ground_truth_fingerprint) return GroundTruths::different;
+  }
+  return is_known ? GroundTruths::same : GroundTruths::unknown;
+}
+
+std::vector<std::string> report_names(const std::vector<StoredReport>& reports,
+                                      const std::vector<std::string>& paths) {
+  // What each may be called, the best first; the last tells every report apart.
+  std::vector<std::vector<std::string>> choices;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const std::string stem = std::filesystem::path(paths[r]).stem().string();
+    if (reports[r].name)
+      choices.push_back(
+          {*reports[r].name, *reports[r].name, fmt::format("{} ({})", *reports[r].name, r + 1)});
+    else
+      choices.push_back({reports[r].method, stem, fmt::format("{} ({})", stem, r + 1)});
+  }
+  std::vector<size_t> chosen(reports.size(), 0);
+  const auto clashes = [&](size_t r) {
+    for (size_t other = 0; other < reports.size(); ++other)
+      if (other != r && choices[other][chosen[other]] == choices[r][chosen[r]] &&
+          (reports[other].name || !reports[r].name))  // a user's name makes way for another only
+        return true;
+    return false;
+  };
+  for (size_t level = 0; level < 2; ++level) {
+    std::vector<size_t> next = chosen;
+    for (size_t r = 0; r < reports.size(); ++r)
+      if (chosen[r] == level && clashes(r)) next[r] = level + 1;
+    chosen = next;
+  }
+  std::vector<std::string> names;
+  for (size_t r = 0; r < reports.size(); ++r) names.push_back(choices[r][chosen[r]]);
+  return names;
+}
+
 Json comparison_json(const Comparison& comparison, const std::vector<StoredReport>& reports,
                      const std::vector<std::string>& names, size_t resamples, const RunInfo& run) {
-  Json json = {{"schema", "vpr.comparison/1"}, {"query", reports.front().query}};
+  const auto named = std::find_if(reports.begin(), reports.end(), [](const StoredReport& report) {
+    return report.query != kUnnamedQuery;
+  });
+  Json json = {{"schema", "vpr.comparison/1"},
+               {"query", named == reports.end() ? kUnnamedQuery : named->query}};
   json["reports"] = Json::array();
-  for (size_t m = 0; m < reports.size(); ++m)
+  for (size_t m = 0; m < reports.size(); ++m) {
     json["reports"].push_back({{"name", names[m]},
                                {"method", reports[m].method},
                                {"ground_truth", reports[m].ground_truth},
                                {"queries", comparison.own[m]},
                                {"fingerprint", reports[m].fingerprint}});
-  json["queries"] = {{"common", comparison.common}, {"with_match", comparison.judged}};
+    if (reports[m].ground_truth_fingerprint)
+      json["reports"].back()["ground_truth_fingerprint"] = *reports[m].ground_truth_fingerprint;
+  }
+  json["ground_truths"] = enum_name(compare_ground_truths(reports));
+  json["queries"] = {{"common", comparison.common},
+                     {"with_match", comparison.judged},
+                     {"disputed", comparison.disputed}};
   json["bootstrap"] = {{"block", comparison.block}, {"resamples", resamples}, {"confidence", 0.95}};
   json["metrics"] = Json::array();
   for (const ComparedValue& value : comparison.values)
@@ -152,7 +212,10 @@ Json comparison_json(const Comparison& comparison, const std::vector<StoredRepor
                               {"only_first", comparison.paired[m].only_first},
                               {"neither", comparison.paired[m].neither}});
   json["protocol"] = {
-      {"queries", "query frames that all reports judge (neither unreadable nor ignored)"},
+      {"queries",
+       "query frames that all reports judge (neither unreadable nor ignored, and within reach of "
+       "every report's windows)"},
+      {"disputed", "query frames left out, of which only some ground truths have a match"},
       {"metrics", "of best matches; those of queries without a match are incorrect where accepted"},
       {"interval",
        "central 95 % of the difference to the first report under the circular block bootstrap, "
@@ -168,13 +231,19 @@ Table comparison_table(const Json& comparison) {
       comparison["query"].get<std::string>(), comparison["reports"][0]["name"].get<std::string>(),
       comparison["queries"]["common"].dump(), comparison["queries"]["with_match"].dump(),
       comparison["bootstrap"]["block"].dump());
-  table.columns = {"metric", "of", "value", "difference", "from", "to", ""};
+  const std::string ground_truths = comparison["ground_truths"].get<std::string>();
+  if (ground_truths != "same") table.title += fmt::format("; ground truths: {}", ground_truths);
+  table.columns = {"metric", "of", "value", "difference", "from", "to", "", "ground truths"};
   for (const Json& row : comparison["metrics"])
     table.rows.push_back(
         {row["metric"].get<std::string>(), row["report"].get<std::string>(),
          row["value"].is_null() ? "-" : fmt::format("{:.4f}", row["value"].get<double>()),
          signed_number(row["difference"]), signed_number(row["low"]), signed_number(row["high"]),
-         judgement_of(row)});
+         judgement_of(row), ground_truths});
+  if (ground_truths == "same") {
+    table.columns.pop_back();
+    for (auto& row : table.rows) row.pop_back();
+  }
   return table;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,30 @@ struct StoredReport {
   std::string method;
   std::string query;
   std::string ground_truth;  ///< in words
-  std::string fingerprint;   ///< of the result or the scores
-  Outcomes outcomes;         ///< without the references of best matches
+  /// Of the labels of all pairs; reports of older versions have none.
+  std::optional<std::string> ground_truth_fingerprint;
+  std::string fingerprint;          ///< of the result or the scores
+  std::optional<std::string> name;  ///< that the user gave
+  Outcomes outcomes;                ///< without the references of best matches
 };
 
 /// Throws Error(input) if the file can't be read, Error(data) if it is no report, or damaged.
 StoredReport read_report(const std::filesystem::path& path);
+
+/// Whether reports are judged by one ground truth.
+enum class GroundTruths { same, different, unknown };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<GroundTruths> = {"same", "different",
+                                                                             "unknown"};
+
+/// By fingerprints; unknown where those that are there agree and one is missing.
+GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports);
+
+/// What tables call the reports, whose files `paths` are: the names that users gave, which always
+/// stay, and otherwise the methods. Of these, those that clash with another become the files'
+/// names, and, if that does not help, numbers are added.
+std::vector<std::string> report_names(const std::vector<StoredReport>& reports,
+                                      const std::vector<std::string>& paths);
 
 /// Everything of the file but "machine" and "timing".
 Json comparison_json(const Comparison& comparison, const std::vector<StoredReport>& reports,

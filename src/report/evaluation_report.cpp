@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "evaluation/ground_truth/fingerprint.h"
 #include "report/metrics_report.h"
 
 namespace vpr {
@@ -43,6 +44,8 @@ void add_sequence_protocol(Json& protocol, Score score) {
       measure);
   protocol["without_match"] =
       "a query window whose anchor has no match in the ground truth is not among the queries";
+  protocol["unreachable"] =
+      "neither is one whose anchor has matches only where no training window ends";
 }
 
 void add_fabmap_protocol(Json& protocol) {
@@ -53,6 +56,29 @@ void add_fabmap_protocol(Json& protocol) {
       "words is wrong; rate = correct / (queries - ignored)";
   protocol["without_match"] =
       "a frame without a match in the ground truth is not among the queries";
+}
+
+constexpr const char* kViewProtocol =
+    "frames in a row that look alike are one view; a pair of views with hits, and a query view "
+    "with "
+    "best matches, counts once: correct or incorrect if all of its windows are, else mixed; rate = "
+    "mean over query views of the share of their windows that is right";
+
+Json view_counts_json(const ViewCounts& counts) {
+  return {{"correct", counts.correct},
+          {"incorrect", counts.incorrect},
+          {"mixed", counts.mixed},
+          {"ignored", counts.ignored}};
+}
+
+Json counts_by_view_json(const CountsByView& counts) {
+  Json json = {{"query_views", counts.query_views},
+               {"train_views", counts.train_views},
+               {"hits", view_counts_json(counts.hits)},
+               {"best_match", view_counts_json(counts.best_match)}};
+  const auto rate = counts.best_match_rate();
+  json["best_match"]["rate"] = rate ? Json(*rate) : Json();
+  return json;
 }
 
 std::string text(const Json& json) {
@@ -80,10 +106,13 @@ Json counts_json(const FabmapCounts& counts) {
 }
 
 Json best_match_json(const BestMatchCounts& counts) {
-  return {
-      {"queries", counts.queries},       {"correct", counts.correct},
-      {"ignored", counts.ignored},       {"without_match", counts.without_match},
-      {"unreadable", counts.unreadable}, {"rate", counts.rate() ? Json(*counts.rate()) : Json()}};
+  return {{"queries", counts.queries},
+          {"correct", counts.correct},
+          {"ignored", counts.ignored},
+          {"without_match", counts.without_match},
+          {"unreachable", counts.unreachable},
+          {"unreadable", counts.unreadable},
+          {"rate", counts.rate() ? Json(*counts.rate()) : Json()}};
 }
 
 Json protocol_json(const GroundTruth& truth) {
@@ -91,20 +120,24 @@ Json protocol_json(const GroundTruth& truth) {
 }
 
 Json report_json(const SequenceResult& result, const SequenceCounts& counts,
-                 const Judgement& judgement, const GroundTruth& truth,
-                 const std::string& result_fingerprint, const RunInfo& run) {
+                 const std::optional<CountsByView>& by_view, const Judgement& judgement,
+                 const GroundTruth& truth, const std::string& result_fingerprint,
+                 const RunInfo& run) {
   Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
   json["query"] = result.query_name;
   json["settings"] = settings_in_force(result.settings);
   json["counts"] = counts_json(counts);
   json["best_match"] = best_match_json(counts.best_match);
+  if (by_view) json["by_view"] = counts_by_view_json(*by_view);
   json["recognitions"] = recognitions_json(result, truth);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
   add_sequence_protocol(json["protocol"], result.settings.score);
+  if (by_view) json["protocol"]["by_view"] = kViewProtocol;
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
+  json["provenance"]["ground_truth"] = ground_truth_fingerprint(truth, judgement.layout.scope);
   return json;
 }
 
@@ -122,10 +155,12 @@ Json report_json(const FabmapResult& result, const FabmapCounts& counts, const J
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
+  json["provenance"]["ground_truth"] = ground_truth_fingerprint(truth, judgement.layout.scope);
   return json;
 }
 
 std::string method_title(const Json& report) {
+  if (report.contains("name")) return text(report["name"]);
   const std::string method = text(report["method"]);
   const bool has_score = report.contains("settings") && report["settings"].contains("score");
   return has_score ? method + ", " + text(report["settings"]["score"]) : method;
@@ -146,6 +181,23 @@ std::string score_words(const Json& report) {
   if (reference_word(report) == "training place") return "probability";
   const std::string kind = text(report["outcomes"]["scores_are"]);
   return report.contains("counts") ? kind + " (bits, summed)" : kind;
+}
+
+Table view_table(const Json& report) {
+  const Json& counts = report["by_view"];
+  const Json& hits = counts["hits"];
+  const Json& best = counts["best_match"];
+  Table table;
+  table.title = fmt::format(
+      "By view (frames in a row that look alike count once: {} query and {} training views)",
+      counts["query_views"].dump(), counts["train_views"].dump());
+  table.columns = {"view pairs right", "view pairs wrong", "view pairs mixed", "views right",
+                   "views wrong",      "views mixed",      "views per cent"};
+  table.rows = {
+      {hits["correct"].dump(), hits["incorrect"].dump(), hits["mixed"].dump(),
+       best["correct"].dump(), best["incorrect"].dump(), best["mixed"].dump(),
+       best["rate"].is_null() ? "-" : fmt::format("{:.1f}", 100 * best["rate"].get<double>())}};
+  return table;
 }
 
 Table report_table(const Json& report) {

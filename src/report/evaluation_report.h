@@ -5,6 +5,7 @@
 
 #include "base/json_fwd.h"
 #include "evaluation/judgement.h"
+#include "evaluation/view_counts.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -12,8 +13,9 @@ namespace vpr {
 
 /// Everything of a report but "machine" and "timing".
 Json report_json(const SequenceResult& result, const SequenceCounts& counts,
-                 const Judgement& judgement, const GroundTruth& truth,
-                 const std::string& result_fingerprint, const RunInfo& run);
+                 const std::optional<CountsByView>& by_view, const Judgement& judgement,
+                 const GroundTruth& truth, const std::string& result_fingerprint,
+                 const RunInfo& run);
 
 Json report_json(const FabmapResult& result, const FabmapCounts& counts, const Judgement& judgement,
                  const GroundTruth& truth, const std::string& result_fingerprint,
@@ -33,7 +35,11 @@ Table report_table(const Json& report);
 /// reports, and where there is none.
 std::string recognitions_text(const Json& report);
 
-/// What a report is of, for titles: the method, and the score where it is not raw distances.
+/// One row: the counts by view. Only for a report that has them ("by_view").
+Table view_table(const Json& report);
+
+/// What a report is of, for titles: the name that the user gave; else the method, and the score
+/// where it is not raw distances.
 std::string method_title(const Json& report);
 /// "method on query".
 std::string evaluation_title(const Json& report);

@@ -74,7 +74,7 @@ char letter_of(const QueryOutcome& query) {
     case Verdict::correct:
       return 'c';
     case Verdict::incorrect:
-      return query.has_match ? 'w' : 'n';
+      return query.has_match ? 'w' : query.is_unreachable ? 'b' : 'n';
     case Verdict::ignored:
       return 'i';
     case Verdict::unreadable:
@@ -120,10 +120,14 @@ Table curve_table(const Json& report) {
   const Json& metrics = report["metrics"];
   Table table;
   table.title = fmt::format(
-      "Metrics ({} queries with a match; {} without one, wrong if accepted; {} ignored, {} "
+      "Metrics ({} queries with a match; {} without one, wrong if accepted{}; {} ignored, {} "
       "unreadable, left out{})",
-      best["queries"].dump(), best["without_match"].dump(), best["ignored"].dump(),
-      best["unreadable"].dump(),
+      best["queries"].dump(), best["without_match"].dump(),
+      best["unreachable"] == 0
+          ? ""
+          : fmt::format("; {} whose place lies where no training window ends, likewise",
+                        best["unreachable"].dump()),
+      best["ignored"].dump(), best["unreadable"].dump(),
       metrics["single_best"].contains("tied_queries")
           ? fmt::format("; {} tied, to the first", metrics["single_best"]["tied_queries"].dump())
           : "");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "evaluation/ground_truth/fingerprint.h"
 #include "report/evaluation_report.h"
 #include "report/metrics_report.h"
 
@@ -36,10 +37,14 @@ Json scores_report_json(const ScoreSettings& settings, const std::string& query,
       "the reference with the best score, ties to the first; rate = correct / (queries - ignored)";
   json["protocol"]["without_match"] =
       "a query without a match in the ground truth is not among the queries of rate and recall";
+  if (settings.window_length > 1)
+    json["protocol"]["unreachable"] =
+        "neither is one whose anchor has matches only where no training window ends";
   json["protocol"]["unreadable"] = "a query without any score";
   add_metrics_protocol(json["protocol"], judgement, false);
   json["provenance"] = provenance_json(run);
   json["provenance"]["scores"] = fingerprint;
+  json["provenance"]["ground_truth"] = ground_truth_fingerprint(truth, judgement.layout.scope);
   return json;
 }
 

@@ -10,6 +10,9 @@
 
 namespace vpr {
 
+/// The query of scores of which nobody says what the query is.
+inline constexpr const char* kUnnamedQuery = "queries";
+
 /// What is known of a score matrix; keys of "settings".
 struct ScoreSettings {
   std::string method = "scores";  ///< a name for tables

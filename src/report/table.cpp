@@ -142,6 +142,33 @@ std::string latex_table(const Table& table) {
 
 }  // namespace
 
+Table stack_tables(const std::vector<Table>& tables, const std::string& key,
+                   const std::vector<std::string>& names) {
+  Table stacked;
+  stacked.columns = {key};
+  for (const Table& table : tables) {
+    for (const std::string& column : table.columns)
+      if (std::count(stacked.columns.begin() + 1, stacked.columns.end(), column) == 0)
+        stacked.columns.push_back(column);
+    const bool is_alike = table.title == tables.front().title;
+    if (is_alike && (&table == &tables.front() || !stacked.title.empty()))
+      stacked.title = table.title;
+    else
+      stacked.title.clear();
+  }
+  for (const Table& table : tables) {
+    for (const auto& row : table.rows) {
+      auto& cells = stacked.rows.emplace_back(stacked.columns.size());
+      cells[0] = names[stacked.rows.size() - 1];
+      for (size_t c = 0; c < row.size(); ++c)
+        cells[static_cast<size_t>(
+            std::find(stacked.columns.begin() + 1, stacked.columns.end(), table.columns[c]) -
+            stacked.columns.begin())] = row[c];
+    }
+  }
+  return stacked;
+}
+
 std::string render_table(const Table& table, TableFormat format) {
   for ([[maybe_unused]] const auto& row : table.rows) assert(row.size() == table.columns.size());
   switch (format) {

@@ -22,6 +22,12 @@ struct Table {
   std::vector<std::vector<std::string>> rows;  ///< each as long as `columns`
 };
 
+/// The rows of all tables below each other, under every column that any of them has, in the order
+/// in which they first occur; cells are empty where a table lacks the column. A first column `key`
+/// holds `names`, one a row. The title is the first table's, or none where titles differ.
+Table stack_tables(const std::vector<Table>& tables, const std::string& key,
+                   const std::vector<std::string>& names);
+
 /// Ends with a line feed. CSV leaves the title out; special characters are escaped in each format.
 std::string render_table(const Table& table, TableFormat format);
 

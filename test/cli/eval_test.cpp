@@ -229,3 +229,112 @@ TEST_CASE("damaged reports are refused") {
   CHECK(run_program("vpr-eval", {"compare", folder / "good.json", folder / "old.json"}).exit_code ==
         4);
 }
+
+TEST_CASE("reports with different ground truths are not compared, unless it is asked for") {
+  const test::TemporaryFolder folder;
+  const std::string scores = write_scores(folder);
+  test::write_text(folder / "g.csv", "query,reference\n0,0\n1,1\n2,3\n11,11\n");
+  std::string same = "query,reference\n";
+  for (int i = 0; i < 12; ++i) same += std::to_string(i) + "," + std::to_string(i) + "\n";
+  test::write_text(folder / "same.csv", same);
+  for (const auto& [name, truth] : std::vector<std::pair<std::string, std::string>>{
+           {"a", "aligned"}, {"b", folder / "g.csv"}, {"c", folder / "same.csv"}})
+    REQUIRE(run_program("vpr-eval", {"--scores", scores, "--distance", "--ground-truth", truth,
+                                     "-o", folder / (name + ".json"), "--quiet"})
+                .exit_code == 0);
+  const auto refused = run_program("vpr-eval", {"compare", folder / "a.json", folder / "b.json"});
+  CHECK(refused.exit_code == 4);
+  CHECK(refused.err.find("--allow-different") != std::string::npos);
+  const auto allowed = run_program("vpr-eval", {"compare", folder / "a.json", folder / "b.json",
+                                                "--allow-different", "-o", folder / "d.json"});
+  CHECK(allowed.exit_code == 0);
+  CHECK(allowed.out.find("ground truths: different") != std::string::npos);
+  const Json found = Json::parse(test::read_text(folder / "d.json"));
+  CHECK(found["ground_truths"] == "different");
+  CHECK(found["queries"]["disputed"] == 8);
+  CHECK(found["queries"]["common"] == 4);
+  // The same pairs in another format are the same ground truth.
+  CHECK(report_of({"compare", folder / "a.json", folder / "c.json"})["ground_truths"] == "same");
+  Json old = Json::parse(test::read_text(folder / "b.json"));
+  old["provenance"].erase("ground_truth");
+  old["outcomes"]["best"] = "cccccccccwww";
+  test::write_text(folder / "old.json", old.dump());
+  const auto unknown =
+      run_program("vpr-eval", {"compare", folder / "a.json", folder / "old.json", "--json"});
+  CHECK(unknown.exit_code == 0);
+  CHECK(unknown.err.find("not known") != std::string::npos);
+  CHECK(Json::parse(unknown.out)["ground_truths"] == "unknown");
+}
+
+TEST_CASE("names that users give stay, and only automatic ones that clash make way") {
+  const test::TemporaryFolder folder;
+  const std::string scores = write_scores(folder);
+  for (const auto& [file, name] :
+       std::vector<std::pair<std::string, std::string>>{{"a", "MyNet"}, {"b", ""}, {"c", ""}}) {
+    std::vector<std::string> words = {"--scores",
+                                      scores,
+                                      "--distance",
+                                      "--ground-truth",
+                                      "aligned",
+                                      "-o",
+                                      folder / (file + ".json"),
+                                      "--quiet"};
+    if (!name.empty()) words.insert(words.end(), {"--name", name});
+    REQUIRE(run_program("vpr-eval", words).exit_code == 0);
+  }
+  const auto names = [&](const std::vector<std::string>& files) {
+    std::vector<std::string> words = {"compare"};
+    for (const std::string& file : files) words.push_back(folder / (file + ".json"));
+    const Json compared = report_of(words);
+    std::vector<std::string> found;
+    for (const Json& report : compared["reports"])
+      found.push_back(report["name"].get<std::string>());
+    return found;
+  };
+  CHECK(names({"a", "b"}) == std::vector<std::string>{"MyNet", "s"});
+  CHECK(names({"a", "b", "c"}) == std::vector<std::string>{"MyNet", "b", "c"});
+  CHECK(names({"b", "a", "b"}) == std::vector<std::string>{"b (1)", "MyNet", "b (3)"});
+  CHECK(names({"a", "a"}) == std::vector<std::string>{"MyNet (1)", "MyNet (2)"});
+}
+
+TEST_CASE("single queries are written as rows for data frames") {
+  const test::TemporaryFolder folder;
+  const std::vector<std::string> words = {
+      "--scores", write_scores(folder), "--distance",    "--ground-truth", "aligned", "--name",
+      "a,b",      "--outcomes-csv",     folder / "o.csv"};
+  REQUIRE(run_program("vpr-eval", words).exit_code == 0);
+  const std::string text = test::read_text(folder / "o.csv");
+  CHECK(text.starts_with(
+      "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank\n"
+      "\"a,b\",queries,0,0,references,0,1,right,yes,right,1\n"));
+  CHECK(text.find("\"a,b\",queries,11,11,references,0,11,wrong,yes,none,") != std::string::npos);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 13);
+  CHECK(run_program("vpr-eval", words).exit_code == 2);  // it exists
+  auto places = words;
+  places[7] = "--recognitions-csv";
+  places[8] = folder / "r.csv";
+  CHECK(run_program("vpr-eval", places).exit_code == 2);
+}
+
+TEST_CASE("a tolerance below 0 is refused in a sentence") {
+  const test::TemporaryFolder folder;
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--scores", write_scores(folder), "--distance", "--ground-truth",
+                                 "aligned", "--tolerance", "-1"},
+        {"check", "aligned", "--tolerance", "-1", "--query-frames", "3", "--train-frames", "3"}}) {
+    const auto run = run_program("vpr-eval", words);
+    CHECK(run.exit_code == 2);
+    CHECK(run.err.find("must be 0 frames or more, found -1") != std::string::npos);
+  }
+}
+
+TEST_CASE("a pose that is missing costs the metres and nothing else") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n2,1,1\n");
+  const auto run =
+      run_program("vpr-eval", {"--scores", write_scores(folder), "--distance", "--ground-truth",
+                               "aligned", "--poses", folder / "p.csv", "--json"});
+  CHECK(run.exit_code == 0);
+  CHECK(run.err.find("no pose of 10 of 12 frames") != std::string::npos);
+  CHECK(Json::parse(run.out)["localisation"]["longest_gap_m"].is_null());
+}

@@ -218,3 +218,49 @@ TEST_CASE("vpr-query and vpr-tune take every format, and data sets name it") {
         parse(run_program("vpr-eval", {walk().path("r.json"), "--ground-truth",
                                        walk().path("g.csv"), "--json"}))["counts"]);
 }
+
+TEST_CASE("several results make one table, with a row and a name for each") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-query", {walk().database(), "--query", walk().path("one"), "--c-l", "3",
+                                    "--t-r", "0.9", "-o", out / "long.json", "--quiet"})
+              .exit_code == 0);
+  std::vector<std::string> words = {walk().path("r.json"), out / "long.json", "--ground-truth",
+                                    walk().path("g.csv")};
+  auto csv = words;
+  csv.insert(csv.end(), {"--format", "csv", "--name", "c_l 2", "--name", "c_l 3", "--outcomes-csv",
+                         out / "o.csv", "--recognitions-csv", out / "p.csv"});
+  const auto table = run_program("vpr-eval", csv);
+  INFO(table.err);
+  REQUIRE(table.exit_code == 0);
+  CHECK(table.out.starts_with("name,method,query,c_l,"));
+  CHECK(std::count(table.out.begin(), table.out.end(), '\n') == 3);
+  CHECK(table.out.find("\nc_l 3,fastable,one,3,") != std::string::npos);
+  const std::string outcomes = test::read_text(out / "o.csv");
+  CHECK(std::count(outcomes.begin(), outcomes.end(), '\n') == 1 + 7 + 6);
+  CHECK(outcomes.find("\nc_l 2,one,0,1,one,1,") != std::string::npos);
+  CHECK(test::read_text(out / "p.csv").starts_with("name,query,sequence,first_frame,frame,"));
+  auto json = words;
+  json.insert(json.end(), {"--json", "-o", out / "reports.json"});
+  const Json reports = parse(run_program("vpr-eval", json));
+  CHECK(reports["schema"] == "vpr.reports/1");
+  CHECK(reports["reports"][1]["name"] == "long");
+  CHECK(reports["reports"][1]["report"]["settings"]["c_l"] == 3);
+  auto mistaken = words;
+  mistaken.insert(mistaken.end(), {"--name", "one only"});
+  check_failure(run_program("vpr-eval", mistaken), 2, "2 results and 1 names");
+  mistaken = words;
+  mistaken.insert(mistaken.end(), {"--html", out / "x.html"});
+  check_failure(run_program("vpr-eval", mistaken), 2, "one result");
+  const std::string text = run_program("vpr-eval", words).out;
+  CHECK(text.find("By view") != std::string::npos);
+}
+
+TEST_CASE("what says how a ground truth is read needs one") {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--tolerance", "3"}, {"--radius", "2"}}) {
+    std::vector<std::string> query = {
+        walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9", "--json"};
+    query.insert(query.end(), words.begin(), words.end());
+    check_failure(run_program("vpr-query", query), 2, "--save-matrix");
+  }
+}

@@ -20,6 +20,9 @@ trap 'rm -rf "$out"' EXIT
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/corridor" --only-sequence corridor --c-l 5 --t-r 0.3 \
   --save-matrix "$out/s.npy" -o "$out/rs.json" --quiet
 "$bin/vpr-eval" --scores "$out/s.npy" --distance --window 5 --ground-truth aligned -o "$out/es.json" --quiet
+"$bin/vpr-eval" "$out/r.json" "$out/r2.json" --dataset "$out/building/dataset.json" --name a --name b \
+  -o "$out/several.json" --quiet
+"$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --name mine -o "$out/en.json" --quiet
 "$bin/vpr-eval" compare "$out/e.json" "$out/em.json" -o "$out/cmp.json" --quiet
 echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
@@ -50,5 +53,6 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   "$out/p.json" "$out/c.json" "$out/cv.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json" \
+  "$out/several.json" "$out/en.json" \
   "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \
   "$out/s3.json" "$out/best.json"

@@ -89,6 +89,19 @@ TEST_CASE("methods that cannot be compared are refused") {
   CHECK(kind({method("cw"), method("cu")}) == std::nullopt);
 }
 
+TEST_CASE("queries that ground truths disagree on, or windows can't reach, are left out") {
+  const std::vector<NamedOutcomes> methods = {method("cwcc"), method("cnwc")};
+  const Comparison found = compare_outcomes(methods, 1, 10, 1, {}, Disputed::leave_out);
+  CHECK(found.common == 3);
+  CHECK(found.disputed == 1);
+  CHECK(find(found, "recall_at_1", 1).value == Approx(2 / 3.0));
+  NamedOutcomes longer = method("cnwc");
+  longer.outcomes.queries[1].is_unreachable = true;
+  const Comparison reached = compare({method("cwcc"), longer});
+  CHECK(reached.common == 3);
+  CHECK(reached.disputed == 0);
+}
+
 TEST_CASE("recall@K beyond 1 is compared where all ranks are known") {
   NamedOutcomes one = method("cw");
   one.outcomes.has_ranks = true;

@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "evaluation/view_counts.h"
+
 using namespace vpr;
 
 namespace {
@@ -94,6 +96,50 @@ TEST_CASE("a window for which an approximate method found nothing is wrong") {
   CHECK(best.queries == 8);
   CHECK(best.correct == 1);
   CHECK(best.unreadable == 0);
+}
+
+TEST_CASE("a place in front of the first training anchor can't be found, and is counted apart") {
+  SequenceResult result = example();
+  result.sequences.push_back({"short", 2, 0, true, 0.5, ThresholdScale::relative, 10, 100});
+  GroundTruth truth;
+  truth.pairs.resize(10);
+  // No window ends in front of frame 2, and none in the short sequence.
+  truth.pairs[2] = {{0, 0, PlaceLabel::same}};
+  truth.pairs[3] = {{0, 1, PlaceLabel::same}};
+  truth.pairs[4] = {{0, 0, PlaceLabel::same, 2}};
+  truth.pairs[5] = {{0, 2, PlaceLabel::ignore}, {1, 1, PlaceLabel::same}};
+  truth.pairs[6] = {{0, 9, PlaceLabel::same}};
+  for (uint32_t window = 0; window < 8; ++window) result.best[window] = Cell{window, 0, 0, 5};
+  const auto best = [&] { return count_recognitions(result, truth).best_match; };
+  CHECK(best().queries == 2);  // anchors 4 and 6
+  CHECK(best().correct == 1);
+  CHECK(best().unreachable == 3);
+  CHECK(best().without_match == 3);
+  truth.tolerance_frames = 1;  // frame 1 reaches the anchor 2
+  CHECK(best().queries == 3);
+  CHECK(best().unreachable == 2);
+}
+
+TEST_CASE("a stop counts once where counts are by view") {
+  SequenceResult result = example();
+  CHECK_FALSE(count_by_view(result, aligned(0)));
+  result.views = ResultViews{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
+  // Query views of anchors: 2; 3 to 6; 7 to 9. Training views: 2; 3; 4 to 7; 8 and 9.
+  for (uint32_t window = 0; window < 8; ++window) result.best[window] = Cell{window, 0, window, 5};
+  result.best[2] = Cell{2, 0, 7, 5};
+  result.best[5] = result.best[6] = result.best[7] = Cell{5, 0, 0, 5};
+  result.hits = {{0, 0, 0, 1}, {1, 0, 6, 1}, {1, 0, 7, 1}, {2, 0, 2, 1},
+                 {2, 0, 3, 1}, {3, 0, 6, 1}, {6, 0, 7, 1}, {7, 0, 6, 1}};
+  const CountsByView counts = *count_by_view(result, aligned(0));
+  CHECK(counts.query_views == 5);
+  CHECK(counts.train_views == 6);
+  CHECK(counts.hits.correct == 1);    // 2 and 2
+  CHECK(counts.hits.incorrect == 2);  // 3 to 6 and 8 to 9, three hits; 7 to 9 and 8 to 9, two
+  CHECK(counts.hits.mixed == 1);      // 3 to 6 and 4 to 7: frames 4 and 4, 4 and 5
+  CHECK(counts.best_match.correct == 1);
+  CHECK(counts.best_match.mixed == 1);
+  CHECK(counts.best_match.incorrect == 1);
+  CHECK(*counts.best_match_rate() == Approx((1 + 0.75 + 0) / 3));
 }
 
 TEST_CASE("without queries there is no rate") { CHECK_FALSE(BestMatchCounts{}.rate().has_value()); }

@@ -42,6 +42,47 @@ TEST_CASE("an earlier report is an expectation") {
   CHECK(unmet(other.dump()).size() == 1);
 }
 
+TEST_CASE("settings and ground truth of an earlier report are expected, too") {
+  Json report = kReport;
+  report["settings"] = {{"c_l", 10}, {"t_r", "auto"}, {"clustering", {{"eps", 2}}}};
+  report["protocol"] = {{"ground_truth", "aligned"}, {"tolerance_frames", 3}, {"anchor", "last"}};
+  report["provenance"] = {{"ground_truth", "xxh3:a"}, {"commit", "1"}};
+  const auto unmet_of = [&](const Json& expected) {
+    return unmet_expectations(report, expected, "e.json");
+  };
+  Json baseline = report;
+  baseline["provenance"]["commit"] = "2";
+  baseline["protocol"]["anchor"] = "in other words";
+  CHECK(unmet_of(baseline).empty());
+  baseline["protocol"]["ground_truth"] = "the same in another format";
+  CHECK(unmet_of(baseline).empty());
+  baseline["settings"]["c_l"] = 99;
+  baseline["settings"]["clustering"]["eps"] = 3;
+  baseline["protocol"]["tolerance_frames"] = 7;
+  baseline["provenance"]["ground_truth"] = "xxh3:b";
+  CHECK(unmet_of(baseline) ==
+        std::vector<std::string>{"settings.c_l: expected 99, found 10",
+                                 "settings.clustering.eps: expected 3, found 2",
+                                 "protocol.tolerance_frames: expected 7, found 3",
+                                 "provenance.ground_truth: expected \"xxh3:b\", found \"xxh3:a\""});
+  baseline = report;
+  baseline.erase("provenance");  // of an older version
+  CHECK(unmet_of(baseline).empty());
+  baseline["protocol"]["ground_truth"] = "pairs";
+  CHECK(unmet_of(baseline).size() == 1);
+  CHECK(unmet_of(Json::parse(R"({"schema": "vpr.expected/1", "counts": {"distinct": 3},
+                                 "settings": {"c_l": 11}})"))
+            .size() == 1);
+}
+
+TEST_CASE("the name of a score matrix is not expected") {
+  const Json report = Json::parse(R"({"schema": "vpr.report/1", "best_match": {"correct": 3},
+      "settings": {"method": "new", "window": 1}})");
+  Json baseline = report;
+  baseline["settings"]["method"] = "old";
+  CHECK(unmet_expectations(report, baseline, "e.json").empty());
+}
+
 TEST_CASE("expectations that can't fail, or can't be met, are usage errors") {
   const std::string text = GENERATE(
       "{}", "3", R"({"schema": "vpr.expected/1"})", R"({"schema": "vpr.expected/1", "counts": {}})",

@@ -8,10 +8,13 @@
 #include "base/error.h"
 #include "base/npy.h"
 #include "evaluation/ground_truth.h"
+#include "evaluation/ground_truth/builder.h"
+#include "evaluation/ground_truth/fingerprint.h"
 #include "evaluation/ground_truth/formats.h"
 #include "evaluation/ground_truth/pose_matches.h"
 #include "evaluation/ground_truth/presets.h"
 #include "evaluation/ground_truth/utm_names.h"
+#include "evaluation/ground_truth/writing.h"
 #include "support.h"
 
 using namespace vpr;
@@ -138,6 +141,7 @@ TEST_CASE("headings go round the circle, and both bounds are included") {
   files.text("r.csv", "frame,x,y,heading\n0,0,0,10\n1,0,0,170\n2,0,0,11\n");
   GroundTruthArgument argument{"poses", "q.csv"};
   argument.options.reference = "r.csv";
+  argument.options.radius_m = 25;
   argument.options.angle_deg = 20;
   CHECK(files.read(argument, 2, 3) == "S.. .S.");
   files.text("r.csv", "frame,x,y\n0,0,0\n1,0,0\n2,0,0\n");
@@ -149,6 +153,7 @@ TEST_CASE("ranges of pose files are those of the sequences") {
   files.text("all.csv", "frame,x,y\n0,0,0\n1,100,0\n2,200,0\n3,300,0\n4,400,0\n");
   GroundTruthArgument argument{"", "all.csv@1:5:2"};  // frames 1 and 3
   argument.options.reference = "all.csv@3:";          // frames 3 and 4
+  argument.options.radius_m = 25;
   CHECK(files.read(argument, 2, 2) == ".. S.");
   CHECK(test::error_kind([&] { files.read(argument, 2, 1); }) == ErrorKind::data);
   // The other frames of a longer query would be ignored without a word.
@@ -159,6 +164,55 @@ TEST_CASE("ranges of pose files are those of the sequences") {
   argument.options.reference = files.folder / "all.csv";
   CHECK(read_ground_truth(argument, {3, {{"ref", 6}}})
             .protocol.find("1 query and 1 training frames without a pose") != std::string::npos);
+}
+
+TEST_CASE("poses need a radius, and one that calls everything the same is warned of") {
+  const Files files;
+  std::string line = "frame,x,y\n";
+  for (int i = 0; i < 30; ++i) line += fmt::format("{},{},0\n", i, i);
+  files.text("p.csv", line);
+  GroundTruthArgument argument{"", files.folder / "p.csv"};
+  argument.options.reference = files.folder / "p.csv";
+  const GroundTruthScope scope{30, {{"ref", 30}}};
+  const std::string missing = test::error_text([&] { read_ground_truth(argument, scope); });
+  CHECK(missing.find("--radius 2") != std::string::npos);
+  CHECK(missing.find("radius_m") != std::string::npos);
+  std::vector<std::string> warnings;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  argument.options.radius_m = 1;  // 88 of 900 pairs
+  read_ground_truth(argument, scope, monitor);
+  CHECK(warnings.empty());
+  argument.options.radius_m = 2;  // 144 of 900
+  read_ground_truth(argument, scope, monitor);
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("within 2 m lie 16 % of all pairs") != std::string::npos);
+}
+
+TEST_CASE("lines that begin with # may stand in front of a header") {
+  const Files files;
+  files.text("p.csv", "# made by hand\n#\nframe,x,y\n0,0,0\n1,one,0\n");
+  files.text("g.csv", "# made by hand\nquery,reference\n0,1\n");
+  CHECK(files.read("g.csv", 1, 2) == ".S");
+  GroundTruthArgument argument{"", "p.csv"};
+  argument.options.reference = "p.csv";
+  argument.options.radius_m = 1;
+  CHECK(test::error_text([&] { files.read(argument, 2, 2); }).find("line 5") != std::string::npos);
+}
+
+TEST_CASE("ranges of pairs are those of the query") {
+  const Files files;
+  files.text("g.csv", "query,reference\n0,0\n1,1\n2,2\n3,3\n4,4\n");
+  CHECK(files.read("g.csv@1:4", 3, 5) == ".S... ..S.. ...S.");
+  CHECK(files.read("g.csv@1:5:2", 2, 5) == ".S... ...S.");
+  CHECK(files.read("g.csv@3:", 2, 5) == "...S. ....S");
+  CHECK(test::error_text([&] { files.read("g.csv@1:4", 2, 5); }).find("its range has 3 frames") !=
+        std::string::npos);
+  const std::string beyond = test::error_text([&] { files.read("g.csv", 3, 5); });
+  CHECK(beyond.find("line 5: query 3 is out of range") != std::string::npos);
+  CHECK(beyond.find("g.csv@60:111") != std::string::npos);
+  files.matrix<uint8_t>("m.npy", {0, 1, 0, 0}, 2, 2, "|b1");
+  CHECK(test::error_kind([&] { files.read("m.npy@1:2", 1, 2); }) == ErrorKind::usage);
 }
 
 TEST_CASE("near poses are found as by comparing all with all") {
@@ -258,6 +312,9 @@ TEST_CASE("folders of such images: 25 m unless something else is said") {
   argument.options.reference = "r";
   // Natural order sorts by the numbers in the names, as it does for the frames themselves.
   CHECK(files.read(argument, 1, 12) == "SSSSSSSSSSS.");
+  CHECK(read_ground_truth({"", files.folder / "q", 0, {files.folder / "r", {}, {}, {}, {}, {}}},
+                          {1, {{"ref", 12}}})
+            .protocol.find("within 25 m, the radius of the benchmark") != std::string::npos);
   argument.options.radius_m = 2.4;
   CHECK(files.read(argument, 1, 12) == "SS..........");
   files.text("r/plain.jpg", "");
@@ -463,6 +520,76 @@ TEST_CASE("a check counts what reading refuses") {
   CHECK(found.findings[size_t(FindingKind::contradiction)].count == 1);
   CHECK(found.findings[size_t(FindingKind::duplicate)].count == 1);
   CHECK(draw(found.truth, 2, 3) == "S.. .S.");
+}
+
+TEST_CASE("labels that overlap are counted against the runs that they overlap") {
+  // A run of 0 to 9 that is the same, 2 to 12 to ignore, and then 5 to 8 and 5 to 11 the same
+  // again.
+  const GroundTruthArgument argument{"pairs", "made up"};
+  GroundTruthBuilder builder(argument, {1, {{"ref", 20}}}, OddPairs::count, {});
+  builder.add(0, 0, 0, 9, PlaceLabel::same);
+  builder.add(0, 0, 2, 12, PlaceLabel::ignore);
+  builder.add(0, 0, 5, 8, PlaceLabel::same);
+  builder.add(0, 0, 5, 11, PlaceLabel::same);
+  const InspectedGroundTruth found = builder.finish("");
+  CHECK(found.findings[size_t(FindingKind::contradiction)].count == 8 + 2);
+  CHECK(found.findings[size_t(FindingKind::duplicate)].count == 4 + 5);
+  CHECK(found.findings[size_t(FindingKind::duplicate)].examples[0].find("reference 5 is given") !=
+        std::string::npos);
+  CHECK(draw(found.truth, 1, 14) == "SSSSSSSSSSiii.");
+}
+
+TEST_CASE("runs of labels are those of the definition") {
+  uint64_t state = 11;
+  const auto next = [&](uint64_t below) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<uint32_t>((state >> 33) % below);
+  };
+  for (int round = 0; round < 300; ++round) {
+    GroundTruth truth;
+    truth.pairs.resize(1);
+    truth.tolerance_frames = next(6);
+    for (uint32_t at = next(4); at < 44;) {
+      const auto label = next(2) == 0 ? PlaceLabel::same : PlaceLabel::ignore;
+      truth.pairs[0].push_back({0, at, label, next(5)});
+      at += truth.pairs[0].back().further + 1 + next(3);
+    }
+    std::string drawn(40, '.');
+    size_t end = 0;
+    for (const LabelRun& run : label_runs(truth, 0, 0, 40)) {
+      CHECK(run.first >= end);
+      end = run.last + 1;
+      REQUIRE(end <= 40);
+      for (size_t r = run.first; r <= run.last; ++r)
+        drawn[r] = ".Si"[static_cast<size_t>(run.label)];
+    }
+    REQUIRE(drawn == draw(truth, 1, 40));
+  }
+}
+
+TEST_CASE("a fingerprint is of what is said of every pair, not of how") {
+  const Files files;
+  const auto fingerprint = [&](GroundTruthArgument argument, const GroundTruthScope& scope) {
+    if (!argument.path.empty()) argument.path = files.folder / argument.path.string();
+    return ground_truth_fingerprint(read_ground_truth(argument, scope), scope);
+  };
+  const GroundTruthScope one{3, {{"ref", 4}}};
+  const std::string aligned = fingerprint({"aligned", {}, 1}, one);
+  files.text("a.csv", "query,reference\n0,0\n1,1\n2,2\n");
+  files.text("b.csv", "query,reference\n2,3\n2,1\n2,2\n1,2\n1,1\n1,0\n0,1\n0,0\n");
+  files.matrix<uint8_t>("m.npy", {1, 1, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1}, 3, 4, "|b1");
+  CHECK(fingerprint({"", "a.csv", 1}, one) == aligned);
+  CHECK(fingerprint({"", "b.csv"}, one) == aligned);
+  CHECK(fingerprint({"", "m.npy"}, one) == aligned);
+  CHECK(fingerprint({"", "a.csv"}, one) != aligned);
+  CHECK(fingerprint({"aligned", {}, 2}, one) != aligned);
+  // Names, and sequences that were not searched or have no pair, change nothing.
+  CHECK(fingerprint({"aligned", {}, 1}, {3, {{"other", 9, false}, {"references", 4}}}) == aligned);
+  files.text("s.csv", "query,sequence,reference\n0,ref,0\n1,ref,1\n2,ref,2\n");
+  CHECK(fingerprint({"", "s.csv", 1}, {3, {{"ref", 4}, {"more", 7}}}) == aligned);
+  CHECK(fingerprint({"", "s.csv", 1}, {3, {{"more", 7}, {"ref", 4}}}) != aligned);
+  files.text("i.csv", "query,reference,label\n0,0,\n1,1,\n2,2,\n0,3,ignore\n");
+  CHECK(fingerprint({"", "i.csv", 1}, one) != aligned);
 }
 
 TEST_CASE("one large index does not make a file large") {

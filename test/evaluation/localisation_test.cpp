@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "base/monitor.h"
 #include "evaluation/travelled.h"
 #include "support.h"
 
@@ -97,6 +98,7 @@ TEST_CASE("best matches are fixes up to the threshold, which counts") {
     outcomes.queries.push_back({frame,
                                 frame == 1 ? Verdict::incorrect : Verdict::correct,
                                 true,
+                                false,
                                 FrameMatch{0, frame},
                                 10 + frame,
                                 false,
@@ -108,15 +110,28 @@ TEST_CASE("best matches are fixes up to the threshold, which counts") {
 TEST_CASE("ways are sums of straight lines") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y,heading\n1,3,4,0\n0,0,0,0\n2,3,5.5,90\n");
-  CHECK(read_travelled(folder / "p.csv", 3) == std::vector<double>{0, 5, 6.5});
+  CHECK(read_travelled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6.5});
+  test::write_text(folder / "all.csv", "# a recording\nframe,x,y\n5,3,+4\n3,0,0\n9,1,1\n");
+  CHECK(read_travelled(folder / "all.csv@3:6:2", 2, {}) == std::vector<double>{0, 5});
+}
+
+TEST_CASE("without the pose of a frame there are no metres, which is said once") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n3,1,1\n");
+  std::vector<std::string> warnings;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  CHECK(read_travelled(folder / "p.csv", 4, monitor).empty());
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("no pose of 2 of 4 frames (the first is frame 1)") != std::string::npos);
 }
 
 TEST_CASE("damaged positions are refused") {
   const test::TemporaryFolder folder;
-  const std::string csv = GENERATE("", "x,y\n", "frame,x,y\n0,0,0\n", "frame,x,y\n0,0,0\n0,1,1\n",
+  const std::string csv = GENERATE("", "x,y\n", "frame,x,y\n0,0,0\n0,1,1\n",
                                    "frame,x,y\n0,0,0\n2,1,1\n", "frame,x,y\n0,0,0\n1,a,1\n",
                                    "frame,x,y\n0,0,0\n1,1\n", "frame,x,y\n0,0,0\n1,nan,1\n",
                                    "frame,x,y\n0,0,0\n-1,1,1\n", "frame,x,y\n0,0,0\n1,inf,1\n");
   test::write_text(folder / "p.csv", csv);
-  CHECK(test::error_kind([&] { read_travelled(folder / "p.csv", 2); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_travelled(folder / "p.csv", 2, {}); }) == ErrorKind::data);
 }

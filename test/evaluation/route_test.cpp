@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "base/monitor.h"
 #include "evaluation/travelled.h"
 #include "support.h"
 
@@ -35,7 +36,7 @@ TEST_CASE("a route is read by the names of its columns") {
 TEST_CASE("the way walked is read from the same file") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,time,x,y\n0,0,0,0\n1,1,3,4\n2,2,3,5\n");
-  CHECK(read_travelled(folder / "p.csv", 3) == std::vector<double>{0, 5, 6});
+  CHECK(read_travelled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6});
 }
 
 TEST_CASE("places and walls are read, the first view of a place counting") {
@@ -53,9 +54,10 @@ TEST_CASE("places and walls are read, the first view of a place counting") {
 }
 
 TEST_CASE("damaged routes are errors in the data") {
-  for (const char* text : {"", "frame,x\n0,1\n", "frame,x,y\n0,1\n", "frame,x,y\n-1,1,1\n",
-                           "frame,x,y\n99999999999999999999,1,1\n", "frame,x,y\n0,one,1\n",
-                           "frame,x,y\n0,nan,1\n", "frame,x,y\n0,1e999,1\n"})
+  for (const char* text :
+       {"", "frame,x\n0,1\n", "frame,x,y\n0,1\n", "frame,x,y\n-1,1,1\n",
+        "frame,x,y\n99999999999999999999,1,1\n", "frame,x,y\n0,one,1\n", "frame,x,y\n0,nan,1\n",
+        "frame,x,y\n0,1e999,1\n", "frame,x,y\n0,1,1\n0,2,2\n"})
     CHECK(kind_of(text, read_route) == ErrorKind::data);
   CHECK(kind_of("x0,y0,x1\n0,0,0\n", read_walls) == ErrorKind::data);
   CHECK(kind_of("place,x\na,0\n", read_place_positions) == ErrorKind::data);

@@ -51,6 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto& uses = find_format(argument.format).options;
   for (const auto& option : uses) {
     if (option == "reference") argument.options.reference = argument.path;
+    if (option == "radius_m") argument.options.radius_m = 25;
     if (option == "angle_deg") argument.options.angle_deg = 40;
   }
   try {

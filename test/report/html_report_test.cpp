@@ -28,6 +28,7 @@ Judgement example(const std::string& letters, size_t window_length = 1) {
     judgement.outcomes.queries.push_back({frame,
                                           letters[q] == 'c' ? Verdict::correct : Verdict::incorrect,
                                           true,
+                                          false,
                                           FrameMatch{0, frame},
                                           score_key(double(q), ScoreKind::distance),
                                           false,

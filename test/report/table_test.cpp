@@ -17,6 +17,15 @@ TEST_CASE("a text table aligns numbers to the right, by characters") {
         "\xc3\xa4       123\n");
 }
 
+TEST_CASE("tables stand below each other under every column that one of them has") {
+  const Table first = {"same", {"a", "b"}, {{"1", "2"}}};
+  const Table second = {"same", {"b", "c"}, {{"3", "4"}, {"5", "6"}}};
+  const Table stacked = stack_tables({first, second}, "name", {"x", "y", "z"});
+  CHECK(stacked.title == "same");
+  CHECK(render_table(stacked, TableFormat::csv) == "name,a,b,c\nx,1,2,\ny,,3,4\nz,,5,6\n");
+  CHECK(stack_tables({first, {"other", {"a"}, {}}}, "name", {"x"}).title.empty());
+}
+
 TEST_CASE("CSV quotes what it must and has no title") {
   CHECK(render_table(kTable, TableFormat::csv) == "name,n\n\"a|b, c\",7\n\xc3\xa4,123\n");
 }

@@ -28,10 +28,12 @@ FrameCount frame_count(size_t frames) {
 }  // namespace
 
 GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument,
-                                       const GroundTruthScope& scope, OddPairs odd)
+                                       const GroundTruthScope& scope, OddPairs odd,
+                                       const Monitor& monitor)
     : argument_(argument),
       scope_(scope),
       odd_(odd),
+      monitor_(monitor),
       query_(frame_count(scope.query_frames)),
       location_{argument.path.string()} {
   for (const auto& sequence : scope.sequences) train_.push_back(frame_count(sequence.frames));
@@ -99,11 +101,13 @@ void GroundTruthBuilder::note(FindingKind kind, uint64_t count, const std::strin
 
 void GroundTruthBuilder::note_out_of_range(std::string_view what, std::string_view text,
                                            const FrameCount& side) {
+  const std::string there = side.grows         ? ""
+                            : side.frames == 0 ? "; there are no frames"
+                                               : fmt::format("; there are {} frames (0 to {})",
+                                                             side.frames, side.frames - 1);
   note(FindingKind::out_of_range, 1,
-       side.grows         ? fmt::format("{} {} is out of range", what, text)
-       : side.frames == 0 ? fmt::format("{} {} is out of range; there are no frames", what, text)
-                          : fmt::format("{} {} is out of range; there are {} frames (0 to {})",
-                                        what, text, side.frames, side.frames - 1));
+       fmt::format("{} {} is out of range{}{}", what, text, there,
+                   &side == &query_ && odd_ == OddPairs::refuse ? query_hint_ : ""));
 }
 
 bool GroundTruthBuilder::accept(size_t index, FrameCount& side, std::string_view what) {
@@ -150,6 +154,21 @@ void GroundTruthBuilder::add_beyond_end(size_t query, size_t sequence, size_t re
   append(query, {static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
 }
 
+// Kept runs lie side by side; those that `pair`, which begins behind none of them, says again.
+void GroundTruthBuilder::note_overlaps(size_t query, std::span<const GroundTruth::Pair> kept,
+                                       const GroundTruth::Pair& pair) {
+  size_t k = kept.size();
+  while (k > 0 && kept[k - 1].sequence == pair.sequence && kept[k - 1].last() >= pair.first) --k;
+  for (; k < kept.size() && kept[k].first <= pair.last(); ++k) {
+    const uint32_t first = std::max(kept[k].first, pair.first);
+    const uint32_t last = std::min(kept[k].last(), pair.last());
+    const bool agree = pair.label == kept[k].label;
+    note(agree ? FindingKind::duplicate : FindingKind::contradiction, last - first + 1,
+         fmt::format("the pair of query {} and reference {} is {}", query, first,
+                     agree ? "given more than once" : "labelled both same and ignore"));
+  }
+}
+
 void GroundTruthBuilder::join(size_t query) {
   auto& pairs = pairs_[query];
   if (!std::is_sorted(pairs.begin(), pairs.end(), stands_before))
@@ -160,11 +179,7 @@ void GroundTruthBuilder::join(size_t query) {
     if (kept > 0 && pairs[kept - 1].sequence == pair.sequence) {
       GroundTruth::Pair& back = pairs[kept - 1];
       if (pair.first <= back.last()) {
-        const uint32_t common = std::min(back.last(), pair.last()) - pair.first + 1;
-        const bool agree = pair.label == back.label;
-        note(agree ? FindingKind::duplicate : FindingKind::contradiction, common,
-             fmt::format("the pair of query {} and reference {} is {}", query, pair.first,
-                         agree ? "given more than once" : "labelled both same and ignore"));
+        note_overlaps(query, std::span(pairs).first(kept), pair);
         if (pair.last() <= back.last()) continue;
         pair.further = pair.last() - back.last() - 1;
         pair.first = back.last() + 1;

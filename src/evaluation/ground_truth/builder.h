@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "base/error.h"
+#include "base/monitor.h"
 #include "evaluation/ground_truth.h"
 #include "evaluation/ground_truth/file_location.h"
 
@@ -26,7 +28,7 @@ struct FrameCount {
 class GroundTruthBuilder {
  public:
   GroundTruthBuilder(const GroundTruthArgument& argument, const GroundTruthScope& scope,
-                     OddPairs odd);
+                     OddPairs odd, const Monitor& monitor);
 
   const GroundTruthArgument& argument() const { return argument_; }
   const FrameCount& query() const { return query_; }
@@ -44,6 +46,10 @@ class GroundTruthBuilder {
   void at(std::string_view unit, size_t number) { location_.at(unit, number); }
   void at_file(const std::filesystem::path& path) { location_ = {path.string()}; }
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
+  /// One sentence for the user about something that is odd but no error.
+  void warn_user(const std::string& sentence) const { warn(monitor_, sentence); }
+  /// What an error says more of query frames that are out of range.
+  void set_query_hint(std::string hint) { query_hint_ = std::move(hint); }
 
   /// References first .. last of `sequence` are labelled. Any indices may be given; those that are
   /// out of range are refused or counted.
@@ -60,11 +66,15 @@ class GroundTruthBuilder {
   void note(FindingKind kind, uint64_t count, const std::string& what);
   bool accept(size_t index, FrameCount& side, std::string_view what);
   void append(size_t query, const GroundTruth::Pair& pair);
+  void note_overlaps(size_t query, std::span<const GroundTruth::Pair> kept,
+                     const GroundTruth::Pair& pair);
   void join(size_t query);
 
   const GroundTruthArgument& argument_;
   GroundTruthScope scope_;
   OddPairs odd_;
+  const Monitor& monitor_;
+  std::string query_hint_;
   FrameCount query_;
   std::vector<FrameCount> train_;
   std::vector<std::vector<GroundTruth::Pair>> pairs_;

@@ -26,6 +26,15 @@ bool has_path(const GroundTruthFormat& format) {
   return std::find(format.options.begin(), format.options.end(), "path") != format.options.end();
 }
 
+// Of the formats that use an option.
+std::string format_names_of(std::string_view option) {
+  std::vector<std::string_view> names;
+  for (const GroundTruthFormat& format : ground_truth_formats())
+    if (std::find(format.options.begin(), format.options.end(), option) != format.options.end())
+      names.push_back(format.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 std::string_view first_line(std::string_view text) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   while (!text.empty()) {
@@ -35,6 +44,12 @@ std::string_view first_line(std::string_view text) {
     if (!line.empty() && !line.starts_with('#')) return line;
   }
   return {};
+}
+
+// What an option that has no effect belongs to.
+std::string use_of(std::string_view option) {
+  if (option == "range") return "; turn it into pairs, which take one (vpr-eval convert)";
+  return fmt::format("; {} belongs to {}", option, format_names_of(option));
 }
 
 // Numbers of frames stand before a range in a path's name.
@@ -49,35 +64,35 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
       {"aligned", "frame i is frame i", {"reference_step"}, nullptr, read_aligned, nullptr, false},
       {"pairs",
        "CSV query,reference[,label] or query,sequence,reference[,label]",
-       {"path"},
+       {"path", "range"},
        is_pairs_csv,
        read_pairs_csv,
        write_pairs_csv,
        true},
       {"poses",
        "CSV frame,x,y[,heading] of either side",
-       {"path", "reference", "radius_m", "angle_deg"},
+       {"path", "range", "reference", "radius_m", "angle_deg"},
        is_pose_csv,
        read_poses,
        nullptr,
        false},
       {"tum",
        "trajectories: time x y z qx qy qz qw",
-       {"path", "reference", "radius_m", "angle_deg"},
+       {"path", "range", "reference", "radius_m", "angle_deg"},
        is_tum,
        read_tum_poses,
        nullptr,
        false},
       {"kitti",
        "trajectories: 3 x 4 matrices",
-       {"path", "reference", "radius_m", "angle_deg"},
+       {"path", "range", "reference", "radius_m", "angle_deg"},
        is_kitti,
        read_kitti_poses,
        nullptr,
        false},
       {"utm",
        "images called @east@north@...",
-       {"path", "reference", "radius_m", "angle_deg"},
+       {"path", "range", "reference", "radius_m", "angle_deg"},
        is_utm_names,
        read_utm_names,
        nullptr,
@@ -165,13 +180,14 @@ void require_options(const GroundTruthFormat& format, const GroundTruthArgument&
     const bool uses =
         std::find(format.options.begin(), format.options.end(), option) != format.options.end();
     if (is_given && !uses)
-      throw Error(ErrorKind::usage, fmt::format("{} has no effect on a ground truth of format {}",
-                                                option, format.name));
+      throw Error(ErrorKind::usage, fmt::format("{} has no effect on a ground truth of format {}{}",
+                                                option, format.name, use_of(option)));
     if (option == "path" && uses && !is_given)
       throw Error(ErrorKind::usage,
                   fmt::format("the ground truth format {} needs a path", format.name));
   };
   check("path", !argument.path.empty());
+  check("range", !parse_sequence_argument(argument.path.string()).range.is_all());
   check("reference", !options.reference.empty());
   check("soft", !options.soft.empty());
   check("radius_m", options.radius_m.has_value());

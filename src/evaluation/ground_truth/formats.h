@@ -25,8 +25,8 @@ struct FileStart {
 struct GroundTruthFormat {
   std::string_view name;
   std::string_view summary;  ///< for help texts
-  /// Which of "path", "reference", "soft", "radius_m", "angle_deg", "reference_step", "matrix_rows"
-  /// it uses.
+  /// Which of "path", "range" (of frames, behind the path), "reference", "soft", "radius_m",
+  /// "angle_deg", "reference_step", "matrix_rows" it uses.
   std::vector<std::string_view> options;
   bool (*recognise)(const FileStart& start);         ///< null: by its name only
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol in words

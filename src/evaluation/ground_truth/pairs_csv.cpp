@@ -52,8 +52,9 @@ PlaceLabel read_label(const GroundTruthBuilder& builder, const std::string& text
   builder.fail(fmt::format("label \"{}\" is neither same nor ignore", text));
 }
 
-void read_row(GroundTruthBuilder& builder, const PairColumns& columns, const CsvRow& row,
-              size_t only_sequence) {
+// Whether the row's query frame is one of the range.
+bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const CsvRow& row,
+              size_t only_sequence, const FrameRange& range) {
   builder.at("line", row.line);
   if (row.fields.size() != columns.count)
     builder.fail(fmt::format("expected {} columns, found {}", columns.count, row.fields.size()));
@@ -64,7 +65,17 @@ void read_row(GroundTruthBuilder& builder, const PairColumns& columns, const Csv
                                     builder.train(sequence), "reference");
   const PlaceLabel label =
       columns.has_label ? read_label(builder, row.fields.back()) : PlaceLabel::same;
-  if (query && reference) builder.add(*query, sequence, *reference, *reference, label);
+  const auto frame = query ? frame_in_range(range, *query) : std::nullopt;
+  if (frame && reference) builder.add(*frame, sequence, *reference, *reference, label);
+  return frame.has_value();
+}
+
+void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) {
+  const auto in_range = frame_count(source.range);
+  if (in_range && !builder.query().grows && *in_range != builder.query().frames)
+    builder.fail(fmt::format("its range has {} frames, and the query has {}", *in_range,
+                             builder.query().frames));
+  if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
 }
 
 }  // namespace
@@ -75,16 +86,20 @@ bool is_pairs_csv(const FileStart& start) {
 
 std::string read_pairs_csv(GroundTruthBuilder& builder) {
   const std::filesystem::path& path = builder.argument().path;
-  const MappedFile file(path);
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  const MappedFile file(source.path);
   const std::vector<CsvRow> rows = parse_csv(file.text(), path.string());
+  require_range(builder, source);
   const PairColumns columns = read_header(rows, builder);
   const size_t only_sequence =
       columns.has_sequence
           ? 0
           : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
-  for (size_t r = 1; r < rows.size(); ++r) read_row(builder, columns, rows[r], only_sequence);
-  return fmt::format("pairs: {} labelled pairs, references within {} frames of one count",
-                     rows.size() - 1, builder.argument().tolerance_frames);
+  size_t pairs = 0;
+  for (size_t r = 1; r < rows.size(); ++r)
+    pairs += read_row(builder, columns, rows[r], only_sequence, source.range) ? 1 : 0;
+  return fmt::format("pairs: {} labelled pairs, references within {} frames of one count", pairs,
+                     builder.argument().tolerance_frames);
 }
 
 void write_pairs_csv(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,

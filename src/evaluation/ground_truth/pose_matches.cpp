@@ -14,11 +14,12 @@
 namespace vpr {
 namespace {
 
-constexpr double kDefaultRadius = 25;
+/// Where a larger share of all pairs is the same place, hardly a match can be wrong.
+constexpr double kLargeShare = 0.1;
 
 /// What counts as the same place.
 struct Nearness {
-  double radius_m = kDefaultRadius;
+  double radius_m = 0;
   std::optional<double> angle_deg;
 };
 
@@ -86,6 +87,32 @@ std::vector<size_t> near_frames(const Pose& query, const Poses& train, const Sor
   return frames;
 }
 
+Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> usual_radius_m) {
+  const GroundTruthOptions& options = builder.argument().options;
+  if (!options.radius_m && !usual_radius_m)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: poses need the radius in metres within which frames show the same "
+                    "place, as in --radius 2 (in a corridor 1 to 3, on a road often 25), or "
+                    "\"radius_m\" in a data set",
+                    builder.argument().path.string()));
+  const Nearness nearness{options.radius_m ? *options.radius_m : *usual_radius_m,
+                          options.angle_deg};
+  if (!(nearness.radius_m >= 0) || !(nearness.angle_deg.value_or(0) >= 0))
+    throw Error(ErrorKind::usage, "radius and angle of a ground truth must not be negative");
+  return nearness;
+}
+
+void warn_of_large_share(const GroundTruthBuilder& builder, const Nearness& nearness, uint64_t same,
+                         uint64_t pairs) {
+  if (static_cast<double>(same) <= kLargeShare * static_cast<double>(pairs)) return;
+  builder.warn_user(fmt::format(
+      "{}: within {} m lie {:.0f} % of all pairs of frames, so hardly a match can be wrong; is a "
+      "smaller --radius meant?",
+      builder.argument().path.string(), nearness.radius_m,
+      100 * static_cast<double>(same) / static_cast<double>(pairs)));
+}
+
 std::string describe(const Nearness& nearness, int tolerance_frames, size_t unknown_query,
                      size_t unknown_train) {
   std::string text = fmt::format("within {} m", nearness.radius_m);
@@ -109,26 +136,26 @@ std::optional<double> angle_between(const Pose& a, const Pose& b) {
 }
 
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
-                        const Poses& train) {
-  const GroundTruthOptions& options = builder.argument().options;
-  const Nearness nearness{options.radius_m.value_or(kDefaultRadius), options.angle_deg};
-  if (!(nearness.radius_m >= 0) || !(nearness.angle_deg.value_or(0) >= 0))
-    throw Error(ErrorKind::usage, "radius and angle of a ground truth must not be negative");
+                        const Poses& train, std::optional<double> usual_radius_m) {
+  const Nearness nearness = find_nearness(builder, usual_radius_m);
   const SortedPoses sorted = sort_poses(train);
+  uint64_t known = 0;
+  uint64_t same = 0;
   for (size_t frame = 0; frame < query.size(); ++frame) {
-    if (train.empty()) break;
     if (!query[frame]) {
-      builder.add(frame, sequence, 0, train.size() - 1, PlaceLabel::ignore);
+      if (!train.empty()) builder.add(frame, sequence, 0, train.size() - 1, PlaceLabel::ignore);
       continue;
     }
-    for (const size_t reference : near_frames(*query[frame], train, sorted, nearness, builder))
+    ++known;
+    for (const size_t reference : near_frames(*query[frame], train, sorted, nearness, builder)) {
       builder.add(frame, sequence, reference, reference, PlaceLabel::same);
+      ++same;
+    }
     for (const size_t reference : sorted.unknown)
       builder.add(frame, sequence, reference, reference, PlaceLabel::ignore);
   }
-  return describe(nearness, builder.argument().tolerance_frames,
-                  static_cast<size_t>(std::count_if(query.begin(), query.end(),
-                                                    [](const auto& pose) { return !pose; })),
+  warn_of_large_share(builder, nearness, same, known * sorted.known.size());
+  return describe(nearness, builder.argument().tolerance_frames, query.size() - known,
                   sorted.unknown.size());
 }
 

@@ -26,11 +26,14 @@ using Poses = std::vector<std::optional<Pose>>;
 std::optional<double> angle_between(const Pose& a, const Pose& b);
 
 /// Labels every pair of a query frame and a frame of `sequence`: `same` if the distance is at most
-/// the argument's radius_m (default 25) and, where angle_deg is given, the angle at most that, both
-/// bounds included; `ignore` if a pose is unknown. Throws Error(data) if the numbers of poses are
-/// not those of the frames, Error(usage) for a radius or angle that is none. Returns the protocol
-/// in words. References are sorted by one coordinate, so that only those near it are compared.
+/// the argument's radius_m and, where angle_deg is given, the angle at most that, both bounds
+/// included; `ignore` if a pose is unknown. `usual_radius_m`: what the format's own protocol
+/// states, for arguments without radius_m. Warns where more than a tenth of all pairs of known
+/// poses are the same. Throws Error(data) if the numbers of poses are not those of the frames,
+/// Error(usage) for a radius or angle that is none, and where no radius is known. Returns the
+/// protocol in words. References are sorted by one coordinate, so that only those near it are
+/// compared.
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
-                        const Poses& train);
+                        const Poses& train, std::optional<double> usual_radius_m = std::nullopt);
 
 }  // namespace vpr

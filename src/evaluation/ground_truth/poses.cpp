@@ -7,12 +7,11 @@
 
 #include "base/error.h"
 #include "base/mapped_file.h"
-#include "evaluation/csv.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
 #include "evaluation/ground_truth/numbers.h"
 #include "evaluation/ground_truth/pose_matches.h"
-#include "evaluation/route.h"
+#include "evaluation/pose_csv.h"
 
 namespace vpr {
 namespace {
@@ -23,55 +22,19 @@ double read_real(const FileLocation& location, std::string_view text) {
   return *value;
 }
 
-// The frame of the range that recorded frame `index` is; nothing outside it.
-std::optional<size_t> frame_in_range(const FrameRange& range, size_t index) {
-  if (index < range.first || (range.last && index >= *range.last)) return std::nullopt;
-  const size_t behind = index - range.first;
-  return behind % range.step == 0 ? std::optional(behind / range.step) : std::nullopt;
-}
+/// Takes the poses of one file, whose name may end in a range.
+using PoseReader = Poses (*)(const std::filesystem::path& path, const FrameCount& frames);
 
-// The frames of a range whose end is given.
-size_t frames_of(const FrameRange& range) {
-  return *range.last <= range.first ? 0 : (*range.last - range.first - 1) / range.step + 1;
-}
-
-/// Takes the poses of one file.
-using PoseReader = Poses (*)(FileLocation& location, std::string_view text, const FrameRange& range,
-                             const FrameCount& frames);
-
-Poses read_csv_poses(FileLocation& location, std::string_view text, const FrameRange& range,
-                     const FrameCount& frames) {
-  const auto rows = parse_csv(text, location.file);
-  const auto columns = rows.empty() ? std::nullopt : find_pose_columns(rows.front().fields);
-  if (!columns) location.fail("expected a header with the columns frame, x, y and maybe heading");
-  const auto& header = rows.front().fields;
-  if (range.last && !frames.grows && frames_of(range) != frames.frames)
-    location.fail(
-        fmt::format("its range has {} frames, and there are {}", frames_of(range), frames.frames));
-  Poses poses(frames.frames);
-  for (size_t r = 1; r < rows.size(); ++r) {
-    const auto& fields = rows[r].fields;
-    location.at("line", rows[r].line);
-    if (fields.size() != header.size())
-      location.fail(fmt::format("expected {} columns, found {}", header.size(), fields.size()));
-    const auto index = parse_frame(fields[columns->frame]);
-    if (!index || !index->in_range)
-      location.fail(fmt::format("\"{}\" is not a frame number", fields[columns->frame]));
-    const auto frame = frame_in_range(range, index->value);
-    if (!frame) continue;
-    if (frames.grows && *frame >= poses.size()) {
-      if (*frame >= kMostGrownFrames) location.fail("the frame is too large; give their number");
-      poses.resize(*frame + 1);
-    }
-    if (*frame >= poses.size())
-      location.fail(fmt::format("frame {} is out of range; there are {} frames",
-                                fields[columns->frame], poses.size()));
-    if (poses[*frame])
-      location.fail(fmt::format("frame {} is given twice", fields[columns->frame]));
-    Pose& pose = poses[*frame].emplace();
-    pose.position = {read_real(location, fields[columns->x]),
-                     read_real(location, fields[columns->y]), 0};
-    if (columns->heading) pose.heading_deg = read_real(location, fields[*columns->heading]);
+Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames) {
+  PoseCsvRules rules{frames.frames, kMostGrownFrames};
+  if (frames.grows) rules.frames.reset();
+  Poses poses;
+  for (const auto& found : read_pose_csv(path, rules)) {
+    poses.emplace_back();
+    if (!found) continue;
+    Pose& pose = poses.back().emplace();
+    pose.position = {found->x, found->y, 0};
+    pose.heading_deg = found->heading_deg;
   }
   return poses;
 }
@@ -99,8 +62,12 @@ Pose kitti_pose(const FileLocation&, const std::vector<double>& v) {
 }
 
 // One pose a line, of `columns` numbers.
-Poses read_lines(FileLocation& location, std::string_view text, const FrameRange& range,
-                 size_t columns, Pose (*make)(const FileLocation&, const std::vector<double>&)) {
+Poses read_lines(const std::filesystem::path& path, size_t columns,
+                 Pose (*make)(const FileLocation&, const std::vector<double>&)) {
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  const MappedFile file(source.path);
+  std::string_view text = file.text();
+  FileLocation location{path.string()};
   Poses poses;
   size_t index = 0;
   for (size_t line_number = 1; !text.empty(); ++line_number) {
@@ -113,28 +80,23 @@ Poses read_lines(FileLocation& location, std::string_view text, const FrameRange
       location.fail(fmt::format("expected {} numbers, found {}", columns, words.size()));
     std::vector<double> values;
     for (const std::string_view word : words) values.push_back(read_real(location, word));
-    if (frame_in_range(range, index++)) poses.emplace_back(make(location, values));
+    if (frame_in_range(source.range, index++)) poses.emplace_back(make(location, values));
   }
   return poses;
 }
 
-Poses read_tum_lines(FileLocation& location, std::string_view text, const FrameRange& range,
-                     const FrameCount&) {
-  return read_lines(location, text, range, 8, tum_pose);
+Poses read_tum_lines(const std::filesystem::path& path, const FrameCount&) {
+  return read_lines(path, 8, tum_pose);
 }
 
-Poses read_kitti_lines(FileLocation& location, std::string_view text, const FrameRange& range,
-                       const FrameCount&) {
-  return read_lines(location, text, range, 12, kitti_pose);
+Poses read_kitti_lines(const std::filesystem::path& path, const FrameCount&) {
+  return read_lines(path, 12, kitti_pose);
 }
 
 Poses read_side(GroundTruthBuilder& builder, const std::filesystem::path& path,
                 const FrameCount& frames, PoseReader read) {
-  const SequenceArgument argument = parse_sequence_argument(path.string());
   builder.at_file(path);  // for what is found out about the whole file
-  FileLocation location{path.string()};
-  const MappedFile file(argument.path);
-  return read(location, file.text(), argument.range, frames);
+  return read(path, frames);
 }
 
 std::string read_both(GroundTruthBuilder& builder, std::string_view format, PoseReader read) {
@@ -183,7 +145,7 @@ bool is_pose_csv(const FileStart& start) {
     names.emplace_back(name);
     begin = end + 1;
   }
-  return find_pose_columns(names).has_value();
+  return has_pose_columns(names);
 }
 
 bool is_tum(const FileStart& start) { return has_numbers(start.first_line, 8); }

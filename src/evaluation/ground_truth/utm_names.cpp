@@ -13,6 +13,9 @@
 namespace vpr {
 namespace {
 
+// Metres, as the deep visual geo-localization benchmark counts, whose names these are.
+constexpr double kUsualRadius = 25;
+
 // Places of the fields between the @ signs; what stands before the first is field 0.
 enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kHeading = 9 };
 
@@ -87,8 +90,9 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
         fmt::format("lies in UTM zone {}, and the query in {}: their distances mean "
                     "nothing",
                     train.zone, query.zone));
-  return fmt::format("UTM coordinates in file names: {}",
-                     match_poses(builder, sequence, query.poses, train.poses));
+  return fmt::format("UTM coordinates in file names: {}{}",
+                     match_poses(builder, sequence, query.poses, train.poses, kUsualRadius),
+                     argument.options.radius_m ? "" : ", the radius of the benchmark");
 }
 
 bool is_utm_names(const FileStart& start) {

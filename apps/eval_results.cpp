@@ -1,0 +1,104 @@
+#include "eval_results.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.h"
+#include "report/evaluation_report.h"
+#include "report/metrics_report.h"
+#include "report/scores_report.h"
+
+namespace vpr {
+namespace {
+
+std::vector<Table> tables_of(const Json& report) {
+  std::vector<Table> tables = {summary_table(report)};
+  if (report.contains("by_view")) tables.push_back(view_table(report));
+  for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
+  return tables;
+}
+
+// One row that says of what it is.
+Table csv_row(const Json& report) {
+  Table table = summary_table(report);
+  if (report.contains("by_view")) {
+    const Table views = view_table(report);
+    table.columns.insert(table.columns.end(), views.columns.begin(), views.columns.end());
+    table.rows[0].insert(table.rows[0].end(), views.rows[0].begin(), views.rows[0].end());
+  }
+  append_metrics(table, report);
+  table.columns.insert(table.columns.begin(), {"method", "query"});
+  table.rows[0].insert(table.rows[0].begin(),
+                       {report["method"].get<std::string>(), report["query"].get<std::string>()});
+  return table;
+}
+
+Table csv_table(const std::vector<Json>& reports, const std::vector<std::string>& names) {
+  std::vector<Table> rows;
+  for (const Json& report : reports) rows.push_back(csv_row(report));
+  return stack_tables(rows, "name", names);
+}
+
+}  // namespace
+
+std::string report_text(const std::vector<Json>& reports, const std::vector<std::string>& names,
+                        TableFormat format) {
+  if (format == TableFormat::csv) return render_table(csv_table(reports, names), format);
+  std::vector<std::vector<Table>> kinds;  // tables that are of one kind in all reports
+  std::vector<std::vector<std::string>> named;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    std::vector<Table> tables = tables_of(reports[r]);
+    kinds.resize(std::max(kinds.size(), tables.size()));
+    named.resize(kinds.size());
+    for (size_t t = 0; t < tables.size(); ++t) {
+      kinds[t].push_back(std::move(tables[t]));
+      named[t].insert(named[t].end(), kinds[t].back().rows.size(), names[r]);
+    }
+  }
+  const bool is_one = reports.size() == 1;
+  std::string text;
+  for (size_t t = 0; t < kinds.size(); ++t) {
+    const Table table = is_one ? kinds[t][0] : stack_tables(kinds[t], "name", named[t]);
+    text += (t == 0 ? "" : "\n") + render_table(table, format);
+    if (t > 0 || !is_one || format != TableFormat::text) continue;
+    const std::string places = recognitions_text(reports[0]);
+    if (!places.empty()) text += "\n" + places;
+  }
+  return text;
+}
+
+std::vector<std::string> row_names(const std::vector<std::string>& given,
+                                   const std::vector<std::string>& paths) {
+  if (!given.empty()) return given;
+  std::vector<std::string> stems;
+  for (const std::string& path : paths)
+    stems.push_back(std::filesystem::path(path).stem().string());
+  std::vector<std::string> names = stems;
+  for (size_t i = 0; i < names.size(); ++i)
+    if (std::count(stems.begin(), stems.end(), stems[i]) > 1)
+      names[i] = fmt::format("{} ({})", stems[i], i + 1);
+  return names;
+}
+
+void evaluate_several(Session& session, const std::vector<std::string>& results,
+                      const std::vector<std::string>& names, TableFormat format,
+                      const std::function<Json(size_t i)>& evaluate) {
+  const CommonOptions& options = session.options;
+  if (!options.output.empty()) check_output_file(options.output, options.existing());
+  const Stopwatch watch;
+  Json json = {{"schema", "vpr.reports/1"}, {"reports", Json::array()}};
+  std::vector<Json> reports;
+  RunInfo info = session.run;
+  for (size_t i = 0; i < results.size(); ++i) {
+    reports.push_back(evaluate(i));
+    json["reports"].push_back({{"name", names[i]}, {"report", reports.back()}});
+    info.paths[fmt::format("result_{}", i + 1)] = results[i];
+  }
+  json["machine"] = machine_json(info);
+  json["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
+  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
+  session.print_result(report_text(reports, names, format), json);
+}
+
+}  // namespace vpr
