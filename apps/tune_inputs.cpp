@@ -71,9 +71,11 @@ std::optional<Source> find_validation(const TuneInputs& inputs, const std::vecto
   return validation;
 }
 
-TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol) {
-  return [argument, &protocol](const GroundTruthScope& scope) {
-    GroundTruth truth = read_ground_truth(argument, scope);
+TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol,
+                      const Monitor& monitor) {
+  return [argument, &protocol, &monitor](const GroundTruthScope& scope) {
+    const bool is_first = protocol.empty();  // what is odd is said once
+    GroundTruth truth = read_ground_truth(argument, scope, is_first ? monitor : Monitor{});
     protocol = truth.protocol;
     return truth;
   };

@@ -49,7 +49,8 @@ std::optional<Source> find_validation(const TuneInputs& inputs, const std::vecto
                                       bool is_fabmap, const Monitor& monitor);
 
 /// Reads the ground truth for a scope, and keeps what it says of itself.
-TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol);
+TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol,
+                      const Monitor& monitor);
 
 /// Throws Error(usage) if two outputs are one file, or --save-config has several data sets; and as
 /// the checks of outputs do.

@@ -10,12 +10,12 @@ namespace vpr {
 /// What is counted on the query of --validate, as JSON.
 template <class Tuner>
 Json validation_json(const Tuner& tuner, const Source& source,
-                     const typename Tuner::Cell& recommended) {
+                     const typename Tuner::Cell& recommended, const Monitor& monitor) {
   Sweep sweep;
   sweep.query_name = source.sequence.name;
   Tuner::cells_of(sweep) =
       tuner.sweep(tuner.describe(source), sweep.query_name, Tuner::grid_of({&recommended, 1}),
-                  reader_of(source.ground_truth, sweep.protocol));
+                  reader_of(source.ground_truth, sweep.protocol, monitor));
   Json json;
   add_sweeps(json, {sweep});
   return json["cells"][0];
@@ -42,7 +42,7 @@ void tune(Session& session, const TuneInputs& inputs, const Tuner& tuner,
     Sweep sweep;
     sweep.query_name = sources[s].sequence.name;
     const auto query = tuner.describe(sources[s]);
-    const TruthReader reader = reader_of(sources[s].ground_truth, sweep.protocol);
+    const TruthReader reader = reader_of(sources[s].ground_truth, sweep.protocol, session.monitor);
     const auto grid = partial.finished().empty()
                           ? tuner.grid(query)
                           : Tuner::grid_of(Tuner::cells_of(partial.finished().front()));
@@ -53,7 +53,8 @@ void tune(Session& session, const TuneInputs& inputs, const Tuner& tuner,
       const auto& recommended = cells[*sweep.recommendation.cell];
       sweep.recommended_settings = tuner.settings_json(recommended);
       sweep.intervals = tuner.intervals(query, recommended, reader);
-      if (validation) sweep.validation = validation_json(tuner, *validation, recommended);
+      if (validation)
+        sweep.validation = validation_json(tuner, *validation, recommended, session.monitor);
     }
     partial.add(sweep);
   }

@@ -327,7 +327,7 @@ TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
         .out;
   };
   CHECK(table("text").find("c_l") != std::string::npos);
-  CHECK(table("csv").find("c_l,t_r,scale,hits right,hits wrong,") == 0);
+  CHECK(table("csv").find("name,method,query,c_l,t_r,scale,hits right,hits wrong,") == 0);
   CHECK(table("markdown").find("| c_l |") != std::string::npos);
   CHECK(table("latex").find("\\begin{tabular}") != std::string::npos);
 }
