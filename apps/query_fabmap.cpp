@@ -8,8 +8,10 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/stopwatch.h"
+#include "command_text.h"
 #include "database/openfabmap.h"
 #include "explain_fabmap.h"
+#include "pipeline/fabmap_advice.h"
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
 #include "report/fabmap_result_file.h"
@@ -79,10 +81,30 @@ class PosteriorFile {
   size_t columns_;
 };
 
+// Where nothing was recognised: how far from it the query was, and what to run instead.
+std::string advice(const FabmapResult& result, const std::vector<std::string>& command_line) {
+  const auto lower = lower_place_threshold(result);
+  if (!result.hits.empty() || !lower) return "";
+  const std::string in_a_row = result.settings.window == 1
+                                   ? ""
+                                   : fmt::format(" in {} frames in a row", result.settings.window);
+  std::string text = fmt::format(
+      "Nothing is likelier than t_p {}{}. The likeliest place is {} in frame {}, with {:.4f}.\n",
+      result.settings.place_threshold, in_a_row, result.places[lower->best.place],
+      lower->best.frame, lower->best.probability);
+  if (lower->place_threshold)
+    text += fmt::format(
+        "Recognitions in at least {} frames with\n  {}\n", lower->frames,
+        command_with(command_line, "--t-p", fmt::format("{}", *lower->place_threshold)));
+  return text;
+}
+
 std::string summary(const FabmapResult& result) {
   Table table;
   table.title = fmt::format("{}: {} frames, {} recognitions of {} places", result.query_name,
                             result.query_frames, result.hits.size(), result.places.size());
+  if (result.query_featureless > 0)
+    table.title += fmt::format("; {} frames without features", result.query_featureless);
   table.columns = {"query frame", "place", "probability"};
   for (const PlaceMatch& hit : result.hits) {
     if (table.rows.size() == kTableRows) break;
@@ -134,7 +156,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = fingerprint(query.words);
   context.seconds = run.seconds;
-  std::string text = summary(run.result);
+  std::string text = summary(run.result) + advice(run.result, session.run.command_line);
   std::optional<OutputFile> picture;
   if (explained) {
     const FabmapDatabase searched =

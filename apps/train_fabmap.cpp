@@ -1,4 +1,6 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of every view.
+#include <numeric>
+
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -108,7 +110,8 @@ std::string fabmap_summary(const FabmapDatabase& database, const std::string& pa
   table.title = fmt::format("{}: fabmap, {} words of {}, {} places, {} views", path,
                             database.tree.words(), enum_name(database.settings.features.kind),
                             database.place_names().size(), database.views.views());
-  table.columns = {"group", "frames", "places", "words a frame"};
+  table.columns = {"group", "frames", "places", "words a frame", "featureless"};
+  const std::vector<size_t> featureless = featureless_frames(database);
   size_t view = 0;
   for (const ViewGroup& group : database.groups) {
     const size_t first = view;
@@ -117,7 +120,8 @@ std::string fabmap_summary(const FabmapDatabase& database, const std::string& pa
         static_cast<double>(database.views.offsets[view] - database.views.offsets[first]);
     table.rows.push_back({group.name, std::to_string(group.frame_names.size()),
                           group.is_place ? "one" : "each frame",
-                          fmt::format("{:.1f}", words / static_cast<double>(view - first))});
+                          fmt::format("{:.1f}", words / static_cast<double>(view - first)),
+                          std::to_string(featureless[table.rows.size()])});
   }
   return render_table(table, TableFormat::text);
 }
@@ -128,6 +132,8 @@ Json fabmap_json(const FabmapDatabase& database, const RunInfo& run) {
   json["words"] = database.tree.words();
   json["pretraining_frames"] = database.pretrain.views();
   json["views"] = database.views.views();
+  const std::vector<size_t> featureless = featureless_frames(database);
+  json["featureless_views"] = std::accumulate(featureless.begin(), featureless.end(), size_t{0});
   json["places"] = database.place_names();
   json["provenance"] = provenance_json(run);
   return json;

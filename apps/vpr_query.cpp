@@ -1,5 +1,7 @@
 // vpr-query: where does a query sequence match a database?
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -127,11 +129,23 @@ void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettin
                        "write frames x (1 + views) probabilities, new place first (.npy)"));
 }
 
+/// Flags that do for one family what the other's does.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kCounterparts = {
+    {{"--save-matrix", "--save-posteriors"}, {"--t-r", "--t-p"}, {"--c-l", "--c-w"}}};
+
+std::string counterpart_text(const std::string& flag) {
+  for (const auto& [sequence, fabmap] : kCounterparts)
+    if (flag == sequence || flag == fabmap)
+      return fmt::format("; its counterpart there is {}", flag == sequence ? fabmap : sequence);
+  return "";
+}
+
 // A flag of the other family would be without effect: say so instead.
 void refuse_flags(const Command& app, const std::string& group, const std::string& method) {
   for (const std::string& flag : app.given_flags(group))
     throw Error(ErrorKind::usage,
-                fmt::format("{} has no effect with a database for {}", flag, method));
+                fmt::format("{} has no effect with a database for {}{}", flag, method,
+                            counterpart_text(flag)));
 }
 
 template <class S>

@@ -77,23 +77,6 @@ std::vector<uint32_t> count_words(std::span<const WordSet> frames, size_t words)
 
 }  // namespace
 
-bool reach_roots(std::span<const uint32_t> parent) {
-  std::vector<uint8_t> state(parent.size(), 0);  // 1: on the way, 2: reaches a root
-  for (uint32_t start = 0; start < parent.size(); ++start) {
-    std::vector<uint32_t> way;
-    uint32_t q = start;
-    while (state[q] == 0 && parent[q] != q) {
-      state[q] = 1;
-      way.push_back(q);
-      q = parent[q];
-    }
-    if (state[q] == 1) return false;
-    state[q] = 2;
-    for (const uint32_t passed : way) state[passed] = 2;
-  }
-  return true;
-}
-
 MutualInformation::MutualInformation(size_t frames) : frames_(frames) {
   const auto n = static_cast<double>(frames);
   const auto log_p = [&](size_t count) {

@@ -20,10 +20,6 @@ struct ChowLiuTree {
   size_t words() const { return parent.size(); }
 };
 
-/// Whether every word reaches a root (a word that is its own parent): there are no cycles. Parents
-/// are words.
-bool reach_roots(std::span<const uint32_t> parent);
-
 /// Mutual information of two words in natural units from counts: of `frames` frames, n_a show a,
 /// n_b show b, n_ab both; the same if a and b change places. Joint probabilities unsmoothed,
 /// marginals smoothed as 0.98 f + 0.01. The one function by which trees are built, so that the

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -12,12 +11,12 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "database/archive.h"
+#include "database/tree_rows.h"
 
 namespace vpr {
 namespace {
 
 constexpr const char* kMethod = "fabmap";
-constexpr double kLeastProbability = 1e-300;
 
 /// Calls visit(group, frame, place index) for every view.
 template <class Visit>
@@ -82,32 +81,11 @@ WordIndex read_index(const Archive& archive, const ViewWords& views, size_t word
   return index;
 }
 
-void write_tree(ArchiveWriter& writer, const ChowLiuTree& tree) {
-  std::vector<double> rows(tree.parent.begin(), tree.parent.end());
-  for (const auto* row : {&tree.p, &tree.p_given, &tree.p_given_not})
-    rows.insert(rows.end(), row->begin(), row->end());
-  writer.add_array<double>("tree.npy", rows, {4, tree.words()});
-}
-
 ChowLiuTree read_tree(const Archive& archive, size_t words) {
   const NpyArray array = archive.array("tree.npy");
   const auto values = array.values<double>(2);
   if (array.shape() != std::vector<size_t>{4, words}) archive.fail("tree.npy is not 4 x words");
-  ChowLiuTree tree;
-  for (size_t q = 0; q < words; ++q) {
-    if (!(values[q] >= 0 && values[q] < static_cast<double>(words)) ||
-        values[q] != std::floor(values[q]))
-      archive.fail("a parent in tree.npy is no word");
-    tree.parent.push_back(static_cast<uint32_t>(values[q]));
-    for (size_t row = 1; row < 4; ++row)
-      if (!(values[row * words + q] > kLeastProbability && values[row * words + q] < 1))
-        archive.fail("a probability in tree.npy is not between 0 and 1");
-    tree.p.push_back(values[words + q]);
-    tree.p_given.push_back(values[2 * words + q]);
-    tree.p_given_not.push_back(values[3 * words + q]);
-  }
-  if (!reach_roots(tree.parent)) archive.fail("the words in tree.npy form a cycle");
-  return tree;
+  return tree_of_rows(values, archive.name() + "/tree.npy");
 }
 
 cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
@@ -183,6 +161,19 @@ std::vector<std::string> FabmapDatabase::place_names() const {
   return names;
 }
 
+std::vector<size_t> featureless_frames(const FabmapDatabase& database) {
+  std::vector<size_t> counts;
+  size_t view = 0;
+  for (const ViewGroup& group : database.groups) {
+    std::vector<uint8_t> is_readable(group.frame_names.size(), 1);
+    for (const size_t frame : group.unreadable) is_readable[frame] = 0;
+    counts.push_back(0);
+    for (const uint8_t readable : is_readable)
+      if (database.views.view(view++).empty() && readable != 0) ++counts.back();
+  }
+  return counts;
+}
+
 void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const WordSet> frames) {
   for (const WordSet& frame : frames) database.views.add(frame);
   database.groups.push_back(group);
@@ -232,7 +223,7 @@ void write_fabmap_database(const std::filesystem::path& path, const FabmapDataba
     writer.add_array("vocabulary.npy", mat_values<uint8_t>(database.vocabulary), shape);
   else
     writer.add_array("vocabulary.npy", mat_values<float>(database.vocabulary), shape);
-  write_tree(writer, database.tree);
+  writer.add_array<double>("tree.npy", tree_rows(database.tree), {4, database.tree.words()});
   add_words(writer, "pretrain", database.pretrain);
   add_words(writer, "places", database.views);
   const WordIndex& index = database.index;

@@ -71,6 +71,9 @@ struct FabmapDatabase {
   std::vector<std::string> place_names() const;
 };
 
+/// How many frames of each group show no word, though they could be decoded.
+std::vector<size_t> featureless_frames(const FabmapDatabase& database);
+
 /// Appends a group and the words of its frames. The index is out of date then.
 void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const WordSet> frames);
 

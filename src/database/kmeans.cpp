@@ -79,10 +79,11 @@ cv::Mat kmeans_words(const cv::Mat& descriptors, const KmeansSettings& settings,
                      const Monitor& monitor) {
   const auto n = static_cast<size_t>(descriptors.rows);
   if (settings.words == 0 || settings.words > n)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} words can't be made of {} descriptors; give fewer --words or more "
-                            "--pretrain frames",
-                            settings.words, n));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{} words can't be made of {} descriptors; give fewer --words, more --pretrain "
+                    "frames, larger pictures, or another kind of --features",
+                    settings.words, n));
   RandomEngine engine(settings.seed);
   cv::Mat centres = choose_seeds(descriptors, settings.words, engine, monitor);
   std::vector<NearestCentre> nearest(n);

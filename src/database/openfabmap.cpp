@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
 #include "base/error.h"
+#include "database/tree_rows.h"
 
 namespace vpr {
 namespace {
@@ -45,14 +45,9 @@ void write_node(const fs::path& path, const std::string& name, const cv::Mat& ma
 }
 
 cv::Mat tree_matrix(const ChowLiuTree& tree) {
+  const std::vector<double> rows = tree_rows(tree);
   cv::Mat mat(4, static_cast<int>(tree.words()), CV_64F);
-  for (size_t q = 0; q < tree.words(); ++q) {
-    const int column = static_cast<int>(q);
-    mat.at<double>(0, column) = tree.parent[q];
-    mat.at<double>(1, column) = tree.p[q];
-    mat.at<double>(2, column) = tree.p_given[q];
-    mat.at<double>(3, column) = tree.p_given_not[q];
-  }
+  std::copy(rows.begin(), rows.end(), mat.begin<double>());
   return mat;
 }
 
@@ -96,21 +91,7 @@ cv::Mat read_openfabmap_vocabulary(const fs::path& path) {
 ChowLiuTree read_openfabmap_tree(const fs::path& path) {
   const cv::Mat mat = read_node(path, "ChowLiuTree", CV_64F);
   if (mat.rows != 4) fail(path, fmt::format("a tree has 4 rows, found {}", mat.rows));
-  ChowLiuTree tree;
-  for (int q = 0; q < mat.cols; ++q) {
-    const double parent = mat.at<double>(0, q);
-    if (!(parent >= 0 && parent < mat.cols) || parent != std::floor(parent))
-      fail(path, fmt::format("the parent of word {} is no word", q));
-    tree.parent.push_back(static_cast<uint32_t>(parent));
-    for (int row = 1; row < 4; ++row)
-      if (!(mat.at<double>(row, q) > 0 && mat.at<double>(row, q) < 1))
-        fail(path, fmt::format("a probability of word {} is not between 0 and 1", q));
-    tree.p.push_back(mat.at<double>(1, q));
-    tree.p_given.push_back(mat.at<double>(2, q));
-    tree.p_given_not.push_back(mat.at<double>(3, q));
-  }
-  if (!reach_roots(tree.parent)) fail(path, "its words form a cycle, not a tree");
-  return tree;
+  return tree_of_rows({mat.ptr<double>(), mat.total()}, path.string());
 }
 
 std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, size_t words) {

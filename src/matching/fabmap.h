@@ -33,6 +33,9 @@ struct FabmapQuery {
   std::span<const uint32_t> words;  ///< the observation: word ids, rising, each once
   size_t known_views;               ///< only views below are asked about
   int lut_digits = 6;               ///< decimal digits of the `lut` variant
+  /// Views that take no part, for their frames could not be decoded: no other view's likelihood
+  /// depends on them, and what is given for them means nothing. Rising.
+  std::span<const size_t> unreadable = {};
 };
 
 struct FabmapVariant {

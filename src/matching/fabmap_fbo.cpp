@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace vpr {
 namespace {
@@ -48,6 +47,16 @@ std::vector<Step> plan_steps(const FabmapQuery& query) {
   return steps;
 }
 
+std::vector<uint32_t> readable_views(const FabmapQuery& query) {
+  std::vector<uint8_t> is_readable(query.known_views, 1);
+  for (const size_t view : query.unreadable)
+    if (view < query.known_views) is_readable[view] = 0;
+  std::vector<uint32_t> views;
+  for (uint32_t v = 0; v < query.known_views; ++v)
+    if (is_readable[v] != 0) views.push_back(v);
+  return views;
+}
+
 double best_of(const std::vector<uint32_t>& views, const std::vector<double>& sums) {
   double best = -std::numeric_limits<double>::infinity();
   for (const uint32_t v : views) best = std::max(best, sums[v]);
@@ -76,8 +85,7 @@ double bail_out_gap(double variance, double largest) {
 std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
   const FabmapIndex& index = query.index;
   std::vector<double> sums(index.lists.views, 0);  // without what every view gets alike
-  std::vector<uint32_t> alive(query.known_views);
-  std::iota(alive.begin(), alive.end(), 0U);
+  std::vector<uint32_t> alive = readable_views(query);
   double to_all = 0;
   for (const Step& step : plan_steps(query)) {
     if (step.gap > 0) {

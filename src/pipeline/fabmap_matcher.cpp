@@ -37,9 +37,10 @@ FabmapMatcher::FabmapMatcher(const FabmapDatabase& db, const FabmapQuerySettings
       settings(s) {}
 
 std::vector<double> FabmapMatcher::views(const WordSet& words, size_t known_views) const {
-  std::vector<double> logs = find_fabmap_variant(settings.variant)
-                                 .log_likelihoods({model, database.views, index, words, known_views,
-                                                   static_cast<int>(settings.lut_digits)});
+  std::vector<double> logs =
+      find_fabmap_variant(settings.variant)
+          .log_likelihoods({model, database.views, index, words, known_views,
+                            static_cast<int>(settings.lut_digits), unreadable_views});
   for (const size_t view : unreadable_views)
     if (view < logs.size()) logs[view] = -std::numeric_limits<double>::infinity();
   return logs;

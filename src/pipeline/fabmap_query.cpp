@@ -103,6 +103,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   result.query_name = query_name;
   result.query_frames = frames;
   result.query_unreadable = query.unreadable;
+  result.query_featureless = featureless_frames(query);
   result.places = searched.place_names();
   result.views = place_of.size();
 

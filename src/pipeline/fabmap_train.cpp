@@ -1,5 +1,6 @@
 #include "pipeline/fabmap_train.h"
 
+#include <algorithm>
 #include <mutex>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@ namespace vpr {
 namespace {
 
 constexpr size_t kMostWords = 10'000'000;
+constexpr size_t kWarnedShare = 10;  // a tenth of the frames without features
 
 Unreadable on_unreadable(bool skip) { return skip ? Unreadable::skip : Unreadable::fail; }
 
@@ -35,6 +37,18 @@ std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSetti
                           });
   kept.resize(frames.count());
   return kept;
+}
+
+// A frame without features matches nothing, or whatever shows little, and nothing else tells.
+void warn_featureless(const std::string& frames_of, size_t featureless, size_t frames,
+                      FeatureKind kind, const Monitor& monitor) {
+  if (featureless * kWarnedShare < frames || featureless == 0) return;
+  warn(monitor, fmt::format("{}: {} of {} frames ({:.0f} %) have no {} feature, from which FAB-MAP "
+                            "knows places; give larger pictures, or train with another kind of "
+                            "--features",
+                            frames_of, featureless, frames,
+                            100 * static_cast<double>(featureless) / static_cast<double>(frames),
+                            enum_name(kind)));
 }
 
 std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& pretrain,
@@ -68,14 +82,26 @@ void check_train_settings(const FabmapTrainSettings& settings) {
     throw Error(ErrorKind::usage, "iterations must be 1 or more, found 0");
 }
 
-cv::Mat make_words(const cv::Mat& descriptors, const FabmapTrainSettings& settings, uint64_t seed,
-                   const Monitor& monitor) {
+cv::Mat make_words(const std::vector<cv::Mat>& frames, const FabmapTrainSettings& settings,
+                   uint64_t seed, const Monitor& monitor) {
+  const cv::Mat descriptors = stacked(frames, settings.features);
+  if (descriptors.empty() && !frames.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("none of the {} --pretrain frames has a {} feature to make words of; "
+                            "give larger pictures, or another kind of --features",
+                            frames.size(), enum_name(settings.features.kind)));
   if (settings.clustering == Clustering::radius)
     return radius_words(descriptors, settings.radius, kMostWords, monitor);
   return kmeans_words(descriptors, {settings.words, settings.iterations, seed}, monitor);
 }
 
 }  // namespace
+
+size_t featureless_frames(const SequenceWords& words) {
+  const auto wordless = std::count_if(words.frames.begin(), words.frames.end(),
+                                      [](const WordSet& frame) { return frame.empty(); });
+  return static_cast<size_t>(wordless) - words.unreadable.size();
+}
 
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
@@ -88,8 +114,11 @@ FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
   std::vector<WordSet> frames;
   {
     const std::vector<cv::Mat> descriptors = pretrain_descriptors(pretrain, settings, monitor);
-    database.vocabulary =
-        make_words(stacked(descriptors, settings.features), settings, seed, monitor);
+    database.vocabulary = make_words(descriptors, settings, seed, monitor);
+    warn_featureless("--pretrain",
+                     static_cast<size_t>(std::count_if(descriptors.begin(), descriptors.end(),
+                                                       [](const cv::Mat& m) { return m.empty(); })),
+                     descriptors.size(), settings.features.kind, monitor);
     const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
     frames.resize(descriptors.size());
     parallel_for(frames.size(), monitor, [&](size_t f) {
@@ -126,6 +155,9 @@ SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& dat
       [&](const cv::Mat& descriptors) { return quantise(vocabulary, descriptors); });
   words.names = std::move(frames.names);
   words.unreadable = std::move(frames.unreadable);
+  warn_featureless(sequence.argument.path.string() + range_text(sequence.argument.range),
+                   featureless_frames(words), words.frames.size(), database.settings.features.kind,
+                   monitor);
   return words;
 }
 

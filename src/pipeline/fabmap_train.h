@@ -24,9 +24,13 @@ struct SequenceWords {
   std::vector<size_t> unreadable;
 };
 
+/// How many frames show no word, though they could be decoded.
+size_t featureless_frames(const SequenceWords& words);
+
 /// Local features of the pretraining frames become a vocabulary and a Chow-Liu tree; training
-/// frames become views. Throws Error(usage) for settings out of range, no pretraining frames, or
-/// more words than descriptors, and what for_each_frame throws.
+/// frames become views. Throws Error(usage) for settings out of range, pretraining frames without
+/// any feature, or more words than descriptors, and what for_each_frame throws. Warns where a tenth
+/// of the frames or more have no features.
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
                             const FabmapTrainSettings& settings, uint64_t seed,
@@ -36,7 +40,8 @@ FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
 void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
                bool skip_unreadable, const Monitor& monitor);
 
-/// The words that a sequence shows, in the database's vocabulary.
+/// The words that a sequence shows, in the database's vocabulary. Warns where a tenth of its frames
+/// or more have no features.
 SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
                              bool skip_unreadable, const Monitor& monitor);
 

@@ -61,6 +61,7 @@ struct FabmapResult {
   std::string query_name;
   size_t query_frames = 0;
   std::vector<size_t> query_unreadable;
+  size_t query_featureless = 0;     ///< frames that could be decoded, but show no word
   std::vector<std::string> places;  ///< names by index
   size_t views = 0;
   std::vector<PlaceMatch> hits;                 ///< by frame, then place; each (frame, place) once

@@ -39,7 +39,8 @@ struct MaximumScan::Threads {
 };
 
 MaximumScan::MaximumScan(size_t sequences, const HammingKernels& kernels)
-    : kernels_(kernels),
+    : sequences_(sequences),
+      kernels_(kernels),
       threads_(new Threads{decltype(Threads::maxima)(std::vector<uint32_t>(sequences, 0))}) {}
 
 MaximumScan::~MaximumScan() = default;
@@ -50,7 +51,7 @@ void MaximumScan::operator()(const DistanceRow& row) {
 }
 
 std::vector<uint32_t> MaximumScan::result() const {
-  std::vector<uint32_t> all = *threads_->maxima.begin();
+  std::vector<uint32_t> all(sequences_, 0);
   for (const auto& part : threads_->maxima)
     for (size_t s = 0; s < all.size(); ++s) all[s] = std::max(all[s], part[s]);
   return all;

@@ -20,7 +20,7 @@ struct Cell {
   bool operator==(const Cell&) const = default;
 };
 
-/// The largest distance of each training sequence; 0 for one without windows.
+/// The largest distance of each training sequence; 0 for one without windows, or if no row came.
 class MaximumScan {
  public:
   MaximumScan(size_t sequences, const HammingKernels& kernels);
@@ -30,6 +30,7 @@ class MaximumScan {
 
  private:
   struct Threads;
+  size_t sequences_;
   HammingKernels kernels_;
   std::unique_ptr<Threads> threads_;
 };

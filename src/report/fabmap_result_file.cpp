@@ -86,7 +86,8 @@ Json fabmap_result_json(const FabmapResult& result, const ResultContext& context
   json["settings"] = value_to_json(result.settings);
   json["query"] = {{"name", result.query_name},
                    {"frames", result.query_frames},
-                   {"unreadable", result.query_unreadable}};
+                   {"unreadable", result.query_unreadable},
+                   {"featureless", result.query_featureless}};
   json["places"] = result.places;
   json["views"] = result.views;
   json["totals"] = {{"hits", result.hits.size()}};

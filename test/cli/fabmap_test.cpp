@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "base/json.h"
 #include "base/npy.h"
@@ -192,16 +193,59 @@ TEST_CASE("a frame without features keeps its index; all of them are no vocabula
     test::write_text(out / "grey" / name, "P5\n32 32\n255\n" + std::string(1024, '\x80'));
   check_failure(run_program("vpr-train", {"fabmap", "--pretrain", out / "grey", "--train",
                                           world().walk("one"), "-o", out / "x.vprdb"}),
-                2, "0 descriptors");
+                2, "none of the 2 --pretrain frames has a surf feature");
   check_failure(run_program("vpr-train", {"fabmap", "--pretrain", out / "grey", "--clustering",
                                           "radius", "-o", out / "x.vprdb"}),
-                2, "no descriptor");
+                2, "larger pictures, or another kind of --features");
   REQUIRE(
       run_program("vpr-query", {world().database(), "--query", out / "grey", "-o", out / "r.json"})
           .exit_code == 0);
   const NpyArray best(out / "r.best.npy");
   CHECK(best.shape()[0] == 2);
   CHECK(best.values<int32_t>(2)[1] == -1);
+}
+
+TEST_CASE("frames without features are counted, and warned of with their share") {
+  const test::TemporaryFolder out;
+  fs::copy(world().walk("one"), out / "walk");
+  const auto frames = test::list_folder(out / "walk").size();
+  for (size_t i = 0; i < frames; ++i)
+    test::write_text(out / "walk" / fmt::format("zz{}.pgm", i),
+                     "P5\n32 32\n255\n" + std::string(1024, '\x80'));
+  const auto query =
+      run_program("vpr-query", {world().database(), "--query", out / "walk", "-o", out / "r.json"});
+  REQUIRE(query.exit_code == 0);
+  CHECK(query.err.find("have no sift feature") != std::string::npos);
+  CHECK(query.out.find(fmt::format("{} frames without features", frames)) != std::string::npos);
+  CHECK(parse(test::read_text(out / "r.json"))["query"]["featureless"] == frames);
+  const auto train = world().train({"--train", out / "walk", "-o", out / "w.vprdb", "--json"});
+  REQUIRE(train.exit_code == 0);
+  CHECK(train.err.find("larger pictures") != std::string::npos);
+  CHECK(parse(train.out)["featureless_views"] == frames);
+  CHECK(world().query({"--json"}).err.empty());
+}
+
+TEST_CASE("a query that recognises nothing says at what t_p it would, as a command to copy") {
+  const test::TemporaryFolder out;
+  const auto nothing =
+      run_program("vpr-query", {world().database(), "--query", world().walk("back"), "--t-p",
+                                "0.9999", "-o", out / "a b.json"});
+  REQUIRE(nothing.exit_code == 0);
+  INFO(nothing.out);
+  CHECK(nothing.out.find("The likeliest place is one#") != std::string::npos);
+  const size_t at = nothing.out.find(" --t-p 0.");
+  REQUIRE(at != std::string::npos);
+  CHECK(nothing.out.find("-o '" + (out / "a b.json").string() + "'") != std::string::npos);
+  const std::string threshold = nothing.out.substr(at + 7, nothing.out.find('\n', at) - at - 7);
+  REQUIRE(run_program("vpr-query", {world().database(), "--query", world().walk("back"), "--t-p",
+                                    threshold, "-o", out / "r.json"})
+              .exit_code == 0);
+  CHECK(parse(test::read_text(out / "r.json"))["totals"]["hits"] > 0);
+}
+
+TEST_CASE("a flag of the other family is refused with the name of its counterpart") {
+  check_failure(world().query({"--save-matrix", "m.npy", "--json"}), 2, "--save-posteriors");
+  check_failure(world().query({"--t-r", "0.4", "--json"}), 2, "--t-p");
 }
 
 TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop") {

@@ -54,6 +54,7 @@ TEST_CASE("trees that can't be meant are refused") {
                yaml("ChowLiuTree", 4, 1, "d", ".Nan, 0.5, 0.5, 0.5"),
                yaml("ChowLiuTree", 4, 1, "d", "0., 0., 0.5, 0.5"),
                yaml("ChowLiuTree", 4, 1, "d", "0., 0.5, 1., 0.5"),
+               yaml("ChowLiuTree", 4, 1, "d", "0., 1e-305, 0.5, 0.5"),
                yaml("ChowLiuTree", 4, 2, "d", "1., 0., 0.5, 0.5, 0.5, 0.5, 0.5, 0.5"));
   const test::TemporaryFolder folder;
   test::write_text(folder / "t.yml", text);

@@ -95,6 +95,10 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
   }
 }
 
+TEST_CASE("the maxima of no row at all are 0") {
+  CHECK(MaximumScan(3, select_kernels()).result() == std::vector<uint32_t>{0, 0, 0});
+}
+
 TEST_CASE("more hits than allowed are an error that says what to do") {
   HitScan scan(scan_settings(2));
   const std::string text = test::error_text([&] {

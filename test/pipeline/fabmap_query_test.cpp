@@ -1,0 +1,115 @@
+#include "pipeline/fabmap_query.h"
+
+#include <cmath>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "pipeline/fabmap_advice.h"
+#include "pipeline/fabmap_matcher.h"
+
+using namespace vpr;
+
+namespace {
+
+WordSet random_words(size_t words, uint64_t share, RandomEngine& engine) {
+  WordSet set;
+  for (uint32_t q = 0; q < words; ++q)
+    if (uniform_below(engine, share) == 0) set.push_back(q);
+  return set;
+}
+
+/// A database of views that show a third of the words each; those of `unreadable` show none, as
+/// frames do that could not be decoded.
+FabmapDatabase make_database(size_t words, size_t views, const std::vector<size_t>& unreadable,
+                             uint64_t seed) {
+  RandomEngine engine(seed);
+  FabmapDatabase database;
+  std::vector<WordSet> pretrain;
+  for (int f = 0; f < 40; ++f) pretrain.push_back(random_words(words, 3, engine));
+  database.tree = train_chow_liu(pretrain, words, {});
+  for (const WordSet& frame : pretrain) database.pretrain.add(frame);
+  std::vector<WordSet> frames;
+  for (size_t v = 0; v < views; ++v) frames.push_back(random_words(words, 3, engine));
+  for (const size_t v : unreadable) frames[v].clear();
+  ViewGroup group{"walk", false, std::vector<std::string>(views), unreadable};
+  add_group(database, group, frames);
+  index_views(database);
+  return database;
+}
+
+// The same without the views that could not be decoded.
+FabmapDatabase without_unreadable(const FabmapDatabase& database) {
+  FabmapDatabase fewer = database;
+  const std::vector<size_t> unreadable = database.unreadable_views();
+  fewer.groups.clear();
+  fewer.views = {};
+  std::vector<WordSet> frames;
+  for (size_t v = 0; v < database.views.views(); ++v)
+    if (std::find(unreadable.begin(), unreadable.end(), v) == unreadable.end())
+      frames.emplace_back(database.views.view(v).begin(), database.views.view(v).end());
+  add_group(fewer, {"walk", false, std::vector<std::string>(frames.size())}, frames);
+  index_views(fewer);
+  return fewer;
+}
+
+FabmapResult result_with(const std::vector<std::optional<PlaceMatch>>& best, uint64_t window) {
+  FabmapResult result;
+  result.settings.window = window;
+  result.best = best;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("views that could not be decoded change no variant's likelihoods of the others") {
+  const std::vector<size_t> unreadable = {0, 7};
+  for (uint64_t seed = 1; seed <= 4; ++seed) {
+    const FabmapDatabase database = make_database(200, 12, unreadable, seed);
+    const FabmapDatabase fewer = without_unreadable(database);
+    RandomEngine engine(seed);
+    // Few words or none: a view that shows nothing is the likest, and would drop the others.
+    for (const WordSet& query :
+         {WordSet{}, random_words(200, 60, engine), random_words(200, 3, engine)}) {
+      for (const FabmapVariant& variant : fabmap_variants()) {
+        INFO(variant.name << ", " << query.size() << " words");
+        FabmapQuerySettings settings;
+        settings.variant = variant.name;
+        const std::vector<double> found =
+            FabmapMatcher(database, settings, 1).views(query, database.views.views());
+        std::vector<double> expected =
+            FabmapMatcher(fewer, settings, 1).views(query, fewer.views.views());
+        for (const size_t v : unreadable)
+          expected.insert(expected.begin() + static_cast<ptrdiff_t>(v),
+                          -std::numeric_limits<double>::infinity());
+        CHECK(found == expected);
+      }
+    }
+  }
+}
+
+TEST_CASE("frames without a word are counted apart from those that can't be decoded") {
+  FabmapDatabase database = make_database(50, 4, {1}, 1);
+  add_group(database, {"more", false, {"a", "b", "c"}, {2, 2}}, std::vector<WordSet>{{}, {3}, {}});
+  CHECK(featureless_frames(database) == std::vector<size_t>{0, 1});
+}
+
+TEST_CASE("the lower t_p to try is the first round one that recognises something") {
+  const auto at = [](uint32_t frame, uint32_t view, double probability) {
+    return PlaceMatch{frame, view, view, probability};
+  };
+  const std::vector<std::optional<PlaceMatch>> best = {at(0, 4, 0.31), std::nullopt, at(2, 4, 0.8),
+                                                       at(3, 4, 0.35), at(4, 5, 0.72)};
+  const auto once = lower_place_threshold(result_with(best, 1));
+  REQUIRE(once);
+  CHECK(once->best == at(2, 4, 0.8));
+  CHECK(once->place_threshold == 0.7);  // 0.8 is not above 0.8
+  CHECK(once->frames == 2);
+  const auto twice = lower_place_threshold(result_with(best, 2));
+  CHECK(twice->place_threshold == 0.3);
+  CHECK(twice->frames == 1);
+  CHECK_FALSE(lower_place_threshold(result_with(best, 3))->place_threshold);
+  CHECK(lower_place_threshold(result_with({at(0, 1, 0.035)}, 1))->place_threshold == 0.03);
+  CHECK_FALSE(lower_place_threshold(result_with({std::nullopt}, 1)));
+}
