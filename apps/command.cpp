@@ -24,6 +24,7 @@
 #include "help.h"
 #include "progress.h"
 #include "report/result_file.h"
+#include "run_inputs.h"
 #include "suggestions.h"
 
 namespace vpr {
@@ -129,7 +130,16 @@ void Session::print(const std::string& text) const {
                 fmt::format("standard output: can't be written: {}", system_error_text(errno)));
 }
 
+void Session::claim_output() const {
+  if (!options.output.empty()) outputs.claim_file(options.output);
+}
+
+void Session::write_output(const Json& json) const {
+  if (!options.output.empty()) outputs.file(options.output).write(to_text(json));
+}
+
 void Session::print_result(const std::string& text, const Json& json) const {
+  outputs.commit();
   if (options.json)
     print(to_text(json));
   else if (!options.quiet)
@@ -225,7 +235,11 @@ void Program::run_session(int argc, char** argv) {
   const ThreadLimit limit(common_.threads);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
-  Session session{common_, monitor, {}, select_kernels(), progress};
+  OutputTransaction outputs(common_.existing());
+  // Without --force, nothing that exists is replaced anyway.
+  if (common_.force)
+    for (const std::filesystem::path& input : run_inputs(*app_)) outputs.protect(input);
+  Session session{common_, monitor, {}, select_kernels(), progress, outputs};
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
   session.run.threads = thread_count();
@@ -233,6 +247,7 @@ void Program::run_session(int argc, char** argv) {
   logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
                 session.run.threads, session.kernels.target);
   run_(session);
+  outputs.commit();
 }
 
 int Program::main(int argc, char** argv) {

@@ -12,7 +12,7 @@
 
 #include "base/json.h"
 #include "base/monitor.h"
-#include "base/output_file.h"
+#include "base/output_transaction.h"
 #include "flags.h"
 #include "matching/hamming_kernels.h"
 #include "report/run_info.h"
@@ -66,11 +66,17 @@ struct Session {
   RunInfo run;
   HammingKernels kernels;
   ProgressLine& progress;
+  OutputTransaction& outputs;
 
+  /// Claims the file of --output, where it is given.
+  void claim_output() const;
+  /// Fills it with a JSON.
+  void write_output(const Json& json) const;
   /// Prints to stdout, where a progress line has been before; Error(output) if that fails (a full
   /// disk, a closed pipe).
   void print(const std::string& text) const;
-  /// A readable text, or with --json the JSON; neither with --quiet (but --json always).
+  /// Commits the outputs of the run, and then prints a readable text, or with --json the JSON;
+  /// neither with --quiet (but --json always).
   void print_result(const std::string& text, const Json& json) const;
 };
 

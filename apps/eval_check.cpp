@@ -11,13 +11,12 @@ namespace vpr {
 namespace {
 
 void run(Session& session, const CheckInputs& inputs) {
-  const CommonOptions& options = session.options;
-  if (!options.output.empty()) check_output_file(options.output, options.existing());
+  session.claim_output();
   const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   const Json json = ground_truth_report_json(found, summarise(found), session.run);
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
+  session.write_output(json);
   std::string text = render_table(ground_truth_table(json), inputs.format);
   if (inputs.format == TableFormat::text) text += ground_truth_examples(json);
   session.print_result(text, json);

@@ -68,7 +68,7 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
 
 void run_compare(Session& session, const CompareInputs& inputs) {
   const CommonOptions& options = session.options;
-  if (!options.output.empty()) check_output_file(options.output, options.existing());
+  session.claim_output();
   const Stopwatch watch;
   std::vector<StoredReport> reports;
   for (const std::string& path : inputs.reports) reports.push_back(read_report(path));
@@ -86,7 +86,7 @@ void run_compare(Session& session, const CompareInputs& inputs) {
     info.paths[fmt::format("report_{}", r + 1)] = inputs.reports[r];
   json["machine"] = machine_json(info);
   json["timing"] = timing_json({{"compare", watch.elapsed_s()}});
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
+  session.write_output(json);
   std::string text = render_table(comparison_table(json), inputs.format);
   if (inputs.format != TableFormat::csv)
     text += "\n" + render_table(paired_table(json), inputs.format);

@@ -25,7 +25,7 @@ void run(Session& session, const ConvertInputs& inputs) {
   if (options.output.empty())
     throw Error(ErrorKind::usage, "give the file to write, as in -o pairs.csv");
   const GroundTruthFormat& target = find_target(inputs.target);
-  check_output_file(options.output, options.existing());
+  session.claim_output();
   const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
@@ -34,7 +34,7 @@ void run(Session& session, const ConvertInputs& inputs) {
   if (summary.ignored > 0 && !target.holds_ignored)
     warn(session.monitor, fmt::format("{} pairs to ignore become different: {} can't say that",
                                       summary.ignored, target.name));
-  target.write(found, options.output, options.existing());
+  target.write(found, session.outputs.file(options.output));
   session.print_result(
       fmt::format("{} ({}) to {} ({}): {} query frames, {} pairs of the same place, {} ignored\n",
                   inputs.ground_truth, found.format, options.output, target.name,

@@ -15,11 +15,10 @@ void add_csv_options(const Command& app, CsvInputs& inputs) {
       .type_name("FILE");
 }
 
-void check_csv_outputs(const Session& session, const CsvInputs& inputs, bool has_result) {
-  const Existing existing = session.options.existing();
-  if (!inputs.outcomes.empty()) check_output_file(inputs.outcomes, existing);
+void claim_csv_outputs(const Session& session, const CsvInputs& inputs, bool has_result) {
+  if (!inputs.outcomes.empty()) session.outputs.claim_file(inputs.outcomes);
   if (inputs.recognitions.empty()) return;
-  check_output_file(inputs.recognitions, existing);
+  session.outputs.claim_file(inputs.recognitions);
   if (!has_result)
     throw Error(ErrorKind::usage,
                 "--recognitions-csv lists the recognitions of a result of vpr-query; scores have "
@@ -35,9 +34,9 @@ void add_rows(CsvRows& rows, const CsvInputs& inputs, const Evaluation& evaluati
 }
 
 void write_csv_rows(const Session& session, const CsvInputs& inputs, const CsvRows& rows) {
-  const Existing existing = session.options.existing();
-  if (!inputs.outcomes.empty()) write_file(inputs.outcomes, rows.outcomes, existing);
-  if (!inputs.recognitions.empty()) write_file(inputs.recognitions, rows.recognitions, existing);
+  if (!inputs.outcomes.empty()) session.outputs.file(inputs.outcomes).write(rows.outcomes);
+  if (!inputs.recognitions.empty())
+    session.outputs.file(inputs.recognitions).write(rows.recognitions);
 }
 
 }  // namespace vpr

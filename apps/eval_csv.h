@@ -24,9 +24,9 @@ struct CsvRows {
 
 void add_csv_options(const Command& app, CsvInputs& inputs);
 
-/// Throws as the checks of outputs do, and Error(usage) for recognitions where there is no result.
+/// Claims the outputs. Throws Error(usage) for recognitions where there is no result.
 /// Call it before long work.
-void check_csv_outputs(const Session& session, const CsvInputs& inputs, bool has_result);
+void claim_csv_outputs(const Session& session, const CsvInputs& inputs, bool has_result);
 
 /// Adds the rows that are asked for.
 void add_rows(CsvRows& rows, const CsvInputs& inputs, const Evaluation& evaluation,

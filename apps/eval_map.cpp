@@ -78,7 +78,7 @@ void check_map_inputs(const Session& session, const MapInputs& inputs, const std
   if (dataset.empty())
     throw Error(ErrorKind::usage,
                 "--map needs --dataset, whose \"poses\" say where frames were taken");
-  check_output_folder(inputs.folder, session.options.existing(), is_plot_folder);
+  session.outputs.claim_folder(inputs.folder, is_marked_folder);
 }
 
 void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
@@ -100,9 +100,7 @@ void write_map(Session& session, const MapInputs& inputs, const std::string& dat
                               inputs.with, second->report["query"].get<std::string>(),
                               first.report["query"].get<std::string>()));
   }
-  OutputFolder folder(inputs.folder, session.options.existing(), is_plot_folder);
-  draw_route_map(map, panels, folder.temporary());
-  folder.commit();
+  draw_route_map(map, panels, session.outputs.folder(inputs.folder, is_marked_folder).temporary());
 }
 
 }  // namespace vpr

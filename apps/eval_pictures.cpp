@@ -98,31 +98,28 @@ bool wants_pictures(const PictureInputs& inputs) {
 }
 
 void check_picture_outputs(const Session& session, const PictureInputs& inputs) {
-  const Existing existing = session.options.existing();
-  if (!inputs.html.empty()) check_output_file(inputs.html, existing);
-  if (!inputs.plots.empty()) check_output_folder(inputs.plots, existing, is_plot_folder);
+  if (!inputs.html.empty()) session.outputs.claim_file(inputs.html);
+  if (!inputs.plots.empty()) session.outputs.claim_folder(inputs.plots, is_marked_folder);
 }
 
 void write_pictures(Session& session, const PictureInputs& inputs, const std::string& dataset,
                     const Evaluation& evaluation) {
-  const Existing existing = session.options.existing();
   const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
   if (!inputs.html.empty()) {
     const FrameSources sources = find_frames(inputs, dataset, evaluation);
     const std::string page =
         html_report(evaluation.report, evaluation.summary, evaluation.judgement, evaluation.truth,
                     matrix, sources, session.monitor);
-    write_file(inputs.html, page, existing);
+    session.outputs.file(inputs.html).write(page);
   }
   if (inputs.plots.empty()) return;
   if (!can_draw_plots()) {
     warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
     return;
   }
-  OutputFolder folder(inputs.plots, existing, is_plot_folder);
   draw_evaluation(evaluation.report, evaluation.judgement, evaluation.truth, matrix,
-                  folder.temporary(), session.monitor);
-  folder.commit();
+                  session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
+                  session.monitor);
 }
 
 }  // namespace vpr

@@ -12,8 +12,7 @@ namespace vpr {
 void evaluate_protocols(Session& session, const std::string& protocols, const std::string& result,
                         TableFormat format,
                         const std::function<Json(const std::string& ground_truth)>& evaluate) {
-  const CommonOptions& options = session.options;
-  if (!options.output.empty()) check_output_file(options.output, options.existing());
+  session.claim_output();
   const Stopwatch watch;
   Json json = {{"schema", "vpr.protocols/1"}, {"protocols", Json::array()}};
   Table table;
@@ -36,7 +35,7 @@ void evaluate_protocols(Session& session, const std::string& protocols, const st
   info.paths = {{"result", result}};
   json["machine"] = machine_json(info);
   json["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
+  session.write_output(json);
   session.print_result(render_table(table, format) + (format == TableFormat::text ? notes : ""),
                        json);
 }

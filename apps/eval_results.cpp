@@ -81,11 +81,9 @@ std::vector<std::string> row_names(const std::vector<std::string>& given,
   return names;
 }
 
-void evaluate_several(Session& session, const std::vector<std::string>& results,
-                      const std::vector<std::string>& names, TableFormat format,
-                      const std::function<Json(size_t i)>& evaluate) {
-  const CommonOptions& options = session.options;
-  if (!options.output.empty()) check_output_file(options.output, options.existing());
+SeveralReports evaluate_several(Session& session, const std::vector<std::string>& results,
+                                const std::vector<std::string>& names, TableFormat format,
+                                const std::function<Json(size_t i)>& evaluate) {
   const Stopwatch watch;
   Json json = {{"schema", "vpr.reports/1"}, {"reports", Json::array()}};
   std::vector<Json> reports;
@@ -97,8 +95,7 @@ void evaluate_several(Session& session, const std::vector<std::string>& results,
   }
   json["machine"] = machine_json(info);
   json["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
-  session.print_result(report_text(reports, names, format), json);
+  return {report_text(reports, names, format), json};
 }
 
 }  // namespace vpr

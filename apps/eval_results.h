@@ -20,10 +20,16 @@ std::string report_text(const std::vector<Json>& reports, const std::vector<std:
 std::vector<std::string> row_names(const std::vector<std::string>& given,
                                    const std::vector<std::string>& paths);
 
-/// Evaluates several results: prints a table with a row for each, and writes and prints
-/// vpr.reports/1. `evaluate` gives the report of result i, without "machine".
-void evaluate_several(Session& session, const std::vector<std::string>& results,
-                      const std::vector<std::string>& names, TableFormat format,
-                      const std::function<Json(size_t i)>& evaluate);
+/// What is printed: for people, and for scripts.
+struct SeveralReports {
+  std::string text;
+  Json json;
+};
+
+/// Evaluates several results: a table with a row for each, and vpr.reports/1. `evaluate` gives the
+/// report of result i, without "machine".
+SeveralReports evaluate_several(Session& session, const std::vector<std::string>& results,
+                                const std::vector<std::string>& names, TableFormat format,
+                                const std::function<Json(size_t i)>& evaluate);
 
 }  // namespace vpr

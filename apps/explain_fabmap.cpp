@@ -109,9 +109,9 @@ std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
   return images;
 }
 
-OutputFile write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
-                                     const SequenceArgument& query, const FabmapDatabase& searched,
-                                     bool searches_query, const Session& session) {
+void write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
+                               const SequenceArgument& query, const FabmapDatabase& searched,
+                               bool searches_query, const Session& session) {
   std::map<size_t, SequenceArgument> images = images_by_group(inputs, searched);
   if (searches_query) images[searched.groups.size() - 1] = query;
   const FrameFeatures frame =
@@ -137,8 +137,8 @@ OutputFile write_explanation_picture(const Explanation& explanation, const Query
       pair.view.title += " (can't be decoded)";
     }
   }
-  return write_png(explanation_picture_path(session.options.output), draw_word_pairs(pairs),
-                   session.options.existing());
+  write_png(session.outputs.file(explanation_picture_path(session.options.output)),
+            draw_word_pairs(pairs));
 }
 
 }  // namespace vpr

@@ -22,11 +22,10 @@ std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
                                                    const FabmapDatabase& database);
 
 /// The query's frame beside the views of its best places, with the words drawn in. Views have
-/// images where --train-images names them, or where they are the query's own. Written, not
-/// committed.
-OutputFile write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
-                                     const SequenceArgument& query, const FabmapDatabase& searched,
-                                     bool searches_query, const Session& session);
+/// images where --train-images names them, or where they are the query's own.
+void write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
+                               const SequenceArgument& query, const FabmapDatabase& searched,
+                               bool searches_query, const Session& session);
 
 /// RESULT.explain.png for RESULT.json.
 std::filesystem::path explanation_picture_path(const std::string& output);

@@ -8,12 +8,12 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/stopwatch.h"
-#include "command_text.h"
 #include "database/openfabmap.h"
 #include "explain_fabmap.h"
 #include "pipeline/fabmap_advice.h"
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
+#include "repeated_command.h"
 #include "report/fabmap_result_file.h"
 #include "report/table.h"
 
@@ -64,8 +64,8 @@ std::string fingerprint(const SequenceWords& words) {
 // Rows arrive in order; an unreadable frame's are not a number.
 class PosteriorFile {
  public:
-  PosteriorFile(const std::string& path, Existing existing, size_t frames, size_t views)
-      : file_(path, existing), columns_(views + 1) {
+  PosteriorFile(OutputFile& file, size_t frames, size_t views)
+      : file_(file), frames_(frames), columns_(views + 1) {
     file_.write(npy_header(npy_type<double>(), {frames, columns_}));
   }
   void add(std::span<const double> posterior) {
@@ -74,15 +74,16 @@ class PosteriorFile {
     row.resize(columns_, posterior.empty() ? std::numeric_limits<double>::quiet_NaN() : 0);
     file_.write(std::as_bytes(std::span<const double>(row)));
   }
-  void commit() { file_.commit(); }
+  Json entry() const { return file_entry(file_.temporary(), frames_); }
 
  private:
-  OutputFile file_;
+  OutputFile& file_;
+  size_t frames_;
   size_t columns_;
 };
 
 // Where nothing was recognised: how far from it the query was, and what to run instead.
-std::string advice(const FabmapResult& result, const std::vector<std::string>& command_line) {
+std::string advice(const FabmapResult& result, const Session& session) {
   const auto lower = lower_place_threshold(result);
   if (!result.hits.empty() || !lower) return "";
   const std::string in_a_row = result.settings.window == 1
@@ -92,10 +93,16 @@ std::string advice(const FabmapResult& result, const std::vector<std::string>& c
       "Nothing is likelier than t_p {}{}. The likeliest place is {} in frame {}, with {:.4f}.\n",
       result.settings.place_threshold, in_a_row, result.places[lower->best.place],
       lower->best.frame, lower->best.probability);
-  if (lower->place_threshold)
-    text += fmt::format(
-        "Recognitions in at least {} frames with\n  {}\n", lower->frames,
-        command_with(command_line, "--t-p", fmt::format("{}", *lower->place_threshold)));
+  if (!lower->place_threshold)
+    return text + (in_a_row.empty() ? ""
+                                    : "No lower t_p changes that: no view is the likeliest so many "
+                                      "times in a row; give a smaller --c-w.\n");
+  std::vector<std::string> added = {"--t-p", fmt::format("{}", *lower->place_threshold)};
+  if (!session.options.output.empty() && !session.options.force) added.emplace_back("--force");
+  text +=
+      fmt::format("With t_p {} there are recognitions in {} {} or more:\n  {}\n",
+                  *lower->place_threshold, lower->frames, lower->frames == 1 ? "frame" : "frames",
+                  repeated_command(session.run.command_line, {"--t-p"}, added));
   return text;
 }
 
@@ -122,10 +129,10 @@ std::string summary(const FabmapResult& result) {
 void run_fabmap_query(Session& session, const QueryInputs& inputs,
                       const FabmapQuerySettings& settings) {
   const CommonOptions& options = session.options;
-  if (!options.output.empty()) check_fabmap_result_output(options.output, options.existing());
+  if (!options.output.empty()) claim_fabmap_result(options.output, session.outputs);
   if (inputs.explained_frame && !options.output.empty())
-    check_output_file(explanation_picture_path(options.output), options.existing());
-  if (!inputs.posteriors.empty()) check_output_file(inputs.posteriors, options.existing());
+    session.outputs.claim_file(explanation_picture_path(options.output));
+  if (!inputs.posteriors.empty()) session.outputs.claim_file(inputs.posteriors);
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);
   const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session.monitor);
@@ -138,7 +145,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
                                               *explained, frames - 1));
   std::optional<PosteriorFile> posteriors;
   if (!inputs.posteriors.empty())
-    posteriors.emplace(inputs.posteriors, options.existing(), frames,
+    posteriors.emplace(session.outputs.file(inputs.posteriors), frames,
                        database.views.views() + (settings.loop ? frames : 0));
   std::vector<double> explained_posterior;
   const auto observe = [&](size_t frame, std::span<const double> posterior) {
@@ -156,8 +163,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = fingerprint(query.words);
   context.seconds = run.seconds;
-  std::string text = summary(run.result) + advice(run.result, session.run.command_line);
-  std::optional<OutputFile> picture;
+  std::string text = summary(run.result) + advice(run.result, session);
   if (explained) {
     const FabmapDatabase searched =
         settings.loop ? with_query(database, query.words, query.name) : database;
@@ -165,18 +171,16 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
                                                   *explained, explained_posterior, settings);
     context.explanation = explanation_json(explanation);
     text += "\n" + explanation_text(explanation);
-    if (query.images && !options.output.empty() && !explanation.places.empty())
-      picture.emplace(write_explanation_picture(explanation, inputs, *query.images, searched,
-                                                settings.loop, session));
+    if (query.images && !options.output.empty() && !explanation.places.empty()) {
+      write_explanation_picture(explanation, inputs, *query.images, searched, settings.loop,
+                                session);
+      text += fmt::format("Drawn in {}\n", explanation_picture_path(options.output).string());
+    }
   }
-  if (posteriors) posteriors->commit();
-  if (picture) {
-    picture->commit();
-    text += fmt::format("Drawn in {}\n", picture->path().string());
-  }
-  const Json json = options.output.empty() ? fabmap_result_json(run.result, context)
-                                           : write_fabmap_result(options.output, run.result,
-                                                                 context, options.existing());
+  if (posteriors) context.files["posteriors"] = posteriors->entry();
+  const Json json = options.output.empty()
+                        ? fabmap_result_json(run.result, context)
+                        : write_fabmap_result(options.output, run.result, context, session.outputs);
   session.print_result(text, json);
 }
 

@@ -105,7 +105,7 @@ bool has_gaps(const SequenceResult& result, const SequenceDatabase& database) {
                      [](const TrainSequence& sequence) { return !sequence.unreadable.empty(); });
 }
 
-void check_matrix_output(const QueryInputs& inputs, const std::string& output, Existing existing) {
+void claim_matrix(const QueryInputs& inputs, OutputTransaction& outputs) {
   const bool has_truth = !inputs.ground_truth.empty() || any_given(inputs.flags);
   if (has_truth && !inputs.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage,
@@ -113,21 +113,10 @@ void check_matrix_output(const QueryInputs& inputs, const std::string& output, E
                 "FILE.png; counts come from "
                 "vpr-eval");
   if (inputs.matrix.empty()) return;
-  const std::filesystem::path matrix = std::filesystem::absolute(inputs.matrix).lexically_normal();
-  const std::filesystem::path result = output.empty()
-                                           ? std::filesystem::path()
-                                           : std::filesystem::absolute(output).lexically_normal();
-  for (const auto& other :
-       {result, companion_path(result, "hits.npy"), companion_path(result, "best.npy"),
-        companion_path(result, "views.npy")})
-    if (matrix == other)
-      throw Error(ErrorKind::usage, fmt::format("{}: is written twice; give --save-matrix another "
-                                                "name",
-                                                inputs.matrix));
   if (!inputs.matrix.ends_with(".npy") && !inputs.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage,
                 fmt::format("--save-matrix writes .npy or .png, found {}", inputs.matrix));
-  check_output_file(inputs.matrix, existing);
+  outputs.claim_file(inputs.matrix);
 }
 
 }  // namespace
@@ -135,8 +124,8 @@ void check_matrix_output(const QueryInputs& inputs, const std::string& output, E
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& settings) {
   const CommonOptions& options = session.options;
-  if (!options.output.empty()) check_result_output(options.output, options.existing());
-  check_matrix_output(inputs, options.output, options.existing());
+  if (!options.output.empty()) claim_result(options.output, session.outputs);
+  claim_matrix(inputs, session.outputs);
   if (!find_sequence_method(settings.method).is_exact && !inputs.matrix.empty())
     throw Error(ErrorKind::usage, fmt::format("{} does not see every window: there is no whole "
                                               "matrix to save",
@@ -169,7 +158,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   std::optional<MatrixPicture> picture;
   std::vector<RowConsumer> observers;
   if (inputs.matrix.ends_with(".npy"))
-    observers.emplace_back(std::ref(matrix.emplace(inputs.matrix, options.existing(), layout,
+    observers.emplace_back(std::ref(matrix.emplace(session.outputs.file(inputs.matrix), layout,
                                                    has_gaps(planned, database), session.monitor)));
   if (inputs.matrix.ends_with(".png")) observers.emplace_back(std::ref(picture.emplace(layout)));
 
@@ -188,16 +177,15 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   context.query_fingerprint = query_fingerprint(query);
   context.seconds = found.seconds;
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
-  if (matrix) context.matrix = matrix_layout_json(layout, found.result);
-  std::optional<OutputFile> picture_file;
+  if (matrix) {
+    context.matrix = matrix_layout_json(layout, found.result);
+    context.files["matrix"] = matrix->entry();
+  }
   if (picture)
-    picture_file.emplace(
-        picture->write(inputs.matrix, options.existing(), found.result, truth ? &*truth : nullptr));
-  if (matrix) matrix->commit();
-  if (picture_file) picture_file->commit();
+    picture->write(session.outputs.file(inputs.matrix), found.result, truth ? &*truth : nullptr);
   const Json json = options.output.empty()
                         ? result_json(found.result, context)
-                        : write_result(options.output, found.result, context, options.existing());
+                        : write_result(options.output, found.result, context, session.outputs);
   explain_nothing(session, database, found.result);
   const std::string advice = advice_text(session, found.result);
   session.print_result(summary(found) + advice, json);

@@ -149,12 +149,12 @@ void add_fabmap_command(Program& program, FabmapCommand& command) {
       "  vpr-train fabmap --pretrain walk --place hall=hall --place stairs=up --place stairs=down "
       "-o places.vprdb",
       [&fabmap_inputs, &fabmap_settings](Session& session) {
-        require_output(session.options);
+        claim_database(session);
         const FabmapDatabase database =
             fabmap_inputs.from_openfabmap
                 ? import_openfabmap(fabmap_inputs, fabmap_settings)
                 : train_fabmap_frames(fabmap_inputs, fabmap_settings, session);
-        write_fabmap_database(session.options.output, database, session.options.existing());
+        write_fabmap_database(session.options.output, database, session.outputs);
         session.print_result(fabmap_summary(database, session.options.output),
                              fabmap_json(database, session.run));
       });

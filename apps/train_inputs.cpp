@@ -35,10 +35,10 @@ std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
   return named;
 }
 
-void require_output(const CommonOptions& options) {
-  if (options.output.empty())
+void claim_database(const Session& session) {
+  if (session.options.output.empty())
     throw Error(ErrorKind::usage, "give the database to write, as in -o DB.vprdb");
-  check_output_folder(options.output, options.existing(), is_database_folder);
+  session.outputs.claim_folder(session.options.output, is_database_folder);
 }
 
 }  // namespace vpr

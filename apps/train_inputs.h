@@ -26,8 +26,8 @@ void add_inputs(const Command& command, TrainInputs& inputs);
 std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
                                            const std::vector<std::string>& taken = {});
 
-/// Throws Error(usage) if no database is named, or as check_output_folder does.
-void require_output(const CommonOptions& options);
+/// Claims the database of --output. Throws Error(usage) if none is named.
+void claim_database(const Session& session);
 
 struct FabmapInputs {
   TrainInputs train;

@@ -44,7 +44,7 @@ struct FabmapTuner {
 
 void tune_fabmap(Session& session, const FabmapTune& command) {
   const TuneInputs& inputs = command.inputs;
-  check_outputs(inputs, session.options);
+  claim_outputs(inputs, session);
   const std::vector<Source> sources = find_sources(inputs, true);
   const auto validation = find_validation(inputs, sources, true, session.monitor);
   const FabmapTuner tuner{session, command, read_fabmap_database(inputs.database)};

@@ -49,7 +49,7 @@ struct FastableTuner {
 
 void tune_fastable(Session& session, const FastableTune& command) {
   const TuneInputs& inputs = command.inputs;
-  check_outputs(inputs, session.options);
+  claim_outputs(inputs, session);
   const std::vector<Source> sources = find_sources(inputs, false);
   const auto validation = find_validation(inputs, sources, false, session.monitor);
   FastableTuner tuner{session, command, read_sequence_database(inputs.database), {}};

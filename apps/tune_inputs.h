@@ -52,9 +52,8 @@ std::optional<Source> find_validation(const TuneInputs& inputs, const std::vecto
 TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol,
                       const Monitor& monitor);
 
-/// Throws Error(usage) if two outputs are one file, or --save-config has several data sets; and as
-/// the checks of outputs do.
-void check_outputs(const TuneInputs& inputs, const CommonOptions& options);
+/// Claims the outputs. Throws Error(usage) if --save-config has several data sets.
+void claim_outputs(const TuneInputs& inputs, const Session& session);
 
 /// What a sweep depends on beside its settings: grid, data and database.
 Json sweep_key(const TuneInputs& inputs, const Json& settings, const std::string& fingerprint,

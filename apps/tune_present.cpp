@@ -81,13 +81,12 @@ void draw_plots(Session& session, const TuneInputs& inputs, const std::vector<Sw
     warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
     return;
   }
-  OutputFolder folder(inputs.plots, session.options.existing(), is_plot_folder);
+  const OutputFolder& folder = session.outputs.folder(inputs.plots, is_marked_folder);
   for (size_t s = 0; s < sweeps.size(); ++s) {
     Plot plot = sweep_plot(sweeps[s]);
     if (sweeps.size() > 1) plot.file += fmt::format("-{}", s + 1);
     draw_plot(plot, folder.temporary());
   }
-  folder.commit();
 }
 
 // The recommended settings as vpr-query --config takes them.
@@ -99,17 +98,10 @@ std::string config_text(const Json& settings) {
 
 }  // namespace
 
-void check_outputs(const TuneInputs& inputs, const CommonOptions& options) {
-  std::vector<std::string> files;
-  for (const std::string& file : {options.output, inputs.heat_map, inputs.save_config}) {
-    if (file.empty()) continue;
-    if (std::find(files.begin(), files.end(), file) != files.end())
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: is written twice; give one of the outputs another name", file));
-    check_output_file(file, options.existing());
-    files.push_back(file);
-  }
-  if (!inputs.plots.empty()) check_output_folder(inputs.plots, options.existing(), is_plot_folder);
+void claim_outputs(const TuneInputs& inputs, const Session& session) {
+  for (const std::string& file : {session.options.output, inputs.heat_map, inputs.save_config})
+    if (!file.empty()) session.outputs.claim_file(file);
+  if (!inputs.plots.empty()) session.outputs.claim_folder(inputs.plots, is_marked_folder);
   if (!inputs.save_config.empty() && inputs.datasets.size() > 1)
     throw Error(ErrorKind::usage,
                 fmt::format("--save-config keeps one recommendation, and each of {} data sets has "
@@ -128,14 +120,11 @@ void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep
   json["machine"] = machine_json(session.run);
   json["timing"] = timing_json({{"sweep", seconds}});
   const std::optional<Json>& recommended = sweeps.front().recommended_settings;
-  std::vector<OutputFile> files;
+  session.write_output(json);
   if (!inputs.heat_map.empty())
-    files.push_back(write_png(inputs.heat_map, draw_sweeps(sweeps), options.existing()));
+    write_png(session.outputs.file(inputs.heat_map), draw_sweeps(sweeps));
   if (!inputs.save_config.empty() && recommended)
-    files.emplace_back(inputs.save_config, options.existing()).write(config_text(*recommended));
-  if (!options.output.empty())
-    files.emplace_back(options.output, options.existing()).write(to_text(json));
-  for (OutputFile& file : files) file.commit();
+    session.outputs.file(inputs.save_config).write(config_text(*recommended));
   if (!inputs.plots.empty()) draw_plots(session, inputs, sweeps);
   session.print_result(result_text(inputs, options, sweeps), json);
   if (!inputs.save_config.empty() && !recommended)

@@ -73,8 +73,7 @@ void check_command(const Session& session, const ThresholdTune& command) {
   if (command.score != Score::raw && command.safety_factor != 1)
     throw Error(ErrorKind::usage,
                 "the safety factor is for raw distances; standardized scores have --safety-margin");
-  if (!session.options.output.empty())
-    check_output_file(session.options.output, session.options.existing());
+  session.claim_output();
 }
 
 Json head_json(const ThresholdTune& command) {
@@ -151,10 +150,11 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
       database.thresholds.push_back(automatic.table);
     }
   }
-  if (command.write) write_sequence_database(command.database, database, Existing::replace);
+  OutputTransaction kept(Existing::replace);  // the database is extended in place
+  if (command.write) write_sequence_database(command.database, database, kept);
   listing.json["provenance"] = provenance_json(session.run);
-  if (!session.options.output.empty())
-    write_file(session.options.output, to_text(listing.json), session.options.existing());
+  session.write_output(listing.json);
+  kept.commit();
   session.print_result(render_table(listing.table, command.format), listing.json);
 }
 

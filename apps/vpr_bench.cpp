@@ -44,11 +44,10 @@ Flag add_names(const Command& command, const std::string& flag, std::vector<std:
   return command.add_option(flag, values, help).comma_separated().type_name("NAMES");
 }
 
-void check_outputs(const Session& session, const Presentation& presentation) {
-  const CommonOptions& options = session.options;
-  if (!options.output.empty()) check_output_file(options.output, options.existing());
+void claim_outputs(const Session& session, const Presentation& presentation) {
+  session.claim_output();
   if (!presentation.plots.empty())
-    check_output_folder(presentation.plots, options.existing(), is_plot_folder);
+    session.outputs.claim_folder(presentation.plots, is_marked_folder);
 }
 
 std::string report_text(const BenchResult& result, TableFormat format) {
@@ -62,17 +61,15 @@ std::string report_text(const BenchResult& result, TableFormat format) {
 }
 
 void present(Session& session, const BenchResult& result, const Presentation& presentation) {
-  const CommonOptions& options = session.options;
   session.run.simd_target = session.kernels.target;
   const Json json = bench_json(result, session.run);
-  if (!options.output.empty()) write_file(options.output, to_text(json), options.existing());
+  session.write_output(json);
   if (!presentation.plots.empty() && !can_draw_plots()) {
     warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
   } else if (!presentation.plots.empty()) {
-    OutputFolder folder(presentation.plots, options.existing(), is_plot_folder);
+    const OutputFolder& folder = session.outputs.folder(presentation.plots, is_marked_folder);
     for (const Plot& plot : result.plots)
       if (!plot.lines.empty()) draw_plot(plot, folder.temporary());
-    folder.commit();
   }
   session.print_result(report_text(result, presentation.format), json);
 }
@@ -90,7 +87,7 @@ Command add_bench(Program& program, Bench<Settings>& bench, const std::string& n
                   const std::string& description, const std::string& example, Run&& run) {
   const Command command =
       program.add_command(name, description, example, [&bench, run](Session& session) {
-        check_outputs(session, bench.presentation);
+        claim_outputs(session, bench.presentation);
         pin_to_cores(session.run.threads);
         present(session, run(session, bench.settings), bench.presentation);
       });
@@ -236,13 +233,11 @@ struct CompareInputs {
 void compare(Session& session, const CompareInputs& inputs) {
   if (!(inputs.factor > 0))
     throw Error(ErrorKind::usage, fmt::format("--factor must be above 0, found {}", inputs.factor));
-  if (!session.options.output.empty())
-    check_output_file(session.options.output, session.options.existing());
+  session.claim_output();
   const BenchComparison comparison =
       compare_benches(read_bench(inputs.older), read_bench(inputs.newer));
   const Json json = comparison_json(comparison, inputs.factor);
-  if (!session.options.output.empty())
-    write_file(session.options.output, to_text(json), session.options.existing());
+  session.write_output(json);
   std::string text = render_table(comparison_table(comparison, inputs.factor), inputs.format);
   if (inputs.format != TableFormat::csv)
     for (const std::string& name : comparison.only_in_one) text += name + "\n";

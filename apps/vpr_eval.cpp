@@ -104,6 +104,21 @@ double missing_score(const SequenceResult& result) {
 }
 double missing_score(const FabmapResult&) { return kNoDistance; }
 
+/// Throws Error(data) if the matrix is not the one that was saved with the result.
+void check_matrix(const Session& session, const StoredResult& stored, const ScoreMatrix& matrix,
+                  const EvalInputs& inputs) {
+  if (!stored.matrix_checksum)
+    warn(session.monitor,
+         fmt::format("{}: names no matrix, as vpr-query --save-matrix makes it do; whether {} is "
+                     "its own can't be known",
+                     inputs.result, inputs.scores.path));
+  else if (matrix.fingerprint() != *stored.matrix_checksum)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is not the matrix that {} was written with; run vpr-query again "
+                            "with --save-matrix, or evaluate the matrix without the result",
+                            inputs.scores.path, inputs.result));
+}
+
 template <class Stored>
 Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& inputs) {
   constexpr bool kIsFabmap = std::is_same_v<Stored, StoredFabmapResult>;
@@ -116,6 +131,8 @@ Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& in
       named ? read_ground_truth(*named, scope, session.monitor) : unknown_ground_truth(scope);
   if (!inputs.scores.path.empty())
     evaluation.matrix = open_saved_scores(inputs.scores, missing_score(stored.result));
+  if constexpr (!kIsFabmap)
+    if (evaluation.matrix) check_matrix(session, stored, *evaluation.matrix, inputs);
   evaluation.judgement = judge_result(session, with_poses(inputs, stored.result.query_name),
                                       evaluation.matrix, stored.result, evaluation.truth);
   const auto counts = count_recognitions(stored.result, evaluation.truth);
@@ -186,15 +203,19 @@ void run_several(Session& session, const EvalInputs& inputs) {
                 "several results make one table; --scores, --expect, --html, --plot and --map take "
                 "one result");
   check_score_inputs(inputs.scores, true);
-  check_csv_outputs(session, inputs.csv, true);
+  session.claim_output();
+  claim_csv_outputs(session, inputs.csv, true);
   const std::vector<std::string> names = row_names(inputs.names, inputs.results);
   CsvRows rows;
-  evaluate_several(session, inputs.results, names, inputs.format, [&](size_t i) {
-    const Evaluation evaluation = evaluate(session, inputs_of(inputs, i));
-    add_rows(rows, inputs.csv, evaluation, names[i]);
-    return evaluation.report;
-  });
+  const SeveralReports reports =
+      evaluate_several(session, inputs.results, names, inputs.format, [&](size_t i) {
+        const Evaluation evaluation = evaluate(session, inputs_of(inputs, i));
+        add_rows(rows, inputs.csv, evaluation, names[i]);
+        return evaluation.report;
+      });
+  session.write_output(reports.json);
   write_csv_rows(session, inputs.csv, rows);
+  session.print_result(reports.text, reports.json);
 }
 
 /// The counts under each of several protocols.
@@ -248,16 +269,15 @@ void draw_map(Session& session, const EvalInputs& inputs, const Evaluation& eval
 }
 
 void run(Session& session, const EvalInputs& all) {
-  const CommonOptions& options = session.options;
   check_names(all);
   if (!all.protocols.empty()) return run_protocols(session, all);
   if (all.results.size() > 1) return run_several(session, all);
   const EvalInputs inputs = inputs_of(all, 0);
-  if (!options.output.empty()) check_output_file(options.output, options.existing());
+  session.claim_output();
   check_score_inputs(inputs.scores, !inputs.result.empty());
   check_picture_outputs(session, inputs.pictures);
   check_map_inputs(session, inputs.map, inputs.dataset);
-  check_csv_outputs(session, inputs.csv, !inputs.result.empty());
+  claim_csv_outputs(session, inputs.csv, !inputs.result.empty());
   const Json expected =
       inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
   const Stopwatch watch;
@@ -274,7 +294,7 @@ void run(Session& session, const EvalInputs& all) {
   report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
   std::vector<std::string> unmet;
   if (!expected.is_null()) unmet = unmet_expectations(report, expected, inputs.expected);
-  if (!options.output.empty()) write_file(options.output, to_text(report), options.existing());
+  session.write_output(report);
   write_pictures(session, inputs.pictures, inputs.dataset, evaluation);
   draw_map(session, inputs, evaluation);
   CsvRows rows;

@@ -143,9 +143,8 @@ std::string counterpart_text(const std::string& flag) {
 // A flag of the other family would be without effect: say so instead.
 void refuse_flags(const Command& app, const std::string& group, const std::string& method) {
   for (const std::string& flag : app.given_flags(group))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} has no effect with a database for {}{}", flag, method,
-                            counterpart_text(flag)));
+    throw Error(ErrorKind::usage, fmt::format("{} has no effect with a database for {}{}", flag,
+                                              method, counterpart_text(flag)));
 }
 
 template <class S>

@@ -19,11 +19,10 @@ int main(int argc, char** argv) {
       throw vpr::Error(vpr::ErrorKind::usage, "give the folder to write, as in -o building");
     vpr::World world = vpr::read_world(world_path);
     if (program.command().is_given("--seed")) world.seed = session.options.seed;
-    vpr::OutputFolder folder(session.options.output, session.options.existing(),
-                             vpr::is_recording_folder);
+    const vpr::OutputFolder& folder =
+        session.outputs.folder(session.options.output, vpr::is_recording_folder);
     const vpr::RecordingSize size =
         vpr::write_recording(world, folder.temporary(), session.monitor);
-    folder.commit();
     session.print_result(
         fmt::format("{}: {} walks, {} frames, {} views of {} places\n", session.options.output,
                     world.walks.size(), size.frames, size.views, world.places.size()),

@@ -71,7 +71,7 @@ std::string summary(const SequenceDatabase& database, const std::string& path,
 }
 
 void store(Session& session, const SequenceDatabase& database) {
-  write_sequence_database(session.options.output, database, session.options.existing());
+  write_sequence_database(session.options.output, database, session.outputs);
   session.print_result(summary(database, session.options.output, session),
                        database_json(database, session));
 }
@@ -95,7 +95,7 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
 }
 
 void store(Session& session, const FabmapDatabase& database) {
-  write_fabmap_database(session.options.output, database, session.options.existing());
+  write_fabmap_database(session.options.output, database, session.outputs);
   session.print_result(fabmap_summary(database, session.options.output),
                        fabmap_json(database, session.run));
 }
@@ -112,9 +112,9 @@ void add_to_fabmap(Session& session, const std::string& path, const AddInputs& i
 void export_openfabmap(Session& session, const std::string& path) {
   if (session.options.output.empty())
     throw Error(ErrorKind::usage, "give the folder to write, as in -o FOLDER");
-  check_output_folder(session.options.output, session.options.existing(), is_openfabmap_folder);
+  session.outputs.claim_folder(session.options.output, is_openfabmap_folder);
   const FabmapDatabase database = read_fabmap_database(path);
-  write_openfabmap(session.options.output, database, session.options.existing());
+  write_openfabmap(session.options.output, database, session.outputs);
   session.print_result(
       fmt::format("{}: vocabulary.yml, tree.yml, bow-pretrain.yml ({} frames), bow-train.yml ({} "
                   "views), as vpr-train fabmap --from-openfabmap reads them\n",
@@ -137,7 +137,7 @@ int main(int argc, char** argv) {
       "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
       "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb",
       [&](Session& session) {
-        require_output(session.options);
+        claim_database(session);
         store(session,
               train_sequences(named_arguments(inputs), settings, session.kernels, session.monitor));
       });
@@ -181,7 +181,8 @@ int main(int argc, char** argv) {
       "  vpr-train add building.vprdb --train wednesday -o building2.vprdb\n"
       "  vpr-train add places.vprdb --place lift=lift -o places2.vprdb",
       [&](Session& session) {
-        require_output(session.options);
+        session.outputs.release(database_path);  // it is extended in place, once it was read
+        claim_database(session);
         if (database_method(database_path) == "fabmap")
           add_to_fabmap(session, database_path, added);
         else

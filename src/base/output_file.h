@@ -1,28 +1,30 @@
-// Outputs that are complete or absent: written under a temporary name beside the target, renamed
-// when done, removed when work fails.
+// Outputs that are complete or absent: written under a temporary name beside the target, flushed,
+// renamed when done, removed when work fails. One run's outputs are committed together by an
+// OutputTransaction (output_transaction.h).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <initializer_list>
 #include <span>
+#include <string>
 #include <string_view>
+
+#include "base/pending_output.h"
 
 namespace vpr {
 
-enum class Existing { refuse, replace };
-
-/// Throws Error(usage) when `path` exists and is to be refused, or is a folder, and Error(output)
-/// when its parent folder is missing. Call it before long work; commit checks again.
+/// Throws Error(usage) when `path` exists and is to be refused, or is a folder or no regular file,
+/// and Error(output) when its parent folder is missing, or its name is too long. Call it before
+/// long work; commit checks again.
 void check_output_file(const std::filesystem::path& path, Existing existing);
 
 /// One file. Throws Error(output) on any failure, a full disk included.
 class OutputFile {
  public:
   OutputFile(std::filesystem::path path, Existing existing);
-  ~OutputFile();
-  OutputFile(OutputFile&& other) noexcept;
-  OutputFile& operator=(OutputFile&&) = delete;
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
@@ -30,21 +32,29 @@ class OutputFile {
   void reserve(uint64_t size);
   /// Several threads may write at once to places that do not overlap.
   void write_at(uint64_t offset, std::span<const std::byte> bytes);
-  /// Closes and renames. Without a commit, nothing stays.
+  /// Puts this file alone in its place. Without a commit, nothing stays.
   void commit();
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return pending_.target(); }
+  /// Where what was written so far can be read.
+  const std::filesystem::path& temporary() const { return pending_.temporary().path(); }
+  PendingOutput& pending() { return pending_; }
 
  private:
-  std::filesystem::path path_;
-  std::filesystem::path temporary_;
-  Existing existing_;
-  int file_ = -1;
+  PendingOutput pending_;
 };
 
 /// Whether a folder holds nothing but an output of ours, so that nobody's home is replaced by a
 /// slip.
 using FolderCheck = bool (*)(const std::filesystem::path& folder);
+
+/// Whether a folder can be read, and everything in it is a regular file whose name passes.
+bool holds_only_files(const std::filesystem::path& folder,
+                      const std::function<bool(const std::string& name)>& is_ours);
+
+/// The check of folders that have no other mark: their commit leaves a file `.vpr-files` in them,
+/// with the names of all others, one a line; a folder passes if every file in it is named there.
+bool is_marked_folder(const std::filesystem::path& folder);
 
 /// Throws like check_output_file; with `replace`, a folder that stands there must be empty or pass
 /// `is_ours`.
@@ -55,18 +65,25 @@ void check_output_folder(const std::filesystem::path& path, Existing existing, F
 class OutputFolder {
  public:
   OutputFolder(const std::filesystem::path& path, Existing existing, FolderCheck is_ours);
-  ~OutputFolder();
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
 
-  const std::filesystem::path& temporary() const { return temporary_; }
+  const std::filesystem::path& temporary() const { return pending_.temporary().path(); }
+  /// Puts this folder alone in its place.
   void commit();
+  PendingOutput& pending() { return pending_; }
+  /// Leaves the mark, where folders of this kind have one.
+  void complete();
 
  private:
-  std::filesystem::path path_;
-  std::filesystem::path temporary_;
-  Existing existing_;
+  FolderCheck is_ours_;
+  PendingOutput pending_;
 };
+
+/// Writes a new file that is part of an OutputFolder, whose temporary() its path starts with: it
+/// needs no temporary of its own, and is flushed with the folder. `parts` stand one after the
+/// other. Throws Error(output).
+void write_part(const std::filesystem::path& path,
+                std::initializer_list<std::span<const std::byte>> parts);
+void write_part(const std::filesystem::path& path, std::string_view text);
 
 /// Writes a whole file in one go: open, write, commit.
 void write_file(const std::filesystem::path& path, std::string_view text, Existing existing);

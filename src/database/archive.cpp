@@ -37,18 +37,13 @@ bool is_database_folder(const fs::path& folder) {
     return false;
   const Json& schema = (*json)["schema"];
   if (!schema.is_string() || !schema.get<std::string>().starts_with("vpr.database/")) return false;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (name != kManifestName && !(*json)["files"].contains(name)) return false;
-  }
-  return true;
+  return holds_only_files(folder, [&](const std::string& name) {
+    return name == kManifestName || (*json)["files"].contains(name);
+  });
 }
 
-ArchiveWriter::ArchiveWriter(const fs::path& path, Existing existing)
-    : folder_(path, existing, is_database_folder) {}
-
 void ArchiveWriter::add_text(const std::string& name, std::string_view text) {
-  write_file(folder_.temporary() / name, text, Existing::refuse);
+  write_part(folder_.temporary() / name, text);
   add_entry(name);
 }
 
@@ -57,13 +52,12 @@ void ArchiveWriter::add_entry(const std::string& name) {
   files_[name] = {{"bytes", file.bytes().size()}, {"checksum", checksum(file.bytes())}};
 }
 
-void ArchiveWriter::commit(Json manifest) {
+void ArchiveWriter::finish(Json manifest) {
   manifest["files"] = files_;
   std::string text = to_text(manifest);
   text.resize(text.size() - std::string_view("\n}\n").size());
   text += fmt::format("{}{}{}", kChecksumStart, checksum(text), kChecksumEnd);
-  write_file(folder_.temporary() / kManifestName, text, Existing::refuse);
-  folder_.commit();
+  write_part(folder_.temporary() / kManifestName, text);
 }
 
 Archive::Archive(fs::path path) : path_(std::move(path)) {

@@ -19,28 +19,28 @@ inline constexpr std::string_view kManifestName = "manifest.json";
 /// Whether a folder is a database, of any kind or version, and holds nothing else.
 bool is_database_folder(const std::filesystem::path& folder);
 
-/// Writes files, then the manifest, and lets the whole folder appear at once.
+/// Writes files into an output, then the manifest.
 class ArchiveWriter {
  public:
-  ArchiveWriter(const std::filesystem::path& path, Existing existing);
+  explicit ArchiveWriter(OutputFolder& folder) : folder_(folder) {}
 
   template <class T>
   void add_array(const std::string& name, std::span<const T> values,
                  const std::vector<size_t>& shape) {
-    OutputFile file(folder_.temporary() / name, Existing::refuse);
-    write_npy(file, values, shape);
-    file.commit();
+    const std::string header = npy_header(npy_type<T>(), shape);
+    write_part(folder_.temporary() / name,
+               {std::as_bytes(std::span(header)), std::as_bytes(values)});
     add_entry(name);
   }
   void add_text(const std::string& name, std::string_view text);
 
   /// Adds "files" (sizes and checksums) and "checksum" (of the manifest's own text) to `manifest`.
-  void commit(Json manifest);
+  void finish(Json manifest);
 
  private:
   void add_entry(const std::string& name);
 
-  OutputFolder folder_;
+  OutputFolder& folder_;
   Json files_ = Json::object();
 };
 

@@ -215,8 +215,8 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
 }
 
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
-                           Existing existing) {
-  ArchiveWriter writer(path, existing);
+                           OutputTransaction& outputs) {
+  ArchiveWriter writer(outputs.folder(path, is_database_folder));
   const std::vector<size_t> shape = {static_cast<size_t>(database.vocabulary.rows),
                                      static_cast<size_t>(database.vocabulary.cols)};
   if (database.vocabulary.type() == CV_8U)
@@ -249,7 +249,7 @@ void write_fabmap_database(const std::filesystem::path& path, const FabmapDataba
                             {"version", program_version()},
                             {"commit", program_commit()},
                             {"seed", database.seed}};
-  writer.commit(manifest);
+  writer.finish(manifest);
 }
 
 }  // namespace vpr

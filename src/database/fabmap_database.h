@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/enum_names.h"
-#include "base/output_file.h"
+#include "base/output_transaction.h"
 #include "database/chow_liu.h"
 #include "database/word_index.h"
 #include "descriptors/local_features.h"
@@ -84,9 +84,9 @@ void index_views(FabmapDatabase& database);
 /// Error(data) if it is damaged, of another method or of a newer version.
 FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 
-/// Byte-identical for the same content.
+/// Byte-identical for the same content. The caller commits.
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
-                           Existing existing);
+                           OutputTransaction& outputs);
 
 /// "fastable" or "fabmap": what a database is for. Throws as the readers do.
 std::string database_method(const std::filesystem::path& path);

@@ -41,7 +41,7 @@ constexpr std::array<const char*, 4> kFiles = {"vocabulary.yml", "tree.yml", "bo
 void write_node(const fs::path& path, const std::string& name, const cv::Mat& mat) {
   cv::FileStorage storage(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   storage << name << mat;
-  write_file(path, storage.releaseAndGetString(), Existing::refuse);
+  write_part(path, storage.releaseAndGetString());
 }
 
 cv::Mat tree_matrix(const ChowLiuTree& tree) {
@@ -62,24 +62,23 @@ cv::Mat bow_matrix(const ViewWords& views, size_t words) {
 }  // namespace
 
 bool is_openfabmap_folder(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (std::find(kFiles.begin(), kFiles.end(), entry.path().filename()) == kFiles.end())
-      return false;
-  return true;
+  return holds_only_files(folder, [](const std::string& name) {
+    return std::find(kFiles.begin(), kFiles.end(), name) != kFiles.end();
+  });
 }
 
-void write_openfabmap(const fs::path& folder, const FabmapDatabase& database, Existing existing) {
+void write_openfabmap(const fs::path& folder, const FabmapDatabase& database,
+                      OutputTransaction& outputs) {
   if (database.vocabulary.type() != CV_32F)
     throw Error(ErrorKind::usage,
                 fmt::format("OpenFABMAP has no binary words; {} can't be exported",
                             enum_name(database.settings.features.kind)));
   const size_t words = database.tree.words();
-  OutputFolder output(folder, existing, is_openfabmap_folder);
+  OutputFolder& output = outputs.folder(folder, is_openfabmap_folder);
   write_node(output.temporary() / kFiles[0], "Vocabulary", database.vocabulary);
   write_node(output.temporary() / kFiles[1], "ChowLiuTree", tree_matrix(database.tree));
   write_node(output.temporary() / kFiles[2], "BOWImageDescs", bow_matrix(database.pretrain, words));
   write_node(output.temporary() / kFiles[3], "BOWImageDescs", bow_matrix(database.views, words));
-  output.commit();
 }
 
 cv::Mat read_openfabmap_vocabulary(const fs::path& path) {

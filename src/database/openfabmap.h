@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/output_file.h"
+#include "base/output_transaction.h"
 #include "database/chow_liu.h"
 #include "database/fabmap_database.h"
 #include "images/sequence.h"
@@ -25,9 +25,9 @@ std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, si
 
 /// Writes `vocabulary.yml`, `tree.yml`, `bow-pretrain.yml` and `bow-train.yml` (each word that a
 /// frame shows is 1) into a new folder. Throws Error(usage) for binary words, which OpenFABMAP does
-/// not have.
+/// not have. The caller commits.
 void write_openfabmap(const std::filesystem::path& folder, const FabmapDatabase& database,
-                      Existing existing);
+                      OutputTransaction& outputs);
 
 /// Whether a folder holds nothing but such files.
 bool is_openfabmap_folder(const std::filesystem::path& folder);

@@ -224,9 +224,9 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
 }
 
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
-                             Existing existing) {
+                             OutputTransaction& outputs) {
   const std::span<const LdbCode> codes = database.codes.view();
-  ArchiveWriter writer(path, existing);
+  ArchiveWriter writer(outputs.folder(path, is_database_folder));
   writer.add_array(kCodesFile,
                    std::span(reinterpret_cast<const uint8_t*>(codes.data()), codes.size_bytes()),
                    {codes.size(), kLdbBytes});
@@ -245,7 +245,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   if (database.statistics) manifest["statistics"] = statistics_to_json(*database.statistics);
   manifest["provenance"] = {
       {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
-  writer.commit(manifest);
+  writer.finish(manifest);
 }
 
 const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables,

@@ -9,7 +9,7 @@
 
 #include "base/monitor.h"
 #include "base/npy.h"
-#include "base/output_file.h"
+#include "base/output_transaction.h"
 #include "database/train_statistics.h"
 #include "descriptors/describe.h"
 
@@ -64,9 +64,10 @@ struct SequenceDatabase {
 /// another method or of a newer version.
 SequenceDatabase read_sequence_database(const std::filesystem::path& path);
 
-/// Writes a folder that is byte-identical for the same content: no time, host or path in it.
+/// Writes a folder that is byte-identical for the same content: no time, host or path in it. The
+/// caller commits.
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
-                             Existing existing);
+                             OutputTransaction& outputs);
 
 /// The table for a window length, or null.
 const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables, size_t window_length);

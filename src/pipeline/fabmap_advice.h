@@ -13,7 +13,7 @@ struct LowerThreshold {
   std::optional<double> place_threshold;  ///< the first t_p below the result's, of 0.9, 0.8 ...
                                           ///< 0.1, 0.09 ... 0.01, that recognises something; none
                                           ///< if none of them does
-  size_t frames = 0;  ///< in which it does, by the likeliest view of each
+  size_t frames = 0;                      ///< in which it does, by the likeliest view of each
 };
 
 /// Nothing where no frame has a best match. The c_w of the result holds for the lower t_p, too.

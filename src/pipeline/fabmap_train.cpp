@@ -43,8 +43,8 @@ std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSetti
 void warn_featureless(const std::string& frames_of, size_t featureless, size_t frames,
                       FeatureKind kind, const Monitor& monitor) {
   if (featureless * kWarnedShare < frames || featureless == 0) return;
-  warn(monitor, fmt::format("{}: {} of {} frames ({:.0f} %) have no {} feature, from which FAB-MAP "
-                            "knows places; give larger pictures, or train with another kind of "
+  warn(monitor, fmt::format("{}: {} of {} frames ({:.0f} %) have no {} feature, by which FAB-MAP "
+                            "knows a place; give larger pictures, or train with another kind of "
                             "--features",
                             frames_of, featureless, frames,
                             100 * static_cast<double>(featureless) / static_cast<double>(frames),

@@ -74,11 +74,11 @@ std::vector<std::optional<PlaceMatch>> read_matches(const fs::path& path, const 
 
 }  // namespace
 
-void check_fabmap_result_output(const fs::path& path, Existing existing) {
-  check_output_file(path, existing);
+void claim_fabmap_result(const fs::path& path, OutputTransaction& outputs) {
+  outputs.claim_file(path);
   for (const char* kind :
        {"hits.npy", "hit_scores.npy", "best.npy", "best_scores.npy", "new_place.npy"})
-    check_output_file(companion_path(path, kind), existing);
+    outputs.claim_file(companion_path(path, kind));
 }
 
 Json fabmap_result_json(const FabmapResult& result, const ResultContext& context) {
@@ -97,16 +97,15 @@ Json fabmap_result_json(const FabmapResult& result, const ResultContext& context
 }
 
 Json write_fabmap_result(const fs::path& path, const FabmapResult& result,
-                         const ResultContext& context, Existing existing) {
+                         const ResultContext& context, OutputTransaction& outputs) {
   Json json = fabmap_result_json(result, context);
   const MatchColumns hits = hit_columns(result);
   const MatchColumns best = best_columns(result);
   Json& files = json["files"];
-  std::vector<OutputFile> companions;
   const auto add = [&]<class T>(const std::string& name, const std::vector<T>& values,
                                 const std::vector<size_t>& shape) {
-    companions.push_back(write_companion(companion_path(path, name + ".npy"),
-                                         std::span<const T>(values), shape, existing, files[name]));
+    files[name] = write_companion(outputs.file(companion_path(path, name + ".npy")),
+                                  std::span<const T>(values), shape);
   };
   add("hits", hits.indices, {hits.scores.size(), kColumns});
   add("hit_scores", hits.scores, {hits.scores.size()});
@@ -114,10 +113,7 @@ Json write_fabmap_result(const fs::path& path, const FabmapResult& result,
   add("best_scores", best.scores, {best.scores.size()});
   add("new_place", result.new_place, {result.new_place.size()});
   add_result_checksum(json);
-  OutputFile main(path, existing);
-  main.write(to_text(json));
-  for (OutputFile& companion : companions) companion.commit();
-  main.commit();
+  outputs.file(path).write(to_text(json));
   return json;
 }
 

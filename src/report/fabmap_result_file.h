@@ -11,13 +11,14 @@
 
 namespace vpr {
 
-void check_fabmap_result_output(const std::filesystem::path& path, Existing existing);
+/// Claims the result and its companions.
+void claim_fabmap_result(const std::filesystem::path& path, OutputTransaction& outputs);
 
 Json fabmap_result_json(const FabmapResult& result, const ResultContext& context);
 
-/// Writes the companions, and the JSON last. Returns the JSON.
+/// Writes the companions and the JSON, which it returns; the caller commits.
 Json write_fabmap_result(const std::filesystem::path& path, const FabmapResult& result,
-                         const ResultContext& context, Existing existing);
+                         const ResultContext& context, OutputTransaction& outputs);
 
 struct StoredFabmapResult {
   FabmapResult result;

@@ -5,6 +5,7 @@
 
 #include "base/json.h"
 #include "base/npy.h"
+#include "report/result_file.h"
 
 namespace vpr {
 
@@ -30,9 +31,9 @@ Json matrix_layout_json(const MatrixLayout& layout, const SequenceResult& result
   return {{"rows", layout.rows}, {"columns", layout.cols}, {"sequences", columns}};
 }
 
-MatrixFile::MatrixFile(const std::filesystem::path& path, Existing existing,
-                       const MatrixLayout& layout, bool has_gaps, const Monitor& monitor)
-    : file_(path, existing), layout_(layout) {
+MatrixFile::MatrixFile(OutputFile& file, const MatrixLayout& layout, bool has_gaps,
+                       const Monitor& monitor)
+    : file_(file), layout_(layout) {
   const std::string header = npy_header(npy_type<int32_t>(), {layout.rows, layout.cols});
   header_bytes_ = header.size();
   file_.write(header);
@@ -60,6 +61,6 @@ void MatrixFile::operator()(const DistanceRow& row) {
   file_.write_at(position, std::as_bytes(std::span(scores)));
 }
 
-void MatrixFile::commit() { file_.commit(); }
+Json MatrixFile::entry() const { return file_entry(file_.temporary(), layout_.rows); }
 
 }  // namespace vpr

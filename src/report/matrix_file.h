@@ -37,14 +37,14 @@ Json matrix_layout_json(const MatrixLayout& layout, const SequenceResult& result
 class MatrixFile {
  public:
   /// `has_gaps`: some window has an unreadable frame, so that not every cell will arrive.
-  MatrixFile(const std::filesystem::path& path, Existing existing, const MatrixLayout& layout,
-             bool has_gaps, const Monitor& monitor);
+  MatrixFile(OutputFile& file, const MatrixLayout& layout, bool has_gaps, const Monitor& monitor);
   /// Takes part of a row, from any thread.
   void operator()(const DistanceRow& row);
-  void commit();
+  /// Its object in a result: rows and checksum. Reads the whole file.
+  Json entry() const;
 
  private:
-  OutputFile file_;
+  OutputFile& file_;
   MatrixLayout layout_;
   size_t header_bytes_ = 0;
 };

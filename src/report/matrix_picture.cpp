@@ -124,8 +124,8 @@ void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
   }
 }
 
-OutputFile MatrixPicture::write(const std::filesystem::path& path, Existing existing,
-                                const SequenceResult& result, const GroundTruth* truth) const {
+void MatrixPicture::write(OutputFile& file, const SequenceResult& result,
+                          const GroundTruth* truth) const {
   cv::Mat image = grey_image();
   std::set<Meaning> shown;
   if (truth != nullptr) {
@@ -155,7 +155,7 @@ OutputFile MatrixPicture::write(const std::filesystem::path& path, Existing exis
   }
   frame.grey_words =
       layout_.has_scores ? "standardized score (1/1024, summed)" : "distance (bits, summed)";
-  return write_png(path, framed(image, frame), existing);
+  write_png(file, framed(image, frame));
 }
 
 }  // namespace vpr

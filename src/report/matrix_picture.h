@@ -25,9 +25,8 @@ class MatrixPicture {
 
   /// Writes a PNG: ground truth (if known) and hits (not judged where it is not) in the palette's
   /// colours, sequences divided by lines, axes that count frames, a legend and the scale of the
-  /// greys. The caller commits.
-  OutputFile write(const std::filesystem::path& path, Existing existing,
-                   const SequenceResult& result, const GroundTruth* truth) const;
+  /// greys.
+  void write(OutputFile& file, const SequenceResult& result, const GroundTruth* truth) const;
 
  private:
   struct Pixels;

@@ -7,12 +7,10 @@
 
 namespace vpr {
 
-OutputFile write_png(const std::filesystem::path& path, const cv::Mat& image, Existing existing) {
+void write_png(OutputFile& file, const cv::Mat& image) {
   std::vector<uint8_t> png;
   cv::imencode(".png", image, png);
-  OutputFile file(path, existing);
   file.write(std::as_bytes(std::span(png)));
-  return file;
 }
 
 }  // namespace vpr

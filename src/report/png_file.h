@@ -12,6 +12,6 @@ class Mat;
 namespace vpr {
 
 /// Grey or BGR, 8 bits. The caller commits. Throws Error(output).
-OutputFile write_png(const std::filesystem::path& path, const cv::Mat& image, Existing existing);
+void write_png(OutputFile& file, const cv::Mat& image);
 
 }  // namespace vpr

@@ -1,5 +1,6 @@
 #include "report/result_file.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
@@ -8,13 +9,15 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/mapped_file.h"
 
 namespace vpr {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kColumns = 4;  // query window, sequence, train window, distance
+constexpr size_t kColumns = 4;                   // query window, sequence, train window, distance
+constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file that are in memory at once
 using CellRow = std::array<int32_t, kColumns>;
 
 CellRow cell_row(const Cell& cell, int64_t offset) {
@@ -83,12 +86,10 @@ std::vector<std::array<int32_t, 2>> view_rows(const ResultViews& views) {
 }
 
 template <size_t kRowColumns>
-OutputFile write_rows(const fs::path& path,
-                      const std::vector<std::array<int32_t, kRowColumns>>& rows, Existing existing,
-                      Json& entry) {
+Json write_rows(OutputFile& file, const std::vector<std::array<int32_t, kRowColumns>>& rows) {
   const std::span<const int32_t> values(rows.empty() ? nullptr : rows.front().data(),
                                         rows.size() * kRowColumns);
-  return write_companion(path, values, {rows.size(), kRowColumns}, existing, entry);
+  return write_companion(file, values, {rows.size(), kRowColumns});
 }
 
 }  // namespace
@@ -99,11 +100,21 @@ fs::path companion_path(const fs::path& result, const std::string& kind) {
   return path += "." + kind;
 }
 
-void check_result_output(const fs::path& path, Existing existing) {
-  check_output_file(path, existing);
-  check_output_file(companion_path(path, "hits.npy"), existing);
-  check_output_file(companion_path(path, "best.npy"), existing);
-  check_output_file(companion_path(path, "views.npy"), existing);
+void claim_result(const fs::path& path, OutputTransaction& outputs) {
+  outputs.claim_file(path);
+  for (const char* kind : {"hits.npy", "best.npy", "views.npy"})
+    outputs.claim_file(companion_path(path, kind));
+}
+
+Json file_entry(const fs::path& path, size_t rows) {
+  const MappedFile file(path);
+  ChecksumStream sum;
+  for (size_t at = 0; at < file.bytes().size(); at += kPieceBytes) {
+    const size_t size = std::min(kPieceBytes, file.bytes().size() - at);
+    sum.add(file.bytes().subspan(at, size));
+    file.forget(at, size);
+  }
+  return {{"rows", rows}, {"checksum", sum.text()}};
 }
 
 void add_result_checksum(Json& json) { json["checksum"] = result_checksum(json); }
@@ -119,6 +130,7 @@ void add_context(Json& json, const ResultContext& context) {
   json["provenance"]["query"] = context.query_fingerprint;
   json["machine"] = machine_json(context.run);
   json["timing"] = timing_json(context.seconds);
+  if (!context.files.empty()) json["files"] = context.files;
 }
 
 Json result_json(const SequenceResult& result, const ResultContext& context) {
@@ -152,26 +164,16 @@ Json result_json(const SequenceResult& result, const ResultContext& context) {
 }
 
 Json write_result(const fs::path& path, const SequenceResult& result, const ResultContext& context,
-                  Existing existing) {
+                  OutputTransaction& outputs) {
   Json json = result_json(result, context);
-  Json hits_entry;
-  Json best_entry;
-  OutputFile hits =
-      write_rows(companion_path(path, "hits.npy"), hit_rows(result), existing, hits_entry);
-  OutputFile best =
-      write_rows(companion_path(path, "best.npy"), best_rows(result), existing, best_entry);
-  json["files"] = {{"hits", hits_entry}, {"best", best_entry}};
-  std::optional<OutputFile> views;
+  Json& files = json["files"];
+  files["hits"] = write_rows(outputs.file(companion_path(path, "hits.npy")), hit_rows(result));
+  files["best"] = write_rows(outputs.file(companion_path(path, "best.npy")), best_rows(result));
   if (result.views)
-    views.emplace(write_rows(companion_path(path, "views.npy"), view_rows(*result.views), existing,
-                             json["files"]["views"]));
+    files["views"] =
+        write_rows(outputs.file(companion_path(path, "views.npy")), view_rows(*result.views));
   add_result_checksum(json);
-  OutputFile main(path, existing);
-  main.write(to_text(json));
-  hits.commit();
-  best.commit();
-  if (views) views->commit();
-  main.commit();
+  outputs.file(path).write(to_text(json));
   return json;
 }
 

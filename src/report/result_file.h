@@ -10,7 +10,7 @@
 #include "base/checksum.h"
 #include "base/json.h"
 #include "base/npy.h"
-#include "base/output_file.h"
+#include "base/output_transaction.h"
 #include "recognition/sequence_result.h"
 #include "report/run_info.h"
 
@@ -24,30 +24,31 @@ struct ResultContext {
   std::map<std::string, double> seconds;
   std::optional<size_t> verified_cells;  ///< recomputed by definition, without a difference
   std::optional<Json> matrix;            ///< layout of a saved matrix
+  std::map<std::string, Json> files;     ///< of a saved matrix or posteriors: rows and checksum
   std::optional<Json> explanation;       ///< of one frame, by FAB-MAP
 };
 
 /// RESULT.hits.npy for RESULT.json.
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
 
-/// Writes an array beside a result, to be committed by the caller; `entry` becomes its object in
-/// the JSON.
+/// Writes an array beside a result. Returns its object in the JSON.
 template <class T>
-OutputFile write_companion(const std::filesystem::path& path, std::span<const T> values,
-                           const std::vector<size_t>& shape, Existing existing, Json& entry) {
-  OutputFile file(path, existing);
+Json write_companion(OutputFile& file, std::span<const T> values,
+                     const std::vector<size_t>& shape) {
   const std::string header = npy_header(npy_type<T>(), shape);
   ChecksumStream sum;
   sum.add(std::as_bytes(std::span(header)));
   sum.add(std::as_bytes(values));
   file.write(header);
   file.write(std::as_bytes(values));
-  entry = {{"rows", shape.front()}, {"checksum", sum.text()}};
-  return file;
+  return {{"rows", shape.front()}, {"checksum", sum.text()}};
 }
 
-/// Throws like check_output_file for the result and its companions.
-void check_result_output(const std::filesystem::path& path, Existing existing);
+/// Claims the result and its companions.
+void claim_result(const std::filesystem::path& path, OutputTransaction& outputs);
+
+/// The object of a whole file in the JSON.
+Json file_entry(const std::filesystem::path& path, size_t rows);
 
 /// Parts of a result that do not depend on the method: provenance, machine and timing.
 void add_context(Json& json, const ResultContext& context);
@@ -67,13 +68,15 @@ std::string result_method(const std::filesystem::path& path);
 /// The JSON without its companions' checksums.
 Json result_json(const SequenceResult& result, const ResultContext& context);
 
-/// Writes the companions, and the JSON last. Returns the JSON.
+/// Writes the companions and the JSON, which it returns; the caller commits.
 Json write_result(const std::filesystem::path& path, const SequenceResult& result,
-                  const ResultContext& context, Existing existing);
+                  const ResultContext& context, OutputTransaction& outputs);
 
 struct StoredResult {
   SequenceResult result;
   std::string fingerprint;  ///< of everything but "machine" and "timing"
+  /// Of the matrix that was saved with it; none in a result without, or of older date.
+  std::optional<std::string> matrix_checksum = {};
 };
 
 /// Throws Error(input) if a file is missing, Error(data) if one is damaged, of another method or a

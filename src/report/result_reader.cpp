@@ -217,6 +217,8 @@ StoredResult read_result(const fs::path& path) {
   cluster(result);
   if (result.places != places) fields.fail("its recognitions are not the clusters of its hits");
   read_views(path, fields, result);
+  if (json["files"].contains("matrix"))
+    stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");
   return stored;
 }
 

@@ -33,9 +33,7 @@ void write_frame(const World& world, const cv::Mat& picture, const fs::path& pat
                world.format == FrameFormat::jpg
                    ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, kJpegQuality}
                    : std::vector<int>{});
-  OutputFile file(path, Existing::refuse);
-  file.write(std::as_bytes(std::span(bytes)));
-  file.commit();
+  write_part(path, {std::as_bytes(std::span(bytes))});
 }
 
 /// What all frames of a recording share.
@@ -61,7 +59,7 @@ void render_walk(const Studio& studio, const Scene& scene, const RecordedWalk& r
     write_frame(studio.world, picture, folder / fmt::format("{:05}{}", i, extension(studio.world)));
     studio.counter.add();
   });
-  write_file(folder / "poses.csv", poses_csv(recorded), Existing::refuse);
+  write_part(folder / "poses.csv", poses_csv(recorded));
 }
 
 void render_views(const Studio& studio, const Scene& scene, const WorldPlace& place,
@@ -118,8 +116,7 @@ RecordingSize write_recording(const World& world, const fs::path& folder, const 
   if (!world.places.empty()) fs::create_directory(folder / "places");
   for (size_t floor = 0; floor < world.floors.size(); ++floor)
     render_floor(studio, floor, walks, folder);
-  for (const auto& [name, text] : recording_texts(world, walks))
-    write_file(folder / name, text, Existing::refuse);
+  for (const auto& [name, text] : recording_texts(world, walks)) write_part(folder / name, text);
   return size;
 }
 

@@ -236,7 +236,8 @@ TEST_CASE("a query that recognises nothing says at what t_p it would, as a comma
   const size_t at = nothing.out.find(" --t-p 0.");
   REQUIRE(at != std::string::npos);
   CHECK(nothing.out.find("-o '" + (out / "a b.json").string() + "'") != std::string::npos);
-  const std::string threshold = nothing.out.substr(at + 7, nothing.out.find('\n', at) - at - 7);
+  const std::string threshold = nothing.out.substr(at + 7, nothing.out.find(' ', at + 7) - at - 7);
+  CHECK(nothing.out.find(threshold + " --force\n") != std::string::npos);
   REQUIRE(run_program("vpr-query", {world().database(), "--query", world().walk("back"), "--t-p",
                                     threshold, "-o", out / "r.json"})
               .exit_code == 0);

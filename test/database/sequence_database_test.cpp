@@ -25,8 +25,14 @@ SequenceDatabase example() {
   return database;
 }
 
+void write(const fs::path& path, const SequenceDatabase& database, Existing existing) {
+  OutputTransaction outputs(existing);
+  write_sequence_database(path, database, outputs);
+  outputs.commit();
+}
+
 fs::path write_example(const test::TemporaryFolder& folder) {
-  write_sequence_database(folder / "d.vprdb", example(), Existing::refuse);
+  write(folder / "d.vprdb", example(), Existing::refuse);
   return folder / "d.vprdb";
 }
 
@@ -101,7 +107,7 @@ TEST_CASE("a database of older date has no statistics") {
   const test::TemporaryFolder folder;
   SequenceDatabase old = example();
   old.statistics.reset();
-  write_sequence_database(folder / "d.vprdb", old, Existing::refuse);
+  write(folder / "d.vprdb", old, Existing::refuse);
   CHECK(test::list_folder(folder / "d.vprdb") ==
         std::vector<std::string>{"codes.npy", "frames.txt", "manifest.json"});
   CHECK_FALSE(read_sequence_database(folder / "d.vprdb").statistics);
@@ -112,7 +118,7 @@ TEST_CASE("statistics that can't be are refused") {
   const auto kind = [&](auto change) {
     SequenceDatabase database = example();
     change(*database.statistics);
-    write_sequence_database(folder / "d.vprdb", database, Existing::replace);
+    write(folder / "d.vprdb", database, Existing::replace);
     return test::error_kind([&] { read_sequence_database(folder / "d.vprdb"); });
   };
   CHECK_FALSE(kind([](TrainStatistics&) {}));

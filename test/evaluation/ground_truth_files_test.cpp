@@ -63,6 +63,13 @@ struct Files {
   }
 };
 
+void write_truth(const GroundTruthFormat& format, const InspectedGroundTruth& truth,
+                 const std::filesystem::path& path) {
+  OutputFile file(path, Existing::replace);
+  format.write(truth, file);
+  file.commit();
+}
+
 }  // namespace
 
 TEST_CASE("runs of references are labelled with their tolerance, cut off at the ends") {
@@ -473,21 +480,21 @@ TEST_CASE("every format that is written is read back, tolerance included") {
     if (format.write == nullptr) continue;
     for (const std::string name : {"o.npz", "o.npy"}) {
       INFO(format.name << " " << name);
-      format.write(truth, files.folder / name, Existing::replace);
+      write_truth(format, truth, files.folder / name);
       const bool is_whole = format.holds_ignored && (format.name != "matrix" || name == "o.npz");
       CHECK(files.read(name, 4, 6) == (is_whole ? all : without_ignored));
     }
   }
   // The same bytes every time, dates included.
-  find_format("matrix").write(truth, files.folder / "a.npz", Existing::refuse);
-  find_format("matrix").write(truth, files.folder / "b.npz", Existing::refuse);
+  write_truth(find_format("matrix"), truth, files.folder / "a.npz");
+  write_truth(find_format("matrix"), truth, files.folder / "b.npz");
   CHECK(test::read_text(files.folder / "a.npz") == test::read_text(files.folder / "b.npz"));
 }
 
 TEST_CASE("an archive that is cut off anywhere is refused") {
   const Files files;
   const InspectedGroundTruth truth = inspect_ground_truth({"aligned"}, {3, {{"ref", 3}}});
-  find_format("matrix").write(truth, files.folder / "a.npz", Existing::refuse);
+  write_truth(find_format("matrix"), truth, files.folder / "a.npz");
   const std::string whole = test::read_text(files.folder / "a.npz");
   for (size_t size = 4; size < whole.size(); ++size) {
     files.text("cut.npz", whole.substr(0, size));

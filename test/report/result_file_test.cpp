@@ -28,8 +28,14 @@ SequenceResult example() {
   return result;
 }
 
+void write(const fs::path& path, const SequenceResult& result, Existing existing) {
+  OutputTransaction outputs(existing);
+  write_result(path, result, {}, outputs);
+  outputs.commit();
+}
+
 fs::path write_example(const test::TemporaryFolder& folder, Existing existing = Existing::refuse) {
-  write_result(folder / "r.json", example(), {}, existing);
+  write(folder / "r.json", example(), existing);
   return folder / "r.json";
 }
 
@@ -68,7 +74,7 @@ TEST_CASE("standardized scores are written as they are, may be negative, and are
   scored.best = {scored.hits[0], scored.hits[1], Cell{2, 0, 0, biased(17)}, std::nullopt};
   scored.places[0].best_distance = biased(-4000);
   scored.statistics = UsedStatistics{{}, 300.5};
-  write_result(folder / "r.json", scored, {}, Existing::refuse);
+  write(folder / "r.json", scored, Existing::refuse);
   const NpyArray file(folder / "r.best.npy");
   const auto best = file.values<int32_t>(2);
   CHECK(std::vector<int32_t>(best.begin(), best.begin() + 12) ==
@@ -102,7 +108,7 @@ TEST_CASE("companions of another run are refused") {
   const fs::path path = write_example(folder);
   SequenceResult changed = example();
   changed.hits.pop_back();
-  write_result(other / "r.json", changed, {}, Existing::refuse);
+  write(other / "r.json", changed, Existing::refuse);
   fs::copy_file(other / "r.hits.npy", folder / "r.hits.npy", fs::copy_options::overwrite_existing);
   CHECK(test::error_text([&] { read_result(path); }).find("was not written together") !=
         std::string::npos);
@@ -210,7 +216,7 @@ TEST_CASE("an existing result is refused as a whole") {
   const test::TemporaryFolder folder;
   write_example(folder);
   fs::remove(folder / "r.json");
-  CHECK(test::error_kind([&] { check_result_output(folder / "r.json", Existing::refuse); }) ==
-        ErrorKind::usage);
+  OutputTransaction outputs(Existing::refuse);
+  CHECK(test::error_kind([&] { claim_result(folder / "r.json", outputs); }) == ErrorKind::usage);
   write_example(folder, Existing::replace);
 }

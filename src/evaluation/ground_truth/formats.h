@@ -32,8 +32,7 @@ struct GroundTruthFormat {
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol in words
   /// Null: can't be written. Throws Error(usage) for several training sequences, if it can't name
   /// them, and Error(output).
-  void (*write)(const InspectedGroundTruth& truth, const std::filesystem::path& path,
-                Existing existing);
+  void (*write)(const InspectedGroundTruth& truth, OutputFile& file);
   bool holds_ignored;  ///< whether what is written can say that a pair is to be ignored
 };
 

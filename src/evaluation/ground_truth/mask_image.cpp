@@ -69,8 +69,7 @@ std::string read_mask_image(GroundTruthBuilder& builder) {
                      rows_are_query ? "query" : "training", builder.argument().tolerance_frames);
 }
 
-void write_mask_image(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
-                      Existing existing) {
+void write_mask_image(const InspectedGroundTruth& ground_truth, OutputFile& file) {
   const size_t sequence = only_written_sequence(ground_truth, "mask");
   const size_t rows = ground_truth.truth.pairs.size();
   const size_t cols = ground_truth.scope.sequences[sequence].frames;
@@ -85,9 +84,7 @@ void write_mask_image(const InspectedGroundTruth& ground_truth, const std::files
           .setTo(run.label == PlaceLabel::same ? kSame : kIgnored);
   std::vector<uint8_t> png;
   cv::imencode(".png", mask, png);
-  OutputFile file(path, existing);
   file.write(std::as_bytes(std::span<const uint8_t>(png)));
-  file.commit();
 }
 
 }  // namespace vpr

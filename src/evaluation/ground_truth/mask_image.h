@@ -21,7 +21,6 @@ std::string read_mask_image(GroundTruthBuilder& builder);
 bool is_mask_image(const FileStart& start);
 
 /// A PNG; 128 is ignored.
-void write_mask_image(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
-                      Existing existing);
+void write_mask_image(const InspectedGroundTruth& ground_truth, OutputFile& file);
 
 }  // namespace vpr

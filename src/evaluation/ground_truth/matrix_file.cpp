@@ -136,14 +136,13 @@ std::vector<uint8_t> label_codes(const GroundTruth& truth, size_t query, size_t 
   return codes;
 }
 
-void write_archive(const GroundTruth& truth, size_t sequence, size_t frames,
-                   const std::filesystem::path& path, Existing existing) {
+void write_archive(const GroundTruth& truth, size_t sequence, size_t frames, OutputFile& file) {
   std::vector<std::vector<uint8_t>> columns;
   for (size_t query = 0; query < truth.pairs.size(); ++query)
     columns.push_back(label_codes(truth, query, sequence, frames));
   const std::string bytes = zip_archive({reference_rows(kHard, columns, frames, kSame),
                                          reference_rows(kSoft, columns, frames, kIgnoredOrSame)});
-  write_file(path, bytes, existing);
+  file.write(bytes);
 }
 
 }  // namespace
@@ -161,20 +160,17 @@ std::string read_matrix_file(GroundTruthBuilder& builder) {
   return read_streams(builder, hard, &soft, true);
 }
 
-void write_matrix_file(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
-                       Existing existing) {
+void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& file) {
   const size_t sequence = only_written_sequence(ground_truth, "matrix");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;
   const GroundTruth& truth = ground_truth.truth;
-  if (path.extension() == ".npz") return write_archive(truth, sequence, frames, path, existing);
-  OutputFile file(path, existing);
+  if (file.path().extension() == ".npz") return write_archive(truth, sequence, frames, file);
   file.write(npy_header("|b1", {truth.pairs.size(), frames}));
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
     std::vector<uint8_t> row = label_codes(truth, query, sequence, frames);
     for (uint8_t& value : row) value = value == kSame ? 1 : 0;
     file.write(std::as_bytes(std::span<const uint8_t>(row)));
   }
-  file.commit();
 }
 
 }  // namespace vpr

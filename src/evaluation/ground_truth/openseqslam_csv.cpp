@@ -86,11 +86,9 @@ std::string read_openseqslam_csv(GroundTruthBuilder& builder) {
                      rows.size(), builder.argument().tolerance_frames);
 }
 
-void write_openseqslam_csv(const InspectedGroundTruth& ground_truth,
-                           const std::filesystem::path& path, Existing existing) {
+void write_openseqslam_csv(const InspectedGroundTruth& ground_truth, OutputFile& file) {
   const size_t sequence = only_written_sequence(ground_truth, "openseqslam2");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;
-  OutputFile file(path, existing);
   for (size_t query = 0; query < ground_truth.truth.pairs.size(); ++query) {
     for (const LabelRun& run : label_runs(ground_truth.truth, query, sequence, frames)) {
       if (run.label != PlaceLabel::same) continue;
@@ -100,7 +98,6 @@ void write_openseqslam_csv(const InspectedGroundTruth& ground_truth,
         file.write(fmt::format("{},{},{}\n", query + 1, run.last + 1, 0));
     }
   }
-  file.commit();
 }
 
 }  // namespace vpr

@@ -21,7 +21,6 @@ std::string read_openseqslam_csv(GroundTruthBuilder& builder);
 bool is_openseqslam_csv(const FileStart& start);
 
 /// One line for every run of references with a common tolerance; runs of even length take two.
-void write_openseqslam_csv(const InspectedGroundTruth& ground_truth,
-                           const std::filesystem::path& path, Existing existing);
+void write_openseqslam_csv(const InspectedGroundTruth& ground_truth, OutputFile& file);
 
 }  // namespace vpr

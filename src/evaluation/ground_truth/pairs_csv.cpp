@@ -102,15 +102,13 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
                      builder.argument().tolerance_frames);
 }
 
-void write_pairs_csv(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
-                     Existing existing) {
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file) {
   const auto& sequences = ground_truth.scope.sequences;
   const GroundTruth& truth = ground_truth.truth;
   const bool several = sequences.size() > 1;
   bool has_ignored = false;
   for (const auto& row : truth.pairs)
     for (const auto& pair : row) has_ignored = has_ignored || pair.label == PlaceLabel::ignore;
-  OutputFile file(path, existing);
   file.write(fmt::format("query,{}reference{}\n", several ? "sequence," : "",
                          has_ignored ? ",label" : ""));
   for (size_t s = 0; s < sequences.size(); ++s) {
@@ -129,7 +127,6 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, const std::filesy
       file.write(lines);
     }
   }
-  file.commit();
 }
 
 }  // namespace vpr

@@ -21,7 +21,6 @@ std::string read_pairs_csv(GroundTruthBuilder& builder);
 bool is_pairs_csv(const FileStart& start);
 
 /// One line a pair, tolerance applied; columns sequence and label only where they say something.
-void write_pairs_csv(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
-                     Existing existing);
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file);
 
 }  // namespace vpr

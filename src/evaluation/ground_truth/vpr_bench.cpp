@@ -120,12 +120,10 @@ std::string read_vpr_bench(GroundTruthBuilder& builder) {
                      array.shape[0], builder.argument().tolerance_frames);
 }
 
-void write_vpr_bench(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
-                     Existing existing) {
+void write_vpr_bench(const InspectedGroundTruth& ground_truth, OutputFile& file) {
   const size_t sequence = only_written_sequence(ground_truth, "vpr-bench");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;
   const size_t rows = ground_truth.truth.pairs.size();
-  OutputFile file(path, existing);
   file.write(npy_header("|O", {rows, 2}));
   file.write(array_start(rows));
   for (size_t query = 0; query < rows; ++query) {
@@ -139,7 +137,6 @@ void write_vpr_bench(const InspectedGroundTruth& ground_truth, const std::filesy
     file.write(row + "e");
   }
   file.write("etb.");
-  file.commit();
 }
 
 }  // namespace vpr

@@ -21,7 +21,6 @@ std::string read_vpr_bench(GroundTruthBuilder& builder);
 bool is_vpr_bench(const FileStart& start);
 
 /// What is ignored becomes different.
-void write_vpr_bench(const InspectedGroundTruth& ground_truth, const std::filesystem::path& path,
-                     Existing existing);
+void write_vpr_bench(const InspectedGroundTruth& ground_truth, OutputFile& file);
 
 }  // namespace vpr

@@ -1,0 +1,123 @@
+#include "run_inputs.h"
+
+#include <algorithm>
+#include <array>
+
+#include <CLI/CLI.hpp>
+
+#include "base/error.h"
+#include "database/archive.h"
+#include "images/dataset.h"
+#include "report/result_file.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kOutputs = {
+    "--output", "--save-matrix", "--save-posteriors", "--html",         "--plot",
+    "--map",    "--heat-map",    "--save-config",     "--outcomes-csv", "--recognitions-csv"};
+
+constexpr std::array kCompanions = {"hits.npy",        "hit_scores.npy", "best.npy",
+                                    "best_scores.npy", "new_place.npy",  "views.npy"};
+
+bool is_output(const CLI::Option& option) {
+  return std::any_of(kOutputs.begin(), kOutputs.end(),
+                     [&](const char* name) { return option.check_lname(name + 2); });
+}
+
+/// Collects paths that exist; what can't be read is the command's to complain of.
+struct Inputs {
+  std::vector<fs::path> paths;
+
+  bool add(const fs::path& path) {
+    std::error_code error;
+    if (path.empty() || !fs::exists(path, error)) return false;
+    paths.push_back(path);
+    return true;
+  }
+
+  void add_files(const fs::path& folder) {
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error))
+      paths.push_back(entry->path());
+  }
+
+  // Of a folder with other things in it, only the frames are read.
+  void add_sequence(const SequenceArgument& argument) {
+    std::error_code error;
+    const bool is_list = argument.path.extension() == ".txt" || argument.path.extension() == ".lst";
+    if (!add(argument.path) || !(is_list || fs::is_directory(argument.path, error))) return;
+    if (fs::exists(argument.path / kManifestName, error)) return add_files(argument.path);
+    try {
+      for (const fs::path& frame : open_sequence(argument).files) paths.push_back(frame);
+    } catch (const Error&) {
+    }
+  }
+
+  void add_truth(const std::optional<GroundTruthArgument>& truth) {
+    if (!truth) return;
+    for (const fs::path& path : {truth->path, truth->options.reference, truth->options.soft})
+      add(path);
+  }
+
+  void add_dataset(const fs::path& path) {
+    Dataset dataset;
+    try {
+      dataset = read_dataset(path);
+    } catch (const Error&) {
+      return;
+    }
+    for (const SequenceArgument& sequence : dataset.pretrain) add_sequence(sequence);
+    for (const DatasetPlace& place : dataset.places)
+      for (const SequenceArgument& view : place.views) add_sequence(view);
+    for (const DatasetQuery& query : dataset.queries) {
+      dataset.train.push_back(query.sequence);
+      add_truth(query.sequence_ground_truth);
+      add_truth(query.place_ground_truth);
+    }
+    for (const NamedSequence& sequence : dataset.train) {
+      add_sequence(sequence.sequence);
+      add(sequence.poses);
+    }
+    add(dataset.plan);
+    add(dataset.place_poses);
+  }
+
+  // PATH, PATH@RANGE, NAME=PATH or NAME=PATH@RANGE.
+  void add_value(const std::string& value) {
+    std::error_code error;
+    const size_t equals = value.find('=');
+    const bool has_name = equals != std::string::npos && !fs::exists(value, error);
+    SequenceArgument argument;
+    try {
+      argument = parse_sequence_argument(has_name ? value.substr(equals + 1) : value);
+    } catch (const Error&) {
+      return;
+    }
+    add_sequence(argument);
+    if (argument.path.extension() == ".json")
+      for (const char* kind : kCompanions) add(companion_path(argument.path, kind));
+  }
+
+  void add_options(const CLI::App& app) {
+    for (const CLI::Option* option : app.get_options()) {
+      if (option->count() == 0 || is_output(*option)) continue;
+      for (const std::string& value : option->results())
+        option->check_lname("dataset") ? add_dataset(value), add_value(value) : add_value(value);
+    }
+    for (const CLI::App* command : app.get_subcommands()) add_options(*command);
+  }
+};
+
+}  // namespace
+
+std::vector<fs::path> run_inputs(const CLI::App& app) {
+  Inputs inputs;
+  inputs.add_options(app);
+  return inputs.paths;
+}
+
+}  // namespace vpr

@@ -1,0 +1,106 @@
+// The order in which outputs reach the disk, and what is there if any step fails. The two system
+// calls that matter are those below, as long as a test asks for it.
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+
+#include <catch2/catch.hpp>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "base/output_transaction.h"
+#include "support.h"
+
+namespace {
+
+/// Notes calls, and makes the one of a number fail.
+struct Calls {
+  bool is_on = false;
+  int failing = -1;  ///< counted from 0; below: none
+  std::vector<std::string> names = {};
+
+  bool fails(const std::string& name) {
+    if (!is_on) return false;
+    names.push_back(name);
+    if (static_cast<int>(names.size()) - 1 != failing) return false;
+    errno = EIO;
+    return true;
+  }
+} calls;  // NOLINT
+
+}  // namespace
+
+extern "C" int fsync(int file) {
+  struct stat found {};
+  ::fstat(file, &found);
+  if (calls.fails(S_ISDIR(found.st_mode) ? "flush folder" : "flush file")) return -1;
+  return static_cast<int>(::syscall(SYS_fsync, file));
+}
+
+extern "C" int renameat2(int from_folder, const char* from, int to_folder, const char* to,
+                         unsigned int flags) noexcept {
+  if (calls.fails("rename")) return -1;
+  return static_cast<int>(::syscall(SYS_renameat2, from_folder, from, to_folder, to, flags));
+}
+
+using namespace vpr;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool is_any(const std::filesystem::path&) { return true; }
+
+// Two files and a folder over old ones, and a file that was not there.
+void write_outputs(const test::TemporaryFolder& folder, int failing) {
+  OutputTransaction outputs(Existing::replace);
+  outputs.file(folder / "main").write("new");
+  outputs.file(folder / "companion").write("new");
+  outputs.file(folder / "fresh").write("new");
+  write_part(outputs.folder(folder / "db", is_any).temporary() / "note", "new");
+  calls = {true, failing};
+  try {
+    outputs.commit();
+  } catch (const Error&) {
+    calls.is_on = false;
+    throw;
+  }
+  calls.is_on = false;
+}
+
+void write_old(const test::TemporaryFolder& folder) {
+  std::filesystem::create_directory(folder / "db");
+  for (const char* name : {"main", "companion", "db/note"}) test::write_text(folder / name, "old");
+}
+
+}  // namespace
+
+TEST_CASE("everything is flushed before the first rename, and the folder after the last") {
+  const test::TemporaryFolder folder;
+  write_old(folder);
+  write_outputs(folder, -1);
+  const auto first = std::find(calls.names.begin(), calls.names.end(), "rename");
+  CHECK(std::count(calls.names.begin(), first, "flush file") == 4);
+  CHECK(std::count(calls.names.begin(), first, "flush folder") == 1);
+  CHECK(calls.names.back() == "flush folder");
+  CHECK(std::count(first, calls.names.end(), "rename") == 3 + 1 + 3);  // three find one in the way
+  CHECK(test::list_folder(folder.path()) == Names{"companion", "db", "fresh", "main"});
+}
+
+TEST_CASE("whichever step fails, all outputs are the old ones, and nothing else is left") {
+  int failing = 0;
+  for (bool has_failed = true; has_failed; ++failing) {
+    INFO("step " << failing);
+    const test::TemporaryFolder folder;
+    write_old(folder);
+    has_failed = test::error_kind([&] { write_outputs(folder, failing); }) == ErrorKind::output;
+    const std::string expected = has_failed ? "old" : "new";
+    for (const char* name : {"main", "companion", "db/note"})
+      CHECK(test::read_text(folder / name) == expected);
+    Names names = {"companion", "db", "main"};
+    if (!has_failed) names.insert(names.begin() + 2, "fresh");
+    CHECK(test::list_folder(folder.path()) == names);
+  }
+  CHECK(failing > 10);
+}

@@ -1,0 +1,213 @@
+#include "base/output_transaction.h"
+
+#include <algorithm>
+#include <csignal>
+
+#include <catch2/catch.hpp>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "support.h"
+
+using namespace vpr;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool holds_note(const fs::path& folder) {
+  return holds_only_files(folder, [](const std::string& name) { return name == "note"; });
+}
+
+// Runs `work` in a process of its own; it kills itself.
+template <class Work>
+void run_and_kill(Work&& work) {
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    work();
+    ::_exit(1);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFSIGNALED(status));
+}
+
+}  // namespace
+
+TEST_CASE("outputs of a run appear together, the main one last in its place") {
+  const test::TemporaryFolder folder;
+  OutputTransaction outputs(Existing::refuse);
+  outputs.claim_file(folder / "main.json");
+  outputs.claim_file(folder / "page.html");
+  outputs.claim_file(folder / "never.png");
+  outputs.file(folder / "page.html").write("page");
+  outputs.file(folder / "main.json").write("main");
+  write_part(outputs.folder(folder / "plots", is_marked_folder).temporary() / "a.png", "a");
+  for (const std::string& name : test::list_folder(folder.path()))
+    CHECK(name.starts_with(".vpr-partial-"));
+  outputs.commit();
+  CHECK(test::list_folder(folder.path()) == Names{"main.json", "page.html", "plots"});
+  CHECK(test::read_text(folder / "main.json") == "main");
+  CHECK(test::list_folder(folder / "plots") == Names{".vpr-files", "a.png"});
+}
+
+TEST_CASE("without a commit, everything is as it was") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "a", "old");
+  {
+    OutputTransaction outputs(Existing::replace);
+    outputs.file(folder / "a").write("new");
+    outputs.file(folder / "b").write("new");
+  }
+  CHECK(test::list_folder(folder.path()) == Names{"a"});
+  CHECK(test::read_text(folder / "a") == "old");
+}
+
+TEST_CASE("if one output can't be put in its place, all the old ones are back") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "main", "old main");
+  test::write_text(folder / "companion", "old companion");
+  fs::create_directory(folder / "db");
+  test::write_text(folder / "db/note", "old note");
+  {
+    OutputTransaction outputs(Existing::replace);
+    OutputFile& main = outputs.file(folder / "main");
+    main.write("new main");
+    outputs.file(folder / "companion").write("new companion");
+    outputs.file(folder / "fresh").write("was not there");
+    write_part(outputs.folder(folder / "db", holds_note).temporary() / "note", "new note");
+    fs::remove(main.temporary());  // so that the last of all renames fails
+    CHECK(test::error_kind([&] { outputs.commit(); }) == ErrorKind::output);
+  }
+  CHECK(test::list_folder(folder.path()) == Names{"companion", "db", "main"});
+  CHECK(test::read_text(folder / "main") == "old main");
+  CHECK(test::read_text(folder / "companion") == "old companion");
+  CHECK(test::read_text(folder / "db/note") == "old note");
+}
+
+TEST_CASE("a target that comes into being meanwhile stays, and so do all others") {
+  const test::TemporaryFolder folder;
+  {
+    OutputTransaction outputs(Existing::refuse);
+    outputs.file(folder / "main").write("mine");
+    outputs.file(folder / "companion").write("mine");
+    test::write_text(folder / "main", "another's");
+    CHECK(test::error_kind([&] { outputs.commit(); }) == ErrorKind::usage);
+  }
+  CHECK(test::list_folder(folder.path()) == Names{"main"});
+  CHECK(test::read_text(folder / "main") == "another's");
+}
+
+TEST_CASE("what can't be written is found out when it is claimed") {
+  const test::TemporaryFolder folder;
+  OutputTransaction outputs(Existing::refuse);
+  const auto claim = [&](const std::string& name) {
+    return test::error_kind([&] { outputs.claim_file(folder / name); });
+  };
+  CHECK(claim("no/a") == ErrorKind::output);
+  CHECK(claim(std::string(256, 'x')) == ErrorKind::output);
+  CHECK_FALSE(claim(std::string(255, 'x')));
+  outputs.file(folder / std::string(255, 'x')).write("long");
+  outputs.commit();
+  CHECK(test::read_text(folder / std::string(255, 'x')) == "long");
+  if (::geteuid() == 0) return;  // who may write everywhere
+  fs::create_directory(folder / "closed");
+  fs::permissions(folder / "closed", fs::perms::owner_read | fs::perms::owner_exec);
+  CHECK(claim("closed/a") == ErrorKind::output);
+}
+
+TEST_CASE("one path for two outputs is refused, whatever it is called") {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder / "sub");
+  OutputTransaction outputs(Existing::replace);
+  outputs.claim_file(folder / "a");
+  for (const char* name : {"a", "sub/../a", "./a"})
+    CHECK(test::error_kind([&] { outputs.claim_file(folder / name); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { outputs.claim_folder(folder / "a/", is_marked_folder); }) ==
+        ErrorKind::usage);
+  outputs.file(folder / "a");
+  CHECK(test::error_kind([&] { outputs.file(folder / "a"); }) == ErrorKind::usage);
+}
+
+TEST_CASE("an input is no output, by any of its names, before or after it is claimed") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "gt.csv", "labels");
+  fs::create_symlink("gt.csv", folder / "link.csv");
+  OutputTransaction outputs(Existing::replace);
+  outputs.protect(folder / "link.csv");
+  outputs.protect(folder / "none");
+  CHECK(test::error_kind([&] { outputs.claim_file(folder / "gt.csv"); }) == ErrorKind::usage);
+  fs::create_directories(folder / "db/walk");
+  test::write_text(folder / "db/note", "old");
+  outputs.protect(folder / "db/walk");
+  CHECK(test::error_text([&] {
+          outputs.claim_folder(folder / "db", [](const fs::path&) { return true; });
+        }).find("holds an input") != std::string::npos);
+  outputs.release(folder / "db");
+  outputs.claim_folder(folder / "db", [](const fs::path&) { return true; });
+  test::write_text(folder / "later.csv", "labels");
+  outputs.claim_file(folder / "later.csv");
+  CHECK(test::error_kind([&] { outputs.protect(folder / "later.csv"); }) == ErrorKind::usage);
+}
+
+TEST_CASE("temporaries can't be foreseen, and are made through no link") {
+  const test::TemporaryFolder folder;
+  const OutputFile a(folder / "a", Existing::refuse);
+  const OutputFile same(folder / "a", Existing::refuse);
+  CHECK(a.temporary() != same.temporary());
+  CHECK(a.temporary().filename().string().size() < 60);
+  test::write_text(folder / "victim", "mine");
+  fs::create_symlink("victim", folder / "link");
+  CHECK(test::error_kind([&] { write_part(folder / "link", "x"); }) == ErrorKind::output);
+  CHECK(test::read_text(folder / "victim") == "mine");
+}
+
+TEST_CASE(
+    "what a killed process left is removed by the next one, what a living one writes is not") {
+  const test::TemporaryFolder folder;
+  run_and_kill([&] {
+    OutputTransaction outputs(Existing::refuse);
+    outputs.file(folder / "a").write("half");
+    write_part(outputs.folder(folder / "plots", is_marked_folder).temporary() / "p.png", "half");
+    outputs.claim_file(folder / "other");
+    ::raise(SIGKILL);
+  });
+  CHECK(test::list_folder(folder.path()).size() == 3);
+  OutputTransaction living(Existing::refuse);
+  living.file(folder / "a").write("mine");
+  living.claim_folder(folder / "plots", is_marked_folder);
+  CHECK(test::list_folder(folder.path()).size() == 3);  // two, and what was left of "other"
+  OutputTransaction second(Existing::refuse);
+  second.claim_file(folder / "a");
+  second.claim_file(folder / "other");
+  CHECK(test::list_folder(folder.path()).size() == 4);
+  living.commit();
+  CHECK(test::read_text(folder / "a") == "mine");
+}
+
+TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const std::string& name) {
+    OutputFolder output(folder / "plots", Existing::replace, is_marked_folder);
+    write_part(output.temporary() / name, "x");
+    output.commit();
+  };
+  write("a.png");
+  write("b.png");
+  CHECK(test::list_folder(folder / "plots") == Names{".vpr-files", "b.png"});
+  test::write_text(folder / "plots/c.png", "mine");
+  CHECK(test::error_kind([&] { write("a.png"); }) == ErrorKind::usage);
+  fs::remove(folder / "plots/c.png");
+  fs::remove(folder / "plots/b.png");
+  fs::create_directories(folder / "plots/b.png/thesis");
+  CHECK(test::error_kind([&] { write("a.png"); }) == ErrorKind::usage);
+  CHECK(fs::exists(folder / "plots/b.png/thesis"));
+  fs::create_directory(folder / "frames");
+  test::write_text(folder / "frames/0.png", "mine");
+  CHECK(test::error_kind([&] {
+          OutputFolder(folder / "frames", Existing::replace, is_marked_folder);
+        }) == ErrorKind::usage);
+}

@@ -1,0 +1,154 @@
+// What a run leaves on the disk: everything, or nothing; and never in place of what it reads.
+#include <catch2/catch.hpp>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "base/json.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// Two recordings of 14 frames, and the database of the first.
+struct Walks {
+  test::TemporaryFolder folder;
+  Walks() {
+    for (const std::string name : {"one", "two"}) {
+      fs::create_directory(folder / name);
+      for (int i = 0; i < 14; ++i)
+        test::write_image(folder / name / (std::to_string(10 + i) + ".png"),
+                          uint64_t(i + (name == "two" ? 100 : 0)));
+    }
+    REQUIRE(run_program("vpr-train", {"fastable", "--train", path("one"), "-o", path("d.vprdb")})
+                .exit_code == 0);
+  }
+  std::string path(const std::string& name) const { return folder / name; }
+  test::RunOutcome query(std::vector<std::string> more) const {
+    more.insert(more.begin(), {path("d.vprdb"), "--c-l", "3", "--t-r", "0.8"});
+    return run_program("vpr-query", more);
+  }
+  std::string read(const std::string& name) const { return test::read_text(path(name)); }
+};
+
+void check_failure(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == exit_code);
+  CHECK(outcome.err.find(word) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("a matrix that is not the result's own is refused") {
+  const Walks walks;
+  const auto eval = [&](const std::string& matrix) {
+    return run_program("vpr-eval", {walks.path("a.json"), "--scores", walks.path(matrix),
+                                    "--ground-truth", "aligned"});
+  };
+  for (const std::string name : {"a", "b"})
+    REQUIRE(walks
+                .query({"--query", walks.path(name == "a" ? "two" : "one"), "-o",
+                        walks.path(name + ".json"), "--save-matrix", walks.path(name + ".npy")})
+                .exit_code == 0);
+  CHECK(Json::parse(walks.read("a.json"))["files"].contains("matrix"));
+  CHECK(eval("a.npy").exit_code == 0);
+  check_failure(eval("b.npy"), 4, "is not the matrix that");
+  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("c.json")}).exit_code == 0);
+  fs::rename(walks.path("c.json"), walks.path("a.json"));  // which names no matrix
+  fs::rename(walks.path("c.hits.npy"), walks.path("a.hits.npy"));
+  fs::rename(walks.path("c.best.npy"), walks.path("a.best.npy"));
+  const auto unknown = eval("a.npy");
+  CHECK(unknown.exit_code == 0);
+  CHECK(unknown.err.find("names no matrix") != std::string::npos);
+}
+
+TEST_CASE("an output never replaces what its run reads, with --force either") {
+  const Walks walks;
+  test::write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
+  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
+  const auto before = test::list_folder(walks.folder.path());
+  const auto eval = [&](const std::string& output) {
+    return run_program("vpr-eval", {walks.path("r.json"), "--ground-truth", walks.path("gt.csv"),
+                                    "--force", "-o", walks.path(output)});
+  };
+  const std::string result = walks.read("r.json");
+  for (const char* name : {"r.json", "r.hits.npy", "gt.csv"})
+    check_failure(eval(name), 2, "is an input of this run");
+  const auto query = [&](const std::string& output) {
+    return walks.query({"--query", walks.path("two"), "--force", "-o", walks.path(output)});
+  };
+  for (const char* name : {"two/11.png", "d.vprdb/manifest.json"})
+    check_failure(query(name), 2, "is an input of this run");
+  CHECK(query("r.json").exit_code == 0);
+  CHECK(run_program("vpr-train", {"add", walks.path("d.vprdb"), "--train", walks.path("two"),
+                                  "--force", "-o", walks.path("d.vprdb")})
+            .exit_code == 0);
+  CHECK(test::list_folder(walks.folder.path()) == before);
+  CHECK(walks.read("gt.csv") == "query,ref\n3,3\n");
+}
+
+TEST_CASE("the files that a data set names are inputs, too") {
+  const Walks walks;
+  test::write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
+  test::write_text(walks.path("dataset.json"),
+                   R"({"schema": "vpr.dataset/1", "name": "w", "train": [{"name": "one",
+                   "sequence": "one"}], "queries": [{"name": "two", "sequence": "two",
+                   "ground_truth": {"format": "pairs", "path": "gt.csv"}}]})");
+  for (const char* output : {"gt.csv", "two/10.png", "one/10.png"})
+    check_failure(
+        walks.query({"--dataset", walks.path("dataset.json"), "--force", "-o", walks.path(output)}),
+        2, "is an input of this run");
+}
+
+TEST_CASE("outputs of an evaluation come together or not at all") {
+  const Walks walks;
+  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
+  const auto before = test::list_folder(walks.folder.path());
+  const auto eval = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {walks.path("r.json"), "--ground-truth", "aligned"});
+    return run_program("vpr-eval", more);
+  };
+  // The page fails, after the report was made: the sequence is not the one that was evaluated.
+  fs::create_directory(walks.path("short"));
+  fs::copy(walks.path("two/10.png"), walks.path("short/0.png"));
+  check_failure(eval({"-o", walks.path("e.json"), "--html", walks.path("e.html"), "--query",
+                      walks.path("short")}),
+                2, "frames");
+  fs::remove_all(walks.path("short"));
+  CHECK(test::list_folder(walks.folder.path()) == before);
+  for (const char* other : {"e.json", "../", "./e.json"})
+    CHECK(eval({"-o", walks.path("e.json"), "--html", walks.path(other), "--force"}).exit_code ==
+          2);
+  CHECK(test::list_folder(walks.folder.path()) == before);
+}
+
+TEST_CASE("what can't be written is found out before the work") {
+  const Walks walks;
+  const auto before = test::list_folder(walks.folder.path());
+  const auto train = [&](const std::string& name) {
+    return run_program("vpr-train",
+                       {"fastable", "--train", walks.path("one"), "-o", walks.path(name)});
+  };
+  // The companions' names are longer than the result's.
+  check_failure(walks.query({"--query", walks.path("two"), "-o",
+                             walks.path(std::string(248, 'x') + ".json")}),
+                3, "can't be written");
+  check_failure(train(std::string(256, 'x')), 3, "can't be written");
+  CHECK(test::list_folder(walks.folder.path()) == before);
+  CHECK(train(std::string(255, 'x')).exit_code == 0);
+}
+
+TEST_CASE("a folder of pictures is never taken for one of plots") {
+  const Walks walks;
+  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
+  fs::create_directories(walks.path("one/sub.png/thesis"));
+  const auto frames = test::list_folder(walks.path("one"));
+  check_failure(run_program("vpr-eval", {walks.path("r.json"), "--ground-truth", "aligned",
+                                         "--plot", walks.path("one"), "--force"}),
+                2, "is not replaced");
+  CHECK(test::list_folder(walks.path("one")) == frames);
+}
