@@ -1,7 +1,6 @@
 #include "report/gnuplot.h"
 
 #include <cerrno>
-#include <cstdlib>
 #include <string_view>
 
 #include <fcntl.h>
@@ -42,20 +41,6 @@ int wait_for(pid_t child) {
 }
 
 }  // namespace
-
-bool can_draw_plots() {
-  const char* path = std::getenv("PATH");
-  if (path == nullptr) return false;
-  std::string folders = path;
-  for (size_t begin = 0; begin <= folders.size();) {
-    const size_t end = std::min(folders.find(':', begin), folders.size());
-    std::error_code error;
-    if (fs::is_regular_file(fs::path(folders.substr(begin, end - begin)) / "gnuplot", error))
-      return true;
-    begin = end + 1;
-  }
-  return false;
-}
 
 bool run_gnuplot(const std::string& script, const fs::path& folder) {
   const int input = text_file(script);

@@ -6,9 +6,6 @@
 
 namespace vpr {
 
-/// Whether gnuplot can be called.
-bool can_draw_plots();
-
 /// Runs a script in a folder, in which it names its outputs without a path: what a folder is called
 /// is nothing that gnuplot should read. Its messages go nowhere. False if it fails.
 bool run_gnuplot(const std::string& script, const std::filesystem::path& folder);

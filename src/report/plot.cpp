@@ -4,15 +4,14 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/wait.h>
 
 #include "base/error.h"
+#include "report/gnuplot.h"
 #include "report/palette.h"
 
 namespace vpr {
@@ -175,8 +174,9 @@ std::string drawing_of(const Plot& plot, size_t index) {
         line.points.empty() ? "NaN" : block + " using " + (is_box ? "1:2:3:4:5:6" : "1:2"),
         style_of(line), line.name.empty() ? "notitle" : "title " + quoted(line.name)));
     if (!line.labels.empty())
-      parts.push_back(block +
-                      "_labels using 1:2:3 with labels left offset 0.5, 0.5 font ',10' notitle noenhanced");
+      parts.push_back(
+          block +
+          "_labels using 1:2:3 with labels left offset 0.5, 0.5 font ',10' notitle noenhanced");
   }
   std::string draw = fmt::format("plot {}\n", fmt::join(parts, ", "));
   if (plot.image) draw.append(plot.image->rgb.begin(), plot.image->rgb.end());
@@ -276,24 +276,15 @@ void draw_plot(const Plot& plot, const fs::path& folder) {
 
 void draw_plots(const std::vector<Plot>& plots, size_t columns, const std::string& file,
                 const fs::path& folder) {
-  const fs::path stem = folder / file;
-  const std::string script = plot_script(plots, columns, stem);
-  std::FILE* pipe = ::popen("gnuplot 2>/dev/null", "w");
-  const bool written =
-      pipe != nullptr && std::fwrite(script.data(), 1, script.size(), pipe) == script.size();
-  const int status = pipe == nullptr ? -1 : ::pclose(pipe);
-  std::error_code error;
-  const bool there = fs::file_size(stem.string() + ".svg", error) > 0 && !error &&
-                     fs::file_size(stem.string() + ".png", error) > 0 && !error;
-  if (!written || status != 0 || !there)
+  assert(!plots.empty());
+  bool is_drawn = run_gnuplot(plot_script(plots, columns, file), folder);
+  for (const char* extension : {".svg", ".png"})
+    is_drawn = is_drawn && is_whole_picture(folder / (file + extension));
+  if (!is_drawn)
     throw Error(ErrorKind::output,
-                fmt::format("{}: gnuplot could not draw the plot", stem.string()));
-}
-
-bool is_plot_folder(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() != ".svg" && entry.path().extension() != ".png") return false;
-  return true;
+                fmt::format("{0}.svg and {0}.png: gnuplot could not draw them to their end; is the "
+                            "disk full?",
+                            file));
 }
 
 }  // namespace vpr

@@ -91,7 +91,4 @@ void draw_plot(const Plot& plot, const std::filesystem::path& folder);
 void draw_plots(const std::vector<Plot>& plots, size_t columns, const std::string& file,
                 const std::filesystem::path& folder);
 
-/// Whether a folder holds nothing but such files.
-bool is_plot_folder(const std::filesystem::path& folder);
-
 }  // namespace vpr

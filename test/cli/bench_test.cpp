@@ -33,7 +33,7 @@ TEST_CASE("a benchmark gives JSON, tables and plots") {
   CHECK(json["rows"].size() == 4 * 6 + 1);
   if (can_draw_plots()) {
     CHECK(test::list_folder(out / "plots") ==
-          std::vector<std::string>{"speed-up.png", "speed-up.svg", "time-by-c_l.png",
+          std::vector<std::string>{".vpr-files", "speed-up.png", "speed-up.svg", "time-by-c_l.png",
                                    "time-by-c_l.svg", "time-by-frames.png", "time-by-frames.svg"});
     CHECK(test::read_text(out / "plots/speed-up.svg").find("</svg>") != std::string::npos);
   }

@@ -162,7 +162,7 @@ TEST_CASE("pictures: a page with the frames of both sequences, and plots") {
   CHECK(page.find("true place references 9: 9.png") != std::string::npos);
   if (run.err.find("gnuplot is not installed") == std::string::npos)
     CHECK(test::list_folder(folder / "plots") ==
-          std::vector<std::string>{"matrix.png", "matrix.svg", "precision-recall.png",
+          std::vector<std::string>{".vpr-files", "matrix.png", "matrix.svg", "precision-recall.png",
                                    "precision-recall.svg", "recall-at.png", "recall-at.svg",
                                    "timeline.png", "timeline.svg"});
   CHECK(run.out.rfind("Recognised in 4 of 12 frames, none of them wrong; the first right one at "
