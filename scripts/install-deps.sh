@@ -2,6 +2,7 @@
 # Installs what building, testing and the demo need, if it is missing (Debian 12 or newer, Ubuntu).
 #   scripts/install-deps.sh            build, test, demo
 #   scripts/install-deps.sh --check    also what scripts/check.sh needs
+#   scripts/install-deps.sh --package  also what building and testing the Debian package needs
 set -euo pipefail
 packages=(
   g++ cmake ninja-build pkg-config git
@@ -9,6 +10,7 @@ packages=(
   libdlib-dev libcli11-dev nlohmann-json3-dev catch2 python3-jsonschema gnuplot-nox
 )
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
+[[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
 
 missing=()
 for package in "${packages[@]}"; do

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <numeric>
 
+#include <fmt/ranges.h>
+
 #include "base/mapped_file.h"
 
 namespace vpr {
@@ -57,6 +59,10 @@ std::string to_text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::string to_line(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<size_t> before(b.size() + 1);
   std::vector<size_t> last(b.size() + 1);
@@ -84,9 +90,13 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
 
 namespace detail {
 
+std::string one_of(std::span<const std::string_view> names) {
+  return fmt::format("one of [\"{}\"]", fmt::join(names, "\",\""));
+}
+
 void bad_value(const std::string& where, const std::string& key, std::string_view expected,
                const Json& found) {
-  std::string text = found.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = to_line(found);
   if (text.size() > 60) text = text.substr(0, 57) + "...";
   throw Error(ErrorKind::usage,
               fmt::format("{}: \"{}\" must be {}, found {}", where, key, expected, text));

@@ -10,6 +10,7 @@
 #include <concepts>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -40,6 +41,9 @@ void require_schema(const Json& json, std::string_view schema_kind, const std::s
 /// Two spaces of indentation and a final line feed; bytes that are not UTF-8 are replaced.
 std::string to_text(const Json& json);
 
+/// On one line, without spaces; bytes that are not UTF-8 are replaced.
+std::string to_line(const Json& json);
+
 /// Inserts, deletes, replacements and swaps of neighbours between two words, for "did you mean".
 size_t edit_distance(std::string_view a, std::string_view b);
 
@@ -61,6 +65,8 @@ struct AnyVisitor {
   void operator()(const char*, T&) const {}
 };
 
+/// "one of ["a","b"]".
+std::string one_of(std::span<const std::string_view> names);
 [[noreturn]] void bad_value(const std::string& where, const std::string& key,
                             std::string_view expected, const Json& found);
 [[noreturn]] void unknown_key(const std::string& where, const std::string& key,
@@ -118,8 +124,7 @@ void value_from_json(const Json& json, T& value, const std::string& where, const
     for (const Json& item : json) value_from_json(item, value.emplace_back(), where, key);
   } else if constexpr (std::is_enum_v<T>) {
     const auto found = json.is_string() ? enum_value<T>(json.get<std::string>()) : std::nullopt;
-    if (!found)
-      detail::bad_value(where, key, fmt::format("one of {}", Json(kEnumNames<T>).dump()), json);
+    if (!found) detail::bad_value(where, key, detail::one_of(kEnumNames<T>), json);
     value = *found;
   } else if constexpr (std::is_same_v<T, bool>) {
     if (!json.is_boolean()) detail::bad_value(where, key, "true or false", json);

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/mapped_file.h"
+#include "base/utf8.h"
 #include "images/natural_order.h"
 
 namespace vpr {
@@ -126,16 +126,12 @@ struct SequenceName {
 
 // Results are JSON, which is UTF-8: other bytes become %XX.
 std::string as_utf8(const std::string& text) {
-  try {
-    (void)Json(text).dump();
-    return text;
-  } catch (const nlohmann::json::type_error&) {
-    std::string escaped;
-    for (const char c : text)
-      escaped +=
-          (c & 0x80) != 0 ? fmt::format("%{:02X}", static_cast<uint8_t>(c)) : std::string(1, c);
-    return escaped;
-  }
+  if (is_utf8(text)) return text;
+  std::string escaped;
+  for (const char c : text)
+    escaped +=
+        (c & 0x80) != 0 ? fmt::format("%{:02X}", static_cast<uint8_t>(c)) : std::string(1, c);
+  return escaped;
 }
 
 SequenceName make_name(const SequenceArgument& argument) {

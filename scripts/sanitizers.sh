@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Builds everything with instruments that find errors of memory, undefined behaviour and races, and
+# runs all tests with them. Half an hour for each on two cores.
+#   scripts/sanitizers.sh [asan] [tsan]     default: both
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/install-deps.sh
+presets=("$@")
+[[ ${#presets[@]} -gt 0 ]] || presets=(asan tsan)
+export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1
+for preset in "${presets[@]}"; do
+  echo "== $preset"
+  cmake --preset "$preset" >/dev/null
+  cmake --build --preset "$preset"
+  ctest --preset "$preset" --timeout 3600
+done

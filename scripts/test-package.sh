@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds the Debian package, installs it into an empty Debian 12 beside nothing else, and runs it
+# there: programs, completions, manual pages. Needs root and the network; not part of scripts/test.sh.
+#   scripts/test-package.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/install-deps.sh --package
+cmake --preset release >/dev/null
+cmake --build --preset release --target package
+package=$(realpath "$(ls -t build/release/*.deb | head -1)")
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+# From the package sources of this machine; the package brings its own dependencies.
+cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2>/dev/null |
+  mmdebstrap --variant=apt --include=bash-completion,man-db bookworm "$root/debian" - >/dev/null
+cp "$package" "$root/debian/vpr-toolkit.deb"
+cp configs/worlds/small.json "$root/debian/small.json"
+chroot "$root/debian" bash -euo pipefail -c '
+  export DEBIAN_FRONTEND=noninteractive
+  apt-get install -y -qq --no-install-recommends ./vpr-toolkit.deb >/dev/null
+  for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
+    $program --version
+    $program --help >/dev/null
+    man --pager=cat $program >/dev/null
+    test -s /usr/share/bash-completion/completions/$program
+  done
+  vpr-synth small.json -o building --quiet
+  vpr-train fastable --dataset building/dataset.json -o building.vprdb --quiet
+  vpr-query building.vprdb --dataset building/dataset.json -o result.json
+  vpr-eval result.json --dataset building/dataset.json'
+echo "$package: installs and runs in an empty Debian 12"
