@@ -28,10 +28,11 @@ SequenceResult example() {
   return result;
 }
 
-void write(const fs::path& path, const SequenceResult& result, Existing existing) {
+Json write(const fs::path& path, const SequenceResult& result, Existing existing) {
   OutputTransaction outputs(existing);
-  write_result(path, result, {}, outputs);
+  Json json = write_result(path, result, {}, outputs);
   outputs.commit();
+  return json;
 }
 
 fs::path write_example(const test::TemporaryFolder& folder, Existing existing = Existing::refuse) {
@@ -168,7 +169,7 @@ TEST_CASE("where views begin is written beside the result and read back") {
   const test::TemporaryFolder folder;
   SequenceResult result = example();
   result.views = ResultViews{{0, 3}, {{0, 1, 5}, {0}}};
-  const Json json = write_result(folder / "r.json", result, {}, Existing::refuse);
+  const Json json = write(folder / "r.json", result, Existing::refuse);
   CHECK(json["files"]["views"]["rows"] == 6);
   const auto views = read_result(folder / "r.json").result.views;
   REQUIRE(views);
@@ -181,7 +182,7 @@ TEST_CASE("where views begin is written beside the result and read back") {
                                  ResultViews{{1}, {{0}, {0}}}, ResultViews{{0}, {{0}, {}}},
                                  ResultViews{{0}, {{0}, {0}, {0}}}}) {
     result.views = bad;
-    write_result(folder / "r.json", result, {}, Existing::replace);
+    write(folder / "r.json", result, Existing::replace);
     CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
   }
 }
