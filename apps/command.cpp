@@ -6,26 +6,27 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <iostream>
 #include <new>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "base/parallel.h"
+#include "base/printable.h"
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "completion.h"
-#include "help.h"
+#include "config_file.h"
 #include "progress.h"
-#include "report/result_file.h"
 #include "run_inputs.h"
-#include "suggestions.h"
 
 namespace vpr {
 namespace {
@@ -40,33 +41,15 @@ void on_signal(int number) {
   std::signal(number, SIG_DFL);  // a second Ctrl-C ends the program at once
 }
 
-// The settings and the seed that a result was made with.
-Json settings_of_result(const std::string& path) {
-  const Json result = read_result_json(path);
-  Json json = result.value("settings", Json::object());
-  const Json provenance = result.value("provenance", Json::object());
-  if (json.is_object() && provenance.is_object() && provenance.contains("seed"))
-    json["seed"] = provenance["seed"];
-  return json;
-}
-
-// The keys of a --config file: a configuration or a result.
-Json read_settings(const std::string& path) {
-  Json json = read_json(path, ErrorKind::usage);
-  if (!json.is_object() || !json.contains("schema")) return json;
-  if (json["schema"] == "vpr.result/1") return settings_of_result(path);
-  require_schema(json, "config", path, ErrorKind::usage);
-  json.erase("schema");
-  return json;
-}
-
 void set_up_process() {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  cv::setNumThreads(1);  // frames are worked on in parallel, not parts of one
+  cv::setNumThreads(1);        // frames are worked on in parallel, not parts of one
+  cv::setUseOptimized(false);  // features would differ between machines with and without AVX2
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  std::cerr.rdbuf(nullptr);  // OpenCV's codecs write there, and nothing of ours
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
 }
 
@@ -80,18 +63,6 @@ std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {
   return logger;
 }
 
-// Help comes from the same description as completions and manual pages.
-class HelpFormatter : public CLI::FormatterBase {
- public:
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
-    const CLI::App* parent = app->get_parent();
-    return help_text(describe_commands(*app),
-                     parent == nullptr || name.starts_with(parent->get_name() + " ")
-                         ? name
-                         : parent->get_name() + " " + app->get_name());
-  }
-};
-
 constexpr const char* kExitCodes =
     "  0    done\n"
     "  1    internal error: a defect of the program\n"
@@ -101,33 +72,39 @@ constexpr const char* kExitCodes =
     "  5    an expectation was not met\n"
     "  130  interrupted";
 
-// Flags of the parser's own.
-void group_own_flags(CLI::App& app, const std::string& version) {
-  app.set_version_flag("--version", version, "print the version and end");
-  app.get_version_ptr()->group(kCommonGroup);
-  app.get_help_ptr()->group(kCommonGroup)->description("print this help and end");
-}
-
-// Whether the command that was given takes --max-memory.
-bool has_memory_flag(const CLI::App& app) {
-  const auto commands = app.get_subcommands();
-  return (commands.empty() ? app : *commands.front()).get_option_no_throw(kMemoryFlag) != nullptr;
-}
-
+// A list in a sentence has indented lines of its own; a name in it begins none.
 int report_error(const std::string& program, ErrorKind kind, const std::string& sentence) {
-  fmt::print(stderr, "{}: {}\n", program, sentence);
+  std::string text;
+  for (size_t begin = 0; begin <= sentence.size();) {
+    const size_t end = std::min(sentence.find("\n  ", begin), sentence.size());
+    text += (begin == 0 ? "" : "\n") + printable_line(sentence.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  fmt::print(stderr, "{}: {}\n", program, text);
   return exit_code(kind);
+}
+
+// Throws Error(output).
+void write_to_stdout(const std::string& text) {
+  const bool written =
+      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!written)
+    throw Error(ErrorKind::output,
+                fmt::format("standard output: can't be written: {}", system_error_text(errno)));
+}
+
+// Scripts get what names hold; on a terminal they are only shown.
+void print_json(ProgressLine& progress, const Json& json) {
+  const std::string text = to_text(json);
+  progress.clear();
+  write_to_stdout(::isatty(STDOUT_FILENO) != 0 ? printable(text) : text);
 }
 
 }  // namespace
 
 void Session::print(const std::string& text) const {
   progress.clear();
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!written)
-    throw Error(ErrorKind::output,
-                fmt::format("standard output: can't be written: {}", system_error_text(errno)));
+  write_to_stdout(printable(text));
 }
 
 void Session::claim_output() const {
@@ -139,47 +116,49 @@ void Session::write_output(const Json& json) const {
 }
 
 void Session::print_result(const std::string& text, const Json& json) const {
+  const bool has_files = outputs.has_outputs();
   outputs.commit();
-  if (options.json)
-    print(to_text(json));
-  else if (!options.quiet)
-    print(text);
+  try {
+    if (options.json)
+      print_json(progress, json);
+    else if (!options.quiet)
+      print(text);
+  } catch (const Error& error) {
+    if (!has_files) throw;
+    const std::string sentence =
+        fmt::format("{}; the output files are complete", std::string(error.what()));
+    if (options.json) throw Error(error.kind(), sentence);
+    warn(monitor, sentence);
+  }
 }
 
 Program::Program(const std::string& name, const std::string& description,
                  const std::string& example)
-    : name_(name), app_(std::make_unique<CLI::App>(description, name)) {
-  app_->footer(
+    : name_(name),
+      parser_(name, description,
+              fmt::format("{} {} ({})", name, program_version(), program_commit())) {
+  command().add_footer(
       fmt::format("{}:\n{}\n\n{}:\n{}", kExampleSection, example, kExitCodeSection, kExitCodes));
-  app_->formatter(std::make_shared<HelpFormatter>());
-  group_own_flags(*app_, version());
-  app_->add_option("--completion",
-                   "print completions for a shell, or the manual page; nothing else may be given")
-      ->type_name("bash|zsh|fish|man")
-      ->group(kCommonGroup);
-}
-
-Program::~Program() = default;
-
-std::string Program::version() const {
-  return fmt::format("{} {} ({})", name_, program_version(), program_commit());
+  command()
+      .add_option("--completion", completion_,
+                  "print completions for a shell, or the manual page; nothing else may be given")
+      .type_name("bash|zsh|fish|man")
+      .group(kCommonGroup);
 }
 
 Command Program::add_command(const std::string& name, const std::string& description,
                              const std::string& example, std::function<void(Session&)> run) {
-  CLI::App& app = *app_->add_subcommand(name, description);
-  app.footer(fmt::format("{}:\n{}", kExampleSection, example));
-  group_own_flags(app, version());
-  add_common_flags(Command(app));
-  app.callback([this, run = std::move(run)] { run_ = run; });
-  if (!run_) app_->require_subcommand(1);
-  return Command(app);
+  const Command command =
+      parser_.add_command(name, description, [this, run = std::move(run)] { run_ = run; });
+  command.add_footer(fmt::format("{}:\n{}", kExampleSection, example));
+  add_common_flags(command);
+  if (!run_) parser_.require_command(true);
+  return command;
 }
 
 void Program::set_run(std::function<void(Session&)> run) {
-  app_->require_subcommand(0, 1);
   add_common_flags(command());
-  app_->require_subcommand(0, 1);
+  parser_.require_command(false);
   run_ = std::move(run);
 }
 
@@ -193,6 +172,9 @@ void Program::add_common_flags(const Command& command) {
           common_.threads == 0 ? " (default)" : fmt::format("; default {}", common_.threads))));
   group(add_setting(command, "--seed", common_.seed,
                     "seed of everything that is random (default 1)"));
+  group(add_setting(
+      command, "--max-megapixels", common_.max_megapixels,
+      fmt::format("refuse images and videos of larger frames (default {})", kUsualMegapixels)));
   group(command.add_flag("--quiet", common_.quiet, "no progress, no warnings, no table"));
   group(command.add_flag("-v,--verbose", common_.verbose, "say more"));
   group(command.add_flag("--force", common_.force, "replace an existing output"));
@@ -201,24 +183,25 @@ void Program::add_common_flags(const Command& command) {
 
 void Program::add_config_option(const Command& command,
                                 std::function<void(const Json&, const std::string&)> apply) {
-  command.parser()
-      .add_option_function<std::string>(
+  command
+      .add_option(
           "--config",
           [this, apply = std::move(apply)](const std::string& path) {
             common_.config = path;
-            const Json json = read_settings(path);
+            const Json json = read_config(path);
             if (json.is_object())
               for (const auto& item : json.items()) common_.config_keys.push_back(item.key());
             apply(json, path);
           },
           "settings from a JSON file, or those of a result (flags win)")
-      ->type_name("FILE")
-      ->group(kCommonGroup)
-      ->trigger_on_parse();
+      .type_name("FILE")
+      .group(kCommonGroup)
+      .read_first();
 }
 
 void Program::run_session(int argc, char** argv) {
   const auto logger = make_logger(common_);
+  mute_codecs();
   ProgressLine progress(!common_.quiet);
   Monitor monitor;
   monitor.progress = [&](const std::string& step, size_t done, size_t total) {
@@ -226,19 +209,20 @@ void Program::run_session(int argc, char** argv) {
   };
   monitor.warn = [&](const std::string& sentence) {
     progress.clear();
-    logger->warn(sentence);
+    logger->warn(printable_line(sentence));
   };
   monitor.stop = &stop_wanted;
   if (common_.threads > kMostThreads)
     throw Error(ErrorKind::usage, fmt::format("--threads must be at most {}, found {}",
                                               kMostThreads, common_.threads));
   const ThreadLimit limit(common_.threads);
+  const MegapixelLimit pixels(common_.max_megapixels);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
   OutputTransaction outputs(common_.existing());
   // Without --force, nothing that exists is replaced anyway.
   if (common_.force)
-    for (const std::filesystem::path& input : run_inputs(*app_)) outputs.protect(input);
+    for (const std::filesystem::path& input : run_inputs(parser_.given())) outputs.protect(input);
   Session session{common_, monitor, {}, select_kernels(), progress, outputs};
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
@@ -246,26 +230,23 @@ void Program::run_session(int argc, char** argv) {
   session.run.seed = common_.seed;
   logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
                 session.run.threads, session.kernels.target);
-  run_(session);
-  outputs.commit();
+  try {
+    run_(session);
+    outputs.commit();
+  } catch (const Error& error) {
+    throw Error(error.kind(), outputs.with_targets(error.what()));
+  }
 }
 
 int Program::main(int argc, char** argv) {
   set_up_process();
   try {
     if (argc == 3 && std::string_view(argv[1]) == "--completion") {  // for the installation
-      fmt::print("{}", command_text(describe_commands(*app_), argv[2], program_version()));
+      fmt::print("{}", command_text(parser_.describe(), argv[2], program_version()));
       return 0;
     }
-    try {
-      app_->parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-      if (error.get_exit_code() == 0) return app_->exit(error);  // --help, --version
-      if (const auto unknown = unknown_word(describe_commands(*app_), {argv + 1, argv + argc}))
-        throw Error(ErrorKind::usage, *unknown);
-      throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), name_));
-    }
-    if (app_->count("--completion") > 0)
+    if (!parser_.parse(argc, argv)) return 0;
+    if (command().is_given("--completion"))
       throw Error(ErrorKind::usage,
                   fmt::format("--completion stands alone, as in {} --completion bash", name_));
     run_session(argc, argv);
@@ -275,7 +256,11 @@ int Program::main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return report_error(name_, ErrorKind::internal,
                         fmt::format("out of memory; use fewer frames{}",
-                                    has_memory_flag(*app_) ? " or a lower --max-memory" : ""));
+                                    parser_.takes(kMemoryFlag) ? " or a lower --max-memory" : ""));
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report_error(name_, ErrorKind::output,
+                        fmt::format("{}: can't be read or written: {}", error.path1().string(),
+                                    error.code().message()));
   } catch (const std::exception& error) {
     return report_error(name_, ErrorKind::internal,
                         fmt::format("internal error, please report it: {}", error.what()));

@@ -13,8 +13,9 @@
 #include "base/json.h"
 #include "base/monitor.h"
 #include "base/output_transaction.h"
-#include "flags.h"
+#include "images/codec_scope.h"
 #include "matching/hamming_kernels.h"
+#include "parser.h"
 #include "report/run_info.h"
 
 namespace vpr {
@@ -25,6 +26,7 @@ struct CommonOptions {
   std::vector<std::string> config_keys;  ///< that the configuration gives values for
   uint64_t threads = 0;                  ///< 0: all cores
   uint64_t seed = 1;
+  uint64_t max_megapixels = kUsualMegapixels;
   bool quiet = false;
   bool verbose = false;
   bool force = false;
@@ -38,6 +40,7 @@ template <class Visitor>
 void visit_fields(CommonOptions& options, Visitor&& visit) {
   visit("threads", options.threads);
   visit("seed", options.seed);
+  visit("max_megapixels", options.max_megapixels);
 }
 
 /// Settings of a program and common ones, as one JSON object.
@@ -72,11 +75,12 @@ struct Session {
   void claim_output() const;
   /// Fills it with a JSON.
   void write_output(const Json& json) const;
-  /// Prints to stdout, where a progress line has been before; Error(output) if that fails (a full
-  /// disk, a closed pipe).
+  /// Prints to stdout, where a progress line has been before, what a terminal may show
+  /// (printable); Error(output) if that fails (a full disk, a closed pipe).
   void print(const std::string& text) const;
   /// Commits the outputs of the run, and then prints a readable text, or with --json the JSON;
-  /// neither with --quiet (but --json always).
+  /// neither with --quiet (but --json always). Where files are written, a text that can't be
+  /// printed is a warning, for all that was asked for is there.
   void print_result(const std::string& text, const Json& json) const;
 };
 
@@ -84,10 +88,9 @@ struct Session {
 class Program {
  public:
   Program(const std::string& name, const std::string& description, const std::string& example);
-  ~Program();
 
   /// The program's own flags.
-  Command command() { return Command(*app_); }
+  Command command() { return parser_.root(); }
   /// Threads where --threads is not given; 0: all cores.
   void set_default_threads(uint64_t threads) { common_.threads = threads; }
   /// A command with its own --help and the common flags. The work is done by `run`.
@@ -110,14 +113,14 @@ class Program {
   int main(int argc, char** argv);
 
  private:
-  std::string version() const;
   void add_common_flags(const Command& command);
   void add_config_option(const Command& command,
                          std::function<void(const Json&, const std::string&)> apply);
   void run_session(int argc, char** argv);
 
   std::string name_;
-  std::unique_ptr<CLI::App> app_;
+  Parser parser_;
+  std::string completion_;
   CommonOptions common_;
   std::function<void(Session&)> run_;
 };

@@ -5,10 +5,6 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace vpr {
 
 /// Headings that stand apart: flags that all programs share come last.
@@ -46,10 +42,6 @@ struct CommandEntry {
   std::vector<CommandEntry> commands;
   bool runs_itself = true;  ///< false: one of its commands must be named
 };
-
-/// Hidden flags (without a group) are left out. What stands behind a colon in the name of a flag's
-/// value are its choices.
-CommandEntry describe_commands(const CLI::App& app);
 
 /// Headings end with a colon and stand behind an empty line, or first.
 std::vector<Section> split_sections(const std::string& footer);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "evaluation/ground_truth/check.h"
 #include "evaluation/ground_truth/formats.h"
@@ -30,21 +31,21 @@ void run(Session& session, const ConvertInputs& inputs) {
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   require_undamaged(found, inputs.ground_truth);
-  const GroundTruthSummary summary = summarise(found);
+  const GroundTruthSummary summary = summarise(found, session.monitor);
   if (summary.ignored > 0 && !target.holds_ignored)
-    warn(session.monitor, fmt::format("{} pairs to ignore become different: {} can't say that",
-                                      summary.ignored, target.name));
-  target.write(found, session.outputs.file(options.output));
-  session.print_result(
-      fmt::format("{} ({}) to {} ({}): {} query frames, {} pairs of the same place, {} ignored\n",
-                  inputs.ground_truth, found.format, options.output, target.name,
-                  summary.query_frames, summary.same, summary.ignored),
-      {{"schema", "vpr.conversion/1"},
-       {"from", found.format},
-       {"to", target.name},
-       {"query_frames", summary.query_frames},
-       {"same", summary.same},
-       {"ignored", summary.ignored}});
+    warn(session.monitor, fmt::format("{} to ignore become different: {} can't say that",
+                                      counted(summary.ignored, "pair"), target.name));
+  target.write(found, session.outputs.file(options.output), session.monitor);
+  session.print_result(fmt::format("{} ({}) to {} ({}): {}, {} of the same place, {} ignored\n",
+                                   inputs.ground_truth, found.format, options.output, target.name,
+                                   counted(summary.query_frames, "query frame"),
+                                   counted(summary.same, "pair"), summary.ignored),
+                       {{"schema", "vpr.conversion/1"},
+                        {"from", found.format},
+                        {"to", target.name},
+                        {"query_frames", summary.query_frames},
+                        {"same", summary.same},
+                        {"ignored", summary.ignored}});
 }
 
 }  // namespace

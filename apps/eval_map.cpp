@@ -25,9 +25,7 @@ MapPanel panel_of(const Evaluation& evaluation) {
   if (report.contains("settings"))
     for (const char* key : {"c_l", "t_r", "c_w", "t_p"}) panel.title += setting(report, key, key);
   panel.shows_places = report["settings"].contains("t_p");
-  panel.fixes = evaluation.judgement.fixes;
-  for (size_t frame = 0; frame < panel.fixes.size(); ++frame)
-    panel.has_match.push_back(evaluation.truth.has_match(frame));
+  panel.meanings = meanings_of(evaluation.judgement, evaluation.truth);
   return panel;
 }
 
@@ -93,14 +91,15 @@ void write_map(Session& session, const MapInputs& inputs, const std::string& dat
   if (second != nullptr) {
     panels.push_back(panel_of(*second));
     if (second->report["query"] != first.report["query"] ||
-        panels[0].fixes.size() != panels[1].fixes.size())
+        panels[0].meanings.size() != panels[1].meanings.size())
       throw Error(ErrorKind::usage,
                   fmt::format("{}: is of the query {}, the first result of {}; give two results "
                               "of one query",
                               inputs.with, second->report["query"].get<std::string>(),
                               first.report["query"].get<std::string>()));
   }
-  draw_route_map(map, panels, session.outputs.folder(inputs.folder, is_marked_folder).temporary());
+  draw_route_map(map, panels, session.outputs.folder(inputs.folder, is_marked_folder).temporary(),
+                 session.monitor);
 }
 
 }  // namespace vpr

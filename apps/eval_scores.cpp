@@ -126,9 +126,9 @@ Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const st
   const std::string name =
       inputs.name.empty() ? std::filesystem::path(inputs.path).stem().string() : inputs.name;
   const ScoreFormat format{matrix.kind(), inputs.references_first, inputs.missing};
-  evaluation.report =
-      scores_report_json({name, format, inputs.window_length, inputs.threshold}, query,
-                         evaluation.judgement, evaluation.truth, matrix.fingerprint(), session.run);
+  evaluation.report = scores_report_json({name, format, inputs.window_length, inputs.threshold},
+                                         query, evaluation.judgement, evaluation.truth,
+                                         matrix.fingerprint(session.monitor), session.run);
   return evaluation;
 }
 
@@ -137,7 +137,7 @@ Judgement judge_result(Session& session, const ScoreInputs& inputs,
                        const GroundTruth& truth) {
   const std::vector<double> travelled = travelled_way(inputs, result.query_frames, session.monitor);
   if (matrix) return judge(result, *matrix, truth, travelled, session.monitor);
-  return judge(result, truth, travelled);
+  return judge(result, truth, travelled, session.monitor);
 }
 
 Judgement judge_result(Session& session, const ScoreInputs& inputs,

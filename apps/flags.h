@@ -1,5 +1,4 @@
-// Commands and their flags, without the parser's headers: only flags.cpp, command.cpp and
-// command_tree.cpp know CLI11, which is expensive to compile.
+// Commands and their flags, without the parser's headers, which only parser.cpp includes.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +26,8 @@ class Flag {
   Flag type_name(const std::string& word);
   /// Values that completions offer, where they are too many for help, which has `word`.
   Flag choices(const std::string& word, const std::vector<std::string>& names);
+  /// Its value is read as soon as it is met: flags that come later win.
+  Flag read_first();
   /// A number below 0 is a usage error.
   Flag non_negative();
   /// The two can't be given together.
@@ -72,9 +73,6 @@ class Command {
   bool is_given(const std::string& flag) const;
   /// Names of the flags below a heading that were given, after parsing.
   std::vector<std::string> given_flags(const std::string& heading) const;
-
-  /// The parser's own object, for those who include its header.
-  CLI::App& parser() const { return *app_; }
 
  private:
   CLI::App* app_;

@@ -71,13 +71,4 @@ GroundTruthArgument ground_truth_argument(const std::string& text, const GroundT
   return with_flags(parse_ground_truth_argument(text, 0), flags);
 }
 
-Json ground_truth_flags_json(const GroundTruthFlags& flags) {
-  Json json = value_to_json(flags.options);
-  json["tolerance"] = flags.tolerance_frames ? Json(*flags.tolerance_frames) : Json();
-  json["format"] = flags.format;
-  json["reference"] = flags.reference;
-  json["soft"] = flags.soft;
-  return json;
-}
-
 }  // namespace vpr

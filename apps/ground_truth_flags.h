@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "base/json_fwd.h"
 #include "command.h"
 #include "evaluation/ground_truth.h"
 
@@ -38,8 +37,5 @@ bool any_given(const GroundTruthFlags& flags);
 
 /// The ground truth that --ground-truth names as `text`, as the flags say.
 GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags);
-
-/// What results depend on.
-Json ground_truth_flags_json(const GroundTruthFlags& flags);
 
 }  // namespace vpr

@@ -53,7 +53,7 @@ std::vector<double> parse_part(const std::string& part, const std::string& flag)
                             "\"{}\"",
                             flag, kMostValues, part));
   std::vector<double> numbers;
-  for (double i = 0; i <= count; ++i) numbers.push_back(std::round((first + i * step) * 1e9) / 1e9);
+  for (int i = 0; i <= count; ++i) numbers.push_back(std::round((first + i * step) * 1e9) / 1e9);
   return numbers;
 }
 

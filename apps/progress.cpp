@@ -8,6 +8,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "base/printable.h"
+
 namespace vpr {
 namespace {
 
@@ -33,7 +35,7 @@ double share_of(size_t done, size_t total) {
 
 // Long names lose their beginning: the end and the number tell parts apart.
 std::string label_text(const std::string& step) {
-  std::string label = step;
+  std::string label = printable_line(step);
   if (label.size() > kLabelWidth) {
     const std::string begin = first_word(step).substr(0, kLabelWidth / 2) + " ...";
     size_t from = label.size() - (kLabelWidth - begin.size());

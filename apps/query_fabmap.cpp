@@ -1,9 +1,11 @@
 // vpr-query against a FAB-MAP database.
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "base/checksum.h"
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "base/npy.h"
@@ -13,6 +15,7 @@
 #include "pipeline/fabmap_advice.h"
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
+#include "recognition/place_runs.h"
 #include "repeated_command.h"
 #include "report/fabmap_result_file.h"
 #include "report/table.h"
@@ -74,7 +77,9 @@ class PosteriorFile {
     row.resize(columns_, posterior.empty() ? std::numeric_limits<double>::quiet_NaN() : 0);
     file_.write(std::as_bytes(std::span<const double>(row)));
   }
-  Json entry() const { return file_entry(file_.temporary(), frames_); }
+  Json entry(const Monitor& monitor) const {
+    return file_entry(file_.temporary(), frames_, monitor);
+  }
 
  private:
   OutputFile& file_;
@@ -99,28 +104,37 @@ std::string advice(const FabmapResult& result, const Session& session) {
                                       "times in a row; give a smaller --c-w.\n");
   std::vector<std::string> added = {"--t-p", fmt::format("{}", *lower->place_threshold)};
   if (!session.options.output.empty() && !session.options.force) added.emplace_back("--force");
-  text +=
-      fmt::format("With t_p {} there are recognitions in {} {} or more:\n  {}\n",
-                  *lower->place_threshold, lower->frames, lower->frames == 1 ? "frame" : "frames",
-                  repeated_command(session.run.command_line, {"--t-p"}, added));
+  text += fmt::format("With t_p {} there are recognitions in {} or more:\n  {}\n",
+                      *lower->place_threshold, counted(lower->frames, "frame"),
+                      repeated_command(session.run.command_line, {"--t-p"}, added));
   return text;
 }
 
 std::string summary(const FabmapResult& result) {
+  std::set<uint32_t> recognised;
+  for (const PlaceMatch& hit : result.hits) recognised.insert(hit.place);
   Table table;
-  table.title = fmt::format("{}: {} frames, {} recognitions of {} places", result.query_name,
-                            result.query_frames, result.hits.size(), result.places.size());
+  table.title =
+      fmt::format("{}: {}, {} of {} of {}", result.query_name,
+                  counted(result.query_frames, "frame"), counted(result.hits.size(), "recognition"),
+                  recognised.size(), counted(result.places.size(), "place"));
   if (result.query_featureless > 0)
-    table.title += fmt::format("; {} frames without features", result.query_featureless);
-  table.columns = {"query frame", "place", "probability"};
-  for (const PlaceMatch& hit : result.hits) {
+    table.title += fmt::format("; {} without features", counted(result.query_featureless, "frame"));
+  table.columns = {"query frames", "places", "recognitions", "probability"};
+  const auto stretch = [](const std::string& first, const std::string& last) {
+    return first == last ? first : fmt::format("{} to {}", first, last);
+  };
+  const bool is_frame_a_place = result.places.size() == result.views;
+  const std::vector<PlaceRun> runs =
+      is_frame_a_place ? place_runs(result.hits, 2, 2) : place_runs(result.hits, 1, 0);
+  for (const PlaceRun& run : runs) {
     if (table.rows.size() == kTableRows) break;
-    table.rows.push_back({std::to_string(hit.frame), result.places[hit.place],
-                          fmt::format("{:.4f}", hit.probability)});
+    table.rows.push_back({stretch(std::to_string(run.first_frame), std::to_string(run.last_frame)),
+                          stretch(result.places[run.first_place], result.places[run.last_place]),
+                          std::to_string(run.hits), fmt::format("{:.4f}", run.probability)});
   }
   std::string text = render_table(table, TableFormat::text);
-  if (result.hits.size() > kTableRows)
-    text += fmt::format("... and {} more\n", result.hits.size() - kTableRows);
+  if (runs.size() > kTableRows) text += fmt::format("... and {} more\n", runs.size() - kTableRows);
   return text;
 }
 
@@ -177,7 +191,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
       text += fmt::format("Drawn in {}\n", explanation_picture_path(options.output).string());
     }
   }
-  if (posteriors) context.files["posteriors"] = posteriors->entry();
+  if (posteriors) context.files["posteriors"] = posteriors->entry(session.monitor);
   const Json json = options.output.empty()
                         ? fabmap_result_json(run.result, context)
                         : write_fabmap_result(options.output, run.result, context, session.outputs);

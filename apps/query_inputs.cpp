@@ -1,7 +1,6 @@
 #include "query_inputs.h"
 
 #include "base/error.h"
-#include "evaluation/ground_truth.h"
 
 namespace vpr {
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/checksum.h"
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "base/stopwatch.h"
@@ -31,9 +32,10 @@ std::string query_fingerprint(const SequenceCodes& query) {
 
 Table places_table(const SequenceResult& result) {
   Table table;
-  table.title = fmt::format("{}: {} hits in {} places, {} of {} windows recognised",
-                            result.query_name, result.hits.size(), result.places.size(),
-                            recognised_windows(result), result.query_windows);
+  table.title =
+      fmt::format("{}: {} in {}, {} of {} recognised", result.query_name,
+                  counted(result.hits.size(), "hit"), counted(result.places.size(), "place"),
+                  recognised_windows(result), counted(result.query_windows, "window"));
   const bool is_raw = result.settings.score == Score::raw;
   table.columns = {"sequence", "query frame", "train frame", "hits",
                    is_raw ? "bits/frame" : "mean z"};
@@ -66,23 +68,10 @@ std::string advice_text(const Session& session, const SequenceResult& result) {
   if (advice->is_too_large) warn(session.monitor, advice->sentence);
   std::string text = advice->is_too_large ? "" : advice->sentence + "\n";
   if (advice->suggested)
-    text += fmt::format("This recognises {} of {} windows:\n  {}\n", advice->suggested->windows,
-                        result.query_windows, suggested_command(session, *advice->suggested));
+    text += fmt::format("This recognises {} of {}:\n  {}\n", advice->suggested->windows,
+                        counted(result.query_windows, "window"),
+                        suggested_command(session, *advice->suggested));
   return text;
-}
-
-// Training walks that show the same place are why an automatic threshold finds nothing.
-void explain_nothing(const Session& session, const SequenceDatabase& database,
-                     const SequenceResult& result) {
-  const SequenceQuerySettings& settings = result.settings;
-  if (!result.hits.empty() || settings.distance_threshold) return;
-  const ThresholdTable* stored = find_thresholds(database.thresholds, settings.window_length);
-  if (stored == nullptr && is_left_to_queries(code_spans(database))) return;
-  warn_of_overlaps(database,
-                   stored != nullptr ? *stored
-                                     : compute_thresholds(database, settings.window_length, 1,
-                                                          session.kernels, session.monitor),
-                   session.monitor);
 }
 
 std::string summary(const QueryRun& run) {
@@ -90,12 +79,12 @@ std::string summary(const QueryRun& run) {
   std::string text = render_table(places_table(result), TableFormat::text);
   if (result.places.size() > kTableRows)
     text += fmt::format("... and {} more\n", result.places.size() - kTableRows);
-  if (run.verified_cells > 0) text += fmt::format("{} cells, 0 differences\n", run.verified_cells);
+  if (run.verified_cells > 0) text += counted(run.verified_cells, "cell") + ", 0 differences\n";
   if (result.recall)
-    text += fmt::format(
-        "Against an exact search: the best match of {} of {} windows was found, and {} of {} "
-        "hits\n",
-        result.recall->found_best, result.recall->windows, result.hits.size(), result.recall->hits);
+    text +=
+        fmt::format("Against an exact search: the best match of {} of {} was found, and {} of {}\n",
+                    result.recall->found_best, counted(result.recall->windows, "window"),
+                    result.hits.size(), counted(result.recall->hits, "hit"));
   return text;
 }
 
@@ -179,14 +168,16 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
   if (matrix) {
     context.matrix = matrix_layout_json(layout, found.result);
-    context.files["matrix"] = matrix->entry();
+    context.files["matrix"] = matrix->entry(session.monitor);
   }
   if (picture)
-    picture->write(session.outputs.file(inputs.matrix), found.result, truth ? &*truth : nullptr);
+    picture->write(session.outputs.file(inputs.matrix), found.result, truth ? &*truth : nullptr,
+                   session.monitor);
   const Json json = options.output.empty()
                         ? result_json(found.result, context)
                         : write_result(options.output, found.result, context, session.outputs);
-  explain_nothing(session, database, found.result);
+  if (found.result.hits.empty() && !settings.distance_threshold)
+    explain_no_hits(database, settings.window_length, session.kernels, session.monitor);
   const std::string advice = advice_text(session, found.result);
   session.print_result(summary(found) + advice, json);
 }

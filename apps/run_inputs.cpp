@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include <CLI/CLI.hpp>
-
 #include "base/error.h"
 #include "database/archive.h"
 #include "images/dataset.h"
@@ -16,15 +14,19 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kOutputs = {
-    "--output", "--save-matrix", "--save-posteriors", "--html",         "--plot",
-    "--map",    "--heat-map",    "--save-config",     "--outcomes-csv", "--recognitions-csv"};
+    "output", "save-matrix", "save-posteriors", "html",         "plot",
+    "map",    "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv"};
 
 constexpr std::array kCompanions = {"hits.npy",        "hit_scores.npy", "best.npy",
                                     "best_scores.npy", "new_place.npy",  "views.npy"};
 
-bool is_output(const CLI::Option& option) {
+bool has_name(const GivenFlag& flag, const char* name) {
+  return std::find(flag.names.begin(), flag.names.end(), name) != flag.names.end();
+}
+
+bool is_output(const GivenFlag& flag) {
   return std::any_of(kOutputs.begin(), kOutputs.end(),
-                     [&](const char* name) { return option.check_lname(name + 2); });
+                     [&](const char* name) { return has_name(flag, name); });
 }
 
 /// Collects paths that exist; what can't be read is the command's to complain of.
@@ -101,22 +103,19 @@ struct Inputs {
     if (argument.path.extension() == ".json")
       for (const char* kind : kCompanions) add(companion_path(argument.path, kind));
   }
-
-  void add_options(const CLI::App& app) {
-    for (const CLI::Option* option : app.get_options()) {
-      if (option->count() == 0 || is_output(*option)) continue;
-      for (const std::string& value : option->results())
-        option->check_lname("dataset") ? add_dataset(value), add_value(value) : add_value(value);
-    }
-    for (const CLI::App* command : app.get_subcommands()) add_options(*command);
-  }
 };
 
 }  // namespace
 
-std::vector<fs::path> run_inputs(const CLI::App& app) {
+std::vector<fs::path> run_inputs(const std::vector<GivenFlag>& given) {
   Inputs inputs;
-  inputs.add_options(app);
+  for (const GivenFlag& flag : given) {
+    if (is_output(flag)) continue;
+    for (const std::string& value : flag.values) {
+      if (has_name(flag, "dataset")) inputs.add_dataset(value);
+      inputs.add_value(value);
+    }
+  }
   return inputs.paths;
 }
 

@@ -4,15 +4,13 @@
 #include <filesystem>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "parser.h"
 
 namespace vpr {
 
 /// Every value of an option or argument that names something that exists, but for options that
 /// name outputs; sequences with their frames, databases with their files, results with their
 /// companions, and data sets with the files that they name.
-std::vector<std::filesystem::path> run_inputs(const CLI::App& app);
+std::vector<std::filesystem::path> run_inputs(const std::vector<GivenFlag>& given);
 
 }  // namespace vpr

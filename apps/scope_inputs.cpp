@@ -61,7 +61,7 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
   if (!inputs.result.empty())
     return result_method(inputs.result) == "fabmap"
                ? scope_of(read_fabmap_result(inputs.result).result)
-               : scope_of(read_result(inputs.result).result);
+               : scope_of(read_result(inputs.result, monitor).result);
   if (has_sequences) {
     if (inputs.query.empty() || inputs.train.empty())
       throw Error(ErrorKind::usage, "give both --query and --train");

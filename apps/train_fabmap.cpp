@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "database/openfabmap.h"
@@ -107,9 +108,10 @@ void add_place_option(const Command& command, std::vector<std::string>& places) 
 
 std::string fabmap_summary(const FabmapDatabase& database, const std::string& path) {
   Table table;
-  table.title = fmt::format("{}: fabmap, {} words of {}, {} places, {} views", path,
-                            database.tree.words(), enum_name(database.settings.features.kind),
-                            database.place_names().size(), database.views.views());
+  table.title = fmt::format(
+      "{}: fabmap, {} of {}, {}, {}", path, counted(database.tree.words(), "word"),
+      enum_name(database.settings.features.kind), counted(database.place_names().size(), "place"),
+      counted(database.views.views(), "view"));
   table.columns = {"group", "frames", "places", "words a frame", "featureless"};
   const std::vector<size_t> featureless = featureless_frames(database);
   size_t view = 0;

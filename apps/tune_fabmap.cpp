@@ -14,7 +14,6 @@ struct FabmapTuner {
   const FabmapTune& command;
   FabmapDatabase database;
 
-  const std::string& database_fingerprint() const { return database.fingerprint; }
   SequenceWords describe(const Source& source) const {
     return describe_words(open_sequence(source.sequence.sequence), database,
                           command.settings.skip_unreadable, session.monitor);
@@ -39,7 +38,6 @@ struct FabmapTuner {
                             session.monitor);
   }
   static std::vector<Cell>& cells_of(Sweep& sweep) { return sweep.fabmap_cells; }
-  static const std::vector<Cell>& cells_of(const Sweep& sweep) { return sweep.fabmap_cells; }
 };
 
 void tune_fabmap(Session& session, const FabmapTune& command) {

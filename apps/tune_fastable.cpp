@@ -1,6 +1,9 @@
 // vpr-tune fastable: c_l and t_r.
+#include <algorithm>
+
 #include "base/json.h"
 #include "pipeline/score_basis.h"
+#include "pipeline/train.h"
 #include "tune_grids.h"
 #include "tune_sweep.h"
 
@@ -16,7 +19,6 @@ struct FastableTuner {
   SequenceDatabase database;
   QueryResources resources;
 
-  const std::string& database_fingerprint() const { return database.fingerprint; }
   SequenceCodes describe(const Source& source) const {
     return describe_sequence(open_sequence(source.sequence.sequence), database.descriptor,
                              command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail,
@@ -28,8 +30,20 @@ struct FastableTuner {
   static SequenceGrid grid_of(std::span<const Cell> cells) { return sequence_grid_of(cells); }
   std::vector<Cell> sweep(const SequenceCodes& query, const std::string& name,
                           const SequenceGrid& grid, const TruthReader& reader) const {
-    return sweep_sequences(database, query, name, command.settings, grid, reader, resources,
-                           session.monitor);
+    std::vector<Cell> cells = sweep_sequences(database, query, name, command.settings, grid, reader,
+                                              resources, session.monitor);
+    explain_automatic(cells);
+    return cells;
+  }
+  // Of several windows whose automatic threshold gives no hits, the longest tells most.
+  void explain_automatic(const std::vector<Cell>& cells) const {
+    uint64_t longest = 0;
+    for (const Cell& cell : cells) {
+      const LabelCounts& hits = cell.counts.hits;
+      if (!cell.distance_threshold && hits.correct + hits.incorrect + hits.ignored == 0)
+        longest = std::max(longest, cell.window_length);
+    }
+    if (longest > 0) explain_no_hits(database, longest, session.kernels, session.monitor);
   }
   SequenceQuerySettings settings_of(const Cell& cell) const {
     SequenceQuerySettings settings = command.settings;
@@ -44,7 +58,6 @@ struct FastableTuner {
                               session.monitor);
   }
   static std::vector<Cell>& cells_of(Sweep& sweep) { return sweep.sequence_cells; }
-  static const std::vector<Cell>& cells_of(const Sweep& sweep) { return sweep.sequence_cells; }
 };
 
 void tune_fastable(Session& session, const FastableTune& command) {
@@ -79,7 +92,8 @@ void add_fastable(Program& program, FastableTune& tune) {
   add_setting(command, "--score", tune.settings.score,
               "raw (default), standardized or standardized-offline");
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
-              "of the numbers: relative (default) or bits; of standardized scores mean-z");
+              "of the numbers: relative (default), mean or bits, as vpr-query takes them; of "
+              "standardized scores mean-z");
   add_setting(command, "--safety-margin", tune.settings.safety_margin,
               "taken from the automatic t_r of standardized scores (default 0)");
   command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,

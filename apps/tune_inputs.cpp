@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
 
 namespace vpr {
 
@@ -81,58 +80,12 @@ TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol
   };
 }
 
-Json sweep_key(const TuneInputs& inputs, const Json& settings, const std::string& fingerprint,
-               uint64_t seed) {
-  return {{"settings", settings},
-          {"windows", inputs.grid.windows},
-          {"thresholds", inputs.grid.thresholds},
-          {"datasets", inputs.datasets},
-          {"query", inputs.query},
-          {"ground_truth", ground_truth_flags_json(inputs.flags)},
-          {"validate", inputs.validate},
-          {"validate_ground_truth", inputs.validate_ground_truth},
-          {"database", fingerprint},
-          {"seed", seed}};
-}
-
-PartialSweeps::PartialSweeps(const TuneInputs& inputs, const CommonOptions& options,
-                             const Json& key)
-    : key_(key) {
-  if (options.output.empty() || inputs.datasets.size() < 2) return;
-  path_ = options.output + ".partial";
-  if (!inputs.resume || !std::filesystem::exists(path_)) return;
-  const Json json = read_json(path_, ErrorKind::data);
-  require_schema(json, "sweep-partial", path_, ErrorKind::data);
-  if (!json.contains("key") || json["key"] != key_)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: was made with other settings or data; leave out --resume to start "
-                            "again",
-                            path_));
-  finished_ = read_sweeps(json, path_);
-}
-
-void PartialSweeps::add(const Sweep& sweep) {
-  finished_.push_back(sweep);
-  if (path_.empty()) return;
-  Json json = {{"schema", "vpr.sweep-partial/1"}, {"key", key_}};
-  add_sweeps(json, finished_);
-  write_file(path_, to_text(json), Existing::replace);
-}
-
-void PartialSweeps::remove() {
-  std::error_code ignored;
-  if (!path_.empty()) std::filesystem::remove(path_, ignored);
-}
-
 void add_tune_inputs(const Command& command, TuneInputs& inputs) {
   command.add_option("DB", inputs.database, "database made by vpr-train").required();
   command.add_option("--query", inputs.query, "query sequence, or with --dataset the name of one");
   command.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
   command.add_list("--dataset", inputs.datasets,
                    "data set description with query and ground truth; repeatable");
-  command.add_flag("--resume", inputs.resume,
-                   "with several data sets: go on behind those that an interrupted sweep finished "
-                   "(kept in SWEEP.json.partial)");
   command.add_option("--save-config", inputs.save_config,
                      "the recommended settings as a file for vpr-query --config; exit code 5 if "
                      "none is recommended");

@@ -1,5 +1,4 @@
-// What the commands of vpr-tune share: queries and their ground truth, partial results,
-// presentation.
+// What the commands of vpr-tune share: queries and their ground truth, presentation.
 #pragma once
 
 #include <optional>
@@ -25,7 +24,6 @@ struct TuneInputs {
   GridFlags grid;
   std::string validate;
   std::string validate_ground_truth;
-  bool resume = false;
   std::string save_config;
   std::string plots;
   std::string heat_map;
@@ -54,28 +52,6 @@ TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol
 
 /// Claims the outputs. Throws Error(usage) if --save-config has several data sets.
 void claim_outputs(const TuneInputs& inputs, const Session& session);
-
-/// What a sweep depends on beside its settings: grid, data and database.
-Json sweep_key(const TuneInputs& inputs, const Json& settings, const std::string& fingerprint,
-               uint64_t seed);
-
-/// The sweeps that are finished, beside the output (SWEEP.json.partial) until all are: with several
-/// data sets, --resume goes on behind them.
-class PartialSweeps {
- public:
-  /// `key`: whatever must be the same for sweeps to be used again. Throws Error(usage) where
-  /// --resume finds sweeps of another key, Error(data) where they are damaged.
-  PartialSweeps(const TuneInputs& inputs, const CommonOptions& options, const Json& key);
-  const std::vector<Sweep>& finished() const { return finished_; }
-  void add(const Sweep& sweep);
-  /// Everything is written: nothing is left to go on with.
-  void remove();
-
- private:
-  std::string path_;  // empty: nothing is kept
-  Json key_;
-  std::vector<Sweep> finished_;
-};
 
 /// Writes pictures, plots, configuration and JSON, and prints the tables. Throws
 /// Error(expectation), when all else is done, if --save-config has nothing to save.

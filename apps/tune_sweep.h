@@ -23,29 +23,26 @@ Json validation_json(const Tuner& tuner, const Source& source,
 
 /// A Tuner has the types Cell (of a sweep) and Grid, and
 ///   describe(source)                    frames to what is matched
-///   grid(query), grid_of(cells)         what to count; the same as a finished sweep
+///   grid(query), grid_of(cells)         what to count; the same as an earlier sweep
 ///   sweep(query, name, grid, reader)    the cells
 ///   intervals(query, cell, reader)      of one of them
 ///   settings_json(cell)                 everything that vpr-query would be set to
 ///   cells_of(sweep)                     where the family's cells are
-///   kMethod, database_fingerprint()     for the file
+///   kMethod                             for the file
 /// `settings`: what stays the same for all cells.
 template <class Tuner>
 void tune(Session& session, const TuneInputs& inputs, const Tuner& tuner,
           const std::vector<Source>& sources, const std::optional<Source>& validation,
           const Json& settings) {
   const Stopwatch watch;
-  PartialSweeps partial(
-      inputs, session.options,
-      sweep_key(inputs, settings, tuner.database_fingerprint(), session.options.seed));
-  for (size_t s = partial.finished().size(); s < sources.size(); ++s) {
+  std::vector<Sweep> sweeps;
+  for (const Source& source : sources) {
     Sweep sweep;
-    sweep.query_name = sources[s].sequence.name;
-    const auto query = tuner.describe(sources[s]);
-    const TruthReader reader = reader_of(sources[s].ground_truth, sweep.protocol, session.monitor);
-    const auto grid = partial.finished().empty()
-                          ? tuner.grid(query)
-                          : Tuner::grid_of(Tuner::cells_of(partial.finished().front()));
+    sweep.query_name = source.sequence.name;
+    const auto query = tuner.describe(source);
+    const TruthReader reader = reader_of(source.ground_truth, sweep.protocol, session.monitor);
+    const auto grid =
+        sweeps.empty() ? tuner.grid(query) : Tuner::grid_of(Tuner::cells_of(sweeps.front()));
     auto& cells = Tuner::cells_of(sweep);
     cells = tuner.sweep(query, sweep.query_name, grid, reader);
     sweep.recommendation = recommend_cell(cells);
@@ -56,10 +53,9 @@ void tune(Session& session, const TuneInputs& inputs, const Tuner& tuner,
       if (validation)
         sweep.validation = validation_json(tuner, *validation, recommended, session.monitor);
     }
-    partial.add(sweep);
+    sweeps.push_back(std::move(sweep));
   }
-  present(session, inputs, partial.finished(), Tuner::kMethod, settings, watch.elapsed_s());
-  partial.remove();
+  present(session, inputs, sweeps, Tuner::kMethod, settings, watch.elapsed_s());
 }
 
 }  // namespace vpr

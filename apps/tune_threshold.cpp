@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "database/archive.h"
 #include "number_lists.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/score_check.h"
@@ -74,6 +75,9 @@ void check_command(const Session& session, const ThresholdTune& command) {
     throw Error(ErrorKind::usage,
                 "the safety factor is for raw distances; standardized scores have --safety-margin");
   session.claim_output();
+  if (!command.write) return;
+  session.outputs.extend(command.database);
+  session.outputs.claim_folder(command.database, is_database_folder);
 }
 
 Json head_json(const ThresholdTune& command) {
@@ -106,8 +110,9 @@ void list_thresholds(const SequenceDatabase& database, const Automatic& automati
     Json item = {{"sequence", own.name}, {"c_l", length}, {"t_r", nullptr}};
     if (t_r) {
       item["t_r"] = t_r->value;
+      item["t_r_scale"] = enum_name(t_r->scale);
       item["limited"] = t_r->is_largest;
-      row[2] = fmt::format("{:.2f}", t_r->value);
+      row[2] = fmt::format("{:.{}f}", t_r->value, t_r->scale == ThresholdScale::mean ? 3 : 2);
       row[3] = t_r->is_largest ? "upper limit" : "closest windows";
     }
     if (closest) {
@@ -133,8 +138,13 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
                            command.safety_factor)
              : fmt::format("{}: automatic t_r of {} scores, safety margin {:g}", command.database,
                            enum_name(command.score), command.safety_margin);
-  listing.table.columns = {"sequence", "c_l",        is_raw ? "t_r (bits)" : "t_r (mean z)",
-                           "from",     "own frames", "closest other frames"};
+  const bool is_single = database.sequences.size() == 1;
+  listing.table.columns = {"sequence",
+                           "c_l",
+                           !is_raw ? "t_r (mean z)" : is_single ? "t_r (of mean)" : "t_r (bits)",
+                           "from",
+                           "own frames",
+                           "closest other frames"};
   listing.json["thresholds"] = Json::array();
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
     SequenceQuerySettings settings = query_settings(command);
@@ -150,11 +160,9 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
       database.thresholds.push_back(automatic.table);
     }
   }
-  OutputTransaction kept(Existing::replace);  // the database is extended in place
-  if (command.write) write_sequence_database(command.database, database, kept);
+  if (command.write) write_sequence_database(command.database, database, session.outputs);
   listing.json["provenance"] = provenance_json(session.run);
   session.write_output(listing.json);
-  kept.commit();
   session.print_result(render_table(listing.table, command.format), listing.json);
 }
 

@@ -112,7 +112,7 @@ void check_matrix(const Session& session, const StoredResult& stored, const Scor
          fmt::format("{}: names no matrix, as vpr-query --save-matrix makes it do; whether {} is "
                      "its own can't be known",
                      inputs.result, inputs.scores.path));
-  else if (matrix.fingerprint() != *stored.matrix_checksum)
+  else if (matrix.fingerprint(session.monitor) != *stored.matrix_checksum)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not the matrix that {} was written with; run vpr-query again "
                             "with --save-matrix, or evaluate the matrix without the result",
@@ -135,16 +135,18 @@ Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& in
     if (evaluation.matrix) check_matrix(session, stored, *evaluation.matrix, inputs);
   evaluation.judgement = judge_result(session, with_poses(inputs, stored.result.query_name),
                                       evaluation.matrix, stored.result, evaluation.truth);
-  const auto counts = count_recognitions(stored.result, evaluation.truth);
   if constexpr (kIsFabmap)
-    evaluation.report = report_json(stored.result, counts, evaluation.judgement, evaluation.truth,
-                                    stored.fingerprint, session.run);
-  else
     evaluation.report =
-        report_json(stored.result, counts, count_by_view(stored.result, evaluation.truth),
+        report_json(stored.result, count_recognitions(stored.result, evaluation.truth),
                     evaluation.judgement, evaluation.truth, stored.fingerprint, session.run);
+  else
+    evaluation.report = report_json(
+        stored.result, count_recognitions(stored.result, evaluation.truth, session.monitor),
+        count_by_view(stored.result, evaluation.truth, session.monitor), evaluation.judgement,
+        evaluation.truth, stored.fingerprint, session.run, session.monitor);
   if (!inputs.csv.recognitions.empty())
-    evaluation.recognitions = recognitions_csv(stored.result, evaluation.truth, inputs.row_name);
+    evaluation.recognitions =
+        recognitions_csv(stored.result, evaluation.truth, inputs.row_name, session.monitor);
   return evaluation;
 }
 
@@ -167,7 +169,7 @@ Evaluation evaluate_unnamed(Session& session, const EvalInputs& inputs) {
   }
   if (result_method(inputs.result) == "fabmap")
     return evaluate(session, read_fabmap_result(inputs.result), inputs);
-  return evaluate(session, read_result(inputs.result), inputs);
+  return evaluate(session, read_result(inputs.result, session.monitor), inputs);
 }
 
 Evaluation evaluate(Session& session, const EvalInputs& inputs) {

@@ -75,9 +75,11 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
   group(add_setting(app, "--score", settings.score,
                     "raw (distances, default), standardized (less the bias of frames that are "
                     "close to everything) or standardized-offline (from the whole query)"));
-  group(add_setting(app, "--t-r-scale", settings.threshold_scale,
-                    "of a number: relative (D / max D, default) or bits (D / c_l); of standardized "
-                    "scores mean-z (deviations, mostly negative)"));
+  group(add_setting(
+      app, "--t-r-scale", settings.threshold_scale,
+      "of a number: relative (D / max D, default), mean (D / what the window differs by "
+      "on average) or bits (D / c_l); of standardized scores mean-z (deviations, "
+      "mostly negative)"));
   group(add_setting(app, "--safety-factor", settings.safety_factor,
                     "multiplies the automatic t_r (default: the database's)"));
   group(add_setting(app, "--safety-margin", settings.safety_margin,

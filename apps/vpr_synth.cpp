@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "command.h"
 #include "synth/recording.h"
@@ -24,8 +25,9 @@ int main(int argc, char** argv) {
     const vpr::RecordingSize size =
         vpr::write_recording(world, folder.temporary(), session.monitor);
     session.print_result(
-        fmt::format("{}: {} walks, {} frames, {} views of {} places\n", session.options.output,
-                    world.walks.size(), size.frames, size.views, world.places.size()),
+        fmt::format("{}: {}, {}, {} of {}\n", session.options.output,
+                    vpr::counted(world.walks.size(), "walk"), vpr::counted(size.frames, "frame"),
+                    vpr::counted(size.views, "view"), vpr::counted(world.places.size(), "place")),
         {{"schema", "vpr.world-info/1"},
          {"walks", world.walks.size()},
          {"frames", size.frames},

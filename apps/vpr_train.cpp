@@ -1,6 +1,7 @@
 // vpr-train: databases from frames; listing, checking and extending them.
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "database/openfabmap.h"
@@ -10,15 +11,17 @@
 namespace vpr {
 namespace {
 
-std::optional<double> threshold_bits(const SequenceDatabase& database, const ThresholdTable& table,
-                                     size_t sequence, const Session& session) {
-  const auto automatic = sequence_threshold(database, table, sequence, table.safety_factor,
-                                            session.kernels, session.monitor);
-  return automatic ? std::optional(automatic->value) : std::nullopt;
+std::optional<AutomaticThreshold> threshold_of(const SequenceDatabase& database,
+                                               const ThresholdTable& table, size_t sequence,
+                                               const Session& session) {
+  return sequence_threshold(database, table, sequence, table.safety_factor, session.kernels,
+                            session.monitor);
 }
 
-std::string threshold_text(std::optional<double> bits) {
-  return bits ? fmt::format("{:.2f}", *bits) : "-";
+std::string threshold_text(const std::optional<AutomaticThreshold>& automatic) {
+  if (!automatic) return "-";
+  return automatic->scale == ThresholdScale::mean ? fmt::format("{:.3f} of mean", automatic->value)
+                                                  : fmt::format("{:.2f} bits", automatic->value);
 }
 
 Table database_table(const SequenceDatabase& database, const std::string& title,
@@ -27,14 +30,14 @@ Table database_table(const SequenceDatabase& database, const std::string& title,
   table.title = title;
   table.columns = {"sequence", "frames", "unreadable"};
   for (const ThresholdTable& thresholds : database.thresholds)
-    table.columns.push_back(fmt::format("t_r at c_l {} (bits)", thresholds.window_length));
+    table.columns.push_back(fmt::format("t_r at c_l {}", thresholds.window_length));
   for (size_t s = 0; s < database.sequences.size(); ++s) {
     const TrainSequence& sequence = database.sequences[s];
     std::vector<std::string>& row = table.rows.emplace_back();
     row = {sequence.name, std::to_string(sequence.frame_count()),
            std::to_string(sequence.unreadable.size())};
     for (const ThresholdTable& thresholds : database.thresholds)
-      row.push_back(threshold_text(threshold_bits(database, thresholds, s, session)));
+      row.push_back(threshold_text(threshold_of(database, thresholds, s, session)));
   }
   return table;
 }
@@ -50,8 +53,12 @@ Json database_json(const SequenceDatabase& database, const Session& session) {
                  {"unreadable", sequence.unreadable.size()}};
     item["t_r"] = Json::array();
     for (const ThresholdTable& table : database.thresholds) {
-      const auto bits = threshold_bits(database, table, s, session);
-      item["t_r"].push_back({{"c_l", table.window_length}, {"bits", bits ? Json(*bits) : Json()}});
+      const auto automatic = threshold_of(database, table, s, session);
+      const bool is_bits = automatic && automatic->scale == ThresholdScale::bits;
+      Json threshold = {{"c_l", table.window_length},
+                        {"bits", is_bits ? Json(automatic->value) : Json()}};
+      if (automatic && !is_bits) threshold["mean"] = automatic->value;
+      item["t_r"].push_back(threshold);
     }
     json["sequences"].push_back(item);
   }
@@ -64,8 +71,9 @@ std::string summary(const SequenceDatabase& database, const std::string& path,
   size_t frames = 0;
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
   return render_table(database_table(database,
-                                     fmt::format("{}: fastable, {} sequences, {} frames", path,
-                                                 database.sequences.size(), frames),
+                                     fmt::format("{}: fastable, {}, {}", path,
+                                                 counted(database.sequences.size(), "sequence"),
+                                                 counted(frames, "frame")),
                                      session),
                       TableFormat::text);
 }
@@ -116,9 +124,10 @@ void export_openfabmap(Session& session, const std::string& path) {
   const FabmapDatabase database = read_fabmap_database(path);
   write_openfabmap(session.options.output, database, session.outputs);
   session.print_result(
-      fmt::format("{}: vocabulary.yml, tree.yml, bow-pretrain.yml ({} frames), bow-train.yml ({} "
-                  "views), as vpr-train fabmap --from-openfabmap reads them\n",
-                  session.options.output, database.pretrain.views(), database.views.views()),
+      fmt::format("{}: vocabulary.yml, tree.yml, bow-pretrain.yml ({}), bow-train.yml ({}), "
+                  "as vpr-train fabmap --from-openfabmap reads them\n",
+                  session.options.output, counted(database.pretrain.views(), "frame"),
+                  counted(database.views.views(), "view")),
       fabmap_json(database, session.run));
 }
 

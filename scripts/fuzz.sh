@@ -1,18 +1,47 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets and runs each: scripts/fuzz.sh [SECONDS [NAME...]]   default 60, all
-# What a target finds new goes to build/fuzz/found; a crash stays there, too.
+# Builds the fuzz targets and runs each; ends with 1 if one of them found something.
+#   scripts/fuzz.sh [SECONDS [NAME...]]      default: 60 seconds, all targets
+#   scripts/fuzz.sh --minimise [NAME...]     makes each corpus a smallest one that covers what it and
+#                                            small inputs of earlier runs cover
+# New inputs, logs and what a finding needs to be repeated stay in build/fuzz/found.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-seconds=${1:-60}
 command -v clang++ >/dev/null || { echo "fuzz: needs clang; apt-get install clang" >&2; exit 1; }
-cmake --preset fuzz >/dev/null
-cmake --build --preset fuzz
+what=${1:-60}
 names=("${@:2}")
 [[ ${#names[@]} == 0 ]] && mapfile -t names < <(cd test/fuzz/corpus && ls)
+cmake --preset fuzz >/dev/null
+cmake --build build/fuzz --target "${names[@]/#/fuzz_}"
+found=build/fuzz/found
+limits=(-timeout=10 -rss_limit_mb=2048)
+
+# Of what runs found, small inputs only: a corpus is read by people, and kept in the repository.
+minimise() {
+  local corpus=test/fuzz/corpus/$1 inputs smallest
+  inputs=$(mktemp -d) smallest=$(mktemp -d)
+  mkdir -p "$found/$1"
+  find "$found/$1" -type f -size -120c -exec cp -t "$inputs" {} +
+  "build/fuzz/bin/fuzz_$1" "${limits[@]}" -set_cover_merge=1 -verbosity=0 "$smallest" "$corpus" "$inputs" 2>/dev/null
+  rm -r "$corpus" "$inputs"
+  mv "$smallest" "$corpus"
+  chmod 755 "$corpus"
+  echo "fuzz_$1: $(find "$corpus" -type f | wc -l) inputs, $(find "$corpus" -type f -printf '%s\n' | awk '{ all += $1 } END { print all + 0 }') bytes"
+}
+
+run() {
+  local log=$found/$1.log
+  mkdir -p "$found/$1"
+  if "build/fuzz/bin/fuzz_$1" "${limits[@]}" -max_total_time="$what" -print_final_stats=1 -verbosity=0 \
+    -artifact_prefix="$found/$1-" "$found/$1" "test/fuzz/corpus/$1" >"$log" 2>&1; then
+    echo "fuzz_$1: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs in $what s, no finding"
+  else
+    echo "fuzz_$1: FINDING, see $log"
+    return 1
+  fi
+}
+
+bad=0
 for name in "${names[@]}"; do
-  echo "fuzz_$name"
-  mkdir -p "build/fuzz/found/$name"
-  "build/fuzz/bin/fuzz_$name" -max_total_time="$seconds" -max_len=4096 -timeout=10 -rss_limit_mb=2048 \
-    -print_final_stats=1 -verbosity=0 -artifact_prefix="build/fuzz/found/$name-" \
-    "build/fuzz/found/$name" "test/fuzz/corpus/$name"
+  if [[ $what == --minimise ]]; then minimise "$name"; else run "$name" || bad=1; fi
 done
+exit $bad

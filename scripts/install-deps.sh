@@ -3,14 +3,18 @@
 #   scripts/install-deps.sh            build, test, demo
 #   scripts/install-deps.sh --check    also what scripts/check.sh needs
 #   scripts/install-deps.sh --package  also what building and testing the Debian package needs
+#   scripts/install-deps.sh --arm64    also what scripts/test-arm64.sh needs
+#   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs build on
 set -euo pipefail
-packages=(
-  g++ cmake ninja-build pkg-config git
-  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev
-  libdlib-dev libcli11-dev nlohmann-json3-dev catch2 python3-jsonschema gnuplot-nox
+libraries=(
+  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev zlib1g-dev
+  libdlib-dev libcli11-dev nlohmann-json3-dev catch2
 )
+[[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
+packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema gnuplot-nox)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
+[[ ${1:-} == --arm64 ]] && packages+=(crossbuild-essential-arm64 mmdebstrap qemu-user-static)
 
 missing=()
 for package in "${packages[@]}"; do

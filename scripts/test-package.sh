@@ -11,12 +11,13 @@ package=$(realpath "$(ls -t build/release/*.deb | head -1)")
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
 # From the package sources of this machine; the package brings its own dependencies.
-cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2>/dev/null |
+find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + |
   mmdebstrap --variant=apt --include=bash-completion,man-db bookworm "$root/debian" - >/dev/null
 cp "$package" "$root/debian/vpr-toolkit.deb"
 cp configs/worlds/small.json "$root/debian/small.json"
 chroot "$root/debian" bash -euo pipefail -c '
   export DEBIAN_FRONTEND=noninteractive
+  apt-get update -qq
   apt-get install -y -qq --no-install-recommends ./vpr-toolkit.deb >/dev/null
   for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
     $program --version

@@ -4,5 +4,5 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh
 cmake --preset ci
-cmake --build --preset ci
+cmake --build --preset ci --parallel "$(nproc)"
 ctest --preset ci "$@"

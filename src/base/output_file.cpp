@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/error.h"
@@ -49,7 +50,7 @@ void write_all(int file, std::span<const std::byte> bytes, const fs::path& path)
 
 std::string file_names(const fs::path& folder) {
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder))
+  for (const fs::directory_entry& entry : entries_of(folder))
     names.insert(entry.path().filename().string());
   std::string text;
   for (const std::string& name : names) text += name + "\n";
@@ -107,15 +108,26 @@ void OutputFile::commit() {
   commit_together(all);
 }
 
-bool holds_only_files(const fs::path& folder,
-                      const std::function<bool(const std::string& name)>& is_ours) {
+std::vector<fs::directory_entry> entries_of(const fs::path& folder) {
+  std::vector<fs::directory_entry> entries;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (!entry->is_regular_file(error) || entry->is_symlink(error) ||
-        !is_ours(entry->path().filename().string()))
-      return false;
-  return !error;
+    entries.push_back(*entry);
+  if (error)
+    throw Error(ErrorKind::output, fmt::format("{}: can't be read: {}", folder.string(),
+                                               system_error_text(error.value())));
+  return entries;
+}
+
+bool holds_only_files(const fs::path& folder,
+                      const std::function<bool(const std::string& name)>& is_ours) {
+  const auto entries = entries_of(folder);
+  return std::all_of(entries.begin(), entries.end(), [&](const fs::directory_entry& entry) {
+    std::error_code error;
+    return entry.is_regular_file(error) && !entry.is_symlink(error) &&
+           is_ours(entry.path().filename().string());
+  });
 }
 
 bool is_marked_folder(const fs::path& folder) {
@@ -137,11 +149,10 @@ void check_output_folder(const fs::path& given, Existing existing, FolderCheck i
   const fs::file_status status = status_of(path);
   if (!fs::exists(status)) return;
   if (existing == Existing::refuse) refuse_existing(path);
-  std::error_code error;
-  if (!fs::is_directory(status) || !(fs::is_empty(path, error) || is_ours(path)))
+  if (!fs::is_directory(status) || !(entries_of(path).empty() || is_ours(path)))
     throw Error(ErrorKind::usage,
                 fmt::format("{}: is not replaced, because it is not, or not only, an output of "
-                            "this program; give another --output",
+                            "this program; give another name",
                             path.string()));
 }
 
@@ -176,10 +187,8 @@ void write_part(const fs::path& path, std::string_view text) {
   write_part(path, {std::as_bytes(std::span(text))});
 }
 
-void write_file(const fs::path& path, std::string_view text, Existing existing) {
-  OutputFile file(path, existing);
-  file.write(text);
-  file.commit();
+void make_part_folder(const fs::path& path) {
+  if (::mkdir(path.c_str(), 0777) != 0) fail_to_write(path, errno);
 }
 
 }  // namespace vpr

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/pending_output.h"
 
@@ -48,7 +49,11 @@ class OutputFile {
 /// slip.
 using FolderCheck = bool (*)(const std::filesystem::path& folder);
 
-/// Whether a folder can be read, and everything in it is a regular file whose name passes.
+/// What is in a folder, in the order of the file system. Throws Error(output) if it can't be read.
+std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder);
+
+/// Whether everything in a folder is a regular file whose name passes. Throws Error(output) if it
+/// can't be read.
 bool holds_only_files(const std::filesystem::path& folder,
                       const std::function<bool(const std::string& name)>& is_ours);
 
@@ -84,8 +89,7 @@ class OutputFolder {
 void write_part(const std::filesystem::path& path,
                 std::initializer_list<std::span<const std::byte>> parts);
 void write_part(const std::filesystem::path& path, std::string_view text);
-
-/// Writes a whole file in one go: open, write, commit.
-void write_file(const std::filesystem::path& path, std::string_view text, Existing existing);
+/// Makes a folder in an OutputFolder, which must not be there yet. Throws Error(output).
+void make_part_folder(const std::filesystem::path& path);
 
 }  // namespace vpr

@@ -1,8 +1,10 @@
 #include "base/output_transaction.h"
 
+#include <algorithm>
 #include <cassert>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -66,6 +68,11 @@ void OutputTransaction::release(const fs::path& input) {
   }
 }
 
+void OutputTransaction::extend(const fs::path& input) {
+  release(input);
+  if (const auto identity = identity_of(input)) extended_.insert(*identity);
+}
+
 void OutputTransaction::check_protected(const fs::path& path) const {
   const auto identity = identity_of(path);
   if (!identity) return;
@@ -93,11 +100,14 @@ OutputTransaction::Output& OutputTransaction::claim(const fs::path& path, Folder
         ErrorKind::usage,
         fmt::format("{}: is written twice; give each output a name of its own", path.string()));
   check_protected(path);
+  const auto identity = identity_of(path);
+  const bool is_extended = identity && extended_.contains(*identity);
+  const Existing existing = is_extended ? Existing::replace : existing_;
   auto output = std::make_unique<Output>();
   if (is_ours == nullptr)
-    output->file = std::make_unique<OutputFile>(path, existing_);
+    output->file = std::make_unique<OutputFile>(path, existing);
   else
-    output->folder = std::make_unique<OutputFolder>(path, existing_, is_ours);
+    output->folder = std::make_unique<OutputFolder>(path, existing, is_ours);
   return *outputs_.emplace_back(std::move(output));
 }
 
@@ -121,6 +131,21 @@ OutputFolder& OutputTransaction::folder(const fs::path& path, FolderCheck is_our
   return *ask(path, is_ours).folder;
 }
 
+std::string OutputTransaction::with_targets(std::string sentence) const {
+  for (const auto& output : outputs_) {
+    const std::string made = output->pending().temporary().path().string();
+    const std::string target = output->pending().target().string();
+    for (size_t at = sentence.find(made); at != std::string::npos; at = sentence.find(made, at))
+      sentence.replace(at, made.size(), target);
+  }
+  return sentence;
+}
+
+bool OutputTransaction::has_outputs() const {
+  return std::any_of(outputs_.begin(), outputs_.end(),
+                     [](const auto& output) { return output->is_asked_for; });
+}
+
 void OutputTransaction::commit() {
   std::vector<PendingOutput*> pending;
   for (size_t i = outputs_.size(); i-- > 0;) {
@@ -128,8 +153,8 @@ void OutputTransaction::commit() {
     if (outputs_[i]->folder) outputs_[i]->folder->complete();
     pending.push_back(&outputs_[i]->pending());
   }
+  const auto outputs = std::exchange(outputs_, {});  // what is old and new has both its names now
   commit_together(pending);
-  outputs_.clear();
 }
 
 }  // namespace vpr

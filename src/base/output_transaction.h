@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,10 @@ class OutputTransaction {
   /// An input that the run may replace after all, for it is read whole before.
   void release(const std::filesystem::path& input);
 
+  /// An input that the run extends in place: what is written there replaces it, whatever
+  /// existing() says.
+  void extend(const std::filesystem::path& input);
+
   /// Throw as check_output_file and check_output_folder do, Error(usage) if the path is claimed
   /// already or protected, and Error(output) if nothing can be written beside it.
   void claim_file(const std::filesystem::path& path);
@@ -40,6 +45,13 @@ class OutputTransaction {
   /// What was claimed, or is now; to be asked for once. Lives as long as the transaction.
   OutputFile& file(const std::filesystem::path& path);
   OutputFolder& folder(const std::filesystem::path& path, FolderCheck is_ours);
+
+  /// A sentence with the names of outputs in place of those under which they are being made, which
+  /// say nothing to anybody.
+  std::string with_targets(std::string sentence) const;
+
+  /// Whether anything was asked for and is not in its place yet.
+  bool has_outputs() const;
 
   /// Puts everything that was asked for in its place, all or none, as commit_together says. A
   /// transaction without outputs has nothing to do.
@@ -59,6 +71,7 @@ class OutputTransaction {
   std::vector<std::unique_ptr<Output>> outputs_;  // in the order of claims
   std::set<Identity> inputs_;
   std::set<Identity> around_inputs_;  // folders that inputs are in
+  std::set<Identity> extended_;
 };
 
 }  // namespace vpr

@@ -34,21 +34,39 @@ bool rename_new(const fs::path& from, const fs::path& to) {
   return true;
 }
 
-// Exchanges two names: in one step where the file system can, in three where it can't. Between
-// these the old output has a name that nobody takes for a temporary.
+// Gives what has a name a second one; where files can't have two, and for folders, another one.
+bool set_aside(const fs::path& path, const fs::path& other) {
+  return ::link(path.c_str(), other.c_str()) == 0 || ::rename(path.c_str(), other.c_str()) == 0;
+}
+
+bool put_back(const fs::path& other, const fs::path& path) {
+  if (::rename(other.c_str(), path.c_str()) != 0) return false;
+  ::unlink(other.c_str());  // a rename leaves both, if they are names of one file
+  return true;
+}
+
+// Exchanges two names: in one step where the file system can, in three where it can't. A file's
+// name always leads to one of both then; a folder's leads nowhere for a moment, and clean_up puts
+// it back if the process is killed then.
 void exchange(const fs::path& temporary, const fs::path& target) {
   if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0)
     return;
   if (!lacks_flags(errno)) fail_to_write(target, errno);
-  const fs::path old =
-      temporary.parent_path() / fmt::format(".vpr-old{}", temporary.filename().string());
-  if (::rename(target.c_str(), old.c_str()) != 0) fail_to_write(target, errno);
+  const fs::path old = name_aside(temporary);
+  if (!set_aside(target, old)) fail_to_write(target, errno);
   if (::rename(temporary.c_str(), target.c_str()) != 0) {
     const int error_number = errno;
-    ::rename(old.c_str(), target.c_str());
+    put_back(old, target);
     fail_to_write(target, error_number);
   }
-  if (::rename(old.c_str(), temporary.c_str()) != 0) fail_to_write(target, errno);
+  if (::rename(old.c_str(), temporary.c_str()) == 0) return;
+  std::string sentence =
+      fmt::format("{}: can't be written: {}", target.string(), system_error_text(errno));
+  if (::rename(target.c_str(), temporary.c_str()) != 0)
+    sentence += fmt::format("; {} is new, and what it was is {}", target.string(), old.string());
+  else if (!put_back(old, target))
+    sentence += fmt::format("; what it was is {}", old.string());
+  throw Error(ErrorKind::output, sentence);
 }
 
 // Takes back what was placed, the last one first; a sentence for each that can't be.
@@ -74,7 +92,7 @@ void flush_folders(std::span<PendingOutput* const> outputs) {
 
 void refuse_existing(const fs::path& path) {
   throw Error(ErrorKind::usage,
-              fmt::format("{}: exists already; give --force to replace it, or another --output",
+              fmt::format("{}: exists already; give --force to replace it, or another name",
                           path.string()));
 }
 
@@ -82,7 +100,7 @@ PendingOutput::PendingOutput(fs::path target, Existing existing, Temporary::Kind
                              std::function<void()> check)
     : target_(std::move(target)),
       existing_(existing),
-      check_((check(), std::move(check))),
+      check_((clean_up(target_), check(), std::move(check))),
       temporary_(target_, kind) {}
 
 void PendingOutput::place() {

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kAside = ".vpr-old";
 constexpr size_t kMostFlushed = 256;  // files one by one; of more, the whole file system at once
 
 // Closed when it goes out of scope.
@@ -54,19 +56,29 @@ bool lock(int descriptor, int how) {
   return result == 0;
 }
 
-// Removes what nobody holds a lock on. Where locks or files can't be had, everything stays.
-void remove_dead(const fs::path& target) {
-  const std::string start = name_start(target);
+// Whether somebody holds a lock on what a name leads to, or that can't be known.
+bool is_in_use(const fs::path& path) {
+  const Descriptor found(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (found.value < 0) return errno != ENOENT;
+  return !lock(found.value, LOCK_EX | LOCK_NB);
+}
+
+// The lock is held meanwhile: whoever has just made such a name waits for it, and looks again.
+void remove_dead(const fs::path& path) {
+  const Descriptor left(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (left.value < 0 || !lock(left.value, LOCK_EX | LOCK_NB)) return;
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
+// Everything beside a target whose name begins so.
+std::vector<fs::path> names_beside(const fs::path& target, const std::string& start) {
+  std::vector<fs::path> names;
   std::error_code error;
   for (fs::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
-       entry.increment(error)) {
-    const fs::path& path = entry->path();
-    if (!path.filename().string().starts_with(start)) continue;
-    const Descriptor left(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-    if (left.value < 0 || !lock(left.value, LOCK_EX | LOCK_NB)) continue;
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
+       entry.increment(error))
+    if (entry->path().filename().string().starts_with(start)) names.push_back(entry->path());
+  return names;
 }
 
 int create(const fs::path& path, Temporary::Kind kind) {
@@ -135,8 +147,26 @@ void flush_folder(const fs::path& folder, const fs::path& target) {
   flush(opened.value, target);
 }
 
+fs::path name_aside(const fs::path& temporary) {
+  return temporary.parent_path() / (kAside + temporary.filename().string());
+}
+
+void clean_up(const fs::path& target) {
+  std::error_code ignored;
+  const std::string start = name_start(target);
+  for (const fs::path& temporary : names_beside(target, start)) remove_dead(temporary);
+  for (const fs::path& old : names_beside(target, kAside + start)) {
+    const fs::path temporary =
+        old.parent_path() / old.filename().string().substr(std::string_view(kAside).size());
+    if (is_in_use(temporary) || is_in_use(target)) continue;
+    if (fs::exists(fs::symlink_status(target, ignored)))
+      fs::remove_all(old, ignored);
+    else
+      fs::rename(old, target, ignored);
+  }
+}
+
 Temporary::Temporary(const fs::path& target, Kind kind) : target_(target), kind_(kind) {
-  remove_dead(target);
   while (true) {
     path_ =
         target.parent_path() / fmt::format("{}{:016x}", name_start(target), random_number(target));

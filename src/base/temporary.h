@@ -14,10 +14,18 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 /// Has what was renamed in a folder reach the disk. Throws Error(output) that names `target`.
 void flush_folder(const std::filesystem::path& folder, const std::filesystem::path& target);
 
+/// Where the old output waits while a temporary takes its name, on file systems that can't exchange
+/// two names in one step.
+std::filesystem::path name_aside(const std::filesystem::path& temporary);
+
+/// Removes what processes left that ended without cleaning up while they wrote `target`, and puts
+/// back what one of them had set aside and not replaced. What a living one writes stays; so does
+/// everything where locks or files can't be had.
+void clean_up(const std::filesystem::path& target);
+
 /// A new file or folder in the folder of `target`, with an unpredictable name that is short
-/// whatever the target's is. It is locked as long as this object lives, so that what a process left
-/// that ended without cleaning up can be told from what a living one is writing: creating one
-/// removes the first kind, of the same target. Throws Error(output).
+/// whatever the target's is. It is locked as long as this object lives: by that clean_up tells what
+/// a living process is writing from what a dead one left. Throws Error(output).
 class Temporary {
  public:
   enum class Kind { file, folder };

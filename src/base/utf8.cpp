@@ -13,4 +13,9 @@ bool is_utf8(const std::string& text) {
   }
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
 }  // namespace vpr

@@ -111,7 +111,7 @@ BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
                           frames, query));
           continue;
         }
-        MatchSettings match{length, size_t{1} << 33, kernels, settings.lsh, seed};
+        MatchSettings match{length, kDefaultMemoryLimit, kernels, settings.lsh, seed};
         const MatchingCase example(train, again, match);
         check_methods(example, settings.methods, monitor);
         for (const std::string& method : settings.methods) {

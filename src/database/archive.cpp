@@ -42,6 +42,12 @@ bool is_database_folder(const fs::path& folder) {
   });
 }
 
+std::string sealed_manifest(const Json& manifest) {
+  std::string text = to_text(manifest);
+  text.resize(text.size() - std::string_view("\n}\n").size());
+  return text + fmt::format("{}{}{}", kChecksumStart, checksum(text), kChecksumEnd);
+}
+
 void ArchiveWriter::add_text(const std::string& name, std::string_view text) {
   write_part(folder_.temporary() / name, text);
   add_entry(name);
@@ -54,10 +60,7 @@ void ArchiveWriter::add_entry(const std::string& name) {
 
 void ArchiveWriter::finish(Json manifest) {
   manifest["files"] = files_;
-  std::string text = to_text(manifest);
-  text.resize(text.size() - std::string_view("\n}\n").size());
-  text += fmt::format("{}{}{}", kChecksumStart, checksum(text), kChecksumEnd);
-  write_part(folder_.temporary() / kManifestName, text);
+  write_part(folder_.temporary() / kManifestName, sealed_manifest(manifest));
 }
 
 Archive::Archive(fs::path path) : path_(std::move(path)) {
@@ -84,11 +87,14 @@ void Archive::fail(std::string_view what) const {
               fmt::format("{}: the manifest is damaged: {}; train it again", path_.string(), what));
 }
 
-void Archive::verify(const std::string& name, std::span<const std::byte> bytes) const {
+bool Archive::has(const std::string& name) const {
   const auto files = manifest_.find("files");
-  if (files == manifest_.end() || !files->contains(name))
-    fail(fmt::format("it does not list {}", name));
-  const Json& entry = (*files)[name];
+  return files != manifest_.end() && files->contains(name);
+}
+
+void Archive::verify(const std::string& name, std::span<const std::byte> bytes) const {
+  if (!has(name)) fail(fmt::format("it does not list {}", name));
+  const Json& entry = manifest_["files"][name];
   const size_t size = manifest_count(*this, entry, "bytes");
   if (bytes.size() != size)
     throw Error(ErrorKind::data, fmt::format("{}/{}: expected {} bytes, found {}; the file is "

@@ -19,6 +19,9 @@ inline constexpr std::string_view kManifestName = "manifest.json";
 /// Whether a folder is a database, of any kind or version, and holds nothing else.
 bool is_database_folder(const std::filesystem::path& folder);
 
+/// The text of a manifest, whose last key becomes "checksum" (of the text before it).
+std::string sealed_manifest(const Json& manifest);
+
 /// Writes files into an output, then the manifest.
 class ArchiveWriter {
  public:
@@ -54,6 +57,9 @@ class Archive {
   std::string name() const { return path_.string(); }
   /// Changes with every bit of content.
   std::string fingerprint() const;
+
+  /// Whether the manifest lists this file.
+  bool has(const std::string& name) const;
 
   /// Memory-mapped; size and checksum are those of the manifest, or Error(data) is thrown.
   NpyArray array(const std::string& name) const;

@@ -67,7 +67,9 @@ ViewWords read_words(const Archive& archive, const std::string& name, size_t wor
   return read;
 }
 
+// Databases of older date have none: it is made of the views.
 WordIndex read_index(const Archive& archive, const ViewWords& views, size_t words) {
+  if (!archive.has("index.npy")) return make_word_index(views, words);
   const NpyArray lists = archive.array("index.npy");
   const NpyArray offsets = archive.array("index_offsets.npy");
   const auto list_span = lists.values<uint16_t>(1);
@@ -103,6 +105,18 @@ cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
   return words.clone();
 }
 
+// Databases of older date do not say which frames could not be decoded.
+std::vector<size_t> read_unreadable(const Archive& archive, const Json& group, size_t frames) {
+  if (!group.contains("unreadable")) return {};
+  std::vector<size_t> unreadable;
+  for (const Json& frame : manifest_list(archive, group, "unreadable")) {
+    if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= frames)
+      archive.fail("an unreadable frame is out of range");
+    unreadable.push_back(frame.get<size_t>());
+  }
+  return unreadable;
+}
+
 std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& names) {
   std::vector<ViewGroup> groups;
   size_t at = 0;
@@ -112,11 +126,7 @@ std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& na
     group.is_place = manifest_text(archive, json, "places") == "one";
     const size_t count = manifest_count(archive, json, "frames");
     if (count == 0) archive.fail("a group has no frames");
-    for (const Json& frame : manifest_list(archive, json, "unreadable")) {
-      if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= count)
-        archive.fail("an unreadable frame is out of range");
-      group.unreadable.push_back(frame.get<size_t>());
-    }
+    group.unreadable = read_unreadable(archive, json, count);
     for (size_t frames = count; frames > 0; --frames) {
       const size_t end = names.find('\n', at);
       if (end == std::string::npos) archive.fail("its numbers of frames do not fit frames.txt");

@@ -80,7 +80,8 @@ void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const
 /// Makes the index of all views anew.
 void index_views(FabmapDatabase& database);
 
-/// Every file is verified. The index is loaded, not made. Throws Error(input) if it is missing,
+/// Every file is verified. The index is loaded, and made only for a database of older date, which
+/// has none. Throws Error(input) if it is missing,
 /// Error(data) if it is damaged, of another method or of a newer version.
 FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <memory>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
+#include <zlib.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "database/tree_rows.h"
 
@@ -14,14 +19,63 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr uint64_t kMostUnpacked = uint64_t{128} << 20;  // bytes of a compressed file
+constexpr size_t kMostValues = 1000;                     // a matrix has six
+
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw Error(ErrorKind::data, fmt::format("{}: {}", path.string(), what));
+}
+
+/// Counts what nested values may begin with in OpenCV's YAML, XML and JSON. None is nested deeper
+/// than that, whatever quotes and comments hide.
+class ValueCounter {
+ public:
+  void add(std::string_view text) {
+    for (const char c : text) {
+      const bool is_number = (c >= '0' && c <= '9') || c == '.';
+      if (after_dash_ && !is_number) ++count_;
+      after_dash_ = c == '-';
+      if (c == '[' || c == '{' || c == '<' || c == ':') ++count_;
+    }
+  }
+  size_t count() const { return count_; }
+
+ private:
+  size_t count_ = 0;
+  bool after_dash_ = false;
+};
+
+// OpenCV's parser calls itself for every level, and takes a file for as large as it says.
+void check_text(const fs::path& path) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
+  if (!file)
+    throw Error(ErrorKind::input,
+                fmt::format("{}: can't be read: {}", path.string(), system_error_text(errno)));
+  std::vector<char> bytes(size_t{1} << 16);
+  ValueCounter values;
+  uint64_t size = 0;
+  for (;;) {
+    const int got = ::gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
+    if (got < 0) fail(path, "its compressed data are damaged");
+    if (got == 0) return;
+    size += static_cast<uint64_t>(got);
+    if (size > kMostUnpacked && ::gzdirect(file.get()) == 0)
+      fail(path, fmt::format("holds more than {} MiB when it is unpacked; if that is meant, unpack "
+                             "it and name the file that gunzip makes",
+                             kMostUnpacked >> 20));
+    values.add({bytes.data(), static_cast<size_t>(got)});
+    if (values.count() > kMostValues)
+      fail(path, fmt::format("expected one of OpenFABMAP's matrices, found more than {} nested or "
+                             "named values",
+                             kMostValues));
+  }
 }
 
 cv::Mat read_node(const fs::path& path, const std::string& name, int type) {
   std::error_code error;
   if (!fs::is_regular_file(path, error))
     throw Error(ErrorKind::input, fmt::format("{}: no such file", path.string()));
+  check_text(path);
   cv::Mat mat;
   try {
     const cv::FileStorage file(path.string(), cv::FileStorage::READ);
@@ -101,8 +155,8 @@ std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, si
   const uint64_t last = argument.range.last.value_or(rows);
   if (argument.range.first >= rows || last > rows)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has {} frames, which the range {} exceeds", argument.path.string(),
-                            rows, range_text(argument.range)));
+                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
+                            counted(rows, "frame"), range_text(argument.range)));
   std::vector<WordSet> frames;
   for (uint64_t row = argument.range.first; row < last;
        row += std::min(argument.range.step, last - row)) {

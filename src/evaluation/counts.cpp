@@ -61,7 +61,8 @@ GroundTruthScope scope_of(const SequenceResult& result) {
   return scope;
 }
 
-std::vector<JudgedPlace> judge_places(const SequenceResult& result, const GroundTruth& truth) {
+std::vector<JudgedPlace> judge_places(const SequenceResult& result, const GroundTruth& truth,
+                                      const Monitor& monitor) {
   assert(result.place_of.size() == result.hits.size());
   const auto label_of = [&](const auto& pair) {
     return truth.label(result.anchor(pair.query_window), pair.sequence,
@@ -69,14 +70,17 @@ std::vector<JudgedPlace> judge_places(const SequenceResult& result, const Ground
   };
   std::vector<JudgedPlace> judged;
   for (const Recognition& place : result.places) judged.push_back({label_of(place), {}});
-  for (size_t h = 0; h < result.hits.size(); ++h)
+  for (size_t h = 0; h < result.hits.size(); ++h) {
+    check_stop(monitor);
     count(judged[result.place_of[h]].hits, label_of(result.hits[h]));
+  }
   return judged;
 }
 
-SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth) {
+SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth,
+                                  const Monitor& monitor) {
   SequenceCounts counts;
-  for (const JudgedPlace& place : judge_places(result, truth)) {
+  for (const JudgedPlace& place : judge_places(result, truth, monitor)) {
     counts.hits.correct += place.hits.correct;
     counts.hits.incorrect += place.hits.incorrect;
     counts.hits.ignored += place.hits.ignored;

@@ -54,7 +54,8 @@ struct JudgedPlace {
 };
 
 /// One for each of the result's places, in its order.
-std::vector<JudgedPlace> judge_places(const SequenceResult& result, const GroundTruth& truth);
+std::vector<JudgedPlace> judge_places(const SequenceResult& result, const GroundTruth& truth,
+                                      const Monitor& monitor = {});
 
 /// Whether a query window has an unreadable frame.
 bool shows_unreadable(const SequenceResult& result, size_t window);
@@ -69,6 +70,7 @@ GroundTruthScope scope_of(const FabmapResult& result);
 FabmapCounts count_recognitions(const FabmapResult& result, const GroundTruth& truth);
 
 /// Windows are judged at their anchor, their last frame.
-SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth);
+SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth,
+                                  const Monitor& monitor = {});
 
 }  // namespace vpr

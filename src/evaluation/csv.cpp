@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/utf8.h"
 
 namespace vpr {
 namespace {
@@ -75,8 +76,7 @@ class CsvParser {
 }  // namespace
 
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  return CsvParser(text, where).parse();
+  return CsvParser(without_byte_order_mark(text), where).parse();
 }
 
 std::string csv_field(const std::string& text) {

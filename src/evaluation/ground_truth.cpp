@@ -33,6 +33,11 @@ InspectedGroundTruth read(GroundTruthArgument argument, const GroundTruthScope& 
 
 }  // namespace
 
+std::span<const GroundTruth::Pair> GroundTruth::pairs_of(size_t query, size_t sequence) const {
+  const auto [begin, end] = std::ranges::equal_range(pairs[query], sequence, {}, &Pair::sequence);
+  return {begin, end};
+}
+
 PlaceLabel GroundTruth::label(size_t query, size_t sequence, size_t reference) const {
   const auto& row = pairs[query];
   const auto wanted = static_cast<int64_t>(reference);
@@ -58,8 +63,8 @@ void GroundTruth::label_row(size_t query, size_t sequence, std::span<PlaceLabel>
   const auto frames = static_cast<int64_t>(labels.size());
   for (const PlaceLabel label : {PlaceLabel::ignore, PlaceLabel::same}) {  // same wins
     const int64_t reach = label == PlaceLabel::same ? tolerance_frames : 0;
-    for (const Pair& pair : pairs[query]) {
-      if (pair.sequence != sequence || pair.label != label) continue;
+    for (const Pair& pair : pairs_of(query, sequence)) {
+      if (pair.label != label) continue;
       const int64_t first = std::max<int64_t>(0, pair.first - reach);
       const int64_t end = std::min(frames, pair.last() + reach + 1);
       if (first < end) std::fill(labels.begin() + first, labels.begin() + end, label);

@@ -51,6 +51,8 @@ struct GroundTruth {
   std::string protocol;  ///< in words, for reports
   bool is_known = true;  ///< false: nothing is judged
 
+  /// The pairs of a query frame with the frames of one training sequence.
+  std::span<const Pair> pairs_of(size_t query, size_t sequence) const;
   /// Same, if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label
   /// of an `ignore` pair that is exactly this one; otherwise different.
   PlaceLabel label(size_t query, size_t sequence, size_t reference) const;

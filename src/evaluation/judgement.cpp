@@ -16,9 +16,8 @@ void take_matrix(Judgement& judgement, const ScoreMatrix& matrix, const GroundTr
 }
 
 size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
-  for (const ScoreLayout::Columns& columns : layout.columns)
-    if (columns.sequence == sequence) return columns.first + window;
-  return 0;
+  const ScoreLayout::Columns* columns = layout.columns_of(sequence);
+  return columns == nullptr ? 0 : columns->first + window;
 }
 
 }  // namespace
@@ -39,14 +38,16 @@ bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
 }
 
 Judgement judge(const SequenceResult& result, const GroundTruth& truth,
-                std::span<const double> travelled_m) {
+                std::span<const double> travelled_m, const Monitor& monitor) {
   Judgement judgement;
   judgement.layout = layout_of(result);
   judgement.outcomes = outcomes_of(result, truth);
   judgement.single_best = single_best_curve(judgement.outcomes);
-  for (const Cell& hit : result.hits)
+  for (const Cell& hit : result.hits) {
+    check_stop(monitor);
     judgement.recognised.push_back(
         {hit.query_window, column_of(judgement.layout, hit.sequence, hit.train_window)});
+  }
   judgement.fixes = fixes_of(result, truth);
   judgement.localisation = localise(judgement.fixes, travelled_m);
   return judgement;
@@ -88,7 +89,7 @@ Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Grou
 
 Judgement judge(const SequenceResult& result, const ScoreMatrix& matrix, const GroundTruth& truth,
                 std::span<const double> travelled_m, const Monitor& monitor) {
-  Judgement judgement = judge(result, truth, travelled_m);
+  Judgement judgement = judge(result, truth, travelled_m, monitor);
   require_fit(matrix, judgement.layout);
   if (truth.is_known) take_matrix(judgement, matrix, truth, monitor);
   return judgement;

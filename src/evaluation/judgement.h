@@ -41,7 +41,7 @@ bool is_recognised(const Judgement& judgement, const QueryOutcome& query);
 
 /// `travelled_m` is what localise takes: one value a query frame, or none.
 Judgement judge(const SequenceResult& result, const GroundTruth& truth,
-                std::span<const double> travelled_m);
+                std::span<const double> travelled_m, const Monitor& monitor = {});
 Judgement judge(const FabmapResult& result, const GroundTruth& truth,
                 std::span<const double> travelled_m);
 

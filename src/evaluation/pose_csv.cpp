@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "evaluation/ground_truth/numbers.h"
 #include "evaluation/named_rows.h"
 #include "images/sequence.h"
@@ -44,7 +45,8 @@ std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& p
   NamedRows rows(source.path, path.string(), kNeeded);
   const auto in_range = frame_count(source.range);
   if (in_range && rules.frames && *in_range != *rules.frames)
-    rows.fail(fmt::format("its range has {} frames, and there are {}", *in_range, *rules.frames));
+    rows.fail(fmt::format("its range has {}, and the sequence has {}", counted(*in_range, "frame"),
+                          *rules.frames));
   std::vector<std::optional<CsvPose>> poses(rules.frames.value_or(0));
   for (size_t row = 0; row < rows.size(); ++row) {
     rows.go_to(row);

@@ -9,6 +9,12 @@
 #include "evaluation/counts.h"
 
 namespace vpr {
+
+const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {
+  const auto found = std::ranges::lower_bound(columns, sequence, {}, &Columns::sequence);
+  return found != columns.end() && found->sequence == sequence ? &*found : nullptr;
+}
+
 size_t row_count(const ScoreLayout& layout) {
   const size_t frames = layout.scope.query_frames;
   return frames < layout.window_length ? 0 : frames - layout.window_length + 1;
@@ -65,23 +71,22 @@ void label_row(const GroundTruth& truth, const ScoreLayout& layout, size_t row,
 
 bool has_column_of(const GroundTruth& truth, const ScoreLayout& layout, size_t anchor) {
   const auto& pairs = truth.pairs[anchor];
-  return std::any_of(layout.columns.begin(), layout.columns.end(), [&](const auto& columns) {
-    const auto first = static_cast<int64_t>(layout.window_length - 1);
-    const auto end = first + static_cast<int64_t>(columns.count);
-    return std::any_of(pairs.begin(), pairs.end(), [&](const GroundTruth::Pair& pair) {
-      return pair.sequence == columns.sequence && pair.label == PlaceLabel::same &&
-             pair.first - truth.tolerance_frames < end &&
-             pair.last() + truth.tolerance_frames >= first;
-    });
+  const auto first = static_cast<int64_t>(layout.window_length - 1);
+  return std::any_of(pairs.begin(), pairs.end(), [&](const GroundTruth::Pair& pair) {
+    if (pair.label != PlaceLabel::same) return false;
+    const ScoreLayout::Columns* columns = layout.columns_of(pair.sequence);
+    return columns != nullptr &&
+           pair.first - truth.tolerance_frames < first + static_cast<int64_t>(columns->count) &&
+           pair.last() + truth.tolerance_frames >= first;
   });
 }
 
 FrameMatch match_of_column(const ScoreLayout& layout, size_t column) {
-  for (const ScoreLayout::Columns& columns : layout.columns)
-    if (column >= columns.first && column < columns.first + columns.count)
-      return {columns.sequence, layout.anchor(column - columns.first)};
-  assert(false);
-  return {};
+  assert(column < column_count(layout));
+  const auto behind =
+      std::ranges::upper_bound(layout.columns, column, {}, &ScoreLayout::Columns::first);
+  const ScoreLayout::Columns& columns = *std::prev(behind);
+  return {columns.sequence, layout.anchor(column - columns.first)};
 }
 
 }  // namespace vpr

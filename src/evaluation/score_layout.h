@@ -20,9 +20,11 @@ struct ScoreLayout {
   };
   GroundTruthScope scope;
   size_t window_length = 1;
-  std::vector<Columns> columns;
+  std::vector<Columns> columns;  ///< by sequence
 
   size_t anchor(size_t window) const { return window + window_length - 1; }
+  /// Those of a sequence; none of one that was not searched, or has no window.
+  const Columns* columns_of(uint32_t sequence) const;
 };
 
 /// A matrix with one training sequence, called "references". window_length is at least 1.

@@ -129,12 +129,13 @@ void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std
   });
 }
 
-std::string ScoreMatrix::fingerprint() const {
+std::string ScoreMatrix::fingerprint(const Monitor& monitor) const {
   ChecksumStream sum;
   const auto bytes = array_.file_bytes();
   const size_t header = bytes.size() - array_.value_bytes().size();
   sum.add(bytes.first(header));
   for (size_t at = header; at < bytes.size(); at += kPieceBytes) {
+    check_stop(monitor);
     const auto piece = bytes.subspan(at, std::min(kPieceBytes, bytes.size() - at));
     sum.add(piece);
     array_.forget_values(at - header, piece.size());

@@ -39,7 +39,7 @@ class ScoreMatrix {
                     const RowBody& body) const;
 
   /// Of the whole file, as provenance has it.
-  std::string fingerprint() const;
+  std::string fingerprint(const Monitor& monitor) const;
 
  private:
   using Reader = void (*)(const std::byte* values, std::span<uint64_t> keys, size_t key_stride,

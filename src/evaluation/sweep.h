@@ -16,7 +16,7 @@ namespace vpr {
 struct SequenceCellCounts {
   uint64_t window_length = 0;
   std::optional<double> distance_threshold;
-  ThresholdScale scale = ThresholdScale::bits;  ///< automatic thresholds are in bits
+  ThresholdScale scale = ThresholdScale::bits;
   SequenceCounts counts;
 };
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/monitor.h"
 #include "evaluation/pose_csv.h"
@@ -18,11 +19,11 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
   const auto missing = std::find_if_not(poses.begin(), poses.end(), known);
   if (missing != poses.end()) {
     warn(monitor,
-         fmt::format("{}: has no pose of {} of {} frames (the first is frame {}), so "
+         fmt::format("{}: has no pose of {} of {} (the first is frame {}), so "
                      "nothing is given in metres",
                      path.string(),
                      frames - static_cast<size_t>(std::count_if(poses.begin(), poses.end(), known)),
-                     frames, missing - poses.begin()));
+                     counted(frames, "frame"), missing - poses.begin()));
     return {};
   }
   std::vector<double> travelled;

@@ -38,7 +38,8 @@ size_t view_of(const std::vector<uint32_t>& starts, size_t frame) {
          1;
 }
 
-void count_hits(CountsByView& counts, const SequenceResult& result, const GroundTruth& truth) {
+void count_hits(CountsByView& counts, const SequenceResult& result, const GroundTruth& truth,
+                const Monitor& monitor) {
   std::map<std::pair<uint32_t, size_t>, Tally> pairs;  // of one query view
   const auto finish_view = [&] {
     for (const auto& [pair, tally] : pairs) count(counts.hits, tally);
@@ -46,6 +47,7 @@ void count_hits(CountsByView& counts, const SequenceResult& result, const Ground
   };
   size_t present = 0;
   for (const Cell& hit : result.hits) {  // in the order of query windows
+    check_stop(monitor);
     const size_t anchor = result.anchor(hit.query_window);
     const size_t view = view_of(result.views->query, anchor);
     if (view != present) finish_view();
@@ -90,13 +92,14 @@ std::optional<double> CountsByView::best_match_rate() const {
   return correct_share / static_cast<double>(views);
 }
 
-std::optional<CountsByView> count_by_view(const SequenceResult& result, const GroundTruth& truth) {
+std::optional<CountsByView> count_by_view(const SequenceResult& result, const GroundTruth& truth,
+                                          const Monitor& monitor) {
   if (!result.views) return std::nullopt;
   CountsByView counts;
   counts.query_views = result.views->query.size();
   for (size_t s = 0; s < result.sequences.size(); ++s)
     if (result.sequences[s].searched) counts.train_views += result.views->train[s].size();
-  count_hits(counts, result, truth);
+  count_hits(counts, result, truth, monitor);
   count_best_matches(counts, result, truth);
   return counts;
 }

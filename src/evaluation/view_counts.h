@@ -31,6 +31,7 @@ struct CountsByView {
 
 /// Windows belong to the views of their anchors, and are judged there. Nothing for a result that
 /// does not say where its views begin.
-std::optional<CountsByView> count_by_view(const SequenceResult& result, const GroundTruth& truth);
+std::optional<CountsByView> count_by_view(const SequenceResult& result, const GroundTruth& truth,
+                                          const Monitor& monitor = {});
 
 }  // namespace vpr

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "images/codec_scope.h"
 
 namespace vpr {
 namespace {
@@ -41,6 +42,14 @@ bool is_truncated_jpeg(std::string_view file) {
   return end == std::string_view::npos || end < scan;
 }
 
+// Beyond what check_frame_size may allow; OpenCV keeps to itself how large.
+[[noreturn]] void fail_as_too_large(const std::filesystem::path& path) {
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: has more than 2^30 pixels, or 2^20 a side, which OpenCV does not "
+                          "decode; remove it, or make it smaller",
+                          path.string()));
+}
+
 }  // namespace
 
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
@@ -58,9 +67,11 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
                       const_cast<char*>(file.text().data()));
   cv::Mat image;
   try {
+    const CodecScope scope(path);
     image =
         cv::imdecode(bytes, format == PixelFormat::grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
   } catch (const cv::Exception& error) {
+    if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos) fail_as_too_large(path);
     fail(error.err);
   }
   if (image.empty()) fail("it is damaged or not an image");

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,8 +12,10 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "images/codec_scope.h"
 
 namespace vpr {
 namespace {
@@ -28,30 +31,27 @@ void lower_to(std::atomic<size_t>& lowest, size_t value) {
 FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor, const FrameBody& body) {
   const size_t count = sequence.files.size();
-  std::vector<char> failed(count, 0);
   std::atomic<size_t> lowest_failed{count};
-  std::vector<std::string> problems(count);
+  std::vector<std::optional<Error>> problems(count);
   StepCounter counter(monitor, "describe", count);
   parallel_for(count, monitor, [&](size_t i) {
-    if (unreadable == Unreadable::fail && i > lowest_failed.load()) return;
+    if (i > lowest_failed.load()) return;
     cv::Mat image;
     try {
       image = decode_image(sequence.files[i], format);
     } catch (const Error& error) {
-      if (error.kind() != ErrorKind::input) throw;
-      failed[i] = 1;
-      problems[i] = error.what();
-      lower_to(lowest_failed, i);
+      problems[i] = error;
+      const bool is_skipped = unreadable == Unreadable::skip && error.kind() == ErrorKind::input;
+      if (!is_skipped) lower_to(lowest_failed, i);
     }
     if (!image.empty()) body(i, image);
     counter.add();
   });
-  if (unreadable == Unreadable::fail && lowest_failed < count)
-    throw Error(ErrorKind::input, problems[lowest_failed]);
+  if (lowest_failed < count) throw Error(*problems[lowest_failed]);
   FrameList frames;
   for (size_t i = 0; i < count; ++i) {
     frames.names.push_back(sequence.files[i].filename().string());
-    if (failed[i] != 0) frames.unreadable.push_back(i);
+    if (problems[i]) frames.unreadable.push_back(i);
   }
   return frames;
 }
@@ -69,6 +69,7 @@ class VideoReader {
     const std::string path = argument.path.string();
     bool opened = false;
     try {
+      const CodecScope scope(argument_.path);
       opened = capture_.open(path, cv::CAP_FFMPEG);
     } catch (const cv::Exception&) {
       opened = false;
@@ -78,6 +79,8 @@ class VideoReader {
                   fmt::format("{}: is neither a folder of images, a list (.txt) nor a video that "
                               "can be decoded",
                               path));
+    check_frame_size(argument_.path, property(cv::CAP_PROP_FRAME_WIDTH),
+                     property(cv::CAP_PROP_FRAME_HEIGHT));
   }
 
   /// False at the end of the range.
@@ -92,7 +95,7 @@ class VideoReader {
     frame.index = frames_.names.size();
     frames_.names.push_back(fmt::format("#{}", wanted));
     cv::Mat image;
-    if (!capture_.retrieve(image) || image.empty()) {
+    if (!retrieve(image)) {
       frames_.unreadable.push_back(frame.index);
       frame.image = cv::Mat();
     } else if (format_ == PixelFormat::grey && image.channels() == 3) {
@@ -108,12 +111,12 @@ class VideoReader {
     const std::string path = argument_.path.string();
     if (ended_ && (frames_.names.empty() || range.last))
       throw Error(range.is_all() ? ErrorKind::input : ErrorKind::usage,
-                  fmt::format("{}: has {} frames that can be decoded, which is too few{}", path,
-                              position_, range.is_all() ? "" : " for " + range_text(range)));
+                  fmt::format("{}: has only {} to decode{}", path, counted(position_, "frame"),
+                              range.is_all() ? "" : " for " + range_text(range)));
     const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
     const bool is_short = ended_ && stated > static_cast<double>(position_) * 1.02 + 2;
-    const std::string short_text =
-        fmt::format("{}: ends after {} frames although it states {:.0f}", path, position_, stated);
+    const std::string short_text = fmt::format("{}: ends after {} although it states {:.0f}", path,
+                                               counted(position_, "frame"), stated);
     if (unreadable == Unreadable::fail && is_short)
       throw Error(ErrorKind::input,
                   short_text + "; give --skip-unreadable to use the frames that there are");
@@ -136,6 +139,16 @@ class VideoReader {
   }
 
  private:
+  uint64_t property(cv::VideoCaptureProperties name) const {
+    return static_cast<uint64_t>(std::max(0.0, capture_.get(name)));
+  }
+
+  // The frame that was grabbed last; it may be larger than the first one.
+  bool retrieve(cv::Mat& image) {
+    const CodecScope scope(argument_.path);
+    return capture_.retrieve(image) && !image.empty();
+  }
+
   // Moves on until `position` frames have been taken; false if there are fewer.
   bool grab_below(uint64_t position, const Monitor& monitor) {
     for (; position_ < position; ++position_) {
@@ -187,8 +200,9 @@ FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadabl
                          ? for_each_video_frame(sequence, format, unreadable, monitor, body)
                          : for_each_image(sequence, format, unreadable, monitor, body);
   if (frames.unreadable.size() == frames.count())
-    throw Error(ErrorKind::input, fmt::format("{}: none of its {} frames can be decoded",
-                                              sequence.argument.path.string(), frames.count()));
+    throw Error(ErrorKind::input,
+                fmt::format("{}: none of its {} can be decoded", sequence.argument.path.string(),
+                            counted(frames.count(), "frame")));
   return frames;
 }
 

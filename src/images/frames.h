@@ -28,7 +28,8 @@ struct FrameList {
 /// decoded in parallel; a video is read frame after frame in one thread, without seeking, while
 /// others work on its frames. BGR frames of a video become grey by BGR2GRAY.
 /// With Unreadable::fail the first (lowest) frame that can't be decoded throws Error(input);
-/// with skip, a sequence without any readable frame does.
+/// with skip, a sequence without any readable frame does. A frame that is larger than the
+/// MegapixelLimit throws Error(usage) with either, a video's before one is decoded.
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor,
                          const std::function<void(size_t index, const cv::Mat& image)>& body);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/utf8.h"
@@ -56,7 +57,7 @@ std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(cons
 std::vector<fs::path> read_list(const fs::path& list) {
   std::vector<fs::path> files;
   const MappedFile file(list);
-  std::string_view rest = file.text();
+  std::string_view rest = without_byte_order_mark(file.text());
   while (!rest.empty()) {
     const size_t end = std::min(rest.find('\n'), rest.size());
     std::string_view line = rest.substr(0, end);
@@ -77,8 +78,8 @@ std::vector<fs::path> apply_range(const std::vector<fs::path>& all,
   const uint64_t last = range.last.value_or(all.size());
   if (range.first >= all.size() || last > all.size())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has {} frames, which the range {} exceeds", argument.path.string(),
-                            all.size(), range_text(range)));
+                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
+                            counted(all.size(), "frame"), range_text(range)));
   std::vector<fs::path> files;
   for (uint64_t i = range.first; i < last; i += std::min(range.step, last - i))
     files.push_back(all[i]);

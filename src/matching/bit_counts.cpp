@@ -54,6 +54,21 @@ uint64_t differing_pairs(const BitCounts& a, const BitCounts& b) {
   return sum;
 }
 
+// Bits in which the code differs from those that were counted, over all of them.
+uint64_t distance_sum(const BitCounts& counts, const CodeWords& code) {
+  // A bit that is not set differs from the codes that have it, one that is set from all others.
+  int64_t sum = std::accumulate(counts.ones.begin(), counts.ones.end(), int64_t{0});
+  const auto frames = static_cast<int64_t>(counts.frames);
+  uint64_t before = 0;
+  for (size_t w = 0; w < kCodeWords; ++w) {
+    const uint64_t parity = code[w];  // codes are kept as prefix parities
+    for (uint64_t bits = parity ^ before; bits != 0; bits &= bits - 1)
+      sum += frames - 2 * int64_t{counts.ones[64 * w + std::countr_zero(bits)]};
+    before = parity;
+  }
+  return static_cast<uint64_t>(sum);
+}
+
 }  // namespace
 
 BitCounts count_bits(std::span<const CodeSpan> sequences) {
@@ -73,17 +88,25 @@ BitCounts without(const BitCounts& all, const BitCounts& some) {
 
 double mean_distance(const BitCounts& counts, const CodeWords& code) {
   if (counts.frames == 0) return 0;
-  // A bit that is not set differs from the codes that have it, one that is set from all others.
-  int64_t sum = std::accumulate(counts.ones.begin(), counts.ones.end(), int64_t{0});
-  const auto frames = static_cast<int64_t>(counts.frames);
-  uint64_t before = 0;
-  for (size_t w = 0; w < kCodeWords; ++w) {
-    const uint64_t parity = code[w];  // codes are kept as prefix parities
-    for (uint64_t bits = parity ^ before; bits != 0; bits &= bits - 1)
-      sum += frames - 2 * int64_t{counts.ones[64 * w + std::countr_zero(bits)]};
-    before = parity;
+  return static_cast<double>(distance_sum(counts, code)) / static_cast<double>(counts.frames);
+}
+
+std::vector<double> mean_window_distances(const BitCounts& counts, std::span<const LdbCode> query,
+                                          size_t window_length) {
+  if (query.size() < window_length) return {};
+  std::vector<double> means(query.size() - window_length + 1, 0);
+  if (counts.frames == 0) return means;
+  std::vector<uint64_t> sums;
+  sums.reserve(query.size());
+  for (const LdbCode& code : query) sums.push_back(distance_sum(counts, code_words(code)));
+  uint64_t sum = std::accumulate(
+      sums.begin(), sums.begin() + static_cast<ptrdiff_t>(window_length - 1), uint64_t{0});
+  for (size_t window = 0; window < means.size(); ++window) {
+    sum += sums[window + window_length - 1];
+    means[window] = static_cast<double>(sum) / static_cast<double>(counts.frames);
+    sum -= sums[window];
   }
-  return static_cast<double>(sum) / static_cast<double>(counts.frames);
+  return means;
 }
 
 double mean_distance_between(const BitCounts& a, const BitCounts& b) {

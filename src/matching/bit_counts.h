@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "matching/codes.h"
 
@@ -20,6 +21,12 @@ BitCounts count_bits(std::span<const CodeSpan> sequences);
 
 /// The counts of the same set without these frames.
 BitCounts without(const BitCounts& all, const BitCounts& some);
+
+/// For every window of the query, named by its first frame: the mean distances of its frames to the
+/// codes that were counted, summed over the window. A frame that can't be read counts like any
+/// other. Zeros where none was counted; empty where the query is shorter than a window.
+std::vector<double> mean_window_distances(const BitCounts& counts, std::span<const LdbCode> query,
+                                          size_t window_length);
 
 /// Mean Hamming distance of a code to the codes that were counted: their sum, exact, divided once.
 /// 0 where none was counted.

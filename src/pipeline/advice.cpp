@@ -16,6 +16,7 @@ constexpr size_t kSuggestedShare = 10;
 double steps_of(ThresholdScale scale) {
   switch (scale) {
     case ThresholdScale::relative:
+    case ThresholdScale::mean:
       return 1000;
     case ThresholdScale::bits:
       return 10;
@@ -29,9 +30,11 @@ double value_of(const SequenceResult& result, const Cell& cell) {
   const SequenceThreshold& sequence = result.sequences[cell.sequence];
   const uint64_t length = result.settings.window_length;
   if (sequence.scale == ThresholdScale::mean_z) return mean_z(cell.distance, length);
-  const uint64_t divisor =
-      sequence.scale == ThresholdScale::bits ? length : sequence.max_distance.value_or(0);
-  return divisor == 0 ? 0 : static_cast<double>(cell.distance) / static_cast<double>(divisor);
+  const double divisor = sequence.scale == ThresholdScale::bits ? static_cast<double>(length)
+                         : sequence.scale == ThresholdScale::mean
+                             ? sequence.window_means[cell.query_window]
+                             : sequence.max_distance.value_or(0);
+  return divisor == 0 ? 0 : static_cast<double>(cell.distance) / divisor;
 }
 
 std::vector<Cell> best_matches(const SequenceResult& result) {
@@ -62,6 +65,9 @@ std::string closest_text(const SequenceResult& result, const Cell& cell) {
     return text + fmt::format("mean z {:.2f}", value_of(result, cell));
   if (sequence.scale == ThresholdScale::relative)
     text += fmt::format("{:.3f} of the largest distance, ", value_of(result, cell));
+  if (sequence.scale == ThresholdScale::mean)
+    text +=
+        fmt::format("{:.3f} of what this window differs by on average, ", value_of(result, cell));
   return text +
          fmt::format("{:.1f} bits a frame", static_cast<double>(cell.distance) /
                                                 static_cast<double>(result.settings.window_length));
@@ -75,7 +81,7 @@ std::optional<SuggestedThreshold> suggest(const SequenceResult& result,
   SuggestedThreshold suggested;
   suggested.scale = sequence.scale;
   suggested.threshold = (std::floor(reached * steps) + 1) / steps;
-  if (suggested.scale == ThresholdScale::relative)
+  if (suggested.scale == ThresholdScale::relative || suggested.scale == ThresholdScale::mean)
     suggested.threshold = std::min(suggested.threshold, 1.0);
   if (suggested.scale == ThresholdScale::mean_z)
     suggested.threshold = std::min(suggested.threshold, 0.0);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/step_parts.h"
@@ -43,25 +44,28 @@ std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSetti
 void warn_featureless(const std::string& frames_of, size_t featureless, size_t frames,
                       FeatureKind kind, const Monitor& monitor) {
   if (featureless * kWarnedShare < frames || featureless == 0) return;
-  warn(monitor, fmt::format("{}: {} of {} frames ({:.0f} %) have no {} feature, by which FAB-MAP "
+  warn(monitor, fmt::format("{}: {} of {} ({:.0f} %) have no {} feature, by which FAB-MAP "
                             "knows a place; give larger pictures, or train with another kind of "
                             "--features",
-                            frames_of, featureless, frames,
+                            frames_of, featureless, counted(frames, "frame"),
                             100 * static_cast<double>(featureless) / static_cast<double>(frames),
                             enum_name(kind)));
 }
 
+// Of the frames that can be decoded: what can't says nothing of how often words are seen.
 std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& pretrain,
                                           const FabmapTrainSettings& settings,
                                           const Monitor& monitor) {
   std::vector<cv::Mat> all;
   for (size_t p = 0; p < pretrain.size(); ++p) {
     FrameList frames;
-    for (cv::Mat& descriptors : for_each_descriptors<cv::Mat>(
-             open_sequence(pretrain[p]), settings.features, on_unreadable(settings.skip_unreadable),
-             part_of(monitor, "pretraining", p, pretrain.size()), frames,
-             [](const cv::Mat& found) { return found; }))
-      all.push_back(descriptors);
+    const std::vector<cv::Mat> found = for_each_descriptors<cv::Mat>(
+        open_sequence(pretrain[p]), settings.features, on_unreadable(settings.skip_unreadable),
+        part_of(monitor, "pretraining", p, pretrain.size()), frames,
+        [](const cv::Mat& descriptors) { return descriptors; });
+    for (size_t f = 0; f < found.size(); ++f)
+      if (!std::binary_search(frames.unreadable.begin(), frames.unreadable.end(), f))
+        all.push_back(found[f]);
   }
   return all;
 }

@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/step_parts.h"
 #include "base/stopwatch.h"
+#include "matching/bit_counts.h"
 #include "matching/fastable_batch.h"
 #include "matching/views.h"
 #include "pipeline/query_steps.h"
@@ -17,7 +19,6 @@
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
 #include "recognition/automatic_score.h"
-#include "recognition/automatic_threshold.h"
 
 namespace vpr {
 namespace {
@@ -110,12 +111,13 @@ void plan_raw_thresholds(SequenceResult& result, const SequenceDatabase& databas
   const ThresholdTable table = automatic_table(database, settings, resources, monitor);
   for (size_t s = 0; s < result.sequences.size(); ++s) {
     SequenceThreshold& sequence = result.sequences[s];
-    sequence.scale = ThresholdScale::bits;
     if (!sequence.searched) continue;
     const auto automatic =
         sequence_threshold(database, table, s, settings.safety_factor.value_or(table.safety_factor),
                            resources.kernels, monitor);
-    if (automatic) sequence.threshold = automatic->value;
+    if (!automatic) continue;
+    sequence.threshold = automatic->value;
+    sequence.scale = automatic->scale;
   }
 }
 
@@ -144,13 +146,19 @@ void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& d
     plan_score_thresholds(result, database, resources, monitor);
 }
 
-// Limits that need no distances: automatic thresholds, and numbers in bits a frame or deviations.
-void plan_limits(SequenceResult& result) {
+// Limits that need no distances: automatic thresholds, and numbers that are not relative.
+void plan_limits(SequenceResult& result, const SequenceDatabase& database,
+                 const SequenceCodes& query) {
   const uint64_t length = result.settings.window_length;
-  for (SequenceThreshold& sequence : result.sequences) {
+  const std::vector<CodeSpan> spans = code_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s) {
+    SequenceThreshold& sequence = result.sequences[s];
     if (!sequence.threshold) continue;
+    if (sequence.scale == ThresholdScale::mean && sequence.searched)
+      set_mean_limits(sequence,
+                      mean_window_distances(count_bits({&spans[s], 1}), query.codes, length));
     if (sequence.scale == ThresholdScale::bits)
-      sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<uint32_t>(length));
+      sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
       sequence.distance_limit = score_limit(*sequence.threshold, length);
   }
@@ -185,12 +193,12 @@ void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& databas
                          settings.window_length, make_score_basis(database, settings), monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
-  throw Error(
-      ErrorKind::expectation,
-      fmt::format("{} cells, {} differences; the first is query window {}, {} window {}, "
-                  "which should be {}",
-                  cells.size(), wrong.size(), first.query_window,
-                  database.sequences[first.sequence].name, first.train_window, first.distance));
+  throw Error(ErrorKind::expectation,
+              fmt::format("{}, {}; the first is query window {}, {} window {}, "
+                          "which should be {}",
+                          counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
+                          first.query_window, database.sequences[first.sequence].name,
+                          first.train_window, first.distance));
 }
 
 std::optional<ResultViews> find_views(const SequenceDatabase& database,
@@ -219,14 +227,16 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
   result.query_unreadable = query.frames.unreadable;
   if (count_windows(readable_runs({query.codes, query.frames.unreadable}),
                     settings.window_length) == 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("the query {} has {} frames, and no {} readable ones in a row (c_l); "
-                            "give a smaller --c-l",
-                            query_name, result.query_frames, settings.window_length));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("the query {} has {}, and no {} readable ones in a row (c_l); "
+                    "give a smaller --c-l",
+                    query_name, counted(result.query_frames, "frame"), settings.window_length));
   result.query_windows = result.query_frames - settings.window_length + 1;
   if (!result.query_unreadable.empty())
-    warn(monitor, fmt::format("{}: {} of {} frames can't be decoded and will never match",
-                              query_name, result.query_unreadable.size(), result.query_frames));
+    warn(monitor,
+         fmt::format("{}: {} of {} can't be decoded and will never match", query_name,
+                     result.query_unreadable.size(), counted(result.query_frames, "frame")));
   result.sequences = plan_sequences(database, settings, monitor);
   if (settings.distance_threshold) {
     for (SequenceThreshold& sequence : result.sequences) {
@@ -236,7 +246,7 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
   } else {
     plan_automatic_thresholds(result, database, resources, monitor);
   }
-  plan_limits(result);
+  plan_limits(result, database, query);
   if (settings.score != Score::raw && database.statistics)
     result.statistics = {database.statistics->settings, database.statistics->typical_distance};
   return result;
@@ -302,7 +312,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   if (resources.verify_cells > 0) run.seconds["verify"] = watch.elapsed_s();
 
   watch = {};
-  cluster(result);
+  cluster(result, monitor);
   run.seconds["cluster"] = watch.elapsed_s();
   result.views = find_views(database, query);
   return run;

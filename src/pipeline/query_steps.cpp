@@ -10,6 +10,13 @@ namespace {
 constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
 constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
 
+std::vector<uint32_t> window_limits(const SequenceThreshold& sequence) {
+  std::vector<uint32_t> limits;
+  for (const double mean : sequence.window_means)
+    limits.push_back(distance_limit(*sequence.threshold, mean));
+  return limits;
+}
+
 }  // namespace
 
 TrainCodes searched_codes(const SequenceDatabase& database, const SequenceResult& result) {
@@ -33,10 +40,19 @@ void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& ma
   }
 }
 
+void set_mean_limits(SequenceThreshold& sequence, std::vector<double> window_means) {
+  sequence.window_means = std::move(window_means);
+  sequence.distance_limit = 0;
+  for (const uint32_t limit : window_limits(sequence))
+    sequence.distance_limit = std::max(sequence.distance_limit, limit);
+}
+
 HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources) {
   HitScanSettings settings;
-  for (const SequenceThreshold& sequence : result.sequences)
+  for (const SequenceThreshold& sequence : result.sequences) {
     settings.limits.push_back(sequence.distance_limit);
+    settings.window_limits.push_back(window_limits(sequence));
+  }
   settings.query_windows = result.query_windows;
   settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
   settings.kernels = resources.kernels;

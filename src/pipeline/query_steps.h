@@ -16,6 +16,9 @@ bool needs_maxima(const SequenceResult& result);
 /// The limits of thresholds relative to max(D), by sequence.
 void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& maxima);
 
+/// The limits of a threshold on the scale mean: one for every query window.
+void set_mean_limits(SequenceThreshold& sequence, std::vector<double> window_means);
+
 /// A scan for hits below the result's limits.
 HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources);
 

@@ -14,7 +14,7 @@ void check_raw(const SequenceQuerySettings& settings) {
   if (settings.threshold_scale == ThresholdScale::mean_z)
     throw Error(ErrorKind::usage,
                 "t_r_scale mean-z is for standardized scores; add --score standardized, or give "
-                "relative or bits");
+                "relative, mean or bits");
   if (settings.safety_margin != 0)
     throw Error(ErrorKind::usage,
                 "the safety margin is for standardized scores; raw distances have "
@@ -29,6 +29,12 @@ void check_raw(const SequenceQuerySettings& settings) {
                             "for bits a frame give --t-r {} --t-r-scale bits, else a share, as in "
                             "--t-r 0.6",
                             threshold, threshold));
+  if (threshold > 1 && scale_of(settings) == ThresholdScale::mean)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("t_r is a share of what a window differs by on average, where {} accepts "
+                    "what is farther than usual; give one below 1, as in --t-r 0.85",
+                    threshold));
 }
 
 void check_standardized(const SequenceQuerySettings& settings) {

@@ -63,30 +63,43 @@ QueryResources share_of(QueryResources resources, size_t lengths) {
   return resources;
 }
 
+// What is below either limit.
+void widen(HitScanSettings& widest, const HitScanSettings& other, size_t sequence) {
+  const bool is_by_window =
+      !widest.window_limits[sequence].empty() || !other.window_limits[sequence].empty();
+  std::vector<uint32_t> by_window;
+  for (size_t window = 0; is_by_window && window < widest.query_windows; ++window)
+    by_window.push_back(std::max(widest.limit(sequence, window), other.limit(sequence, window)));
+  widest.window_limits[sequence] = std::move(by_window);
+  widest.limits[sequence] = std::max(widest.limits[sequence], other.limits[sequence]);
+}
+
 // Hits below the largest limit of any threshold, sequence by sequence.
 HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
   HitScanSettings widest = scan_settings(sweep.planned.front(), resources);
   for (const SequenceResult& result : sweep.planned) {
     const HitScanSettings settings = scan_settings(result, resources);
-    for (size_t s = 0; s < widest.limits.size(); ++s)
-      widest.limits[s] = std::max(widest.limits[s], settings.limits[s]);
+    for (size_t s = 0; s < widest.limits.size(); ++s) widen(widest, settings, s);
   }
   return widest;
 }
 
 ThresholdScale automatic_scale(const SequenceResult& result) {
+  for (const SequenceThreshold& sequence : result.sequences)
+    if (sequence.threshold) return sequence.scale;
   return result.settings.score == Score::raw ? ThresholdScale::bits : ThresholdScale::mean_z;
 }
 
 SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,
-                              const GroundTruth& truth) {
+                              const GroundTruth& truth, const Monitor& monitor) {
+  const HitScanSettings limits = scan_settings(result, {});
   for (const Cell& hit : sweep.found.hits)
-    if (hit.distance < result.sequences[hit.sequence].distance_limit) result.hits.push_back(hit);
+    if (hit.distance < limits.limit(hit.sequence, hit.query_window)) result.hits.push_back(hit);
   result.best = sweep.found.best;
-  cluster(result);
+  cluster(result, monitor);
   return {result.settings.window_length, result.settings.distance_threshold,
           result.settings.distance_threshold ? scale_of(result.settings) : automatic_scale(result),
-          count_recognitions(result, truth)};
+          count_recognitions(result, truth, monitor)};
 }
 
 }  // namespace
@@ -130,7 +143,7 @@ std::vector<SequenceCellCounts> sweep_sequences(
   StepCounter counter(monitor, "count", cells.size());
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const LengthSweep& sweep = sweeps[c / thresholds];
-    cells[c] = count_cell(sweep, sweep.planned[c % thresholds], truth);
+    cells[c] = count_cell(sweep, sweep.planned[c % thresholds], truth, monitor);
     counter.add();
   });
   return cells;

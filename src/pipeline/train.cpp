@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/step_parts.h"
 #include "matching/distance_statistics.h"
@@ -22,9 +23,9 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
   SequenceCodes described =
       describe_sequence(open_sequence(argument.sequence), database.descriptor, unreadable, monitor);
   if (!described.frames.unreadable.empty())
-    warn(monitor,
-         fmt::format("{}: {} of {} frames can't be decoded and will never match", argument.name,
-                     described.frames.unreadable.size(), described.frames.count()));
+    warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,
+                              described.frames.unreadable.size(),
+                              counted(described.frames.count(), "frame")));
   std::vector<LdbCode>& codes = database.codes.owned;
   codes.insert(codes.end(), described.codes.begin(), described.codes.end());
   database.sequences.push_back(
@@ -126,14 +127,27 @@ std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& dat
   if (count_windows(readable_runs(span), table.window_length) == 0) return std::nullopt;
   const auto& stored = database.sequences[sequence].typical_distance;
   const double typical = stored ? *stored : typical_distance(span, kernels, monitor);
-  return automatic_threshold(table.closest[sequence], typical, table.window_length, safety_factor);
+  return table.closest.size() == 1
+             ? own_threshold(table.closest[0], typical, table.window_length, safety_factor)
+             : automatic_threshold(table.closest[sequence], typical, table.window_length,
+                                   safety_factor);
 }
 
 void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
                       const Monitor& monitor) {
-  for (const std::string& sentence :
-       overlap_warnings(table, database.sequences, code_spans(database)))
-    warn(monitor, sentence);
+  const auto sentence = overlap_warning(table, database.sequences, code_spans(database));
+  if (sentence) warn(monitor, *sentence);
+}
+
+void explain_no_hits(const SequenceDatabase& database, size_t window_length,
+                     const HammingKernels& kernels, const Monitor& monitor) {
+  const ThresholdTable* stored = find_thresholds(database.thresholds, window_length);
+  if (stored == nullptr && is_left_to_queries(code_spans(database))) return;
+  warn_of_overlaps(database,
+                   stored != nullptr
+                       ? *stored
+                       : compute_thresholds(database, window_length, 1, kernels, monitor),
+                   monitor);
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,

@@ -53,7 +53,8 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
 /// pairs and more): then thresholds are computed when a query asks for them.
 bool is_left_to_queries(std::span<const CodeSpan> sequences);
 
-/// The automatic t_r of one sequence, in bits a frame, with a safety factor; none if it has no
+/// The automatic t_r of one sequence, in bits a frame (of the only one: on the scale mean), with a
+/// safety factor; none if it has no
 /// window. Its typical distance is the one that the database holds, or else computed.
 std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
                                                      const ThresholdTable& table, size_t sequence,
@@ -61,9 +62,14 @@ std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& dat
                                                      const HammingKernels& kernels,
                                                      const Monitor& monitor);
 
-/// Says which sequences seem to show the same place (overlap_warnings).
+/// Says which sequences seem to show the same place (overlap_warning).
 void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
                       const Monitor& monitor);
+
+/// Where automatic thresholds give no hits: the same, by the closest windows that the database
+/// holds for this window length, or else computed, unless is_left_to_queries.
+void explain_no_hits(const SequenceDatabase& database, size_t window_length,
+                     const HammingKernels& kernels, const Monitor& monitor);
 
 /// Closest windows for one window length.
 ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,

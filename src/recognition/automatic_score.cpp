@@ -49,12 +49,13 @@ std::optional<ClosestWindows> closest_of_own(const CodeSpan& walk, const ScoreBa
                                              const MatchSettings& settings,
                                              const Monitor& monitor) {
   const TrainCodes train = make_train_codes({&walk, 1});
-  return closest_elsewhere(walk, settings.window_length, settings.kernels,
-                           [&](const QueryCodes& query, const RowConsumer& consume) {
-                             match_standardized(
-                                 train, query, {&settings.window_length, 1}, basis, settings,
-                                 monitor, [&](size_t, const DistanceRow& row) { consume(row); });
-                           });
+  return closest_elsewhere(
+      walk, settings.window_length, settings.kernels,
+      [&](const QueryCodes& query, const RowConsumer& consume) {
+        match_standardized(train, query, {&settings.window_length, 1}, basis, settings, monitor,
+                           [&](size_t, const DistanceRow& row) { consume(row); });
+      },
+      monitor);
 }
 
 }  // namespace
@@ -77,7 +78,7 @@ AutomaticThreshold automatic_score_threshold(const std::optional<ClosestWindows>
                                              size_t window_length, double margin) {
   const double most = largest_score_threshold(window_length);
   const double found = closest ? mean_z(closest->distance, window_length) : most;
-  return {std::min(found, most) - margin, !closest || most < found};
+  return {std::min(found, most) - margin, ThresholdScale::mean_z, !closest || most < found};
 }
 
 ScoreBasis basis_of(const ScoreBasis& all, std::span<const CodeSpan> sequences,

@@ -14,9 +14,11 @@
 namespace vpr {
 namespace {
 
-// Of how much windows of c_l frames spread below the typical distance: c_l independent distances
-// would by 1 / sqrt(c_l). Measured on floors that look alike (docs/methods.md).
+// Of how much windows of c_l frames spread below the typical distance, and below the mean one of
+// the query window: c_l independent distances would by 1 / sqrt(c_l). Measured on floors that look
+// alike (docs/methods.md).
 constexpr double kSpread = 0.65;
+constexpr double kMeanSpread = 0.8;
 
 constexpr uint64_t kTypicalSamples = 1000;
 
@@ -58,10 +60,12 @@ void compare_with_later(std::span<const CodeSpan> sequences, size_t own,
 std::optional<ClosestWindows> closest_of_own(const CodeSpan& walk, const MatchSettings& settings,
                                              const Monitor& monitor) {
   const TrainCodes train = make_train_codes({&walk, 1});
-  return closest_elsewhere(walk, settings.window_length, settings.kernels,
-                           [&](const QueryCodes& query, const RowConsumer& consume) {
-                             match_fastable(train, query, settings, monitor, consume);
-                           });
+  return closest_elsewhere(
+      walk, settings.window_length, settings.kernels,
+      [&](const QueryCodes& query, const RowConsumer& consume) {
+        match_fastable(train, query, settings, monitor, consume);
+      },
+      monitor);
 }
 
 }  // namespace
@@ -86,7 +90,18 @@ AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& clos
   const double most = largest_threshold(typical_distance, window_length);
   const double found =
       closest ? static_cast<double>(closest->distance) / static_cast<double>(window_length) : most;
-  return {std::min(found, most) * safety_factor, !closest || most < found};
+  return {std::min(found, most) * safety_factor, ThresholdScale::bits, !closest || most < found};
+}
+
+AutomaticThreshold own_threshold(const std::optional<ClosestWindows>& closest,
+                                 double typical_distance, size_t window_length,
+                                 double safety_factor) {
+  const auto length = static_cast<double>(window_length);
+  const double most = std::max(0.0, 1 - kMeanSpread / std::sqrt(length));
+  const double found = closest && typical_distance > 0
+                           ? static_cast<double>(closest->distance) / length / typical_distance
+                           : most;
+  return {std::min(found, most) * safety_factor, ThresholdScale::mean, !closest || most < found};
 }
 
 double typical_distance(const CodeSpan& sequence, const HammingKernels& kernels,

@@ -18,13 +18,21 @@ std::vector<std::optional<ClosestWindows>> find_closest_windows(std::span<const 
                                                                 const MatchSettings& settings,
                                                                 const Monitor& monitor);
 
+/// Of a single training sequence, on the scale mean: how close its own windows elsewhere come
+/// (closest_elsewhere) as a share of its typical distance, but at most 1 - 0.8 / sqrt(c_l), which
+/// it also is where there are none; times safety_factor.
+AutomaticThreshold own_threshold(const std::optional<ClosestWindows>& closest,
+                                 double typical_distance, size_t window_length,
+                                 double safety_factor);
+
 /// The mean distance of frames of one sequence that are no neighbours, in bits: that of
 /// compute_statistics for this sequence alone, with its default neighbours and 1000 samples.
 double typical_distance(const CodeSpan& sequence, const HammingKernels& kernels,
                         const Monitor& monitor);
 
-/// What no automatic t_r is above, in bits a frame: (1 - 0.65 / sqrt(c_l)) of the sequence's
-/// typical distance. Where training sequences look different, their closest windows tell nothing.
+/// What no automatic t_r of several sequences is above, in bits a frame: (1 - 0.65 / sqrt(c_l)) of
+/// the sequence's typical distance. Where training sequences look different, their closest windows
+/// tell nothing.
 double largest_threshold(double typical_distance, size_t window_length);
 
 /// In bits a frame: the closest windows' distance / window_length, or largest_threshold where that

@@ -105,7 +105,8 @@ void add_hit(Recognition& place, Sums& sums, const Cell& hit) {
 
 }  // namespace
 
-Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings) {
+Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings,
+                      const Monitor& monitor) {
   assert(settings.eps >= 0 && settings.eps <= kMaxEps);
   assert(hits.size() < std::numeric_limits<uint32_t>::max());
   DisjointSets sets(hits.size());
@@ -115,6 +116,7 @@ Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& setting
     for (size_t back = 0; back <= r; ++back) {
       const size_t dy = rows[r].query - rows[r - back].query;
       if (dy >= reach.size() || reach[dy] < 0) break;
+      check_stop(monitor);
       join_rows(sets, hits, rows[r], rows[r - back], reach[dy]);
     }
   }
@@ -140,13 +142,13 @@ Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& setting
 }
 
 Clusters cluster_by_sequence(std::span<const Cell> hits, size_t sequences,
-                             const ClusterSettings& settings) {
+                             const ClusterSettings& settings, const Monitor& monitor) {
   std::vector<std::vector<Cell>> by_sequence(sequences);
   for (const Cell& hit : hits) by_sequence[hit.sequence].push_back(hit);
   Clusters all;
   std::vector<std::vector<uint32_t>> place_of;  // by sequence
   for (std::vector<Cell>& own : by_sequence) {
-    Clusters found = cluster_hits(own, settings);
+    Clusters found = cluster_hits(own, settings, monitor);
     for (uint32_t& place : found.place_of) place += static_cast<uint32_t>(all.places.size());
     all.places.insert(all.places.end(), found.places.begin(), found.places.end());
     place_of.push_back(std::move(found.place_of));

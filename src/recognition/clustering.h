@@ -43,11 +43,13 @@ struct Clusters {
 
 /// `hits`: of one training sequence, sorted by query window then train window, each cell once.
 /// Clusters in the order of their first hit. Time near-linear in the hits for a given eps.
-Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings);
+/// Throws Error(interrupted) on a stop.
+Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings,
+                      const Monitor& monitor = {});
 
 /// The same for hits of `sequences` training sequences, sorted by query window, sequence, train
 /// window: places of each sequence, one after the other.
 Clusters cluster_by_sequence(std::span<const Cell> hits, size_t sequences,
-                             const ClusterSettings& settings);
+                             const ClusterSettings& settings, const Monitor& monitor = {});
 
 }  // namespace vpr

@@ -61,12 +61,13 @@ std::vector<uint8_t> readable_flags(const CodeSpan& walk) {
 
 }  // namespace
 
-size_t half_width(const CodeSpan& walk) {
+size_t half_width(const CodeSpan& walk, const Monitor& monitor) {
   const size_t frames = walk.codes.size();
   const double half = mean_distance_within(count_bits({&walk, 1})) / 2;
   const std::vector<uint8_t> readable = readable_flags(walk);
   const size_t step = std::max<size_t>(1, frames / kSampledFrames);
   for (size_t apart = 1; apart < frames; ++apart) {
+    check_stop(monitor);
     uint64_t sum = 0;
     uint64_t count = 0;
     for (size_t i = 0; i + apart < frames; i += step) {
@@ -81,11 +82,12 @@ size_t half_width(const CodeSpan& walk) {
 
 std::optional<ClosestWindows> closest_elsewhere(const CodeSpan& walk, size_t window_length,
                                                 const HammingKernels& kernels,
-                                                const WalkMatcher& match, size_t most_pairs) {
+                                                const WalkMatcher& match, const Monitor& monitor,
+                                                size_t most_pairs) {
   const size_t frames = walk.codes.size();
   if (frames < window_length) return std::nullopt;
   const size_t windows = frames - window_length + 1;
-  const size_t gap = half_width(walk) + window_length;
+  const size_t gap = half_width(walk, monitor) + window_length;
   if (gap >= windows) return std::nullopt;
   HitScan scan({{0}, windows, 0, kernels});  // no hits: only what is closest to each window
   for (const Stretch& stretch : choose_stretches(frames, window_length, most_pairs)) {

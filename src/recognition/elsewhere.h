@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 
+#include "base/monitor.h"
 #include "database/sequence_database.h"
 #include "matching/rows.h"
 
@@ -12,7 +13,7 @@ namespace vpr {
 /// After how many frames a walk shows another place: the smallest k for which frames k apart differ
 /// by at least half of what two of its frames differ by on average. From every frame, or 10 000
 /// spread over a longer walk. The number of frames where no k is large enough; at least 1.
-size_t half_width(const CodeSpan& walk);
+size_t half_width(const CodeSpan& walk, const Monitor& monitor = {});
 
 /// Gives the rows of a query against the whole walk, as RowConsumer says.
 using WalkMatcher = std::function<void(const QueryCodes& query, const RowConsumer& consume)>;
@@ -28,7 +29,7 @@ inline constexpr size_t kMostOwnPairs = size_t{1} << 31;
 /// frames, or two windows, each a query of its own.
 std::optional<ClosestWindows> closest_elsewhere(const CodeSpan& walk, size_t window_length,
                                                 const HammingKernels& kernels,
-                                                const WalkMatcher& match,
+                                                const WalkMatcher& match, const Monitor& monitor,
                                                 size_t most_pairs = kMostOwnPairs);
 
 }  // namespace vpr

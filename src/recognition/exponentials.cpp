@@ -2,7 +2,6 @@
 #include "base/highway.h"
 // The settings above come first.
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -72,8 +71,8 @@ HWY_INLINE Doubles Exp(Doubles x) {
 double Exponentiate(double* values, size_t count, double most) {
   const Tag d;
   const Doubles shift = hn::Set(d, most);
-  std::array<Doubles, kVectors> sums;
-  sums.fill(hn::Zero(d));
+  Doubles sums[kVectors];
+  for (Doubles& sum : sums) sum = hn::Zero(d);
   double last[kGroup];
   for (size_t i = 0; i < count; i += kGroup) {
     double* group = values + i;
@@ -101,8 +100,8 @@ double Exponentiate(double* values, size_t count, double most) {
 
 double Largest(const double* values, size_t count) {
   const Tag d;
-  std::array<Doubles, kVectors> most;
-  most.fill(hn::Set(d, -std::numeric_limits<double>::infinity()));
+  Doubles most[kVectors];
+  for (Doubles& vector : most) vector = hn::Set(d, -std::numeric_limits<double>::infinity());
   size_t i = 0;
   for (; i + kGroup <= count; i += kGroup)
     for (size_t v = 0; v < kVectors; ++v)

@@ -1,14 +1,18 @@
 #include "recognition/same_place.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "matching/bit_counts.h"
 
 namespace vpr {
 namespace {
+
+constexpr size_t kNamedPairs = 3;
 
 std::string window_text(const TrainSequence& sequence, size_t window, size_t length) {
   const size_t last = window + length - 1;
@@ -16,26 +20,48 @@ std::string window_text(const TrainSequence& sequence, size_t window, size_t len
                      sequence.frame_names[last]);
 }
 
-std::string pair_sentence(const ThresholdTable& table, std::span<const TrainSequence> sequences,
-                          size_t own, double bits, double mean) {
-  const ClosestWindows& closest = *table.closest[own];
-  const TrainSequence& a = sequences[own];
-  const TrainSequence& b = sequences[closest.other_sequence];
-  const std::string mine = window_text(a, closest.window, table.window_length);
-  const std::string other = window_text(b, closest.other_window, table.window_length);
-  if (own == closest.other_sequence)
-    return fmt::format(
-        "{} seems to show a place twice, or places that look alike: {} and {} differ by {:.1f} "
-        "bits, its frames by {:.0f} on average. If it is one place, the automatic t_r is too "
-        "small: "
-        "train one of the visits only, as in --train {}@FIRST:LAST, or give a number as t_r",
-        a.name, mine, other, bits, mean, a.name);
+/// Two windows that are too close: of two walks, or of one.
+struct Overlap {
+  size_t own = 0;
+  double bits = 0;  ///< a frame
+  double mean = 0;  ///< of frames of the two
+};
+
+std::string walk_sentence(const ThresholdTable& table, const TrainSequence& walk,
+                          const Overlap& overlap) {
+  const ClosestWindows& closest = *table.closest[overlap.own];
   return fmt::format(
-      "{} and {} seem to show the same place, or places that look alike: {} {} and {} {} differ by "
-      "{:.1f} bits, frames of the two by {:.0f} on average. If it is one place, their automatic "
-      "t_r "
-      "is too small: train only one of them, or give a number as t_r",
-      a.name, b.name, a.name, mine, b.name, other, bits, mean);
+      "{0} seems to show a place twice, or places that look alike: {1} and {2} differ by {3:.1f} "
+      "bits, its frames by {4:.0f} on average. If it is one place, the automatic t_r is too small: "
+      "train one of the visits only, as in --train {0}@FIRST:LAST, or give a number as t_r",
+      walk.name, window_text(walk, closest.window, table.window_length),
+      window_text(walk, closest.other_window, table.window_length), overlap.bits, overlap.mean);
+}
+
+std::string pair_text(const ThresholdTable& table, std::span<const TrainSequence> sequences,
+                      const Overlap& overlap, std::string_view seem) {
+  const ClosestWindows& closest = *table.closest[overlap.own];
+  const TrainSequence& a = sequences[overlap.own];
+  const TrainSequence& b = sequences[closest.other_sequence];
+  return fmt::format(
+      "{0} and {1}{2}: {0} {3} and {1} {4} differ by {5:.1f} bits, frames of the "
+      "two by {6:.0f} on average",
+      a.name, b.name, seem, window_text(a, closest.window, table.window_length),
+      window_text(b, closest.other_window, table.window_length), overlap.bits, overlap.mean);
+}
+
+std::string pairs_sentence(const ThresholdTable& table, std::span<const TrainSequence> sequences,
+                           const std::vector<Overlap>& overlaps) {
+  const size_t named = std::min(overlaps.size(), kNamedPairs);
+  std::string text = pair_text(table, sequences, overlaps[0],
+                               " seem to show the same place, or places that look alike");
+  for (size_t i = 1; i < named; ++i)
+    text += "; so do " + pair_text(table, sequences, overlaps[i], "");
+  if (overlaps.size() > named)
+    text += fmt::format("; and so do {}", counted(overlaps.size() - named, "other pair"));
+  return text +
+         ". If it is one place, their automatic t_r is too small: train only one of them, or give "
+         "a number as t_r";
 }
 
 }  // namespace
@@ -44,12 +70,12 @@ bool is_same_place(double bits_a_frame, double mean_distance, size_t window_leng
   return bits_a_frame < (1 - depth / std::sqrt(static_cast<double>(window_length))) * mean_distance;
 }
 
-std::vector<std::string> overlap_warnings(const ThresholdTable& table,
-                                          std::span<const TrainSequence> sequences,
-                                          std::span<const CodeSpan> spans) {
+std::optional<std::string> overlap_warning(const ThresholdTable& table,
+                                           std::span<const TrainSequence> sequences,
+                                           std::span<const CodeSpan> spans) {
   std::vector<BitCounts> counts;
   for (const CodeSpan& span : spans) counts.push_back(count_bits({&span, 1}));
-  std::vector<std::string> warnings;
+  std::vector<Overlap> overlaps;
   std::set<std::pair<size_t, size_t>> named;
   for (size_t s = 0; s < table.closest.size(); ++s) {
     if (!table.closest[s]) continue;
@@ -60,10 +86,13 @@ std::vector<std::string> overlap_warnings(const ThresholdTable& table,
                                    : mean_distance_between(counts[s], counts[other]);
     if (!is_same_place(bits, mean, table.window_length, s == other ? kOwnDepth : kPairDepth))
       continue;
-    if (!named.insert(std::minmax(s, other)).second) continue;
-    warnings.push_back(pair_sentence(table, sequences, s, bits, mean));
+    if (named.insert(std::minmax(s, other)).second) overlaps.push_back({s, bits, mean});
   }
-  return warnings;
+  if (overlaps.empty()) return std::nullopt;
+  const size_t first = overlaps.front().own;
+  return table.closest[first]->other_sequence == first
+             ? walk_sentence(table, sequences[first], overlaps.front())
+             : pairs_sentence(table, sequences, overlaps);
 }
 
 }  // namespace vpr

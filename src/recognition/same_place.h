@@ -1,6 +1,7 @@
 // Which training walks show the same place? They leave a diagonal of small distances.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,11 +21,12 @@ inline constexpr double kOwnDepth = 1;
 /// window of one frame never is.
 bool is_same_place(double bits_a_frame, double mean_distance, size_t window_length, double depth);
 
-/// One sentence for each pair of sequences that seem to show the same place at their closest
-/// windows (and for a single one, that it seems to show a place twice), with what to do. Frames are
-/// named by index and name: first and last of each window.
-std::vector<std::string> overlap_warnings(const ThresholdTable& table,
-                                          std::span<const TrainSequence> sequences,
-                                          std::span<const CodeSpan> spans);
+/// One sentence: which pairs of sequences seem to show the same place at their closest windows (and
+/// of a single one, that it seems to show a place twice), with what to do; none where there are no
+/// such pairs. The first three pairs are named, with frames by index and name: first and last of
+/// each window.
+std::optional<std::string> overlap_warning(const ThresholdTable& table,
+                                           std::span<const TrainSequence> sequences,
+                                           std::span<const CodeSpan> spans);
 
 }  // namespace vpr

@@ -18,9 +18,9 @@ Json settings_in_force(const SequenceQuerySettings& settings) {
   return json;
 }
 
-void cluster(SequenceResult& result) {
-  Clusters found =
-      cluster_by_sequence(result.hits, result.sequences.size(), result.settings.clustering);
+void cluster(SequenceResult& result, const Monitor& monitor) {
+  Clusters found = cluster_by_sequence(result.hits, result.sequences.size(),
+                                       result.settings.clustering, monitor);
   result.places = std::move(found.places);
   result.place_of = std::move(found.place_of);
 }

@@ -17,7 +17,7 @@ struct SequenceQuerySettings {
   std::string method = "fastable";
   uint64_t window_length = 40;               ///< c_l
   std::optional<double> distance_threshold;  ///< t_r; none: automatic
-  /// Of a number; automatic ones are bits or mean_z. None: relative, or mean_z.
+  /// Of a number; automatic ones are mean, bits or mean_z. None: relative, or mean_z.
   std::optional<ThresholdScale> threshold_scale;
   std::optional<double> safety_factor;      ///< of automatic t_r; none: the database's
   std::vector<std::string> only_sequences;  ///< empty: all
@@ -60,8 +60,11 @@ struct SequenceThreshold {
   bool searched = true;             ///< false: left out by only_sequences
   std::optional<double> threshold;  ///< t_r on its scale; none: no automatic one exists
   ThresholdScale scale = ThresholdScale::bits;
-  uint32_t distance_limit = 0;           ///< a hit has D (a biased sum of scores) below
-  std::optional<uint32_t> max_distance;  ///< max(D), where the scale is relative
+  uint32_t distance_limit = 0;            ///< a hit has D (a biased sum of scores) below; on the
+                                          ///< scale mean, the largest that a query window has
+  std::optional<uint32_t> max_distance;   ///< max(D), where the scale is relative
+  std::vector<double> window_means = {};  ///< M by query window, where the scale is mean; not in
+                                          ///< files
 };
 
 /// The training statistics that standardized scores started from.
@@ -108,6 +111,6 @@ struct SequenceResult {
 };
 
 /// Clusters the hits into `places`, and notes in `place_of` which hit is in which.
-void cluster(SequenceResult& result);
+void cluster(SequenceResult& result, const Monitor& monitor = {});
 
 }  // namespace vpr

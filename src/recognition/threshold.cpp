@@ -23,7 +23,7 @@ uint32_t smallest_without(double estimate, const IsHit& is_hit) {
 
 }  // namespace
 
-uint32_t distance_limit(double threshold, uint32_t divisor) {
+uint32_t distance_limit(double threshold, double divisor) {
   assert(std::isfinite(threshold));
   if (!(threshold > 0)) return 0;
   if (divisor == 0) return 1;

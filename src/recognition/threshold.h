@@ -12,21 +12,25 @@ namespace vpr {
 
 /// relative: D / max(D) < t_r, the maximum over all cells of that training sequence and the query
 /// (the paper's 0.3, 0.4, 0.5). bits: D / c_l < t_r, in bits a frame. mean_z: the mean z of the
-/// window < t_r, in standard deviations; of standardized scores.
-enum class ThresholdScale { relative, bits, mean_z };
+/// window < t_r, in standard deviations; of standardized scores. mean: D / M < t_r, where M is what
+/// the query window's frames differ by on average from all frames of the training sequence, summed
+/// over the window: how much closer than usual, whatever the light.
+enum class ThresholdScale { relative, bits, mean_z, mean };
 template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<ThresholdScale> = {"relative", "bits",
-                                                                               "mean-z"};
+inline constexpr std::array<std::string_view, 4> kEnumNames<ThresholdScale> = {"relative", "bits",
+                                                                               "mean-z", "mean"};
 
-/// An automatic t_r of one training sequence, on the scale of its score.
+/// An automatic t_r of one training sequence.
 struct AutomaticThreshold {
   double value = 0;
+  ThresholdScale scale = ThresholdScale::bits;
   bool is_largest = false;  ///< the largest that one may be; closest windows are no reason for less
 };
 
 /// The smallest distance that is no hit: the smallest integer D with D / divisor >= threshold, as
-/// an IEEE double division. Where the divisor is 0 the quotient counts as 0. threshold is finite.
-uint32_t distance_limit(double threshold, uint32_t divisor);
+/// an IEEE double division; divisor is not negative. Where it is 0 the quotient counts as 0.
+/// threshold is finite.
+uint32_t distance_limit(double threshold, double divisor);
 
 /// The same for standardized scores of a window, whose mean z is compared: the smallest biased sum
 /// (matching/score_kernels.h) with mean_z >= threshold.

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
-#include "evaluation/metrics.h"
 #include "report/json_fields.h"
 #include "report/scores_report.h"
 
@@ -227,10 +227,10 @@ Json comparison_json(const Comparison& comparison, const std::vector<StoredRepor
 Table comparison_table(const Json& comparison) {
   Table table;
   table.title = fmt::format(
-      "{}: differences to {} over {} common queries ({} with a match), 95 % by blocks of {}",
+      "{}: differences to {} over {} ({} with a match), 95 % by blocks of {}",
       comparison["query"].get<std::string>(), comparison["reports"][0]["name"].get<std::string>(),
-      comparison["queries"]["common"].dump(), comparison["queries"]["with_match"].dump(),
-      comparison["bootstrap"]["block"].dump());
+      counted(comparison["queries"]["common"].get<uint64_t>(), "common query", "common queries"),
+      comparison["queries"]["with_match"].dump(), comparison["bootstrap"]["block"].dump());
   const std::string ground_truths = comparison["ground_truths"].get<std::string>();
   if (ground_truths != "same") table.title += fmt::format("; ground truths: {}", ground_truths);
   table.columns = {"metric", "of", "value", "difference", "from", "to", "", "ground truths"};

@@ -41,10 +41,10 @@ void set_axis(const std::vector<FrameBand>& bands, std::vector<PlotTick>& ticks,
 }
 
 PlotLine truth_line(const Judgement& judgement, const GroundTruth& truth,
-                    const std::vector<FrameBand>& bands) {
+                    const std::vector<FrameBand>& bands, const Monitor& monitor) {
   PlotLine line = marks_line(Meaning::truth, PlotMark::square);
   line.style = PlotStyle::boxes;
-  for (const TruthBox& box : truth_boxes(judgement, truth, bands, kMostTruth)) {
+  for (const TruthBox& box : truth_boxes(judgement, truth, bands, kMostTruth, monitor)) {
     line.points.emplace_back(box.begin, box.low);
     line.points.emplace_back(box.end, box.high);
   }
@@ -53,7 +53,8 @@ PlotLine truth_line(const Judgement& judgement, const GroundTruth& truth,
 
 }  // namespace
 
-Plot timeline_plot(const Json& report, const Judgement& judgement, const GroundTruth& truth) {
+Plot timeline_plot(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                   const Monitor& monitor) {
   Plot plot{"timeline", evaluation_title(report), "query frame", reference_word(report)};
   const std::vector<FrameBand> bands = frame_bands(judgement.layout);
   const size_t frames = judgement.fixes.size();
@@ -61,7 +62,7 @@ Plot timeline_plot(const Json& report, const Judgement& judgement, const GroundT
   set_axis(bands, plot.y_ticks, plot.y_bands);
   plot.x_end = std::max<double>(1, static_cast<double>(frames));
   plot.y_end = std::max<double>(1, static_cast<double>(length_of(bands)));
-  plot.lines.push_back(truth_line(judgement, truth, bands));
+  plot.lines.push_back(truth_line(judgement, truth, bands, monitor));
   const std::vector<TimelineMark> marks = timeline_marks(judgement, bands);
   for (const Meaning meaning : kMarkOrder) {
     PlotLine line = marks_line(meaning, is_weak(meaning) ? PlotMark::dot : PlotMark::disc);
@@ -116,7 +117,7 @@ void draw_evaluation(const Json& report, const Judgement& judgement, const Groun
       line.points.emplace_back(k, *recall_at(judgement.outcomes, k));
     draw_plot(recall, folder);
   }
-  const Plot timeline = timeline_plot(report, judgement, truth);
+  const Plot timeline = timeline_plot(report, judgement, truth, monitor);
   if (!timeline.lines.empty()) draw_plot(timeline, folder);
   draw_plot(matrix_plot(report, judgement, truth, matrix, monitor), folder);
 }

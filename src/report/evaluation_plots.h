@@ -11,7 +11,8 @@
 namespace vpr {
 
 /// Best matches and ground truth along the query's path; no lines where there are neither.
-Plot timeline_plot(const Json& report, const Judgement& judgement, const GroundTruth& truth);
+Plot timeline_plot(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                   const Monitor& monitor = {});
 
 /// What draw_scores draws, with axes, a legend and, of a matrix, the scale of its greys.
 Plot matrix_plot(const Json& report, const Judgement& judgement, const GroundTruth& truth,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/json.h"
 #include "evaluation/ground_truth/fingerprint.h"
 #include "report/metrics_report.h"
@@ -17,9 +18,10 @@ Json label_counts_json(const LabelCounts& counts) {
 }
 
 // Every place with what its hits are: the place is judged at its mean, whatever they say.
-Json recognitions_json(const SequenceResult& result, const GroundTruth& truth) {
+Json recognitions_json(const SequenceResult& result, const GroundTruth& truth,
+                       const Monitor& monitor) {
   Json json = Json::array();
-  const std::vector<JudgedPlace> judged = judge_places(result, truth);
+  const std::vector<JudgedPlace> judged = judge_places(result, truth, monitor);
   for (size_t p = 0; p < judged.size(); ++p) {
     const Recognition& place = result.places[p];
     json.push_back({{"sequence", result.sequences[place.sequence].name},
@@ -122,14 +124,17 @@ Json protocol_json(const GroundTruth& truth) {
 Json report_json(const SequenceResult& result, const SequenceCounts& counts,
                  const std::optional<CountsByView>& by_view, const Judgement& judgement,
                  const GroundTruth& truth, const std::string& result_fingerprint,
-                 const RunInfo& run) {
+                 const RunInfo& run, const Monitor& monitor) {
   Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
   json["query"] = result.query_name;
   json["settings"] = settings_in_force(result.settings);
+  if (!result.settings.distance_threshold)
+    for (const SequenceThreshold& sequence : result.sequences)
+      if (sequence.threshold) json["automatic_scale"] = enum_name(sequence.scale);
   json["counts"] = counts_json(counts);
   json["best_match"] = best_match_json(counts.best_match);
   if (by_view) json["by_view"] = counts_by_view_json(*by_view);
-  json["recognitions"] = recognitions_json(result, truth);
+  json["recognitions"] = recognitions_json(result, truth, monitor);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
   add_sequence_protocol(json["protocol"], result.settings.score);
@@ -137,7 +142,8 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
-  json["provenance"]["ground_truth"] = ground_truth_fingerprint(truth, judgement.layout.scope);
+  json["provenance"]["ground_truth"] =
+      ground_truth_fingerprint(truth, judgement.layout.scope, monitor);
   return json;
 }
 
@@ -188,9 +194,9 @@ Table view_table(const Json& report) {
   const Json& hits = counts["hits"];
   const Json& best = counts["best_match"];
   Table table;
-  table.title = fmt::format(
-      "By view (frames in a row that look alike count once: {} query and {} training views)",
-      counts["query_views"].dump(), counts["train_views"].dump());
+  table.title = fmt::format("By view (frames in a row that look alike count once: {} and {})",
+                            counted(counts["query_views"].get<uint64_t>(), "query view"),
+                            counted(counts["train_views"].get<uint64_t>(), "training view"));
   table.columns = {"view pairs right", "view pairs wrong", "view pairs mixed", "views right",
                    "views wrong",      "views mixed",      "views per cent"};
   table.rows = {
@@ -219,7 +225,8 @@ Table report_table(const Json& report) {
   } else {
     add("c_l", text(settings["c_l"]));
     add("t_r", text(settings["t_r"]));
-    const std::string automatic = settings.contains("score") ? "mean-z" : "bits";
+    const std::string automatic =
+        report.value("automatic_scale", settings.contains("score") ? "mean-z" : "bits");
     add("scale", settings["t_r"].is_string() ? automatic : text(settings["t_r_scale"]));
   }
   add("hits right", text(counts["hits"]["correct"]));

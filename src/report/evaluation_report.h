@@ -15,7 +15,7 @@ namespace vpr {
 Json report_json(const SequenceResult& result, const SequenceCounts& counts,
                  const std::optional<CountsByView>& by_view, const Judgement& judgement,
                  const GroundTruth& truth, const std::string& result_fingerprint,
-                 const RunInfo& run);
+                 const RunInfo& run, const Monitor& monitor = {});
 
 Json report_json(const FabmapResult& result, const FabmapCounts& counts, const Judgement& judgement,
                  const GroundTruth& truth, const std::string& result_fingerprint,

@@ -141,6 +141,12 @@ StoredFabmapResult read_fabmap_result(const fs::path& path) {
   }
   result.best = read_matches(path, "best", files, result);
   if (result.best.size() != result.query_frames) files.fail("best.npy does not fit the query");
+  const NpyArray new_place =
+      read_companion(companion_path(path, "new_place.npy"), files.object("new_place"));
+  const auto probabilities = new_place.values<double>(1);
+  result.new_place.assign(probabilities.begin(), probabilities.end());
+  if (result.new_place.size() != result.query_frames)
+    files.fail("new_place.npy does not fit the query");
   return stored;
 }
 

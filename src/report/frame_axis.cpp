@@ -1,5 +1,6 @@
 #include "report/frame_axis.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace vpr {
@@ -30,10 +31,9 @@ size_t length_of(const std::vector<FrameBand>& bands) {
 }
 
 size_t position_of(const std::vector<FrameBand>& bands, const FrameMatch& match) {
-  for (const FrameBand& band : bands)
-    if (band.sequence == match.sequence) return band.at + match.reference - band.first_frame;
-  assert(false);
-  return 0;
+  const auto band = std::ranges::lower_bound(bands, match.sequence, {}, &FrameBand::sequence);
+  assert(band != bands.end() && band->sequence == match.sequence);
+  return band->at + match.reference - band->first_frame;
 }
 
 size_t round_step(size_t length, size_t most) {
@@ -48,12 +48,12 @@ std::vector<AxisTick> ticks_of(const std::vector<FrameBand>& bands, size_t most)
   double end = -1e9;  // of the tick before, with the room that its label takes
   const double room = static_cast<double>(step) * 0.45;
   for (const FrameBand& band : bands) {
-    for (size_t i = 0; i < band.count; ++i) {
-      const size_t frame = band.first_frame + i;
-      if (i > 0 && frame % step != 0) continue;
-      const double position = static_cast<double>(band.at + i) + 0.5;
+    const size_t behind = band.first_frame + band.count;
+    for (size_t frame = band.first_frame; frame < behind; frame = (frame / step + 1) * step) {
+      const size_t at = band.at + frame - band.first_frame;
+      const double position = static_cast<double>(at) + 0.5;
       if (position < end) {
-        if (i > 0) continue;
+        if (frame > band.first_frame) continue;
         ticks.pop_back();
       }
       ticks.push_back({position, frame});

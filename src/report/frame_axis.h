@@ -30,7 +30,7 @@ std::vector<FrameBand> row_bands(const ScoreLayout& layout);
 /// Frames of all bands.
 size_t length_of(const std::vector<FrameBand>& bands);
 
-/// Where a frame stands; it is in one of the bands.
+/// Where a frame stands; it is in one of the bands, which are by sequence.
 size_t position_of(const std::vector<FrameBand>& bands, const FrameMatch& match);
 
 struct AxisTick {

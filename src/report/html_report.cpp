@@ -199,7 +199,7 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
        {"provenance", list_html(made)},
        {"curves", curves_html(report, judgement)},
        {"timeline_legend", legend_html(timeline_meanings(judgement, truth))},
-       {"timeline", timeline_svg(judgement, truth, reference_word(report), frame)},
+       {"timeline", timeline_svg(judgement, truth, reference_word(report), frame, monitor)},
        {"matrix_title", matrix != nullptr ? "Scores of all pairs" : "Recognitions of all pairs"},
        {"matrix_legend", legend_html(picture.shown)},
        {"matrix", matrix_html(report, judgement, picture)},

@@ -61,6 +61,8 @@ void MatrixFile::operator()(const DistanceRow& row) {
   file_.write_at(position, std::as_bytes(std::span(scores)));
 }
 
-Json MatrixFile::entry() const { return file_entry(file_.temporary(), layout_.rows); }
+Json MatrixFile::entry(const Monitor& monitor) const {
+  return file_entry(file_.temporary(), layout_.rows, monitor);
+}
 
 }  // namespace vpr

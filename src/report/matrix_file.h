@@ -41,7 +41,7 @@ class MatrixFile {
   /// Takes part of a row, from any thread.
   void operator()(const DistanceRow& row);
   /// Its object in a result: rows and checksum. Reads the whole file.
-  Json entry() const;
+  Json entry(const Monitor& monitor) const;
 
  private:
   OutputFile& file_;

@@ -106,12 +106,13 @@ cv::Vec3b& MatrixPicture::pixel(cv::Mat& image, size_t window, size_t sequence,
 }
 
 void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
-                               const GroundTruth& truth) const {
+                               const GroundTruth& truth, const Monitor& monitor) const {
   const auto back = static_cast<int64_t>(result.settings.window_length) - 1;  // anchor to window
   const cv::Vec3b colour = bgr_of(Meaning::truth);
   for (size_t window = 0; window < layout_.rows; ++window) {
     for (const GroundTruth::Pair& pair : truth.pairs[result.anchor(window)]) {
       if (pair.label != PlaceLabel::same) continue;
+      check_stop(monitor);
       const auto frames = static_cast<int64_t>(result.sequences[pair.sequence].frames);
       const int64_t first = std::max(back, pair.first - truth.tolerance_frames);
       const int64_t last = std::min(frames - 1, pair.last() + truth.tolerance_frames);
@@ -124,15 +125,16 @@ void MatrixPicture::draw_truth(cv::Mat& image, const SequenceResult& result,
   }
 }
 
-void MatrixPicture::write(OutputFile& file, const SequenceResult& result,
-                          const GroundTruth* truth) const {
+void MatrixPicture::write(OutputFile& file, const SequenceResult& result, const GroundTruth* truth,
+                          const Monitor& monitor) const {
   cv::Mat image = grey_image();
   std::set<Meaning> shown;
   if (truth != nullptr) {
-    draw_truth(image, result, *truth);
+    draw_truth(image, result, *truth, monitor);
     shown.insert(Meaning::truth);
   }
   for (const Cell& hit : result.hits) {
+    check_stop(monitor);
     const Meaning meaning = meaning_of(result, hit, truth);
     pixel(image, hit.query_window, hit.sequence, hit.train_window) = bgr_of(meaning);
     shown.insert(meaning);

@@ -26,7 +26,8 @@ class MatrixPicture {
   /// Writes a PNG: ground truth (if known) and hits (not judged where it is not) in the palette's
   /// colours, sequences divided by lines, axes that count frames, a legend and the scale of the
   /// greys.
-  void write(OutputFile& file, const SequenceResult& result, const GroundTruth* truth) const;
+  void write(OutputFile& file, const SequenceResult& result, const GroundTruth* truth,
+             const Monitor& monitor) const;
 
  private:
   struct Pixels;
@@ -35,7 +36,8 @@ class MatrixPicture {
   std::optional<std::pair<uint32_t, uint32_t>> range() const;
   cv::Mat grey_image() const;
   cv::Vec3b& pixel(cv::Mat& image, size_t window, size_t sequence, size_t train_window) const;
-  void draw_truth(cv::Mat& image, const SequenceResult& result, const GroundTruth& truth) const;
+  void draw_truth(cv::Mat& image, const SequenceResult& result, const GroundTruth& truth,
+                  const Monitor& monitor) const;
 
   MatrixLayout layout_;
   size_t scale_;  // cells a pixel

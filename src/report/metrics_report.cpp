@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/json.h"
 #include "evaluation/metrics.h"
 #include "evaluation/recall_at.h"
@@ -120,9 +121,9 @@ Table curve_table(const Json& report) {
   const Json& metrics = report["metrics"];
   Table table;
   table.title = fmt::format(
-      "Metrics ({} queries with a match; {} without one, wrong if accepted{}; {} ignored, {} "
+      "Metrics ({} with a match; {} without one, wrong if accepted{}; {} ignored, {} "
       "unreadable, left out{})",
-      best["queries"].dump(), best["without_match"].dump(),
+      counted(best["queries"].get<uint64_t>(), "query", "queries"), best["without_match"].dump(),
       best["unreachable"] == 0
           ? ""
           : fmt::format("; {} whose place lies where no training window ends, likewise",

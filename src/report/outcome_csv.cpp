@@ -81,10 +81,10 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
 }
 
 std::string recognitions_csv(const SequenceResult& result, const GroundTruth& truth,
-                             const std::string& name) {
+                             const std::string& name, const Monitor& monitor) {
   const std::string start = prefix(name, result.query_name);
   std::string text;
-  const std::vector<JudgedPlace> judged = judge_places(result, truth);
+  const std::vector<JudgedPlace> judged = judge_places(result, truth, monitor);
   for (size_t p = 0; p < judged.size(); ++p) {
     const Recognition& place = result.places[p];
     const LabelCounts& hits = judged[p].hits;
@@ -102,10 +102,11 @@ std::string recognitions_csv(const SequenceResult& result, const GroundTruth& tr
 }
 
 std::string recognitions_csv(const FabmapResult& result, const GroundTruth& truth,
-                             const std::string& name) {
+                             const std::string& name, const Monitor& monitor) {
   const std::string start = prefix(name, result.query_name);
   std::string text;
   for (const PlaceMatch& hit : result.hits) {
+    check_stop(monitor);
     const PlaceLabel label = truth.label(hit.frame, 0, hit.place);
     text += fmt::format("{0}{1},{2},{2},{2},{3},{3},{3},1,{4},{5},{6},{7}\n", start,
                         csv_field(result.places[hit.place]), hit.frame, hit.place,

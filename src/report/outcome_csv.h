@@ -8,6 +8,7 @@ namespace vpr {
 struct FabmapResult;
 struct GroundTruth;
 struct Judgement;
+struct Monitor;
 struct SequenceResult;
 
 /// Header lines, with their line feeds.
@@ -22,9 +23,9 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
 /// One row a place (a cluster of hits): the frames that its windows cover, and the frames at which
 /// it is judged.
 std::string recognitions_csv(const SequenceResult& result, const GroundTruth& truth,
-                             const std::string& name);
+                             const std::string& name, const Monitor& monitor);
 /// One row a hit: a frame and a place; "train" columns are indices of places.
 std::string recognitions_csv(const FabmapResult& result, const GroundTruth& truth,
-                             const std::string& name);
+                             const std::string& name, const Monitor& monitor);
 
 }  // namespace vpr

@@ -10,7 +10,7 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<PaletteColour, 15> kPalette = {{
+constexpr std::array<PaletteColour, 16> kPalette = {{
     {Meaning::right, "right", "recognised, right", 0x1668c7, 0x5aa5f5},
     {Meaning::wrong, "wrong", "recognised, wrong", 0xd9480f, 0xff8552},
     {Meaning::unjudged, "unjudged", "recognised, not judged", 0xc2268f, 0xffc4ec},
@@ -19,6 +19,8 @@ constexpr std::array<PaletteColour, 15> kPalette = {{
     {Meaning::weak_unjudged, "weak-unjudged", "best match, not recognised", 0xdba3c9, 0x7d4a70},
     {Meaning::truth, "truth", "ground truth", 0xbfe3c4, 0x1d4a2c},
     {Meaning::missed, "missed", "not recognised", 0xd9a400, 0xe0b030},
+    {Meaning::unreachable, "unreachable", "not recognised: no window ends there", 0xe8cf7a,
+     0x7a6f45},
     {Meaning::unmapped, "unmapped", "nothing to recognise", 0x8b95a3, 0x8b95a3},
     {Meaning::train_path, "train-path", "training path", 0xc9cfd8, 0x454f5c},
     {Meaning::place, "place", "training place", 0x1c2430, 0xe4e8ee},

@@ -24,8 +24,9 @@ enum class Meaning {
   weak_wrong,
   weak_unjudged,
   truth,
-  missed,    ///< not recognised on a map, though the ground truth has the place
-  unmapped,  ///< not recognised on a map, and the ground truth has no match
+  missed,       ///< not recognised on a map, though the ground truth has the place
+  unreachable,  ///< not recognised on a map, and the place is only where no window ends
+  unmapped,     ///< not recognised on a map, and the ground truth has no match
   train_path,
   place,  ///< of FAB-MAP
   wall,

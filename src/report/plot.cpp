@@ -244,15 +244,16 @@ void thin_labels(Plot& plot) {
   std::vector<std::pair<double, double>> taken;
   for (PlotLine& line : plot.lines)
     for (size_t i = 0; i < line.labels.size(); ++i) {
-      const auto& [x, y] = line.points[i];
+      const auto& point = line.points[i];
+      if (line.labels[i].empty()) continue;
       const bool is_covered = std::any_of(taken.begin(), taken.end(), [&](const auto& other) {
-        return std::abs(other.first - x) < kWidth * most_x &&
-               std::abs(other.second - y) < kHeight * most_y;
+        return std::abs(other.first - point.first) < kWidth * most_x &&
+               std::abs(other.second - point.second) < kHeight * most_y;
       });
       if (is_covered)
         line.labels[i].clear();
       else
-        taken.emplace_back(x, y);
+        taken.push_back(point);
     }
 }
 

@@ -106,10 +106,11 @@ void claim_result(const fs::path& path, OutputTransaction& outputs) {
     outputs.claim_file(companion_path(path, kind));
 }
 
-Json file_entry(const fs::path& path, size_t rows) {
+Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
   const MappedFile file(path);
   ChecksumStream sum;
   for (size_t at = 0; at < file.bytes().size(); at += kPieceBytes) {
+    check_stop(monitor);
     const size_t size = std::min(kPieceBytes, file.bytes().size() - at);
     sum.add(file.bytes().subspan(at, size));
     file.forget(at, size);

@@ -48,7 +48,7 @@ Json write_companion(OutputFile& file, std::span<const T> values,
 void claim_result(const std::filesystem::path& path, OutputTransaction& outputs);
 
 /// The object of a whole file in the JSON.
-Json file_entry(const std::filesystem::path& path, size_t rows);
+Json file_entry(const std::filesystem::path& path, size_t rows, const Monitor& monitor);
 
 /// Parts of a result that do not depend on the method: provenance, machine and timing.
 void add_context(Json& json, const ResultContext& context);
@@ -82,6 +82,6 @@ struct StoredResult {
 /// Throws Error(input) if a file is missing, Error(data) if one is damaged, of another method or a
 /// newer version, if a companion is not the one that the JSON was written with, or an index is out
 /// of range.
-StoredResult read_result(const std::filesystem::path& path);
+StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
 
 }  // namespace vpr

@@ -34,15 +34,21 @@ uint32_t read_distance(const Fields& item, const std::string& key, int64_t offse
   return static_cast<uint32_t>(number + offset);
 }
 
+// Windows that fit in `frames` frames.
+uint64_t window_count(uint64_t frames, uint64_t window_length) {
+  return frames < window_length ? 0 : frames - window_length + 1;
+}
+
 std::vector<SequenceThreshold> read_sequences(const Fields& fields, const std::string& where,
-                                              int64_t offset) {
+                                              const SequenceResult& result) {
   std::vector<SequenceThreshold> sequences;
   for (const Json& json : fields.list("sequences")) {
     const Fields item(json, where);
     SequenceThreshold& sequence = sequences.emplace_back();
     sequence.name = item.text("name");
     sequence.frames = item.count("frames", kMostFrames);
-    sequence.windows = item.count("windows", sequence.frames);
+    sequence.windows =
+        item.count("windows", window_count(sequence.frames, result.settings.window_length));
     if (!item["searched"].is_boolean()) item.fail("\"searched\" is neither true nor false");
     sequence.searched = item["searched"].get<bool>();
     if (!sequence.searched) continue;
@@ -50,16 +56,11 @@ std::vector<SequenceThreshold> read_sequences(const Fields& fields, const std::s
     const auto scale = enum_value<ThresholdScale>(item.text("t_r_scale"));
     if (!scale) item.fail("\"t_r_scale\" is no scale");
     sequence.scale = *scale;
-    sequence.distance_limit = read_distance(item, "distance_limit", offset);
+    sequence.distance_limit = read_distance(item, "distance_limit", result.score_offset());
     if (json.contains("max_distance"))
       sequence.max_distance = read_distance(item, "max_distance", 0);
   }
   return sequences;
-}
-
-// Windows that fit in `frames` frames.
-uint64_t window_count(uint64_t frames, uint64_t window_length) {
-  return frames < window_length ? 0 : frames - window_length + 1;
 }
 
 uint32_t read_window(const Fields& extent, const std::string& key, uint64_t windows) {
@@ -180,6 +181,11 @@ Json read_result_json(const fs::path& path) {
   Json json = read_json(path, ErrorKind::data);
   require_schema(json, "result", where, ErrorKind::data);
   const Fields fields(json, where);
+  if (!fields.has("checksum"))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has no checksum, as results of the first layout, so that nobody "
+                            "can tell whether it is whole; run vpr-query again",
+                            where));
   if (fields.text("checksum") != result_checksum(json)) fields.fail("its checksum does not fit");
   return json;
 }
@@ -190,7 +196,7 @@ std::string result_method(const fs::path& path) {
   return Fields(json, where).text("method");
 }
 
-StoredResult read_result(const fs::path& path) {
+StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   const std::string where = path.string();
   const Json json = read_result_json(path);
   const Fields fields(json, where);
@@ -208,13 +214,13 @@ StoredResult read_result(const fs::path& path) {
       result.query_windows != window_count(result.query_frames, result.settings.window_length))
     fields.fail("its numbers of windows and frames do not fit");
   result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
-  result.sequences = read_sequences(fields, where, result.score_offset());
+  result.sequences = read_sequences(fields, where, result);
   std::vector<Recognition> places;
   for (const Json& item : fields.list("recognitions"))
     places.push_back(read_recognition(Fields(item, where), result));
   read_cells(path, fields, result);
   check_clusterable(fields, result);
-  cluster(result);
+  cluster(result, monitor);
   if (result.places != places) fields.fail("its recognitions are not the clusters of its hits");
   read_views(path, fields, result);
   if (json["files"].contains("matrix"))

@@ -1,12 +1,14 @@
 #include "report/route_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "report/frame_axis.h"
-#include "report/palette.h"
 
 namespace vpr {
 namespace {
@@ -67,6 +69,27 @@ PlotLine scale_bar(const std::vector<PlotLine>& lines) {
   return bar;
 }
 
+using MarkedMeaning = std::pair<Meaning, PlotMark>;
+
+// In the order in which they are drawn.
+constexpr std::array<MarkedMeaning, 3> kBelowPlaces = {{{Meaning::unmapped, PlotMark::circle},
+                                                        {Meaning::unreachable, PlotMark::dot},
+                                                        {Meaning::missed, PlotMark::dot}}};
+constexpr std::array<MarkedMeaning, 3> kAbovePlaces = {{{Meaning::unjudged, PlotMark::disc},
+                                                        {Meaning::right, PlotMark::disc},
+                                                        {Meaning::wrong, PlotMark::cross}}};
+
+PlotLine frame_points(const RouteMap& map, const MapPanel& panel, const std::string& floor,
+                      Meaning meaning, PlotMark mark) {
+  PlotLine frames = points(meaning, mark);
+  for (size_t frame = 0; frame < map.query.size(); ++frame) {
+    const auto& at = map.query[frame];
+    if (at && at->floor == floor && panel.meanings[frame] == meaning)
+      frames.points.emplace_back(at->x, at->y);
+  }
+  return frames;
+}
+
 Plot panel_plot(const RouteMap& map, const MapPanel& panel, const std::string& floor) {
   Plot plot;
   plot.title = floor.empty() ? panel.title : fmt::format("{}, {}", panel.title, floor);
@@ -75,29 +98,12 @@ Plot panel_plot(const RouteMap& map, const MapPanel& panel, const std::string& f
   if (panel.shows_places)
     for (const RoutePoint& place : map.places)
       if (place.floor == floor) places.points.emplace_back(place.x, place.y);
-  PlotLine unmapped = points(Meaning::unmapped, PlotMark::circle);
-  PlotLine missed = points(Meaning::missed, PlotMark::dot);
-  PlotLine unjudged = points(Meaning::unjudged, PlotMark::disc);
-  PlotLine right = points(Meaning::right, PlotMark::disc);
-  PlotLine wrong = points(Meaning::wrong, PlotMark::cross);
-  for (size_t frame = 0; frame < map.query.size(); ++frame) {
-    const auto& at = map.query[frame];
-    if (!at || at->floor != floor) continue;
-    PlotLine& kind = panel.fixes[frame] == Fix::right      ? right
-                     : panel.fixes[frame] == Fix::wrong    ? wrong
-                     : panel.fixes[frame] == Fix::unjudged ? unjudged
-                     : panel.has_match[frame]              ? missed
-                                                           : unmapped;
-    kind.points.emplace_back(at->x, at->y);
-  }
-  plot.lines = {train_lines(map, floor),
-                wall_lines(map, floor),
-                unmapped,
-                missed,
-                places,
-                unjudged,
-                right,
-                wrong};
+  plot.lines = {train_lines(map, floor), wall_lines(map, floor)};
+  for (const auto& [meaning, mark] : kBelowPlaces)
+    plot.lines.push_back(frame_points(map, panel, floor, meaning, mark));
+  plot.lines.push_back(places);
+  for (const auto& [meaning, mark] : kAbovePlaces)
+    plot.lines.push_back(frame_points(map, panel, floor, meaning, mark));
   plot.lines.push_back(scale_bar(plot.lines));
   std::erase_if(plot.lines, [](const PlotLine& drawn) { return drawn.points.empty(); });
   return plot;
@@ -105,20 +111,39 @@ Plot panel_plot(const RouteMap& map, const MapPanel& panel, const std::string& f
 
 }  // namespace
 
-std::vector<Plot> route_plots(const RouteMap& map, const std::vector<MapPanel>& panels) {
+std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& truth) {
+  std::vector<Meaning> meanings;
+  for (size_t frame = 0; frame < judgement.fixes.size(); ++frame)
+    meanings.push_back(truth.has_match(frame) ? Meaning::unreachable : Meaning::unmapped);
+  for (const QueryOutcome& query : judgement.outcomes.queries)
+    if (query.has_match && query.verdict != Verdict::unreadable)
+      meanings[query.frame] = Meaning::missed;
+  for (size_t frame = 0; frame < judgement.fixes.size(); ++frame) {
+    if (judgement.fixes[frame] == Fix::right) meanings[frame] = Meaning::right;
+    if (judgement.fixes[frame] == Fix::wrong) meanings[frame] = Meaning::wrong;
+    if (judgement.fixes[frame] == Fix::unjudged) meanings[frame] = Meaning::unjudged;
+  }
+  return meanings;
+}
+
+std::vector<Plot> route_plots(const RouteMap& map, const std::vector<MapPanel>& panels,
+                              const Monitor& monitor) {
   std::vector<std::string> floors;
+  std::set<std::string> known;
   for (const auto& at : map.query)
-    if (at && std::find(floors.begin(), floors.end(), at->floor) == floors.end())
-      floors.push_back(at->floor);
+    if (at && known.insert(at->floor).second) floors.push_back(at->floor);
   std::vector<Plot> plots;
   for (const std::string& floor : floors)
-    for (const MapPanel& panel : panels) plots.push_back(panel_plot(map, panel, floor));
+    for (const MapPanel& panel : panels) {
+      check_stop(monitor);
+      plots.push_back(panel_plot(map, panel, floor));
+    }
   return plots;
 }
 
 void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
-                    const std::filesystem::path& folder) {
-  draw_plots(route_plots(map, panels), panels.size(), "map", folder);
+                    const std::filesystem::path& folder, const Monitor& monitor) {
+  draw_plots(route_plots(map, panels, monitor), panels.size(), "map", folder);
 }
 
 }  // namespace vpr

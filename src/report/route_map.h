@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/localisation.h"
+#include "base/monitor.h"
+#include "evaluation/judgement.h"
 #include "evaluation/route.h"
+#include "report/palette.h"
 #include "report/plot.h"
 
 namespace vpr {
@@ -15,9 +17,8 @@ namespace vpr {
 /// One result on the map.
 struct MapPanel {
   std::string title;
-  std::vector<Fix> fixes;       ///< one a query frame
-  std::vector<bool> has_match;  ///< whether the ground truth has the frame's place
-  bool shows_places = false;    ///< of FAB-MAP: the map's places are its training data, too
+  std::vector<Meaning> meanings;  ///< one a query frame: meanings_of
+  bool shows_places = false;      ///< of FAB-MAP: the map's places are its training data, too
 };
 
 struct RouteMap {
@@ -27,13 +28,20 @@ struct RouteMap {
   std::vector<std::optional<RoutePoint>> query;
 };
 
+/// What each query frame is on a map: recognised (right, wrong, unjudged), or why not. Missed: its
+/// place could have been recognised. Unreachable: the ground truth has its place, but no window of
+/// the query ends at the frame, or none of a training sequence where the place is, or the frame's
+/// window can't be read. Unmapped: the ground truth does not have it.
+std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& truth);
+
 /// The panels, row by row: side by side, and one below the other for every floor that the query
 /// visits. Training paths and places of other floors are left out. Each has a bar of so many
 /// metres.
-std::vector<Plot> route_plots(const RouteMap& map, const std::vector<MapPanel>& panels);
+std::vector<Plot> route_plots(const RouteMap& map, const std::vector<MapPanel>& panels,
+                              const Monitor& monitor = {});
 
 /// Draws map.svg and map.png into `folder`, which exists. Throws Error(output) if gnuplot fails.
 void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
-                    const std::filesystem::path& folder);
+                    const std::filesystem::path& folder, const Monitor& monitor);
 
 }  // namespace vpr

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/statistics.h"
+#include "evaluation/ground_truth/label_runs.h"
 
 namespace vpr {
 namespace {
@@ -23,6 +24,8 @@ struct Grid {
     rows = (height + scale - 1) / scale;
     cols = (width + scale - 1) / scale;
   }
+  /// The first column of the pixel behind that of a column.
+  size_t next_pixel(size_t column) const { return (column / scale + 1) * scale; }
   cv::Vec3b& pixel(cv::Mat& image, size_t row, size_t column) const {
     return image.at<cv::Vec3b>(static_cast<int>(row / scale), static_cast<int>(column / scale));
   }
@@ -59,6 +62,23 @@ std::optional<std::pair<double, double>> draw_grey(cv::Mat& image, const Grid& g
   return is_distance ? std::pair(low, high) : std::pair(high, low);
 }
 
+// The columns [first, end) of one sequence whose anchors show the place of a row's.
+std::vector<std::pair<size_t, size_t>> true_columns(const GroundTruth& truth,
+                                                    const ScoreLayout& layout, size_t row,
+                                                    const ScoreLayout::Columns& columns,
+                                                    const Monitor& monitor) {
+  check_stop(monitor);
+  std::vector<std::pair<size_t, size_t>> found;
+  const size_t first_anchor = layout.anchor(0);
+  for (const LabelRun& run :
+       label_runs(truth, layout.anchor(row), columns.sequence, layout.anchor(columns.count))) {
+    if (run.label != PlaceLabel::same || run.last < first_anchor) continue;
+    found.emplace_back(columns.first + std::max(run.first, first_anchor) - first_anchor,
+                       columns.first + run.last - first_anchor + 1);
+  }
+  return found;
+}
+
 }  // namespace
 
 ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
@@ -75,17 +95,17 @@ ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
     grid.pixel(picture.image, row, column) = bgr_of(meaning);
     is_shown[static_cast<size_t>(meaning)] = true;
   };
-  std::vector<PlaceLabel> labels;
-  for (size_t row = 0; row < row_count(layout); ++row) {
-    label_row(truth, layout, row, labels);
-    for (size_t c = 0; c < labels.size(); ++c)
-      if (labels[c] == PlaceLabel::same) set(row, c, Meaning::truth);
-  }
+  for (size_t row = 0; row < row_count(layout); ++row)
+    for (const ScoreLayout::Columns& columns : layout.columns)
+      for (const auto& [first, end] : true_columns(truth, layout, row, columns, monitor))
+        for (size_t column = first; column < end; column = grid.next_pixel(column))
+          set(row, column, Meaning::truth);
   for (const ScoreLayout::Columns& columns : layout.columns)
     if (columns.first > 0)
       picture.image.col(static_cast<int>(columns.first / grid.scale))
           .setTo(bgr_of(Meaning::divider));
   for (const RecognisedCell& cell : judgement.recognised) {
+    check_stop(monitor);
     const FrameMatch match = match_of_column(layout, cell.column);
     set(cell.query_window, cell.column,
         meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/json.h"
 #include "report/evaluation_report.h"
 
@@ -41,7 +42,7 @@ std::string summary_sentence(const Judgement& judgement, bool is_judged,
   const size_t all = right + wrong + unjudged;
   const auto some = [](size_t count) { return count == 0 ? "none" : std::to_string(count); };
   std::string text =
-      fmt::format("Recognised in {} of {} frames", some(all), judgement.fixes.size());
+      fmt::format("Recognised in {} of {}", some(all), counted(judgement.fixes.size(), "frame"));
   if (all > 0 && is_judged) {
     text += fmt::format(", {} of them wrong", some(wrong));
     if (unjudged > 0) text += fmt::format(", {} to be ignored", unjudged);

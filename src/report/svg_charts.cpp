@@ -220,14 +220,15 @@ std::string threshold_svg(const Judgement& judgement, const ScoreAxis& axis) {
 }
 
 std::string timeline_svg(const Judgement& judgement, const GroundTruth& truth,
-                         const std::string& reference_word, const TimelineFrame& frame) {
+                         const std::string& reference_word, const TimelineFrame& frame,
+                         const Monitor& monitor) {
   const std::vector<FrameBand> bands = frame_bands(judgement.layout);
   const size_t frames = judgement.fixes.size();
   const Scale scale{{frame.left, kLineTop, frame.plot_width, kLineHeight},
                     std::max<double>(1, static_cast<double>(frames)),
                     std::max<double>(1, static_cast<double>(length_of(bands)))};
   std::string svg = chart_begin("timeline", "best match of every query frame", frame.width, 406);
-  svg += truth_marks(truth_boxes(judgement, truth, bands, kMostTruth), scale);
+  svg += truth_marks(truth_boxes(judgement, truth, bands, kMostTruth, monitor), scale);
   svg += band_axis(bands, scale);
   svg += match_marks(timeline_marks(judgement, bands), scale);
   svg += fix_bar(judgement.fixes, frame);

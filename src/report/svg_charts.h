@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/monitor.h"
 #include "evaluation/judgement.h"
 
 namespace vpr {
@@ -33,7 +34,8 @@ std::string threshold_svg(const Judgement& judgement, const ScoreAxis& axis);
 /// best match, the ground truth, and below, a bar of fixes. Bounded in size for any number of
 /// queries: marks that fall together are one. `reference_word`: what the bands hold.
 std::string timeline_svg(const Judgement& judgement, const GroundTruth& truth,
-                         const std::string& reference_word, const TimelineFrame& frame);
+                         const std::string& reference_word, const TimelineFrame& frame,
+                         const Monitor& monitor);
 
 /// The picture with axes that count frames and, of a matrix, the scale of its greys. `png`: its
 /// pixels as base64.

@@ -95,11 +95,16 @@ Plot sweep_plot(const Sweep& sweep) {
     std::vector<const SweepCell*> order;
     for (const SweepCell& cell : cells)
       if (cell.window == window) order.push_back(&cell);
+    // From the strictest threshold to the loosest; automatic ones have no order and stand alone.
     std::stable_sort(order.begin(), order.end(), [](const SweepCell* a, const SweepCell* b) {
-      return std::pair(a->hits.incorrect, a->hits.correct) <
-             std::pair(b->hits.incorrect, b->hits.correct);
+      return a->looseness.has_value() != b->looseness.has_value() ? a->looseness.has_value()
+                                                                  : a->looseness < b->looseness;
     });
     for (const SweepCell* cell : order) {
+      if (!cell->looseness && !line.points.empty()) {
+        line.points.push_back(kPlotGap);
+        line.labels.emplace_back();
+      }
       line.points.emplace_back(static_cast<double>(cell->hits.incorrect),
                                static_cast<double>(cell->hits.correct));
       line.labels.push_back(symbols.threshold + " " + cell->threshold);

@@ -37,9 +37,6 @@ struct Sweep {
 /// which name cells by their index in the whole list).
 void add_sweeps(Json& json, const std::vector<Sweep>& sweeps);
 
-/// The sweeps that add_sweeps wrote. Throws Error(data) if anything is not as it writes it.
-std::vector<Sweep> read_sweeps(const Json& json, const std::string& where);
-
 /// Correct against incorrect hits, a line a window.
 Plot sweep_plot(const Sweep& sweep);
 

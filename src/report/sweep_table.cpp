@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/json.h"
 
 namespace vpr {
@@ -75,9 +76,9 @@ std::string first_error_text(const Sweep& sweep) {
     return fmt::format("{} {} has no incorrect hit in the whole grid: {} {} may find more.\n",
                        symbols.window, window, symbols.looser, symbols.threshold);
   const SweepCell& error = cells[*choice.first_error];
-  return fmt::format("The first error of {} {} is at {} {}: {} incorrect hits, {} correct.\n",
-                     symbols.window, window, symbols.threshold, error.threshold,
-                     error.hits.incorrect, error.hits.correct);
+  return fmt::format("The first error of {} {} is at {} {}: {}, {} correct.\n", symbols.window,
+                     window, symbols.threshold, error.threshold,
+                     counted(error.hits.incorrect, "incorrect hit"), error.hits.correct);
 }
 
 std::string intervals_text(const SweepIntervals& intervals, bool has_places) {
@@ -89,7 +90,7 @@ std::string intervals_text(const SweepIntervals& intervals, bool has_places) {
   if (has_places)
     text += fmt::format("; correct places {}, incorrect {}", range(intervals.correct_places),
                         range(intervals.incorrect_places));
-  return text + fmt::format(" (95 %, blocks of {} frames).\n", intervals.block);
+  return text + fmt::format(" (95 %, blocks of {}).\n", counted(intervals.block, "frame"));
 }
 
 }  // namespace
@@ -99,12 +100,13 @@ std::vector<SweepCell> sweep_cells(const Sweep& sweep) {
   for (const SequenceCellCounts& cell : sweep.sequence_cells)
     cells.push_back({std::to_string(cell.window_length),
                      cell.distance_threshold ? number(*cell.distance_threshold) : "auto",
-                     std::string(enum_name(cell.scale)), cell.counts.hits, cell.counts.places,
-                     cell.counts.mixed_places, cell.counts.distinct, cell.counts.best_match});
-  for (const FabmapCellCounts& cell : sweep.fabmap_cells)
-    cells.push_back({std::to_string(cell.window), number(cell.place_threshold), "probability",
-                     cell.counts.hits, std::nullopt, 0, cell.counts.distinct,
+                     score_of(cell).looseness, std::string(enum_name(cell.scale)), cell.counts.hits,
+                     cell.counts.places, cell.counts.mixed_places, cell.counts.distinct,
                      cell.counts.best_match});
+  for (const FabmapCellCounts& cell : sweep.fabmap_cells)
+    cells.push_back({std::to_string(cell.window), number(cell.place_threshold),
+                     score_of(cell).looseness, "probability", cell.counts.hits, std::nullopt, 0,
+                     cell.counts.distinct, cell.counts.best_match});
   return cells;
 }
 
@@ -204,15 +206,15 @@ std::string reason_text(const Sweep& sweep) {
   const auto [window, threshold, looser, stricter] = sweep_symbols(sweep);
   const auto correct_at = [&](size_t cell) { return sweep_cells(sweep)[cell].hits.correct; };
   const auto near_miss = [&] {
-    return fmt::format("{} has {} correct hits and no incorrect one",
-                       cell_name(sweep, *choice.near_miss), correct_at(*choice.near_miss));
+    return fmt::format("{} has {} and no incorrect one", cell_name(sweep, *choice.near_miss),
+                       counted(correct_at(*choice.near_miss), "correct hit"));
   };
   switch (choice.advice) {
     case Advice::recommended:
       return fmt::format(
-          "{} correct hits, the most of all settings without an incorrect hit at "
+          "{}, the most of all settings without an incorrect hit at "
           "this, every stricter and the next looser {}",
-          correct_at(*choice.cell), threshold);
+          counted(correct_at(*choice.cell), "correct hit"), threshold);
     case Advice::no_hits:
       return fmt::format("no setting has a hit; give a {} {}", looser, threshold);
     case Advice::no_correct_hits:

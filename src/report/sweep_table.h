@@ -14,7 +14,8 @@ namespace vpr {
 struct SweepCell {
   std::string window;
   std::string threshold;
-  std::string scale;  ///< of the threshold: relative, bits, mean-z, probability
+  std::optional<double> looseness;  ///< of the threshold, as SweepScore has it
+  std::string scale;                ///< of the threshold: relative, bits, mean-z, probability
   LabelCounts hits;
   std::optional<LabelCounts> places;  ///< of sequences
   uint64_t mixed_places = 0;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/printable.h"
 #include "evaluation/csv.h"
 
 namespace vpr {
@@ -58,6 +59,15 @@ std::string text_table(const Table& table) {
   text += std::string(total, '-') + "\n";
   for (const auto& row : table.rows) text += line(row);
   return text;
+}
+
+// What stands in a cell, or is the title, stays there.
+Table with_printable_text(Table table) {
+  const auto print = [](std::string& text) { text = printable_line(text); };
+  print(table.title);
+  std::for_each(table.columns.begin(), table.columns.end(), print);
+  for (auto& row : table.rows) std::for_each(row.begin(), row.end(), print);
+  return table;
 }
 
 std::string csv_table(const Table& table) {
@@ -173,13 +183,13 @@ std::string render_table(const Table& table, TableFormat format) {
   for ([[maybe_unused]] const auto& row : table.rows) assert(row.size() == table.columns.size());
   switch (format) {
     case TableFormat::text:
-      return text_table(table);
+      return text_table(with_printable_text(table));
     case TableFormat::csv:
       return csv_table(table);
     case TableFormat::markdown:
-      return markdown_table(table);
+      return markdown_table(with_printable_text(table));
     case TableFormat::latex:
-      return latex_table(table);
+      return latex_table(with_printable_text(table));
   }
   return {};
 }

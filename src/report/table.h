@@ -28,7 +28,8 @@ struct Table {
 Table stack_tables(const std::vector<Table>& tables, const std::string& key,
                    const std::vector<std::string>& names);
 
-/// Ends with a line feed. CSV leaves the title out; special characters are escaped in each format.
+/// Ends with a line feed. CSV leaves the title out; special characters are escaped in each format,
+/// and control characters are shown (printable_line) but in CSV, which is data.
 std::string render_table(const Table& table, TableFormat format);
 
 }  // namespace vpr

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "evaluation/ground_truth/label_runs.h"
+
 namespace vpr {
 
 Meaning meaning_of(const Judgement& judgement, const QueryOutcome& query) {
@@ -32,23 +34,21 @@ std::vector<TimelineMark> timeline_marks(const Judgement& judgement,
 }
 
 std::vector<TruthBox> truth_boxes(const Judgement& judgement, const GroundTruth& truth,
-                                  const std::vector<FrameBand>& bands, size_t most) {
+                                  const std::vector<FrameBand>& bands, size_t most,
+                                  const Monitor& monitor) {
   const size_t frames = std::min(judgement.layout.scope.query_frames, truth.pairs.size());
   const size_t step = std::max<size_t>(1, (frames + most - 1) / most);
   std::vector<TruthBox> boxes;
-  std::vector<PlaceLabel> labels;
   for (size_t frame = 0; frame < frames; frame += step) {
     const size_t frame_end = std::min(frames, frame + step);
     for (const FrameBand& band : bands) {
-      labels.resize(band.first_frame + band.count);
-      truth.label_row(frame, band.sequence, labels);
-      for (size_t begin = band.first_frame; begin < labels.size();) {
-        size_t end = begin;
-        while (end < labels.size() && labels[end] == labels[begin]) ++end;
-        const size_t low = band.at + begin - band.first_frame;
-        if (labels[begin] == PlaceLabel::same)
-          boxes.push_back({frame, frame_end, low, low + end - begin});
-        begin = end;
+      check_stop(monitor);
+      const size_t end = band.first_frame + band.count;
+      for (const LabelRun& run : label_runs(truth, frame, band.sequence, end)) {
+        if (run.label != PlaceLabel::same || run.last < band.first_frame) continue;
+        const size_t first = std::max(run.first, band.first_frame);
+        const size_t low = band.at + first - band.first_frame;
+        boxes.push_back({frame, frame_end, low, low + run.last + 1 - first});
       }
     }
   }

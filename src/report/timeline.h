@@ -31,7 +31,8 @@ struct TruthBox {
 /// The ground truth of about `most` query frames, evenly spaced; each stands for those up to the
 /// next.
 std::vector<TruthBox> truth_boxes(const Judgement& judgement, const GroundTruth& truth,
-                                  const std::vector<FrameBand>& bands, size_t most);
+                                  const std::vector<FrameBand>& bands, size_t most,
+                                  const Monitor& monitor);
 
 /// Whether a mark is of a best match that is not recognised.
 bool is_weak(Meaning meaning);

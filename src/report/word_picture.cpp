@@ -4,16 +4,21 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "report/palette.h"
+
 namespace vpr {
 namespace {
 
 constexpr int kWidth = 640;
 constexpr int kHeight = 480;
 constexpr int kTitleHeight = 28;
-const cv::Scalar kFor(80, 220, 80);
-const cv::Scalar kAgainst(60, 60, 235);
 const cv::Scalar kText(40, 40, 40);
 const cv::Scalar kPaper(245, 245, 245);
+
+cv::Scalar colour_of_point(bool speaks_for) {
+  const cv::Vec3b bgr = bgr_of(speaks_for ? Meaning::right : Meaning::wrong);
+  return {static_cast<double>(bgr[0]), static_cast<double>(bgr[1]), static_cast<double>(bgr[2])};
+}
 
 /// Where an image stands on the canvas, in its pixels.
 struct Placement {
@@ -45,9 +50,10 @@ Placement place_image(cv::Mat& canvas, const MarkedImage& image, int left, int t
 void mark(cv::Mat& canvas, const MarkedImage& image, const Placement& placement) {
   for (const MarkedPoint& point : image.points) {
     const cv::Point at = placement(point.at);
-    cv::circle(canvas, at, 7, point.speaks_for ? kFor : kAgainst, 2, cv::LINE_AA);
+    const cv::Scalar colour = colour_of_point(point.speaks_for);
+    cv::circle(canvas, at, 7, colour, 2, cv::LINE_AA);
     cv::putText(canvas, std::to_string(point.word), at + cv::Point(9, 4), cv::FONT_HERSHEY_SIMPLEX,
-                0.4, point.speaks_for ? kFor : kAgainst, 1, cv::LINE_AA);
+                0.4, colour, 1, cv::LINE_AA);
   }
 }
 
@@ -61,7 +67,7 @@ void join(cv::Mat& canvas, const ImagePair& pair, const Placement& query, const 
                                  [&](const MarkedPoint& p) { return p.word == from.word; });
     if (to == pair.view.points.end()) continue;
     joined.push_back(from.word);
-    cv::line(canvas, query(from.at), view(to->at), kFor, 1, cv::LINE_AA);
+    cv::line(canvas, query(from.at), view(to->at), colour_of_point(true), 1, cv::LINE_AA);
   }
 }
 

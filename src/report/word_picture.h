@@ -26,8 +26,8 @@ struct ImagePair {
   MarkedImage view;
 };
 
-/// One row a pair. Words that speak for the place are green, and joined by a line where both images
-/// show them; those against are red. BGR, 8 bits.
+/// One row a pair. Words that speak for the place have the colour of what is right, and are joined
+/// by a line where both images show them; those against have that of what is wrong. BGR, 8 bits.
 cv::Mat draw_word_pairs(const std::vector<ImagePair>& pairs);
 
 }  // namespace vpr

@@ -65,7 +65,7 @@ double distance_to_line(Point p, const GlassFront& line) {
       length == 0
           ? 0
           : std::clamp(((p.x - line.from_x) * dx + (p.y - line.from_y) * dy) / length, 0.0, 1.0);
-  return std::hypot(p.x - line.from_x - t * dx, p.y - line.from_y - t * dy);
+  return distance(p, {line.from_x + t * dx, line.from_y + t * dy});
 }
 
 bool is_glass(const Floor& floor, Point middle) {
@@ -157,6 +157,11 @@ double along(const Wall& wall, Point point) {
 }
 
 }  // namespace
+
+double distance(Point a, Point b) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  return std::sqrt(dx * dx + dy * dy);
+}
 
 Point wall_direction(Side side) {
   switch (side) {

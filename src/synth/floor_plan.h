@@ -14,6 +14,10 @@ struct Point {
   double y = 0;
 };
 
+/// Metres from one point to another, as every machine rounds them: std::hypot differs between
+/// processors in the last digit.
+double distance(Point a, Point b);
+
 enum class Side { right, up, left, down };
 
 /// A straight piece of wall, from corner to corner, as seen from the room: `start` is its left end.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -48,7 +48,7 @@ struct Studio {
 void render_walk(const Studio& studio, const Scene& scene, const RecordedWalk& recorded,
                  const fs::path& folder) {
   const Walk& walk = *recorded.walk;
-  fs::create_directory(folder);
+  make_part_folder(folder);
   const Crowd crowd(studio.world, walk, scene.plan, recorded.poses, studio.cast.size());
   parallel_for(recorded.poses.size(), studio.monitor, [&](size_t i) {
     const CameraPose& pose = recorded.poses[i];
@@ -64,7 +64,7 @@ void render_walk(const Studio& studio, const Scene& scene, const RecordedWalk& r
 
 void render_views(const Studio& studio, const Scene& scene, const WorldPlace& place,
                   const fs::path& folder) {
-  fs::create_directory(folder);
+  make_part_folder(folder);
   for (size_t i = 0; i < place.headings.size(); ++i) {
     const View view{scene, studio.cast, {}, view_pose(place, i), Conditions()};
     const cv::Mat picture =
@@ -94,14 +94,29 @@ void render_floor(const Studio& studio, size_t floor, const std::vector<Recorded
     if (place.floor == name) render_views(studio, scene, place, folder / "places" / place.name);
 }
 
-bool is_frame(const fs::path& path) {
-  return path.extension() == ".jpg" || path.extension() == ".png";
+// Whether a folder holds frames, and at most the one other file.
+bool holds_frames(const fs::path& folder, std::string_view other = "") {
+  return holds_only_files(folder, [&](const std::string& name) {
+    return name.ends_with(".jpg") || name.ends_with(".png") || name == other;
+  });
 }
 
-bool holds_only(const fs::path& folder, const std::set<std::string>& others) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (!is_frame(entry.path()) && !others.contains(entry.path().filename().string())) return false;
-  return true;
+bool is_walk_folder(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_regular_file(folder / "poses.csv", error) && holds_frames(folder, "poses.csv");
+}
+
+bool is_places_folder(const fs::path& folder) {
+  const auto places = entries_of(folder);
+  return std::all_of(places.begin(), places.end(), [](const fs::directory_entry& place) {
+    std::error_code error;
+    return place.is_directory(error) && holds_frames(place.path());
+  });
+}
+
+bool is_recording_text(const std::string& name) {
+  return name == "dataset.json" || name == "places.csv" || name == "plan.csv" ||
+         name.ends_with(".ground_truth.csv") || name.ends_with(".places.csv");
 }
 
 }  // namespace
@@ -113,7 +128,7 @@ RecordingSize write_recording(const World& world, const fs::path& folder, const 
   for (const WorldPlace& place : world.places) size.views += place.headings.size();
   StepCounter counter(monitor, "render", size.frames + size.views);
   const Studio studio{world, make_camera(world), make_cast(world.seed), monitor, counter};
-  if (!world.places.empty()) fs::create_directory(folder / "places");
+  if (!world.places.empty()) make_part_folder(folder / "places");
   for (size_t floor = 0; floor < world.floors.size(); ++floor)
     render_floor(studio, floor, walks, folder);
   for (const auto& [name, text] : recording_texts(world, walks)) write_part(folder / name, text);
@@ -124,19 +139,12 @@ bool is_recording_folder(const fs::path& folder) {
   std::error_code error;
   for (const char* name : {"dataset.json", "plan.csv"})
     if (!fs::is_regular_file(folder / name, error)) return false;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  for (const fs::directory_entry& entry : entries_of(folder)) {
     const std::string name = entry.path().filename().string();
-    if (!entry.is_directory()) {
-      if (name != "dataset.json" && name != "places.csv" && name != "plan.csv" &&
-          !name.ends_with(".ground_truth.csv") && !name.ends_with(".places.csv"))
-        return false;
-    } else if (name == "places") {
-      for (const auto& place : fs::directory_iterator(entry.path()))
-        if (!place.is_directory() || !holds_only(place.path(), {})) return false;
-    } else if (!fs::is_regular_file(entry.path() / "poses.csv", error) ||
-               !holds_only(entry.path(), {"poses.csv"})) {
-      return false;
-    }
+    const bool is_ours = !entry.is_directory(error) ? is_recording_text(name)
+                         : name == "places"         ? is_places_folder(entry.path())
+                                                    : is_walk_folder(entry.path());
+    if (!is_ours) return false;
   }
   return true;
 }

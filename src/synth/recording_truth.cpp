@@ -13,8 +13,6 @@
 namespace vpr {
 namespace {
 
-double distance(Point a, Point b) { return std::hypot(a.x - b.x, a.y - b.y); }
-
 /// Metres from a place, if the camera is on its floor and looks as one of its views does.
 std::optional<double> metres_to_place(const World& world, const std::string& floor,
                                       const CameraPose& pose, const WorldPlace& place) {

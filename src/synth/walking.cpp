@@ -23,8 +23,6 @@ Point between_points(Point a, Point b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
-double distance(Point a, Point b) { return std::hypot(b.x - a.x, b.y - a.y); }
-
 // A slow, smooth variation between about -1 and 1: two waves that never repeat together.
 struct Wander {
   double first_phase;

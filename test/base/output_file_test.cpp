@@ -13,6 +13,12 @@ bool has_marker(const std::filesystem::path& folder) {
   return std::filesystem::exists(folder / "marker");
 }
 
+void write_file(const std::filesystem::path& path, const std::string& text, Existing existing) {
+  OutputFile file(path, existing);
+  file.write(text);
+  file.commit();
+}
+
 }  // namespace
 
 TEST_CASE("a file appears only when it is committed") {
@@ -71,6 +77,13 @@ TEST_CASE("a full disk is an output error") {
   if (!std::filesystem::exists("/dev/full")) return;
   OutputFile file(std::filesystem::temp_directory_path() / "vpr-full-test", Existing::replace);
   CHECK(test::error_kind([&] { file.reserve(uint64_t{1} << 60); }) == ErrorKind::output);
+}
+
+TEST_CASE("a part of a folder that can't be made is an output error") {
+  const test::TemporaryFolder folder;
+  make_part_folder(folder / "sub");
+  CHECK(test::error_kind([&] { make_part_folder(folder / "sub"); }) == ErrorKind::output);
+  CHECK(test::error_kind([&] { make_part_folder(folder / "no/sub"); }) == ErrorKind::output);
 }
 
 TEST_CASE("what is no regular file is not replaced") {

@@ -1,10 +1,11 @@
-// The order in which outputs reach the disk, and what is there if any step fails. The two system
-// calls that matter are those below, as long as a test asks for it.
+// The order in which outputs reach the disk, and what is there if any step fails. The system calls
+// that matter are those below, as long as a test asks for it.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 
 #include <catch2/catch.hpp>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -17,7 +18,8 @@ namespace {
 /// Notes calls, and makes the one of a number fail.
 struct Calls {
   bool is_on = false;
-  int failing = -1;  ///< counted from 0; below: none
+  int failing = -1;                ///< counted from 0; below: none
+  bool has_plain_renames = false;  ///< without flags, as on many network file systems
   std::vector<std::string> names = {};
 
   bool fails(const std::string& name) {
@@ -40,8 +42,17 @@ extern "C" int fsync(int file) {
 
 extern "C" int renameat2(int from_folder, const char* from, int to_folder, const char* to,
                          unsigned int flags) noexcept {
+  if (calls.is_on && calls.has_plain_renames) {
+    errno = EINVAL;
+    return -1;
+  }
   if (calls.fails("rename")) return -1;
   return static_cast<int>(::syscall(SYS_renameat2, from_folder, from, to_folder, to, flags));
+}
+
+extern "C" int rename(const char* from, const char* to) noexcept {
+  if (calls.fails("rename")) return -1;
+  return static_cast<int>(::syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
 }
 
 using namespace vpr;
@@ -53,13 +64,14 @@ using Names = std::vector<std::string>;
 bool is_any(const std::filesystem::path&) { return true; }
 
 // Two files and a folder over old ones, and a file that was not there.
-void write_outputs(const test::TemporaryFolder& folder, int failing) {
+void write_outputs(const test::TemporaryFolder& folder, int failing,
+                   bool has_plain_renames = false) {
   OutputTransaction outputs(Existing::replace);
   outputs.file(folder / "main").write("new");
   outputs.file(folder / "companion").write("new");
   outputs.file(folder / "fresh").write("new");
   write_part(outputs.folder(folder / "db", is_any).temporary() / "note", "new");
-  calls = {true, failing};
+  calls = {true, failing, has_plain_renames};
   try {
     outputs.commit();
   } catch (const Error&) {
@@ -89,12 +101,14 @@ TEST_CASE("everything is flushed before the first rename, and the folder after t
 }
 
 TEST_CASE("whichever step fails, all outputs are the old ones, and nothing else is left") {
+  const bool has_plain_renames = GENERATE(false, true);
   int failing = 0;
   for (bool has_failed = true; has_failed; ++failing) {
     INFO("step " << failing);
     const test::TemporaryFolder folder;
     write_old(folder);
-    has_failed = test::error_kind([&] { write_outputs(folder, failing); }) == ErrorKind::output;
+    has_failed = test::error_kind([&] { write_outputs(folder, failing, has_plain_renames); }) ==
+                 ErrorKind::output;
     const std::string expected = has_failed ? "old" : "new";
     for (const char* name : {"main", "companion", "db/note"})
       CHECK(test::read_text(folder / name) == expected);

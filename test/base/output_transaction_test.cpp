@@ -153,6 +153,31 @@ TEST_CASE("an input is no output, by any of its names, before or after it is cla
   CHECK(test::error_kind([&] { outputs.protect(folder / "later.csv"); }) == ErrorKind::usage);
 }
 
+TEST_CASE("a folder that is extended in place is replaced with the other outputs, or not at all") {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder / "db");
+  test::write_text(folder / "db/note", "old");
+  const auto extend = [&](const std::string& text, bool somebody_is_faster) {
+    OutputTransaction outputs(Existing::refuse);
+    outputs.protect(folder / "db");
+    outputs.extend(folder / "db/");
+    outputs.claim_file(folder / "list");
+    outputs.claim_folder(folder / "db", holds_note);
+    write_part(outputs.folder(folder / "db", holds_note).temporary() / "note", text);
+    outputs.file(folder / "list").write(text);
+    CHECK(outputs.has_outputs());
+    if (somebody_is_faster) test::write_text(folder / "list", "another's");
+    outputs.commit();
+    CHECK_FALSE(outputs.has_outputs());
+  };
+  CHECK(test::error_kind([&] { extend("new", true); }) == ErrorKind::usage);
+  CHECK(test::read_text(folder / "db/note") == "old");
+  fs::remove(folder / "list");
+  extend("new", false);
+  CHECK(test::read_text(folder / "db/note") == "new");
+  CHECK(test::list_folder(folder.path()) == Names{"db", "list"});
+}
+
 TEST_CASE("temporaries can't be foreseen, and are made through no link") {
   const test::TemporaryFolder folder;
   const OutputFile a(folder / "a", Existing::refuse);
@@ -210,4 +235,38 @@ TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
   CHECK(test::error_kind([&] {
           OutputFolder(folder / "frames", Existing::replace, is_marked_folder);
         }) == ErrorKind::usage);
+}
+
+TEST_CASE("an error says the name of an output, not that under which it is being made") {
+  const test::TemporaryFolder folder;
+  OutputTransaction outputs(Existing::refuse);
+  outputs.claim_file(folder / "main");
+  const OutputFolder& plots = outputs.folder(folder / "plots", is_marked_folder);
+  const std::string sentence =
+      test::error_text([&] { write_part(plots.temporary() / "none/a.png", "x"); });
+  CHECK(sentence.find(".vpr-partial-") != std::string::npos);
+  CHECK(outputs.with_targets(sentence) ==
+        (folder / "plots/none/a.png").string() + ": can't be written: No such file or directory");
+}
+
+TEST_CASE("folders that can't be made or read are errors of output") {
+  const test::TemporaryFolder folder;
+  make_part_folder(folder / "a");
+  for (const char* name : {"a", "none/b"})
+    CHECK(test::error_kind([&] { make_part_folder(folder / name); }) == ErrorKind::output);
+  CHECK(test::error_kind([&] { entries_of(folder / "none"); }) == ErrorKind::output);
+  CHECK(test::error_kind([&] { holds_note(folder / "none"); }) == ErrorKind::output);
+  CHECK(entries_of(folder.path()).size() == 1);
+}
+
+TEST_CASE("an old output that was set aside is put back, unless it was replaced") {
+  const test::TemporaryFolder folder;
+  const fs::path temporary = OutputFile(folder / "a", Existing::refuse).temporary();
+  test::write_text(name_aside(temporary), "old");
+  clean_up(folder / "a");
+  CHECK(test::list_folder(folder.path()) == Names{"a"});
+  test::write_text(name_aside(temporary), "older");
+  clean_up(folder / "a");
+  CHECK(test::list_folder(folder.path()) == Names{"a"});
+  CHECK(test::read_text(folder / "a") == "old");
 }

@@ -5,10 +5,13 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cli/building.h"
 #include "support.h"
 
 using namespace vpr;
@@ -228,6 +231,47 @@ TEST_CASE("outputs that can't be written") {
   check_nothing_written();
 }
 
+TEST_CASE("a text that can't be printed costs none of the files that were asked for") {
+  if (!fs::exists("/dev/full")) return;
+  const test::TemporaryFolder out;
+  const auto query = [&](const std::string& flags) {
+    const std::string command =
+        fmt::format("{} {} --query {} --c-l 2 -o {} --force {} > /dev/full 2> {}",
+                    test::program_path("vpr-query").string(), bench().database(),
+                    (bench().folder / "query").string(), (out / "r.json").string(), flags,
+                    (out / "said").string());
+    const int exit_code = WEXITSTATUS(std::system(command.c_str()));
+    CHECK(test::read_text(out / "said").find("the output files are complete") != std::string::npos);
+    CHECK(fs::exists(out / "r.json"));
+    fs::remove(out / "r.json");
+    return exit_code;
+  };
+  CHECK(query("") == 0);
+  CHECK(query("--json") == 3);  // which is an output, too
+}
+
+TEST_CASE("names can't steer a terminal, and an error stays one line") {
+  const test::TemporaryFolder out;
+  const std::string hostile = "a\x1b[31m\x07\nb";
+  const auto is_plain = [](const std::string& text) {
+    return std::none_of(text.begin(), text.end(),
+                        [](char c) { return (c < ' ' && c != '\n') || c == '\x7f'; });
+  };
+  check_failure(run_program("vpr-train", {"info", out / hostile}), 3, "a\\x1b[31m\\x07\\x0ab");
+  check_failure(run_program("vpr-query", {bench().database(), "--" + hostile}), 2, "\\x1b");
+  fs::copy(bench().folder / "one", out / hostile);
+  const auto train = Bench::train({"--train", out / hostile, "-o", out / (hostile + ".vprdb")});
+  CHECK(train.exit_code == 0);
+  CHECK(train.out.find("a\\x1b[31m\\x07\\x0ab") != std::string::npos);
+  CHECK(is_plain(train.out));
+  CHECK(is_plain(train.err));
+  const auto query = run_program(
+      "vpr-query", {out / (hostile + ".vprdb"), "--query", out / hostile, "--c-l", "2"});
+  CHECK(query.exit_code == 0);
+  CHECK(is_plain(query.out));
+  CHECK(is_plain(query.err));
+}
+
 TEST_CASE("a full disk leaves nothing behind") {
   const test::TemporaryFolder disk;
   if (::mount("tmpfs", disk.path().c_str(), "tmpfs", 0, "size=64k") != 0) {
@@ -249,6 +293,86 @@ TEST_CASE("a full disk leaves nothing behind") {
   CHECK(left.empty());
   check_failure(query, 3, "No space left");
   CHECK(left_after_query.empty());
+}
+
+TEST_CASE("a folder that can't be made on a full disk is an output error") {
+  const test::TemporaryFolder world;
+  test::write_text(world / "world.json", test::building(2, {"one"}));
+  const test::TemporaryFolder disk;
+  for (const char* files : {"nr_inodes=2", "nr_inodes=3", "nr_inodes=4"}) {
+    if (::mount("tmpfs", disk.path().c_str(), "tmpfs", 0, files) != 0) {
+      WARN("skipped: no permission to mount a small disk");
+      return;
+    }
+    const auto synth = run_program("vpr-synth", {world / "world.json", "-o", disk / "walk"});
+    const auto left = test::list_folder(disk.path());
+    ::umount(disk.path().c_str());
+    check_failure(synth, 3, "No space left");
+    CHECK(left.empty());
+  }
+}
+
+TEST_CASE("libraries add no lines of their own about images") {
+  const test::TemporaryFolder out;
+  cv::Mat noise(48, 64, CV_8UC1);
+  cv::randu(noise, 0, 256);
+  const auto encoded = [&](const std::string& extension) {
+    std::vector<uint8_t> bytes;
+    cv::imencode(extension, noise, bytes);
+    return std::string(bytes.begin(), bytes.end());
+  };
+  const auto train = [&](const std::string& extension, const std::string& bytes) {
+    fs::remove_all(out / "walk");
+    fs::create_directory(out / "walk");
+    for (int i = 0; i < 6; ++i)
+      test::write_image(out / "walk" / fmt::format("{}.png", i), static_cast<uint64_t>(i));
+    test::write_text(out / "walk" / ("6" + extension), bytes);
+    return Bench::train({"--train", out / "walk", "--force", "-o", out / "x.vprdb"});
+  };
+  const std::string png = encoded(".png");
+  const std::string jpeg = encoded(".jpg");
+  std::string comment = png;  // with a checksum that is wrong
+  comment.insert(33, std::string("\0\0\0\3tEXta\0b....", 15));
+  std::string flipped = png;
+  flipped[png.size() / 2] = static_cast<char>(~flipped[png.size() / 2]);
+  std::string header = png;
+  header[24] = 7;  // bits a pixel
+  const std::vector<std::pair<std::string, std::string>> damaged = {
+      {".png", flipped},
+      {".png", header},
+      {".png", png.substr(0, 60)},
+      {".jpg", jpeg.substr(0, 30) + jpeg.substr(200)},
+      {".tiff", encoded(".tiff").substr(0, 100)},
+      {".webp", encoded(".webp").substr(0, 100)},
+      {".jp2", encoded(".jp2").substr(0, 200)},
+      {".bmp", encoded(".bmp").substr(0, 100)},
+      {".pgm", encoded(".pgm").substr(0, 100)}};
+  for (const auto& [extension, bytes] : damaged)
+    check_failure(train(extension, bytes), 3, "6" + extension + ": can't be decoded");
+  // Pictures that can be read, though a library has something to say of them.
+  for (const auto& [extension, bytes] :
+       {std::pair<std::string, std::string>{".png", comment},
+        {".jpg", jpeg.substr(0, jpeg.size() - 2) + "xx\xff\xd9"}}) {
+    const auto outcome = train(extension, bytes);
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.err.empty());
+  }
+}
+
+TEST_CASE("larger frames than are allowed are refused, and allowed when asked for") {
+  const test::TemporaryFolder out;
+  for (int i = 0; i < 6; ++i)
+    test::write_image(out / fmt::format("{}.png", i), static_cast<uint64_t>(i), 1200, 1000);
+  const auto train = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--train", out.path(), "--force", "-o", out / "x.vprdb"});
+    return Bench::train(more);
+  };
+  check_failure(train({"--max-megapixels", "1"}), 2, "0.png: has 1200 x 1000 pixels");
+  check_failure(train({"--max-megapixels", "0"}), 2, "from 1 to 1073");
+  test::write_text(out / "c.json", R"({"max_megapixels": 1})");
+  check_failure(train({"--config", out / "c.json"}), 2, "--max-megapixels 2");
+  CHECK(train({"--config", out / "c.json", "--max-megapixels", "2"}).exit_code == 0);
+  CHECK(train({}).exit_code == 0);
 }
 
 TEST_CASE("ground truth that is missing or does not fit") {

@@ -275,6 +275,37 @@ TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop")
   for (size_t i = 0; i < hits.shape()[0]; ++i) CHECK(hits.values<int32_t>(2)[3 * i + 2] != 3);
 }
 
+TEST_CASE("a FAB-MAP database does not depend on the instruction sets that OpenCV finds") {
+  const std::string features = GENERATE(as<std::string>(), "sift", "kaze", "akaze", "orb");
+  const test::TemporaryFolder out;
+  for (const std::string disabled :
+       {"", "AVX2,AVX512-SKX", "SSE4.1,SSE4.2,FP16,AVX,AVX2,AVX512-SKX"})
+    REQUIRE(run_program("vpr-train",
+                        {"fabmap", "--pretrain", world().walk("other") + "@0:8", "--features",
+                         features, "--words", "20", "--train", world().walk("one") + "@0:8", "-o",
+                         out / ("without " + disabled)},
+                        {"OPENCV_CPU_DISABLE=" + disabled})
+                .exit_code == 0);
+  for (const std::string& name : test::list_folder(out / "without "))
+    for (const std::string& other : test::list_folder(out.path()))
+      CHECK(test::read_text(out / "without " / name) == test::read_text(out / other / name));
+}
+
+TEST_CASE("a pretraining frame that can't be decoded is left out, and is none without words") {
+  const test::TemporaryFolder out;
+  fs::copy(world().walk("other"), out / "broken");
+  test::write_text(out / "broken/00001a.jpg", "broken");
+  for (const std::string& folder : {world().walk("other"), (out / "broken").string()})
+    REQUIRE(
+        run_program("vpr-train", {"fabmap", "--pretrain", folder, "--features", "orb", "--words",
+                                  "40", "--train", world().walk("one"), "--skip-unreadable", "-o",
+                                  out / (fs::path(folder).filename().string() + ".vprdb")})
+            .exit_code == 0);
+  for (const std::string& name : test::list_folder(out / "other.vprdb"))
+    CHECK(test::read_text(out / "other.vprdb" / name) ==
+          test::read_text(out / "broken.vprdb" / name));
+}
+
 TEST_CASE("FAB-MAP settings out of range") {
   const test::TemporaryFolder out;
   for (const auto& [flag, value] :
@@ -329,8 +360,8 @@ TEST_CASE("every file of a FAB-MAP result is tried broken") {
     return run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"});
   };
   REQUIRE(eval().exit_code == 0);
-  for (const std::string name :
-       {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy", "r.best_scores.npy"}) {
+  for (const std::string name : {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy",
+                                 "r.best_scores.npy", "r.new_place.npy"}) {
     INFO(name);
     const std::string whole = test::read_text(out / name);
     for (const std::string& text :

@@ -158,7 +158,7 @@ TEST_CASE("mistakes of convert and check") {
   // What can't be said is said to be lost.
   const auto lossy = convert_to("vpr-bench");
   CHECK(lossy.exit_code == 0);
-  CHECK(lossy.err.find("1 pairs to ignore") != std::string::npos);
+  CHECK(lossy.err.find("1 pair to ignore") != std::string::npos);
 }
 
 TEST_CASE("one command counts a result under every protocol") {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "report/result_file.h"
 #include "support.h"
 
 using namespace vpr;
@@ -64,6 +65,27 @@ TEST_CASE("a matrix that is not the result's own is refused") {
   const auto unknown = eval("a.npy");
   CHECK(unknown.exit_code == 0);
   CHECK(unknown.err.find("names no matrix") != std::string::npos);
+}
+
+TEST_CASE("frames that a result claims and nobody has cost nothing") {
+  const Walks walks;
+  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
+  Json result = Json::parse(walks.read("r.json"));
+  result["sequences"][0]["frames"] = 2147483647;
+  result.erase("checksum");
+  add_result_checksum(result);
+  test::write_text(walks.path("r.json"), to_text(result));
+  const auto eval = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), walks.path("r.json"));
+    return run_program("vpr-eval", more).exit_code;
+  };
+  CHECK(eval({"--html", walks.path("unknown.html")}) == 0);
+  CHECK(eval({"--ground-truth", "aligned", "--html", walks.path("e.html"), "--plot",
+              walks.path("plots"), "-o", walks.path("e.json"), "--recognitions-csv",
+              walks.path("e.csv")}) == 0);
+  CHECK(run_program("vpr-eval", {"convert", "aligned", "--result", walks.path("r.json"), "--to",
+                                 "pairs", "-o", walks.path("pairs.csv")})
+            .exit_code == 0);
 }
 
 TEST_CASE("an output never replaces what its run reads, with --force either") {

@@ -53,6 +53,8 @@ TEST_CASE("lines have one width before the bar, and fit the terminal") {
         "match monday 3/14              [####                    ]  18 %");
   CHECK(progress_text("match " + std::string(50, 'x') + " 3/14", 5, 10, -1, 100) ==
         "match ...xxxxxxxxxxxxxxxx 3/14 [############            ]  50 %");
+  CHECK(progress_text("match a\x1b[2J\nb", 5, 10, -1, 100) ==
+        "match a\\x1b[2J\\x0ab            [############            ]  50 %");
   CHECK(progress_text("frames", 7, 0, -1, 100) == "frames                         7");
   CHECK(progress_text("match monday 3/14", 5, 28, 12, 40).size() == 40);
 }

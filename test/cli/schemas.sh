@@ -10,6 +10,13 @@ trap 'rm -rf "$out"' EXIT
   --save-matrix "$out/d.npy" -o "$out/r.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --t-r 0.3 --only-sequence corridor \
   -o "$out/r2.json" --quiet
+"$bin/vpr-train" fastable --train "$out/building/corridor" -o "$out/one.vprdb" --quiet  # t_r of the mean
+"$bin/vpr-query" "$out/one.vprdb" --query "$out/building/upstairs" -o "$out/r6.json" --quiet
+"$bin/vpr-eval" "$out/r6.json" --ground-truth aligned -o "$out/e6.json" --quiet
+"$bin/vpr-train" info "$out/one.vprdb" --json >"$out/i6.json"
+"$bin/vpr-tune" threshold "$out/one.vprdb" -o "$out/t6.json" --quiet
+"$bin/vpr-tune" fastable "$out/one.vprdb" --query "$out/building/upstairs" --ground-truth aligned --c-l 10 --t-r auto \
+  -o "$out/s6.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --method lsh -o "$out/r3.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized -o "$out/r4.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized-offline --t-r -2 --c-l 10 \
@@ -55,4 +62,5 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   "$out/s.json" "$out/sf.json" "$out/t.json" \
   "$out/several.json" "$out/en.json" \
   "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \
-  "$out/s3.json" "$out/best.json"
+  "$out/s3.json" "$out/best.json" \
+  "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/t6.json" "$out/s6.json"

@@ -1,7 +1,12 @@
 #include "database/openfabmap.h"
 
+#include <array>
+#include <memory>
+
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <zlib.h>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -60,6 +65,72 @@ TEST_CASE("trees that can't be meant are refused") {
   test::write_text(folder / "t.yml", text);
   CHECK(test::error_kind([&] { read_openfabmap_tree(folder / "t.yml"); }) == ErrorKind::data);
   CHECK(test::error_kind([&] { read_openfabmap_tree(folder / "none.yml"); }) == ErrorKind::input);
+}
+
+TEST_CASE("values nested deeper than a matrix are refused before they are parsed") {
+  const test::TemporaryFolder folder;
+  const auto repeated = [](const std::string& text) {
+    std::string all;
+    for (int i = 0; i < 200'000; ++i) all += text;
+    return all;
+  };
+  const std::string yaml_start = "%YAML:1.0\n---\nChowLiuTree: ";
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"t.yml", yaml_start + repeated("[")},
+      {"t.yml", yaml_start + repeated("{a: ")},
+      {"t.yml", yaml_start + "\n" + repeated("-")},
+      {"t.yml", yaml_start + "\n" + repeated("- ")},
+      {"t.yml", yaml_start + "\"" + repeated("]\", [ \"") + "\""},
+      {"t.json", "{\"ChowLiuTree\": " + repeated("[")},
+      {"t.json", repeated("{\"a\": ")},
+      {"t.xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n" + repeated("<a>\n")}};
+  for (const auto& [name, text] : files) {
+    test::write_text(folder / name, text);
+    const auto read = [&] { read_openfabmap_tree(folder / name); };
+    CHECK(test::error_kind(read) == ErrorKind::data);
+    CHECK(test::error_text(read).find("nested") != std::string::npos);
+  }
+}
+
+TEST_CASE("OpenCV's parser takes as many nested values as are let through") {
+  const test::TemporaryFolder folder;
+  const std::string yaml_start = "%YAML:1.0\n---\nChowLiuTree: \n ";
+  const std::vector<std::array<std::string, 3>> files = {
+      {"t.yml", yaml_start, "["},
+      {"t.yml", yaml_start, "- "},
+      {"t.json", "{\"ChowLiuTree\": ", "["},
+      {"t.xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n", "<a>\n"}};
+  for (const auto& [name, start, level] : files) {
+    std::string text = start;
+    for (int i = 0; i < 990; ++i) text += level;
+    test::write_text(folder / name, text);
+    const auto read = [&] { read_openfabmap_tree(folder / name); };
+    CHECK(test::error_kind(read) == ErrorKind::data);
+    CHECK(test::error_text(read).find("nested") == std::string::npos);
+  }
+}
+
+TEST_CASE("numbers of any sign and exponent are no nested values") {
+  const test::TemporaryFolder folder;
+  std::string values = "-.5, 1e-05";
+  for (int i = 2; i < 3000; ++i) values += ", -1.5e-05";
+  test::write_text(folder / "v.yml", yaml("Vocabulary", 1, 3000, "f", values));
+  CHECK(read_openfabmap_vocabulary(folder / "v.yml").at<float>(0, 0) == -.5F);
+}
+
+TEST_CASE("a compressed file is read, and one that unpacks to too much is refused") {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "t.yml.gz";
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "wb1"), ::gzclose);
+  REQUIRE(file);
+  ::gzwrite(file.get(), kTree.data(), static_cast<unsigned>(kTree.size()));
+  ::gzflush(file.get(), Z_FINISH);
+  CHECK(read_openfabmap_tree(path).parent == std::vector<uint32_t>{0, 0});
+  const std::string spaces(1 << 20, ' ');
+  for (int i = 0; i < 128; ++i)
+    ::gzwrite(file.get(), spaces.data(), static_cast<unsigned>(spaces.size()));
+  ::gzflush(file.get(), Z_FINISH);
+  CHECK(test::error_text([&] { read_openfabmap_tree(path); }).find("gunzip") != std::string::npos);
 }
 
 TEST_CASE("random damage gives an error or a tree, never a crash") {

@@ -11,10 +11,10 @@
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/fingerprint.h"
 #include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/label_runs.h"
 #include "evaluation/ground_truth/pose_matches.h"
 #include "evaluation/ground_truth/presets.h"
 #include "evaluation/ground_truth/utm_names.h"
-#include "evaluation/ground_truth/writing.h"
 #include "support.h"
 
 using namespace vpr;
@@ -66,7 +66,7 @@ struct Files {
 void write_truth(const GroundTruthFormat& format, const InspectedGroundTruth& truth,
                  const std::filesystem::path& path) {
   OutputFile file(path, Existing::replace);
-  format.write(truth, file);
+  format.write(truth, file, {});
   file.commit();
 }
 
@@ -279,6 +279,39 @@ TEST_CASE("trajectories of TUM and KITTI: positions, and the angle between orien
   argument.options.radius_m = 5;
   CHECK(files.read(argument, 1, 2) == "S.");
   CHECK(test::error_kind([&] { files.read(argument, 2, 2); }) == ErrorKind::data);
+}
+
+TEST_CASE("a matrix of KITTI that is no rotation is refused with its line") {
+  const Files files;
+  files.text("r.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  GroundTruthArgument argument{"", "q.kitti"};
+  argument.options.reference = "r.kitti";
+  argument.options.radius_m = 5;
+  const auto refusal = [&](const std::string& matrix) {
+    files.text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n" + matrix + "\n");
+    return test::error_text([&] { files.read(argument, 2, 1); });
+  };
+  for (const char* matrix :
+       {"5 0 0 0 0 5 0 0 0 0 5 0", "0 0 0 0 0 0 0 0 0 0 0 0", "1 0 0 0 0 1 0 0 0 0 -1 0",
+        "1 0.1 0 0 0 1 0 0 0 0 1 0", "9e307 9e307 9e307 0 9e307 9e307 9e307 0 9e307 9e307 9e307 0"})
+    CHECK(refusal(matrix).find("line 2: its matrix is no rotation") != std::string::npos);
+  // Rounded to three digits, as some write them: 30 degrees about z.
+  CHECK(refusal("0.866 -0.5 0 0 0.5 0.866 0 0 0 0 1 0").empty());
+}
+
+TEST_CASE("a byte order mark in front of trajectories is no part of a number") {
+  const Files files;
+  files.text("q.tum", "\xef\xbb\xbf\x31 0 0 0 0 0 0 1\n");
+  GroundTruthArgument argument{"", "q.tum"};
+  argument.options.reference = "q.tum";
+  argument.options.radius_m = 5;
+  CHECK(files.read(argument, 1, 1) == "S");
+}
+
+TEST_CASE("an archive without any file is damaged ground truth") {
+  const Files files;
+  files.text("none.npz", std::string("PK\x05\x06") + std::string(18, '\0'));
+  CHECK(test::error_kind([&] { files.read("none.npz", 1, 1); }) == ErrorKind::data);
 }
 
 TEST_CASE("the angle between orientations") {

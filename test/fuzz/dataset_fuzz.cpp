@@ -1,12 +1,5 @@
 // Any bytes as a data set description.
-#include "base/error.h"
+#include "fuzz.h"
 #include "images/dataset.h"
-#include "memory_file.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  try {
-    vpr::read_dataset(vpr::fuzz::memory_file(data, size));
-  } catch (const vpr::Error&) {
-  }
-  return 0;
-}
+void vpr::fuzz::run(std::string_view input) { read_dataset(memory_file(input)); }

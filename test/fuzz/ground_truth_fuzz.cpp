@@ -1,19 +1,13 @@
 // Any bytes as a ground truth of one format (VPR_FUZZ_FORMAT): they are refused with an Error, or
 // give a ground truth that is sound.
-#include <cstdlib>
-
-#include "base/error.h"
 #include "evaluation/ground_truth/check.h"
 #include "evaluation/ground_truth/formats.h"
-#include "memory_file.h"
+#include "fuzz.h"
 
 using namespace vpr;
+using fuzz::require;
 
 namespace {
-
-void require(bool good) {
-  if (!good) std::abort();
-}
 
 void require_sound(const InspectedGroundTruth& found) {
   require(found.truth.pairs.size() == found.scope.query_frames);
@@ -32,34 +26,28 @@ void require_sound(const InspectedGroundTruth& found) {
 
 // Sides that the corpus has, and those that the file says itself.
 void read(const GroundTruthArgument& argument, size_t query_frames, size_t train_frames) {
-  try {
+  fuzz::refuses([&] {
     const InspectedGroundTruth found =
         inspect_ground_truth(argument, {query_frames, {{"", train_frames}}});
     if (found.truth.pairs.size() < 1000 && found.scope.sequences[0].frames < 1000)
       require_sound(found);
-  } catch (const Error& error) {
-    require(error.kind() == ErrorKind::data || error.kind() == ErrorKind::usage);
-  }
+  });
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+void fuzz::run(std::string_view input) {
   GroundTruthArgument argument;
   argument.format = VPR_FUZZ_FORMAT;
-  argument.path = fuzz::memory_file(data, size);
+  argument.path = memory_file(input);
   const auto& uses = find_format(argument.format).options;
   for (const auto& option : uses) {
     if (option == "reference") argument.options.reference = argument.path;
     if (option == "radius_m") argument.options.radius_m = 25;
     if (option == "angle_deg") argument.options.angle_deg = 40;
   }
-  try {
-    recognise_format(argument.path);
-  } catch (const Error&) {  // of no format at all
-  }
+  refuses([&] { recognise_format(argument.path); });  // of no format at all
   read(argument, 3, 4);
   read(argument, 3, 3);
   read(argument, kUnknownFrames, kUnknownFrames);
-  return 0;
 }

@@ -1,18 +1,55 @@
-// Any bytes as a result of vpr-query, of either family.
-#include "base/error.h"
-#include "memory_file.h"
+// A result of vpr-query, of either family, with its companions and whatever checksums they need to
+// be looked at; and the report of what can be read.
+#include "base/checksum.h"
+#include "base/json.h"
+#include "evaluation/view_counts.h"
+#include "fuzz.h"
+#include "report/evaluation_report.h"
 #include "report/fabmap_result_file.h"
 #include "report/result_file.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const std::filesystem::path path = vpr::fuzz::memory_file(data, size);
-  try {
-    vpr::read_result(path);
-  } catch (const vpr::Error&) {
+using namespace vpr;
+
+namespace {
+
+constexpr size_t kMostFrames = 1000;  // that are worth the time of a report
+
+// r.json names the checksums of its companions, and is sealed.
+void seal(std::vector<fuzz::Part>& parts) {
+  for (fuzz::Part& part : parts) {
+    std::optional<Json> json = parse_json(part.bytes);
+    if (part.name != "r.json" || !json || !json->is_object()) continue;
+    for (const fuzz::Part& file : parts) {
+      if (!file.name.starts_with("r.") || !file.name.ends_with(".npy")) continue;
+      Json& entry = (*json)["files"][file.name.substr(2, file.name.size() - 6)];
+      entry = {{"rows", 0}, {"checksum", checksum(std::string_view(file.bytes))}};
+    }
+    add_result_checksum(*json);
+    part.bytes = to_text(*json);
   }
-  try {
-    vpr::read_fabmap_result(path);
-  } catch (const vpr::Error&) {
-  }
-  return 0;
+}
+
+void report(const SequenceResult& result) {
+  size_t frames = result.query_frames;
+  for (const auto& sequence : result.sequences) frames += sequence.frames;
+  if (frames > kMostFrames) return;
+  const GroundTruth truth = read_ground_truth({"aligned", {}, 1}, scope_of(result));
+  report_json(result, count_recognitions(result, truth), count_by_view(result, truth),
+              judge(result, truth, {}), truth, "", {});
+}
+
+void report(const FabmapResult& result) {
+  if (result.query_frames + result.places.size() > kMostFrames) return;
+  const GroundTruth truth = read_ground_truth({"aligned", {}, 1}, scope_of(result));
+  report_json(result, count_recognitions(result, truth), judge(result, truth, {}), truth, "", {});
+}
+
+}  // namespace
+
+void fuzz::run(std::string_view input) {
+  std::vector<Part> parts = split_parts(input);
+  seal(parts);
+  const std::filesystem::path path = folder_of(parts) / "r.json";
+  refuses([&] { report(read_result(path).result); });
+  refuses([&] { report(read_fabmap_result(path).result); });
 }

@@ -8,9 +8,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <sys/resource.h>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "images/codec_scope.h"
 #include "support.h"
 
 using namespace vpr;
@@ -45,6 +47,37 @@ std::string jpeg_bytes(int width, int height) {
   std::vector<uint8_t> bytes;
   cv::imencode(".jpg", image, bytes);
   return {bytes.begin(), bytes.end()};
+}
+
+uint32_t png_checksum(std::string_view bytes) {
+  uint32_t sum = ~uint32_t{0};
+  for (const char byte : bytes) {
+    sum ^= static_cast<uint8_t>(byte);
+    for (int bit = 0; bit < 8; ++bit) sum = sum >> 1 ^ (sum % 2 != 0 ? 0xedb88320 : 0);
+  }
+  return ~sum;
+}
+
+std::string big_endian(uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+  return bytes;
+}
+
+/// A small PNG whose header says that it is large.
+std::string png_that_claims(uint32_t width, uint32_t height) {
+  std::vector<uint8_t> bytes;
+  cv::imencode(".png", cv::Mat(8, 8, CV_8UC3, cv::Scalar(1, 2, 3)), bytes);
+  std::string png(bytes.begin(), bytes.end());
+  png.replace(16, 8, big_endian(width) + big_endian(height));
+  png.replace(29, 4, big_endian(png_checksum(std::string_view(png).substr(12, 17))));
+  return png;
+}
+
+long peak_memory_kib() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
 }
 
 }  // namespace
@@ -98,6 +131,54 @@ TEST_CASE("a JPEG whose preview is complete but whose picture is cut counts as t
   CHECK(test::error_kind([&] { read_all({folder.path(), {}}); }) == ErrorKind::input);
 }
 
+TEST_CASE("a picture of more pixels than are allowed is refused, whatever its format") {
+  const std::string extension =
+      GENERATE(as<std::string>(), ".png", ".jpg", ".bmp", ".pgm", ".tiff", ".webp", ".jp2");
+  const test::TemporaryFolder folder;
+  const MegapixelLimit limit(1);
+  for (int i = 0; i < 6; ++i) test::write_image(folder / fmt::format("{}.png", i), i);
+  test::write_image(folder / ("7" + extension), 7, 1000, 1000);
+  CHECK(read_all({folder.path(), {}}).images.size() == 7);
+  test::write_image(folder / ("8" + extension), 8, 1250, 1001);
+  test::write_image(folder / ("9" + extension), 9, 2000, 1000);
+  for (const Unreadable unreadable : {Unreadable::fail, Unreadable::skip}) {
+    const auto read = [&] { read_all({folder.path(), {}}, unreadable); };
+    CHECK(test::error_kind(read) == ErrorKind::usage);
+    CHECK(test::error_text(read) == fmt::format("{}: has 1250 x 1001 pixels, more than the 1 "
+                                                "megapixels that are allowed; remove it, or give "
+                                                "--max-megapixels 2 if it is meant",
+                                                (folder / ("8" + extension)).string()));
+  }
+}
+
+TEST_CASE("a small file that claims a large picture takes no memory") {
+  const test::TemporaryFolder folder;
+  const auto refusal = [&](uint32_t width, uint32_t height) {
+    test::write_text(folder / "1.png", png_that_claims(width, height));
+    return test::error_text([&] { read_all({folder.path(), {}}); });
+  };
+  CHECK(refusal(9, 9).find("can't be decoded") != std::string::npos);
+  const long before = peak_memory_kib();
+  CHECK(refusal(20'000, 20'000).find("--max-megapixels 400 ") != std::string::npos);
+  CHECK(refusal(32'768, 32'768).find("make it smaller") != std::string::npos);
+  CHECK(refusal(1'000'000, 1'000'000).find("make it smaller") != std::string::npos);
+  CHECK(peak_memory_kib() - before < 50 * 1024);
+}
+
+TEST_CASE("limits of pixels that can't be kept are refused, and end with their scope") {
+  CHECK(test::error_kind([] { const MegapixelLimit none(0); }) == ErrorKind::usage);
+  CHECK(test::error_kind([] { const MegapixelLimit more(kMostMegapixels + 1); }) ==
+        ErrorKind::usage);
+  const MegapixelLimit outer(2);
+  {
+    const MegapixelLimit inner(1);
+    CHECK(test::error_kind([] { check_frame_size("x", 1001, 1000); }) == ErrorKind::usage);
+  }
+  check_frame_size("x", 2000, 1000);
+  check_frame_size("x", 0, 0);
+  CHECK(test::error_kind([] { check_frame_size("x", 2000, 1001); }) == ErrorKind::usage);
+}
+
 TEST_CASE("a sequence without any readable frame is an error even if they may be skipped") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "1.png", "");
@@ -137,6 +218,22 @@ TEST_CASE("a video is read frame after frame, and cut to its range") {
   for (size_t i = 0; i < 3; ++i) CHECK(same_pixels(part.images.at(i), all.images.at(3 + 3 * i)));
   CHECK(test::error_kind([&] { read_all({path, {0, 13, 1}}); }) == ErrorKind::usage);
   CHECK(test::error_kind([&] { read_all({path, {12, std::nullopt, 1}}); }) == ErrorKind::usage);
+}
+
+TEST_CASE("a video of larger frames than are allowed is refused before one is decoded") {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "walk.avi";
+  {
+    cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {1280, 1024});
+    REQUIRE(writer.isOpened());
+    writer.write(cv::Mat(1024, 1280, CV_8UC3, cv::Scalar(9, 9, 9)));
+  }
+  CHECK(read_all({path, {}}).images.size() == 1);
+  const MegapixelLimit limit(1);
+  for (const Unreadable unreadable : {Unreadable::fail, Unreadable::skip})
+    CHECK(test::error_text([&] {
+            read_all({path, {}}, unreadable);
+          }).find("has 1280 x 1024 pixels") != std::string::npos);
 }
 
 TEST_CASE("a file that is no video is an input error") {

@@ -77,6 +77,13 @@ TEST_CASE("a list gives its files in its own order, relative to itself") {
   CHECK(sequence.files == std::vector<fs::path>{folder / "b/2.png", folder / "a/1.png"});
 }
 
+TEST_CASE("a byte order mark in front of a list is no part of a name") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
+  const Sequence sequence = open_sequence({folder / "list.txt", {}});
+  CHECK(sequence.files == std::vector<fs::path>{folder / "1.png", folder / "2.png"});
+}
+
 TEST_CASE("what is no sequence is an input error that names it") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "empty.txt", "\n#\n");

@@ -25,6 +25,20 @@ SequenceResult make_result(ThresholdScale scale, double threshold) {
 
 }  // namespace
 
+TEST_CASE("on the scale mean the closest is the one that is closest for its window") {
+  SequenceResult result = make_result(ThresholdScale::mean, 0.1);
+  result.sequences[0].window_means.assign(20, 400);
+  result.sequences[0].window_means[5] = 1000;  // 150 of 1000
+  const auto advice = threshold_advice(result);
+  REQUIRE(advice);
+  CHECK(advice->sentence.find("0.150 of what this window differs by on average") !=
+        std::string::npos);
+  REQUIRE(advice->suggested);
+  CHECK(advice->suggested->scale == ThresholdScale::mean);
+  CHECK(advice->suggested->threshold == Approx(0.251));  // the second is 100 of 400
+  CHECK(advice->suggested->windows == 2);
+}
+
 TEST_CASE("without a hit, the closest windows and a threshold for a tenth of them are said") {
   const auto bits = threshold_advice(make_result(ThresholdScale::bits, 10));
   REQUIRE(bits);

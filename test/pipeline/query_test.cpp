@@ -136,7 +136,7 @@ TEST_CASE("a window that is close to the training walk itself elsewhere is no hi
   settings.window_length = 10;
   const SequenceResult result = query_all(database, make_query(query), settings).result;
   REQUIRE(result.sequences[0].threshold);
-  CHECK(result.sequences[0].scale == ThresholdScale::bits);
+  CHECK(result.sequences[0].scale == ThresholdScale::mean);
   REQUIRE_FALSE(result.hits.empty());
   CHECK(result.best[18]->train_window == 13);
   for (const Cell& hit : result.hits)
@@ -144,6 +144,46 @@ TEST_CASE("a window that is close to the training walk itself elsewhere is no hi
   SequenceDatabase old = make_database({walk}, 10);  // of the time before such thresholds
   old.thresholds[0].closest[0].reset();
   CHECK(query_all(old, make_query(query), settings).result.hits == result.hits);
+}
+
+TEST_CASE("the mean scale asks how much closer a window is than it is to the whole walk") {
+  const std::vector<LdbCode> walk = test::walk_codes(90, 1, 120);
+  std::vector<LdbCode> query = test::walk_codes(50, 3, 120);
+  std::copy_n(walk.begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database({walk}, 10);
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  settings.distance_threshold = 0.9;
+  settings.threshold_scale = ThresholdScale::mean;
+  const auto distances = plain_openable(walk, query, 10);
+  std::vector<Cell> expected;
+  for (uint32_t j = 0; j < 41; ++j) {
+    uint64_t sum = 0;
+    for (size_t k = 0; k < 10; ++k)
+      for (const LdbCode& frame : walk) sum += plain_hamming(query[j + k], frame);
+    for (uint32_t i = 0; i < 81; ++i)
+      if (distances[j * 81 + i] / (double(sum) / 90) < 0.9)
+        expected.push_back({j, 0, i, distances[j * 81 + i]});
+  }
+  REQUIRE_FALSE(expected.empty());
+  for (const char* method : {"fastable", "fastable-online", "openable"}) {
+    settings.method = method;
+    CHECK(query_all(database, make_query(query), settings).result.hits == expected);
+  }
+}
+
+TEST_CASE("other light makes all distances larger, and a walk is recognised all the same") {
+  const std::vector<LdbCode> walk = test::walk_codes(90, 1, 120);
+  std::vector<LdbCode> query(walk.begin() + 10, walk.begin() + 60);
+  for (size_t i = 0; i < query.size(); ++i)
+    for (size_t byte = 0; byte < 60; ++byte) query[i][byte] = uint8_t(query[i][byte] ^ 0x6f);
+  const SequenceDatabase database = make_database({walk}, 10);
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  const SequenceResult result = query_all(database, make_query(query), settings).result;
+  std::vector<bool> recognised(41);
+  for (const Cell& hit : result.hits) recognised[hit.query_window] = true;
+  CHECK(std::count(recognised.begin(), recognised.end(), true) > 30);
 }
 
 TEST_CASE("training walks that look different don't make everything a hit") {

@@ -223,6 +223,10 @@ TEST_CASE("settings that do not fit the score are usage errors") {
   CHECK(kind(Score::raw, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }) ==
         ErrorKind::usage);
   CHECK(kind(Score::raw, [](auto& s) { s.safety_margin = 0.1; }) == ErrorKind::usage);
+  CHECK(kind(Score::raw, [](auto& s) {
+          s.threshold_scale = ThresholdScale::mean;
+          s.distance_threshold = 1.1;
+        }) == ErrorKind::usage);
 }
 
 TEST_CASE("a sweep of scores counts what single queries find") {

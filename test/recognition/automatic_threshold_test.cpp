@@ -75,6 +75,18 @@ TEST_CASE("where training sequences look different, a share of the typical dista
   CHECK(alone.is_largest);
 }
 
+TEST_CASE("of a single sequence the threshold is a share of the mean distance") {
+  const AutomaticThreshold found = own_threshold(ClosestWindows{800, 0, 0, 9}, 400, 4, 0.5);
+  CHECK(found.scale == ThresholdScale::mean);
+  CHECK(found.value == Approx(0.25));
+  CHECK_FALSE(found.is_largest);
+  const AutomaticThreshold far = own_threshold(ClosestWindows{1200, 0, 0, 9}, 400, 4, 1);
+  CHECK(far.value == Approx(1 - 0.8 / 2));
+  CHECK(far.is_largest);
+  CHECK(own_threshold(std::nullopt, 400, 16, 1).value == Approx(0.8));
+  CHECK(own_threshold(ClosestWindows{0, 0, 0, 9}, 0, 16, 1).value == Approx(0.8));
+}
+
 TEST_CASE("the typical distance is that of frames of one sequence that are no neighbours") {
   const std::vector<LdbCode> walk = test::walk_codes(40, 8, 100);
   double mean = 0;

@@ -1,10 +1,12 @@
 #include "recognition/clustering.h"
 
 #include <algorithm>
+#include <atomic>
 #include <set>
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/random.h"
 
 using namespace vpr;
@@ -45,6 +47,13 @@ std::vector<size_t> slow_labels(const std::vector<Cell>& hits, const ClusterSett
 }
 
 }  // namespace
+
+TEST_CASE("clustering can be stopped") {
+  const std::atomic<bool> stop{true};
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK_THROWS_AS(cluster_hits(cells({{7, 9}}), {}, monitor), Error);
+}
 
 TEST_CASE("no hits give no places, one hit gives itself") {
   CHECK(cluster_hits({}, {}).places.empty());

@@ -72,7 +72,7 @@ std::optional<ClosestWindows> find_elsewhere(const CodeSpan& walk, size_t length
       [&](const QueryCodes& query, const RowConsumer& consume) {
         match_fastable(train, query, settings, {}, consume);
       },
-      most_pairs);
+      {}, most_pairs);
 }
 
 bool same(const std::optional<ClosestWindows>& a, const std::optional<ClosestWindows>& b) {

@@ -20,8 +20,7 @@ TrainSequence named(const std::string& name, size_t frames) {
   return sequence;
 }
 
-std::vector<std::string> warnings_of(const std::vector<std::vector<LdbCode>>& walks,
-                                     size_t length) {
+std::string warning_of(const std::vector<std::vector<LdbCode>>& walks, size_t length) {
   std::vector<CodeSpan> spans;
   std::vector<TrainSequence> sequences;
   for (const auto& walk : walks) {
@@ -31,7 +30,7 @@ std::vector<std::string> warnings_of(const std::vector<std::vector<LdbCode>>& wa
   }
   const ThresholdTable table{
       length, 1, find_closest_windows(spans, {length, size_t{1} << 30, select_kernels()}, {})};
-  return overlap_warnings(table, sequences, spans);
+  return overlap_warning(table, sequences, spans).value_or("");
 }
 
 }  // namespace
@@ -46,6 +45,11 @@ TEST_CASE("mean distances of sets of codes come from counted bits") {
   const CodeSpan all{codes, {}};
   CHECK(mean_distance_within(count_bits({&all, 1})) == Approx(4 / 3.0));
   CHECK(mean_distance_within(count_bits({&first, 1})) == 0);
+  // The codes differ from all three by 3, 2 and 3 bits together.
+  CHECK(mean_window_distances(count_bits({&all, 1}), codes, 2) ==
+        std::vector<double>{(3 + 2) / 3.0, (2 + 3) / 3.0});
+  CHECK(mean_window_distances(count_bits({}), codes, 3) == std::vector<double>{0});
+  CHECK(mean_window_distances(count_bits({&all, 1}), codes, 4).empty());
 }
 
 TEST_CASE("a diagonal is too close for chance the sooner the longer it is") {
@@ -59,31 +63,42 @@ TEST_CASE("a diagonal is too close for chance the sooner the longer it is") {
 TEST_CASE("two walks through one place are named, with their frames") {
   std::vector<std::vector<LdbCode>> walks = {test::walk_codes(60, 1, 150),
                                              test::walk_codes(60, 2, 150)};
-  CHECK(warnings_of(walks, 10).empty());
+  CHECK(warning_of(walks, 10).empty());
   std::copy_n(walks[0].begin() + 20, 15, walks[1].begin() + 40);
-  const auto warnings = warnings_of(walks, 10);
-  REQUIRE(warnings.size() == 1);  // the pair once, not each of the two
-  CHECK(warnings[0].find("a and b seem to show the same place, or places that look alike") == 0);
-  CHECK(warnings[0].find("a frames 20 to 29 (20.png to 29.png)") != std::string::npos);
-  CHECK(warnings[0].find("b frames 40 to 49") != std::string::npos);
-  CHECK(warnings[0].find("train only one of them") != std::string::npos);
+  const std::string warning = warning_of(walks, 10);
+  CHECK(warning.find("a and b seem to show the same place, or places that look alike") == 0);
+  CHECK(warning.find("a frames 20 to 29 (20.png to 29.png)") != std::string::npos);
+  CHECK(warning.find("b frames 40 to 49") != std::string::npos);
+  CHECK(warning.find("train only one of them") != std::string::npos);
+  CHECK(warning.find("so do") == std::string::npos);  // the pair once, not each of the two
 }
 
 TEST_CASE("of many walks the pairs that overlap are named, the others not") {
   std::vector<std::vector<LdbCode>> walks;
   for (uint64_t w = 0; w < 5; ++w) walks.push_back(test::walk_codes(60, w + 1, 150));
   std::copy_n(walks[2].begin(), 30, walks[4].begin() + 30);
-  const auto warnings = warnings_of(walks, 10);
-  REQUIRE(warnings.size() == 1);
-  CHECK(warnings[0].find("c and e") == 0);
+  const std::string warning = warning_of(walks, 10);
+  CHECK(warning.find("c and e") == 0);
+  CHECK(warning.find("so do") == std::string::npos);
+}
+
+TEST_CASE("all pairs that overlap are one warning, which names the first three") {
+  std::vector<std::vector<LdbCode>> walks;
+  for (uint64_t w = 0; w < 10; ++w) walks.push_back(test::walk_codes(60, w + 1, 150));
+  for (size_t w = 0; w < 10; w += 2) std::copy_n(walks[w].begin(), 30, walks[w + 1].begin() + 30);
+  const std::string warning = warning_of(walks, 10);
+  CHECK(warning.find("a and b seem to show the same place") == 0);
+  CHECK(warning.find("; so do c and d: c frames") != std::string::npos);
+  CHECK(warning.find("; so do e and f: e frames") != std::string::npos);
+  CHECK(warning.find("g and h") == std::string::npos);
+  CHECK(warning.find("; and so do 2 other pairs. If it is one place") != std::string::npos);
 }
 
 TEST_CASE("a single walk that shows a place twice is named") {
   std::vector<LdbCode> walk = test::walk_codes(80, 1, 150);
-  CHECK(warnings_of({walk}, 8).empty());
+  CHECK(warning_of({walk}, 8).empty());
   std::copy_n(walk.begin() + 5, 20, walk.begin() + 50);
-  const auto warnings = warnings_of({walk}, 8);
-  REQUIRE(warnings.size() == 1);
-  CHECK(warnings[0].find("a seems to show a place twice") == 0);
-  CHECK(warnings[0].find("--train a@FIRST:LAST") != std::string::npos);
+  const std::string warning = warning_of({walk}, 8);
+  CHECK(warning.find("a seems to show a place twice") == 0);
+  CHECK(warning.find("--train a@FIRST:LAST") != std::string::npos);
 }

@@ -1,12 +1,17 @@
 #include "report/html_report.h"
 
+#include <atomic>
+#include <limits>
+
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
 #include "report/gallery.h"
 #include "report/html_text.h"
+#include "report/score_picture.h"
 #include "report/scores_report.h"
+#include "report/svg_charts.h"
 #include "report/thumbnails.h"
 #include "support.h"
 
@@ -201,6 +206,28 @@ TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
   const std::string matrix = page.substr(page.find("<svg class=\"matrix\""));
   CHECK(matrix.find(">19</text>") != std::string::npos);  // the first window's anchor
   CHECK(matrix.find(">monday</text>") != std::string::npos);
+}
+
+TEST_CASE("a page costs what it shows, however many frames a sequence claims to have") {
+  Judgement judgement = example("cwcwcwcw", 3);
+  constexpr size_t kClaimed = std::numeric_limits<int32_t>::max();
+  judgement.layout.scope.sequences[0].frames = kClaimed;
+  judgement.layout.columns = {{0, 0, kClaimed - 2}};
+  const std::string page = page_of(judgement, example_truth(judgement));
+  CHECK(count_of(page, "2000000000</text>") == 2);  // on the axes of timeline and matrix
+  CHECK(page.size() < 1000000);
+}
+
+TEST_CASE("a page can be stopped where it draws") {
+  const Judgement judgement = example("cwcwcwcw");
+  const GroundTruth truth = example_truth(judgement);
+  const std::atomic<bool> stop{true};
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK(test::error_kind([&] { timeline_svg(judgement, truth, "frame", {}, monitor); }) ==
+        ErrorKind::interrupted);
+  CHECK(test::error_kind([&] { draw_scores(judgement, truth, nullptr, 100, monitor); }) ==
+        ErrorKind::interrupted);
 }
 
 TEST_CASE("without a ground truth a page shows matches and judges nothing") {

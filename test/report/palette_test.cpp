@@ -89,7 +89,7 @@ TEST_CASE("colours that stand side by side differ for every eye, on light and on
        Meaning::unjudged},
       {Meaning::unjudged, Meaning::weak_unjudged},
       {Meaning::right, Meaning::wrong, Meaning::missed, Meaning::unmapped, Meaning::train_path,
-       Meaning::place},
+       Meaning::place, Meaning::unreachable},
       {Meaning::best_matches, Meaning::all_pairs}};
   for (const auto& picture : pictures)
     for (size_t i = 0; i < picture.size(); ++i) {
@@ -126,7 +126,7 @@ TEST_CASE("the sentence says how often, how wrong and when first") {
         "frame 2 (0.5 s).");
   judgement.fixes = {Fix::right};
   CHECK(summary_sentence(judgement, true, {}) ==
-        "Recognised in 1 of 1 frames, none of them wrong; the first right one at frame 0.");
+        "Recognised in 1 of 1 frame, none of them wrong; the first right one at frame 0.");
   judgement.fixes = {Fix::none, Fix::none};
   CHECK(summary_sentence(judgement, true, 10.0) == "Recognised in none of 2 frames.");
   judgement.fixes = {Fix::none, Fix::unjudged};

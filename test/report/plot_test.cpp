@@ -1,8 +1,12 @@
 #include "report/plot.h"
 
+#include <atomic>
+#include <cmath>
+
 #include <catch2/catch.hpp>
 #include <opencv2/core.hpp>
 
+#include "base/error.h"
 #include "report/evaluation_plots.h"
 #include "report/frame_axis.h"
 #include "report/framed_picture.h"
@@ -96,6 +100,13 @@ TEST_CASE("of two ticks that are near each other, a band's first stays") {
   CHECK(positions == std::vector<double>{0.5, 10.5, 21.5, 31.5});
 }
 
+TEST_CASE("ticks of an axis cost what they show") {
+  const std::vector<AxisTick> ticks = ticks_of({{"a", 0, 0, 7, size_t{1} << 60}}, 5);
+  REQUIRE(ticks.size() > 3);
+  CHECK(ticks[0].frame == 7);
+  CHECK(ticks[1].frame == 200000000000000000);
+}
+
 TEST_CASE("a timeline has the palette's colours by meaning, and the ground truth") {
   const Judgement judgement = walk("rRwWrRRR");
   const GroundTruth truth = aligned(judgement);
@@ -154,7 +165,17 @@ TEST_CASE("correct against incorrect starts at zero and names thresholds") {
     cell.counts.hits.incorrect = cell.counts.places.incorrect = threshold > 0.55 ? 9 : 0;
     sweep.sequence_cells.push_back(cell);
   }
-  const std::string script = script_of(sweep_plot(sweep));
+  SequenceCellCounts automatic;
+  automatic.window_length = 10;
+  automatic.counts.hits = {45, 3, 0};
+  sweep.sequence_cells.insert(sweep.sequence_cells.begin(), automatic);
+  const Plot plot = sweep_plot(sweep);
+  REQUIRE(plot.lines.size() == 1);
+  std::vector<std::string> order;  // a gap has no label
+  for (const std::string& label : plot.lines[0].labels) order.push_back(label);
+  CHECK(order == std::vector<std::string>{"t_r 0.4", "t_r 0.5", "t_r 0.6", "", "t_r auto"});
+  CHECK(std::isnan(plot.lines[0].points[3].first));
+  const std::string script = script_of(plot);
   CHECK(has(script, "set xrange [0:1<*]"));
   CHECK(has(script, "\"t_r 0.4\""));
   CHECK(has(script, "\"t_r 0.6\""));
@@ -173,7 +194,7 @@ TEST_CASE("a map has a bar of metres, and places only of FAB-MAP") {
   map.train = {{RoutePoint{0, 0, ""}, RoutePoint{40, 0, ""}}};
   map.query = {RoutePoint{0, 1, ""}, RoutePoint{20, 1, ""}, RoutePoint{40, 1, ""}};
   map.places = {{10, 0, ""}};
-  MapPanel panel{"p", {Fix::right, Fix::none, Fix::none}, {true, true, false}};
+  MapPanel panel{"p", {Meaning::right, Meaning::missed, Meaning::unmapped}};
   Plot plot = route_plots(map, {panel}).front();
   CHECK(find(plot, Meaning::place) == nullptr);
   CHECK(find(plot, Meaning::train_path)->style == PlotStyle::wide_line);
@@ -182,6 +203,42 @@ TEST_CASE("a map has a bar of metres, and places only of FAB-MAP") {
   CHECK(has(script_of(plot), "\"10 m\""));
   panel.shows_places = true;
   CHECK(find(route_plots(map, {panel}).front(), Meaning::place) != nullptr);
+}
+
+TEST_CASE("frames at which nothing can be recognised are not drawn as missed") {
+  Judgement judgement = walk("rRwWrR");  // frames 0 and 1 end no window
+  GroundTruth truth = aligned(judgement);
+  const size_t frames = judgement.fixes.size();
+  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
+  judgement.outcomes.queries[1].has_match = false;
+  judgement.outcomes.queries[1].is_unreachable = true;
+  const size_t elsewhere = judgement.outcomes.queries[1].frame;
+  judgement.fixes.assign(frames, Fix::none);
+  judgement.fixes.back() = Fix::right;
+  const std::vector<Meaning> meanings = meanings_of(judgement, truth);
+  REQUIRE(meanings.size() == frames);
+  const size_t first = judgement.outcomes.queries.front().frame;
+  for (size_t frame = 0; frame < frames; ++frame) {
+    INFO(frame);
+    const Meaning expected = frame == frames - 1                   ? Meaning::right
+                             : frame < first || frame == elsewhere ? Meaning::unreachable
+                                                                   : Meaning::missed;
+    CHECK(meanings[frame] == expected);
+  }
+  truth.pairs.assign(frames, {});
+  judgement.outcomes.queries[2].has_match = false;
+  CHECK(meanings_of(judgement, truth)[judgement.outcomes.queries[2].frame] == Meaning::unmapped);
+}
+
+TEST_CASE("a map can be stopped") {
+  RouteMap map;
+  map.query = {RoutePoint{0, 1, "a"}, RoutePoint{20, 1, "b"}, RoutePoint{40, 1, "a"}};
+  const MapPanel panel{"p", {Meaning::right, Meaning::missed, Meaning::unmapped}};
+  CHECK(route_plots(map, {panel}).size() == 2);  // a plot a floor
+  const std::atomic<bool> stop{true};
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK_THROWS_AS(route_plots(map, {panel}, monitor), Error);
 }
 
 TEST_CASE("a framed picture keeps its pixels and has margins on white") {

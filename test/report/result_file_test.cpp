@@ -136,6 +136,7 @@ TEST_CASE("results that were tampered with are refused, never a crash") {
                                                  {"/query/frames", -1},
                                                  {"/query/frames", 1e30},
                                                  {"/sequences/0/frames", 2},
+                                                 {"/sequences/0/windows", 6},
                                                  {"/sequences", 3},
                                                  {"/recognitions/0/sequence", 2},
                                                  {"/recognitions/0/train/last", 5},

@@ -26,6 +26,18 @@ TEST_CASE("tables stand below each other under every column that one of them has
   CHECK(stack_tables({first, {"other", {"a"}, {}}}, "name", {"x"}).title.empty());
 }
 
+TEST_CASE("a name in a table can neither steer a terminal nor leave its cell") {
+  const Table hostile = {"t\x1b[2J", {"na\nme"}, {{"a\x1b[31m\nb"}}};
+  CHECK(render_table(hostile, TableFormat::text) ==
+        "t\\x1b[2J\n"
+        "na\\x0ame\n"
+        "--------------\n"
+        "a\\x1b[31m\\x0ab\n");
+  for (const TableFormat format : {TableFormat::markdown, TableFormat::latex})
+    CHECK(render_table(hostile, format).find('\x1b') == std::string::npos);
+  CHECK(render_table(hostile, TableFormat::csv) == "\"na\nme\"\n\"a\x1b[31m\nb\"\n");
+}
+
 TEST_CASE("CSV quotes what it must and has no title") {
   CHECK(render_table(kTable, TableFormat::csv) == "name,n\n\"a|b, c\",7\n\xc3\xa4,123\n");
 }

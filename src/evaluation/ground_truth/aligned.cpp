@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "evaluation/ground_truth/builder.h"
 
@@ -25,8 +26,8 @@ std::string read_aligned(GroundTruthBuilder& builder) {
     builder.add_beyond_end(frame, sequence, static_cast<size_t>(reference));
   }
   const std::string of_query = step == 1 ? "i" : fmt::format("{} i", step);
-  return fmt::format("aligned: query frame i is training frame {}, within {} frames", of_query,
-                     tolerance);
+  return fmt::format("aligned: query frame i is training frame {}, within {}", of_query,
+                     counted(static_cast<uint64_t>(tolerance), "frame"));
 }
 
 }  // namespace vpr

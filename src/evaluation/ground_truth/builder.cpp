@@ -103,6 +103,7 @@ void GroundTruthBuilder::note_out_of_range(std::string_view what, std::string_vi
                                            const FrameCount& side) {
   const std::string there = side.grows         ? ""
                             : side.frames == 0 ? "; there are no frames"
+                            : side.frames == 1 ? "; there is 1 frame (0)"
                                                : fmt::format("; there are {} frames (0 to {})",
                                                              side.frames, side.frames - 1);
   note(FindingKind::out_of_range, 1,
@@ -122,6 +123,7 @@ bool GroundTruthBuilder::accept(size_t index, FrameCount& side, std::string_view
 }
 
 void GroundTruthBuilder::append(size_t query, const GroundTruth::Pair& pair) {
+  check_stop();
   auto& pairs = pairs_[query];
   if (!pairs.empty()) {
     GroundTruth::Pair& back = pairs.back();
@@ -197,7 +199,10 @@ void GroundTruthBuilder::join(size_t query) {
 InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
   pairs_.resize(query_.frames);
   at({}, 0);
-  for (size_t query = 0; query < pairs_.size(); ++query) join(query);
+  for (size_t query = 0; query < pairs_.size(); ++query) {
+    check_stop();
+    join(query);
+  }
   InspectedGroundTruth result;
   scope_.query_frames = query_.frames;
   for (size_t s = 0; s < train_.size(); ++s) scope_.sequences[s].frames = train_[s].frames;

@@ -43,7 +43,12 @@ class GroundTruthBuilder {
   void require_train_frames(size_t sequence, size_t frames);
 
   /// Where the reader is, for errors; at first the argument's path as a whole.
-  void at(std::string_view unit, size_t number) { location_.at(unit, number); }
+  /// Throws Error(interrupted) on a stop: a file has many places.
+  void at(std::string_view unit, size_t number) {
+    check_stop();
+    location_.at(unit, number);
+  }
+  void check_stop() const { vpr::check_stop(monitor_); }
   void at_file(const std::filesystem::path& path) { location_ = {path.string()}; }
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
   /// One sentence for the user about something that is odd but no error.

@@ -4,8 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
-#include "evaluation/ground_truth/writing.h"
+#include "evaluation/ground_truth/label_runs.h"
 
 namespace vpr {
 namespace {
@@ -33,7 +34,7 @@ void count_one_sided(GroundTruthSummary& summary, const GroundTruth& truth,
 
 }  // namespace
 
-GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth) {
+GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Monitor& monitor) {
   const GroundTruth& truth = ground_truth.truth;
   const auto& sequences = ground_truth.scope.sequences;
   GroundTruthSummary summary;
@@ -43,21 +44,24 @@ GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth) {
   if (is_square) summary.one_sided = 0;
   for (size_t s = 0; s < sequences.size(); ++s) {
     summary.train_frames += sequences[s].frames;
-    std::vector<bool> is_matched(sequences[s].frames);
+    std::vector<bool> is_matched;  // as far as any is
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
+      check_stop(monitor);
       const std::vector<LabelRun> runs = label_runs(truth, query, s, sequences[s].frames);
       for (const LabelRun& run : runs) {
         const uint64_t count = run.last - run.first + 1;
         (run.label == PlaceLabel::same ? summary.same : summary.ignored) += count;
         if (run.label != PlaceLabel::same) continue;
         matches[query] += count;
+        is_matched.resize(std::max(is_matched.size(), run.last + 1));
         std::fill(is_matched.begin() + static_cast<ptrdiff_t>(run.first),
                   is_matched.begin() + static_cast<ptrdiff_t>(run.last) + 1, true);
       }
       if (is_square) count_one_sided(summary, truth, runs, query);
     }
     summary.references_without_match +=
-        static_cast<uint64_t>(std::count(is_matched.begin(), is_matched.end(), false));
+        sequences[s].frames -
+        static_cast<uint64_t>(std::count(is_matched.begin(), is_matched.end(), true));
   }
   for (const uint64_t count : matches) {
     if (count == 0) ++summary.queries_without_match;
@@ -71,9 +75,9 @@ void require_undamaged(const InspectedGroundTruth& ground_truth, const std::stri
   const GroundTruthFinding& both = finding(ground_truth, FindingKind::contradiction);
   if (outside.count == 0 && both.count == 0) return;
   throw Error(ErrorKind::data,
-              fmt::format("{}: is damaged: {} pairs are out of range and {} contradict another "
+              fmt::format("{}: is damaged: {} out of range and {} with both labels "
                           "(first: {})",
-                          name, outside.count, both.count,
+                          name, counted(outside.count, "pair"), both.count,
                           (outside.count > 0 ? outside : both).examples.front()));
 }
 

@@ -25,7 +25,7 @@ struct GroundTruthSummary {
   std::vector<std::string> one_sided_examples;
 };
 
-GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth);
+GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Monitor& monitor = {});
 
 /// Throws Error(data), with the first of them, if a pair is out of range or contradicts another.
 void require_undamaged(const InspectedGroundTruth& ground_truth, const std::string& name);

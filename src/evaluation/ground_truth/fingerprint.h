@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "base/monitor.h"
+
 namespace vpr {
 
 struct GroundTruth;
@@ -13,6 +15,7 @@ struct GroundTruthScope;
 /// two ground truths that say the same of every pair have the same. Training sequences count in
 /// their order among those that were searched, whatever their names, and those without any pair at
 /// the end do not count. Time linear in the runs of labels.
-std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope);
+std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,
+                                     const Monitor& monitor = {});
 
 }  // namespace vpr

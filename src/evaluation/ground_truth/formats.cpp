@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/mapped_file.h"
+#include "base/utf8.h"
 #include "evaluation/ground_truth/aligned.h"
 #include "evaluation/ground_truth/mask_image.h"
 #include "evaluation/ground_truth/matrix_file.h"
@@ -36,7 +37,7 @@ std::string format_names_of(std::string_view option) {
 }
 
 std::string_view first_line(std::string_view text) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  text = without_byte_order_mark(text);
   while (!text.empty()) {
     std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));

@@ -32,7 +32,7 @@ struct GroundTruthFormat {
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol in words
   /// Null: can't be written. Throws Error(usage) for several training sequences, if it can't name
   /// them, and Error(output).
-  void (*write)(const InspectedGroundTruth& truth, OutputFile& file);
+  void (*write)(const InspectedGroundTruth& truth, OutputFile& file, const Monitor& monitor);
   bool holds_ignored;  ///< whether what is written can say that a pair is to be ignored
 };
 

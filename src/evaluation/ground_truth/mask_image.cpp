@@ -6,10 +6,12 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/label_runs.h"
 #include "evaluation/ground_truth/matrix_shape.h"
 #include "evaluation/ground_truth/writing.h"
 #include "images/decode.h"
@@ -39,7 +41,8 @@ cv::Mat decode_mask(const GroundTruthBuilder& builder) {
     builder.fail("is a JPEG, whose grey values are not what was drawn; save it as PNG");
   try {
     return decode_image(path, PixelFormat::grey);
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
     builder.fail("is no image that can be decoded");
   }
 }
@@ -56,6 +59,7 @@ std::string read_mask_image(GroundTruthBuilder& builder) {
   const bool rows_are_query = require_matrix_shape(
       builder, sequence, static_cast<size_t>(mask.rows), static_cast<size_t>(mask.cols), true);
   for (int r = 0; r < mask.rows; ++r) {
+    builder.check_stop();
     for (int c = 0; c < mask.cols; ++c) {
       const uint8_t value = mask.at<uint8_t>(r, c);
       if (value == 0) continue;
@@ -65,11 +69,13 @@ std::string read_mask_image(GroundTruthBuilder& builder) {
                   value == kSame ? PlaceLabel::same : PlaceLabel::ignore);
     }
   }
-  return fmt::format("mask image, rows are {} frames; grey is ignored; within {} frames of white",
-                     rows_are_query ? "query" : "training", builder.argument().tolerance_frames);
+  return fmt::format("mask image, rows are {} frames; grey is ignored; within {} of white",
+                     rows_are_query ? "query" : "training",
+                     counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame"));
 }
 
-void write_mask_image(const InspectedGroundTruth& ground_truth, OutputFile& file) {
+void write_mask_image(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                      const Monitor& monitor) {
   const size_t sequence = only_written_sequence(ground_truth, "mask");
   const size_t rows = ground_truth.truth.pairs.size();
   const size_t cols = ground_truth.scope.sequences[sequence].frames;
@@ -77,11 +83,13 @@ void write_mask_image(const InspectedGroundTruth& ground_truth, OutputFile& file
     throw Error(ErrorKind::usage,
                 fmt::format("a picture of {} x {} pixels can't be written", rows, cols));
   cv::Mat mask = cv::Mat::zeros(static_cast<int>(rows), static_cast<int>(cols), CV_8U);
-  for (size_t query = 0; query < rows; ++query)
+  for (size_t query = 0; query < rows; ++query) {
+    check_stop(monitor);
     for (const LabelRun& run : label_runs(ground_truth.truth, query, sequence, cols))
       mask.row(static_cast<int>(query))
           .colRange(static_cast<int>(run.first), static_cast<int>(run.last) + 1)
           .setTo(run.label == PlaceLabel::same ? kSame : kIgnored);
+  }
   std::vector<uint8_t> png;
   cv::imencode(".png", mask, png);
   file.write(std::as_bytes(std::span<const uint8_t>(png)));

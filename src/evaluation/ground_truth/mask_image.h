@@ -10,6 +10,7 @@ namespace vpr {
 
 struct FileStart;
 struct InspectedGroundTruth;
+struct Monitor;
 class GroundTruthBuilder;
 
 /// Rows are query frames, columns training frames (argument: matrix_rows); 255 is the same place, 0
@@ -21,6 +22,7 @@ std::string read_mask_image(GroundTruthBuilder& builder);
 bool is_mask_image(const FileStart& start);
 
 /// A PNG; 128 is ignored.
-void write_mask_image(const InspectedGroundTruth& ground_truth, OutputFile& file);
+void write_mask_image(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                      const Monitor& monitor);
 
 }  // namespace vpr

@@ -6,10 +6,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/npy.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/label_runs.h"
 #include "evaluation/ground_truth/matrix_shape.h"
 #include "evaluation/ground_truth/npy_stream.h"
 #include "evaluation/ground_truth/writing.h"
@@ -19,10 +21,9 @@ namespace {
 
 constexpr std::string_view kHard = "GThard.npy";
 constexpr std::string_view kSoft = "GTsoft.npy";
-constexpr std::string_view kZipMagic = "PK\x03\x04";
-
-bool is_zip(const std::filesystem::path& path) {
-  return MappedFile(path).text().starts_with(kZipMagic);
+// With a first file, or none at all.
+bool is_zip(std::string_view bytes) {
+  return bytes.starts_with("PK\x03\x04") || bytes.starts_with("PK\x05\x06");
 }
 
 std::optional<size_t> find_name(const ZipFile& archive, std::string_view name) {
@@ -51,6 +52,7 @@ std::string read_streams(GroundTruthBuilder& builder, NpyStream& hard, NpyStream
   std::vector<uint8_t> same(hard.cols());
   std::vector<uint8_t> near(soft == nullptr ? 0 : hard.cols());
   for (size_t r = 0; r < hard.rows(); ++r) {
+    builder.check_stop();
     hard.next_row(same);
     if (soft != nullptr) soft->next_row(near);
     for (size_t c = 0; c < same.size(); ++c) {
@@ -63,11 +65,11 @@ std::string read_streams(GroundTruthBuilder& builder, NpyStream& hard, NpyStream
   }
   hard.require_end();
   if (soft != nullptr) soft->require_end();
-  return fmt::format("matrix of {} x {}, rows are {} frames{}; within {} frames of a 1",
+  return fmt::format("matrix of {} x {}, rows are {} frames{}; within {} of a 1",
                      flip ? hard.cols() : hard.rows(), flip ? hard.rows() : hard.cols(),
                      rows_are_query ? "query" : "training",
                      soft == nullptr ? "" : "; what only the soft matrix has is ignored",
-                     builder.argument().tolerance_frames);
+                     counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame"));
 }
 
 std::string read_archive(GroundTruthBuilder& builder) {
@@ -80,6 +82,7 @@ std::string read_archive(GroundTruthBuilder& builder) {
     throw Error(
         ErrorKind::usage,
         fmt::format("{}: a .npz file holds its soft matrix itself, as GTsoft", path.string()));
+  if (archive.names().empty()) builder.fail("is an archive without any matrix");
   const auto hard = find_name(archive, kHard);
   const auto soft = find_name(archive, kSoft);
   if (!hard && archive.names().size() == 1) {
@@ -136,10 +139,13 @@ std::vector<uint8_t> label_codes(const GroundTruth& truth, size_t query, size_t 
   return codes;
 }
 
-void write_archive(const GroundTruth& truth, size_t sequence, size_t frames, OutputFile& file) {
+void write_archive(const GroundTruth& truth, size_t sequence, size_t frames, OutputFile& file,
+                   const Monitor& monitor) {
   std::vector<std::vector<uint8_t>> columns;
-  for (size_t query = 0; query < truth.pairs.size(); ++query)
+  for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    check_stop(monitor);
     columns.push_back(label_codes(truth, query, sequence, frames));
+  }
   const std::string bytes = zip_archive({reference_rows(kHard, columns, frames, kSame),
                                          reference_rows(kSoft, columns, frames, kIgnoredOrSame)});
   file.write(bytes);
@@ -148,25 +154,28 @@ void write_archive(const GroundTruth& truth, size_t sequence, size_t frames, Out
 }  // namespace
 
 bool is_matrix_file(const FileStart& start) {
-  return start.bytes.starts_with("\x93NUMPY") || start.bytes.starts_with(kZipMagic);
+  return start.bytes.starts_with("\x93NUMPY") || is_zip(start.bytes);
 }
 
 std::string read_matrix_file(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
-  if (is_zip(argument.path)) return read_archive(builder);
+  if (is_zip(MappedFile(argument.path).text())) return read_archive(builder);
   NpyStream hard(argument.path);
   if (argument.options.soft.empty()) return read_streams(builder, hard, nullptr, true);
   NpyStream soft(argument.options.soft);
   return read_streams(builder, hard, &soft, true);
 }
 
-void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& file) {
+void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                       const Monitor& monitor) {
   const size_t sequence = only_written_sequence(ground_truth, "matrix");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;
   const GroundTruth& truth = ground_truth.truth;
-  if (file.path().extension() == ".npz") return write_archive(truth, sequence, frames, file);
+  if (file.path().extension() == ".npz")
+    return write_archive(truth, sequence, frames, file, monitor);
   file.write(npy_header("|b1", {truth.pairs.size(), frames}));
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    check_stop(monitor);
     std::vector<uint8_t> row = label_codes(truth, query, sequence, frames);
     for (uint8_t& value : row) value = value == kSame ? 1 : 0;
     file.write(std::as_bytes(std::span<const uint8_t>(row)));

@@ -10,6 +10,7 @@ namespace vpr {
 
 struct FileStart;
 struct InspectedGroundTruth;
+struct Monitor;
 class GroundTruthBuilder;
 
 /// A .npy matrix of 0 and 1 (bool, integers or floats), C or Fortran order, rows query frames; and
@@ -26,6 +27,7 @@ bool is_matrix_file(const FileStart& start);
 
 /// Writes bool matrices: .npz (GThard and GTsoft, rows training frames; soft: same or ignored), or,
 /// by any other name, .npy (rows query frames; what is ignored becomes different).
-void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& file);
+void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                       const Monitor& monitor);
 
 }  // namespace vpr

@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "evaluation/csv.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/label_runs.h"
 #include "evaluation/ground_truth/numbers.h"
 #include "evaluation/ground_truth/writing.h"
 
@@ -82,14 +84,17 @@ std::string read_openseqslam_csv(GroundTruthBuilder& builder) {
   const std::vector<CsvRow> rows = parse_csv(file.text(), path.string());
   if (rows.empty()) builder.fail("is empty; expected lines of query, reference, tolerance");
   for (const CsvRow& row : rows) read_row(builder, row, sequence);
-  return fmt::format("openseqslam2: {} pairs with tolerances of their own, and {} frames more",
-                     rows.size(), builder.argument().tolerance_frames);
+  return fmt::format("openseqslam2: {} with tolerances of their own, and {} more",
+                     counted(rows.size(), "pair"),
+                     counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame"));
 }
 
-void write_openseqslam_csv(const InspectedGroundTruth& ground_truth, OutputFile& file) {
+void write_openseqslam_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                           const Monitor& monitor) {
   const size_t sequence = only_written_sequence(ground_truth, "openseqslam2");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;
   for (size_t query = 0; query < ground_truth.truth.pairs.size(); ++query) {
+    check_stop(monitor);
     for (const LabelRun& run : label_runs(ground_truth.truth, query, sequence, frames)) {
       if (run.label != PlaceLabel::same) continue;
       const size_t tolerance = (run.last - run.first) / 2;

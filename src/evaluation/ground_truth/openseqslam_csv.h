@@ -10,6 +10,7 @@ namespace vpr {
 
 struct FileStart;
 struct InspectedGroundTruth;
+struct Monitor;
 class GroundTruthBuilder;
 
 /// No header; query, reference and, if it is there, tolerance, counted from 1: references within
@@ -21,6 +22,7 @@ std::string read_openseqslam_csv(GroundTruthBuilder& builder);
 bool is_openseqslam_csv(const FileStart& start);
 
 /// One line for every run of references with a common tolerance; runs of even length take two.
-void write_openseqslam_csv(const InspectedGroundTruth& ground_truth, OutputFile& file);
+void write_openseqslam_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                           const Monitor& monitor);
 
 }  // namespace vpr

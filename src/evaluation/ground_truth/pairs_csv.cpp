@@ -4,11 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/mapped_file.h"
 #include "evaluation/csv.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/label_runs.h"
 #include "evaluation/ground_truth/numbers.h"
+#include "evaluation/ground_truth/writing.h"
 
 namespace vpr {
 namespace {
@@ -73,7 +76,7 @@ bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const Csv
 void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) {
   const auto in_range = frame_count(source.range);
   if (in_range && !builder.query().grows && *in_range != builder.query().frames)
-    builder.fail(fmt::format("its range has {} frames, and the query has {}", *in_range,
+    builder.fail(fmt::format("its range has {}, and the query has {}", counted(*in_range, "frame"),
                              builder.query().frames));
   if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
 }
@@ -98,11 +101,14 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
   size_t pairs = 0;
   for (size_t r = 1; r < rows.size(); ++r)
     pairs += read_row(builder, columns, rows[r], only_sequence, source.range) ? 1 : 0;
-  return fmt::format("pairs: {} labelled pairs, references within {} frames of one count", pairs,
-                     builder.argument().tolerance_frames);
+  const std::string text = "pairs: " + counted(pairs, "labelled pair");
+  const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
+  if (tolerance == 0) return text;
+  return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
 }
 
-void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file) {
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                     const Monitor& monitor) {
   const auto& sequences = ground_truth.scope.sequences;
   const GroundTruth& truth = ground_truth.truth;
   const bool several = sequences.size() > 1;
@@ -113,16 +119,17 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file)
                          has_ignored ? ",label" : ""));
   for (size_t s = 0; s < sequences.size(); ++s) {
     const std::string name = several ? csv_field(sequences[s].name) + "," : "";
-    std::vector<PlaceLabel> labels(sequences[s].frames);
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
+      check_stop(monitor);
       std::string lines;
-      truth.label_row(query, s, labels);
-      for (size_t reference = 0; reference < labels.size(); ++reference) {
-        if (labels[reference] == PlaceLabel::different) continue;
-        const std::string_view label = !has_ignored                            ? ""
-                                       : labels[reference] == PlaceLabel::same ? ",same"
-                                                                               : ",ignore";
-        lines += fmt::format("{},{}{}{}\n", query, name, reference, label);
+      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].frames)) {
+        const std::string_view label = !has_ignored                    ? ""
+                                       : run.label == PlaceLabel::same ? ",same"
+                                                                       : ",ignore";
+        for (size_t reference = run.first; reference <= run.last; ++reference) {
+          lines += fmt::format("{},{}{}{}\n", query, name, reference, label);
+          write_piece(file, lines, monitor);
+        }
       }
       file.write(lines);
     }

@@ -10,6 +10,7 @@ namespace vpr {
 
 struct FileStart;
 struct InspectedGroundTruth;
+struct Monitor;
 class GroundTruthBuilder;
 
 /// Header query,reference[,label] or query,sequence,reference[,label]; label "same" (default) or
@@ -21,6 +22,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder);
 bool is_pairs_csv(const FileStart& start);
 
 /// One line a pair, tolerance applied; columns sequence and label only where they say something.
-void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file);
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                     const Monitor& monitor);
 
 }  // namespace vpr

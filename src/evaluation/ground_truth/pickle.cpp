@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.h"
 #include "evaluation/ground_truth/numpy_number.h"
 #include "evaluation/ground_truth/pickle_input.h"
 
@@ -38,13 +39,8 @@ constexpr std::array<Global, 9> kGlobals = {{
     {"__builtin__ xrange", Function::range},
 }};
 
-// For a terminal.
-std::string printable(std::string_view text) {
-  std::string clean(text.substr(0, 60));
-  for (char& c : clean)
-    if (c < ' ' || c > '~') c = '?';
-  return clean;
-}
+// Of a name that may be long.
+std::string start_of(std::string_view name) { return printable_line(name.substr(0, 60)); }
 
 }  // namespace
 
@@ -132,7 +128,7 @@ class PickleMachine {
       stack_.push(make(PickleKind::global, std::move(object)));
       return;
     }
-    input_.fail(fmt::format("it wants to call {}.{}", printable(module), printable(name)));
+    input_.fail(fmt::format("it wants to call {}.{}", start_of(module), start_of(name)));
   }
 
   Function function(const PickleValue& value) {

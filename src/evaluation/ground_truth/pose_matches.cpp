@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "evaluation/ground_truth/builder.h"
 
@@ -117,7 +118,8 @@ std::string describe(const Nearness& nearness, int tolerance_frames, size_t unkn
                      size_t unknown_train) {
   std::string text = fmt::format("within {} m", nearness.radius_m);
   if (nearness.angle_deg) text += fmt::format(" and {} degrees", *nearness.angle_deg);
-  if (tolerance_frames != 0) text += fmt::format(", and {} frames more", tolerance_frames);
+  if (tolerance_frames != 0)
+    text += fmt::format(", and {} more", counted(static_cast<uint64_t>(tolerance_frames), "frame"));
   if (unknown_query + unknown_train > 0)
     text += fmt::format("; {} query and {} training frames without a pose are ignored",
                         unknown_query, unknown_train);
@@ -142,6 +144,7 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
   uint64_t known = 0;
   uint64_t same = 0;
   for (size_t frame = 0; frame < query.size(); ++frame) {
+    builder.check_stop();
     if (!query[frame]) {
       if (!train.empty()) builder.add(frame, sequence, 0, train.size() - 1, PlaceLabel::ignore);
       continue;

@@ -1,12 +1,14 @@
 #include "evaluation/ground_truth/poses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/utf8.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
 #include "evaluation/ground_truth/numbers.h"
@@ -15,6 +17,10 @@
 
 namespace vpr {
 namespace {
+
+/// How far products of a matrix's rows may be from those of a rotation: files with three digits
+/// have 0.002.
+constexpr double kRotationError = 0.01;
 
 double read_real(const FileLocation& location, std::string_view text) {
   const auto value = parse_real(text);
@@ -54,10 +60,24 @@ Pose tum_pose(const FileLocation& location, const std::vector<double>& v) {
   return pose;
 }
 
-Pose kitti_pose(const FileLocation&, const std::vector<double>& v) {
+// Whether the rows are at right angles, of length 1 and right-handed, but for rounding.
+bool is_rotation(const std::array<double, 9>& m) {
+  const auto dot = [&](size_t a, size_t b) {
+    return m[3 * a] * m[3 * b] + m[3 * a + 1] * m[3 * b + 1] + m[3 * a + 2] * m[3 * b + 2];
+  };
+  for (size_t a = 0; a < 3; ++a)
+    for (size_t b = a; b < 3; ++b)
+      if (!(std::abs(dot(a, b) - (a == b ? 1 : 0)) <= kRotationError)) return false;
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+             m[2] * (m[3] * m[7] - m[4] * m[6]) >
+         0;
+}
+
+Pose kitti_pose(const FileLocation& location, const std::vector<double>& v) {
   Pose pose;
   pose.position = {v[3], v[7], v[11]};
   pose.orientation = {v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10]};
+  if (!is_rotation(*pose.orientation)) location.fail("its matrix is no rotation");
   return pose;
 }
 
@@ -66,7 +86,7 @@ Poses read_lines(const std::filesystem::path& path, size_t columns,
                  Pose (*make)(const FileLocation&, const std::vector<double>&)) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   const MappedFile file(source.path);
-  std::string_view text = file.text();
+  std::string_view text = without_byte_order_mark(file.text());
   FileLocation location{path.string()};
   Poses poses;
   size_t index = 0;

@@ -24,7 +24,7 @@ std::string read_tum_poses(GroundTruthBuilder& builder);
 bool is_tum(const FileStart& start);
 
 /// One pose a line, the 3 x 4 matrix (rotation, position) row by row (the KITTI odometry
-/// benchmark). Line i is frame i.
+/// benchmark). Line i is frame i. A matrix whose first three columns are no rotation is refused.
 std::string read_kitti_poses(GroundTruthBuilder& builder);
 bool is_kitti(const FileStart& start);
 

@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/mapped_file.h"
 #include "base/npy.h"
 #include "evaluation/ground_truth/builder.h"
 #include "evaluation/ground_truth/formats.h"
+#include "evaluation/ground_truth/label_runs.h"
 #include "evaluation/ground_truth/pickle.h"
 #include "evaluation/ground_truth/writing.h"
 
@@ -116,24 +118,29 @@ std::string read_vpr_bench(GroundTruthBuilder& builder) {
       add_references(builder, pickle, row, sequence, items[row]);
     }
   }
-  return fmt::format("vpr-bench: the references listed for each of {} queries, within {} frames",
-                     array.shape[0], builder.argument().tolerance_frames);
+  return fmt::format("vpr-bench: the references listed for each of {}, within {}",
+                     counted(array.shape[0], "query", "queries"),
+                     counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame"));
 }
 
-void write_vpr_bench(const InspectedGroundTruth& ground_truth, OutputFile& file) {
+void write_vpr_bench(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                     const Monitor& monitor) {
   const size_t sequence = only_written_sequence(ground_truth, "vpr-bench");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;
   const size_t rows = ground_truth.truth.pairs.size();
   file.write(npy_header("|O", {rows, 2}));
   file.write(array_start(rows));
   for (size_t query = 0; query < rows; ++query) {
+    check_stop(monitor);
     std::string row;
     put_number(row, query);
     row += "](";
     for (const LabelRun& run : label_runs(ground_truth.truth, query, sequence, frames))
       for (size_t reference = run.first; run.label == PlaceLabel::same && reference <= run.last;
-           ++reference)
+           ++reference) {
         put_number(row, reference);
+        write_piece(file, row, monitor);
+      }
     file.write(row + "e");
   }
   file.write("etb.");

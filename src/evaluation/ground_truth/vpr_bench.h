@@ -10,6 +10,7 @@ namespace vpr {
 
 struct FileStart;
 struct InspectedGroundTruth;
+struct Monitor;
 class GroundTruthBuilder;
 
 /// ground_truth_new.npy: an array of Python objects with a row (query, list of references) for
@@ -21,6 +22,7 @@ std::string read_vpr_bench(GroundTruthBuilder& builder);
 bool is_vpr_bench(const FileStart& start);
 
 /// What is ignored becomes different.
-void write_vpr_bench(const InspectedGroundTruth& ground_truth, OutputFile& file);
+void write_vpr_bench(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                     const Monitor& monitor);
 
 }  // namespace vpr

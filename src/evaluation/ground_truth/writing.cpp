@@ -1,58 +1,18 @@
 #include "evaluation/ground_truth/writing.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/monitor.h"
+#include "base/output_file.h"
+#include "evaluation/ground_truth.h"
 
 namespace vpr {
 namespace {
 
-// Behind what is there, or as its end.
-void append(std::vector<LabelRun>& runs, const LabelRun& run) {
-  if (!runs.empty() && runs.back().label == run.label && run.first <= runs.back().last + 1)
-    runs.back().last = std::max(runs.back().last, run.last);
-  else
-    runs.push_back(run);
-}
-
-// Runs of one label, each `reach` frames longer at both ends, cut off at the sequence's.
-std::vector<LabelRun> widened_runs(const std::vector<GroundTruth::Pair>& row, size_t sequence,
-                                   size_t frames, PlaceLabel label, int64_t reach) {
-  std::vector<LabelRun> runs;
-  for (const GroundTruth::Pair& pair : row) {
-    if (pair.sequence != sequence || pair.label != label) continue;
-    const int64_t first = std::max<int64_t>(0, pair.first - reach);
-    const int64_t end = std::min(static_cast<int64_t>(frames), pair.last() + reach + 1);
-    if (first < end)
-      append(runs, {static_cast<size_t>(first), static_cast<size_t>(end - 1), label});
-  }
-  return runs;
-}
+constexpr size_t kPieceBytes = size_t{1} << 20;
 
 }  // namespace
-
-std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
-                                 size_t frames) {
-  const auto& row = truth.pairs[query];
-  const auto same = widened_runs(row, sequence, frames, PlaceLabel::same, truth.tolerance_frames);
-  std::vector<LabelRun> runs;
-  auto next = same.begin();
-  size_t free = 0;  // behind the runs that are there already, which win
-  for (const LabelRun& ignored : widened_runs(row, sequence, frames, PlaceLabel::ignore, 0)) {
-    for (; next != same.end() && next->first <= ignored.last; ++next) {
-      const size_t first = std::max(ignored.first, free);
-      if (first < next->first) append(runs, {first, next->first - 1, ignored.label});
-      append(runs, *next);
-      free = next->last + 1;
-    }
-    const size_t first = std::max(ignored.first, free);
-    if (first <= ignored.last) append(runs, {first, ignored.last, ignored.label});
-  }
-  for (; next != same.end(); ++next) append(runs, *next);
-  return runs;
-}
 
 size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format) {
   size_t searched = 0;
@@ -67,6 +27,13 @@ size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::stri
   throw Error(ErrorKind::usage,
               fmt::format("the format {} holds one training sequence, and there are {}; use pairs",
                           format, searched));
+}
+
+void write_piece(OutputFile& file, std::string& text, const Monitor& monitor) {
+  if (text.size() < kPieceBytes) return;
+  check_stop(monitor);
+  file.write(text);
+  text.clear();
 }
 
 }  // namespace vpr

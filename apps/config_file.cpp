@@ -1,0 +1,38 @@
+#include "config_file.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "report/result_file.h"
+
+namespace vpr {
+namespace {
+
+// The settings and the seed that a result was made with.
+Json settings_of_result(const std::string& path) {
+  const Json result = read_result_json(path);
+  Json json = result.value("settings", Json::object());
+  const Json provenance = result.value("provenance", Json::object());
+  if (json.is_object() && provenance.is_object() && provenance.contains("seed"))
+    json["seed"] = provenance["seed"];
+  return json;
+}
+
+}  // namespace
+
+Json read_config(const std::string& path) {
+  Json json = read_json(path, ErrorKind::usage);
+  if (!json.is_object() || !json.contains("schema")) return json;
+  if (json["schema"] == "vpr.result/1") return settings_of_result(path);
+  if (json["schema"] == "vpr.sweep/1")
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is a sweep, of many settings; let vpr-tune write those that it "
+                            "recommends (--save-config FILE), and give that file",
+                            path));
+  require_schema(json, "config", path, ErrorKind::usage);
+  json.erase("schema");
+  return json;
+}
+
+}  // namespace vpr

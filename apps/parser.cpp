@@ -1,0 +1,255 @@
+// The only file that includes CLI11, which is expensive to compile: flags.h and parser.h.
+#include "parser.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "help.h"
+#include "suggestions.h"
+
+namespace vpr {
+namespace {
+
+// "text|csv" is a choice; "NUMBER" is not.
+std::vector<std::string> split_choices(const std::string& value) {
+  std::vector<std::string> choices;
+  if (value.find('|') == std::string::npos) return choices;
+  std::istringstream text(value);
+  for (std::string choice; std::getline(text, choice, '|');) choices.push_back(choice);
+  return choices;
+}
+
+FlagEntry describe_flag(const CLI::Option& option) {
+  FlagEntry flag;
+  for (const std::string& name : option.get_snames()) flag.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) flag.names.push_back("--" + name);
+  if (option.get_items_expected_max() > 0) {
+    const std::string type = option.get_type_name();  // choices and checks stand behind a colon
+    const size_t colon = type.find(':');
+    flag.value = type.substr(0, colon);
+    flag.choices = split_choices(colon == std::string::npos ? flag.value : type.substr(colon + 1));
+  }
+  flag.help = option.get_description();
+  flag.group = option.get_group();
+  flag.is_required = option.get_required();
+  return flag;
+}
+
+// Groups in the order in which they first come, the common one last.
+void sort_flags(std::vector<FlagEntry>& flags) {
+  std::vector<std::string> groups;
+  for (const FlagEntry& flag : flags)
+    if (flag.group != kCommonGroup &&
+        std::find(groups.begin(), groups.end(), flag.group) == groups.end())
+      groups.push_back(flag.group);
+  const auto rank = [&](const FlagEntry& flag) {
+    const auto group = std::find(groups.begin(), groups.end(), flag.group) - groups.begin();
+    return std::pair(group, !flag.is_required);
+  };
+  std::stable_sort(flags.begin(), flags.end(),
+                   [&](const FlagEntry& a, const FlagEntry& b) { return rank(a) < rank(b); });
+}
+
+CommandEntry describe_commands(const CLI::App& app) {
+  CommandEntry entry;
+  entry.name = app.get_name();
+  entry.description = app.get_description();
+  entry.sections = split_sections(app.get_footer());
+  entry.runs_itself = app.get_require_subcommand_min() == 0;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty()) continue;
+    if (option->nonpositional())
+      entry.flags.push_back(describe_flag(*option));
+    else
+      entry.arguments.push_back(
+          {option->get_name(true), option->get_description(), option->get_required()});
+  }
+  sort_flags(entry.flags);
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    entry.commands.push_back(describe_commands(*command));
+  return entry;
+}
+
+// Help comes from the same description as completions and manual pages.
+class HelpFormatter : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
+    const CLI::App* parent = app->get_parent();
+    return help_text(describe_commands(*app),
+                     parent == nullptr || name.starts_with(parent->get_name() + " ")
+                         ? name
+                         : parent->get_name() + " " + app->get_name());
+  }
+};
+
+// Flags of the parser's own.
+void group_own_flags(CLI::App& app, const std::string& version) {
+  app.set_version_flag("--version", version, "print the version and end");
+  app.get_version_ptr()->group(kCommonGroup);
+  app.get_help_ptr()->group(kCommonGroup)->description("print this help and end");
+}
+
+void add_given(const CLI::App& app, std::vector<GivenFlag>& given) {
+  for (const CLI::Option* option : app.get_options())
+    if (option->count() > 0) given.push_back({option->get_lnames(), option->results()});
+  for (const CLI::App* command : app.get_subcommands()) add_given(*command, given);
+}
+
+}  // namespace
+
+Flag Flag::required() {
+  option_->required();
+  return *this;
+}
+
+Flag Flag::group(const std::string& heading) {
+  option_->group(heading);
+  return *this;
+}
+
+Flag Flag::type_name(const std::string& word) {
+  option_->type_name(word);
+  return *this;
+}
+
+Flag Flag::choices(const std::string& word, const std::vector<std::string>& names) {
+  return type_name(fmt::format("{}:{}", word, fmt::join(names, "|")));
+}
+
+Flag Flag::read_first() {
+  option_->trigger_on_parse();
+  return *this;
+}
+
+Flag Flag::non_negative() {
+  option_->check(CLI::NonNegativeNumber);
+  return *this;
+}
+
+Flag Flag::excludes(const Flag& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Flag Flag::expected(int fewest, int most) {
+  option_->expected(fewest, most);
+  return *this;
+}
+
+Flag Flag::comma_separated() {
+  option_->delimiter(',')->allow_extra_args(false);
+  return *this;
+}
+
+Flag Command::add_option(const std::string& flag, std::string& value,
+                         const std::string& help) const {
+  return Flag(*app_->add_option(flag, value, help));
+}
+
+Flag Command::add_option(const std::string& flag, std::optional<std::string>& value,
+                         const std::string& help) const {
+  return Flag(*app_->add_option(flag, value, help));
+}
+
+Flag Command::add_option(const std::string& flag, std::vector<std::string>& values,
+                         const std::string& help) const {
+  return Flag(*app_->add_option(flag, values, help));
+}
+
+Flag Command::add_option(const std::string& flag, std::vector<uint64_t>& values,
+                         const std::string& help) const {
+  return Flag(*app_->add_option(flag, values, help));
+}
+
+Flag Command::add_option(const std::string& flag, std::optional<uint64_t>& value,
+                         const std::string& help) const {
+  return Flag(*app_->add_option(flag, value, help));
+}
+
+Flag Command::add_option(const std::string& flag, std::optional<double>& value,
+                         const std::string& help) const {
+  return Flag(*app_->add_option(flag, value, help));
+}
+
+Flag Command::add_option(const std::string& flag, std::function<void(const std::string&)> read,
+                         const std::string& help) const {
+  return Flag(*app_->add_option_function<std::string>(flag, std::move(read), help));
+}
+
+Flag Command::add_flag(const std::string& flag, bool& value, const std::string& help) const {
+  return Flag(*app_->add_flag(flag, value, help));
+}
+
+Flag Command::add_list(const std::string& flag, std::vector<std::string>& values,
+                       const std::string& help) const {
+  return Flag(*app_->add_option(flag, values, help)
+                   ->expected(1)
+                   ->take_all()
+                   ->allow_extra_args(false)
+                   ->type_name("TEXT"));
+}
+
+void Command::add_footer(const std::string& text) const {
+  app_->footer(text + "\n" + app_->get_footer());
+}
+
+bool Command::is_given(const std::string& flag) const { return app_->count(flag) > 0; }
+
+std::vector<std::string> Command::given_flags(const std::string& heading) const {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app_->get_options())
+    if (option->get_group() == heading && option->count() > 0) names.push_back(option->get_name());
+  return names;
+}
+
+Parser::Parser(const std::string& name, const std::string& description, const std::string& version)
+    : version_(version), app_(std::make_unique<CLI::App>(description, name)) {
+  app_->formatter(std::make_shared<HelpFormatter>());
+  group_own_flags(*app_, version_);
+}
+
+Parser::~Parser() = default;
+
+Command Parser::root() const { return Command(*app_); }
+
+Command Parser::add_command(const std::string& name, const std::string& description,
+                            std::function<void()> chosen) {
+  CLI::App& app = *app_->add_subcommand(name, description);
+  group_own_flags(app, version_);
+  app.callback(std::move(chosen));
+  return Command(app);
+}
+
+void Parser::require_command(bool required) { app_->require_subcommand(required ? 1 : 0, 1); }
+
+bool Parser::parse(int argc, char** argv) {
+  try {
+    app_->parse(argc, argv);
+    return true;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app_->exit(error), false;  // --help, --version
+    if (const auto unknown = unknown_word(describe(), {argv + 1, argv + argc}))
+      throw Error(ErrorKind::usage, *unknown);
+    throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), app_->get_name()));
+  }
+}
+
+std::vector<GivenFlag> Parser::given() const {
+  std::vector<GivenFlag> given;
+  add_given(*app_, given);
+  return given;
+}
+
+bool Parser::takes(const std::string& flag) const {
+  const auto commands = app_->get_subcommands();
+  return (commands.empty() ? *app_ : *commands.front()).get_option_no_throw(flag) != nullptr;
+}
+
+CommandEntry Parser::describe() const { return describe_commands(*app_); }
+
+}  // namespace vpr

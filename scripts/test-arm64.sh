@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Builds for 64-bit ARM and runs it under qemu's user mode: tests of the kernels and of real images;
+# then compares every byte that the programs write with those of this machine's own programs.
+# Needs Debian 12, root and the network; not part of scripts/test.sh.
+#   scripts/test-arm64.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scripts/install-deps.sh --arm64
+
+# The libraries that programs link, as packages for ARM, unpacked but not installed.
+root=build/arm64-root
+if [[ ! -d $root ]]; then
+  mkdir -p build
+  made=$(mktemp -d build/arm64-root.XXXXXX)
+  trap 'rm -rf "$made"' EXIT
+  find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + |
+    mmdebstrap --architectures=arm64 --variant=extract \
+      --include="libc6-dev $(scripts/install-deps.sh --libraries)" bookworm "$made" -
+  # Absolute links lead out of the root, and the package scripts that would choose among
+  # alternatives were not run.
+  find "$made" -type l -lname '/*' -printf '%P\0%l\0' | while IFS= read -r -d '' link && IFS= read -r -d '' target; do
+    ln -sfnr "$made$target" "$made/$link"
+  done
+  libraries=$made/usr/lib/aarch64-linux-gnu
+  for library in blas lapack; do
+    ln -sf "$library/lib$library.so.3" "$libraries/lib$library.so"
+    ln -sf "$library/lib$library.so.3" "$libraries/lib$library.so.3"
+  done
+  # dlib's package names its libraries by absolute paths.
+  sed -i -E 's#([;"])/usr/(include|lib/[^;"]*\.so)#\1${CMAKE_SYSROOT}/usr/\2#g' "$libraries"/cmake/dlib/*.cmake
+  rm -rf "$made/tmp" "$made/dev" # qemu would look there for this machine's
+  chmod 755 "$made"
+  mv "$made" "$root"
+  trap - EXIT
+fi
+
+programs=(vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth)
+tests=(base synth descriptors database matching recognition)
+cmake --preset arm64 >/dev/null
+cmake --build --preset arm64 --target "${programs[@]}" "${tests[@]/#/test_}" test_real_data
+ctest --preset arm64 --timeout 7200 -R "^($(IFS='|'; echo "${tests[*]}"))\$"
+# Says what it skips where the images are missing, and ends with 77.
+qemu-aarch64-static -L "$root" build/arm64/bin/test_real_data "*corridor*,*the loop*" || [[ $? == 77 ]]
+build/arm64/emulated/vpr-bench matching --databases 500 --c-l 20 --json | grep -o '"simd": "NEON"'
+
+cmake --preset ci >/dev/null
+cmake --build --preset ci --target "${programs[@]}"
+test/cli/same_outputs.py build/ci/bin build/arm64/emulated building corridor loop surf

@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Programs of two builds, for two kinds of processors say, write the same bytes.
+
+    same_outputs.py BIN OTHER_BIN [GROUP...]
+
+Both sets of programs run the commands below, each in a folder of its own; then every file that they
+wrote is compared, JSON less `machine` and `timing`, and pages less the command line.
+Real images are looked for where tests look for them; a group without its images is skipped.
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+SHARED = pathlib.Path(os.environ.get("VPR_TEST_DATA", SOURCE / "../shared")).resolve()
+CORRIDOR = SHARED / "data/corridor"
+LOOP = SHARED / "data/loop"
+OPENFABMAP = SHARED / "expected/fabmap-loop"
+TOWER = SHARED / "data/tower"
+CORRIDOR_TRUTH = f"--ground-truth {CORRIDOR}/ground_truth.csv"
+LOOP_TRUTH = f"--ground-truth {LOOP}/ground_truth.csv"
+
+BUILDING = [
+    f"vpr-synth {SOURCE}/configs/worlds/small.json -o building",
+    "vpr-train fastable --dataset building/dataset.json --c-l 20 -o building.vprdb",
+    "vpr-query building.vprdb --dataset building/dataset.json --c-l 20 --save-matrix matrix.png -o building.json",
+    "vpr-eval building.json --dataset building/dataset.json --html building.html --outcomes-csv building.csv"
+    " -o building.report.json",
+    "vpr-train fabmap --dataset building/dataset.json --words 100 -o places.vprdb",
+    "vpr-query places.vprdb --dataset building/dataset.json --c-w 3 --save-posteriors places.npy -o places.json",
+    "vpr-eval places.json --dataset building/dataset.json -o places.report.json",
+    "vpr-tune fabmap places.vprdb --dataset building/dataset.json -o places.sweep.json",
+]
+
+
+def corridor():
+    yield f"vpr-train fastable --train {CORRIDOR}/ref --c-l 20 -o raw.vprdb"
+    yield f"vpr-train fastable --train {CORRIDOR}/ref --illumination-invariant -o colour.vprdb"
+    yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --method lsh --c-l 20 --t-r 200 --t-r-scale bits "
+           "-o lsh.json")
+    for method in "fastable", "fastable-online", "openable":
+        yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --method {method} --c-l 20 --t-r 0.65 "
+               f"--save-matrix {method}.npy -o {method}.json")
+        yield f"vpr-eval {method}.json {CORRIDOR_TRUTH} -o {method}.report.json"
+    for score in "standardized", "standardized-offline":
+        yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --score {score} --c-l 10 "
+               f"--save-matrix {score}.npy -o {score}.json")
+        yield (f"vpr-eval {score}.json {CORRIDOR_TRUTH} --html {score}.html --query {CORRIDOR}/query "
+               f"--train {CORRIDOR}/ref -o {score}.report.json")
+        yield f"vpr-eval --scores {score}.npy --distance --window 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
+        yield (f"vpr-tune fastable raw.vprdb --query {CORRIDOR}/query {CORRIDOR_TRUTH} --score {score} "
+               f"--save-config {score}.best.json -o {score}.sweep.json")
+    yield f"vpr-query colour.vprdb --query {CORRIDOR}/query --c-l 20 -o colour.json"
+    yield f"vpr-tune threshold raw.vprdb -o thresholds.json"
+
+
+def loop():
+    yield (f"vpr-train fabmap --from-openfabmap --features sift --vocabulary {OPENFABMAP}/vocabulary.yml.gz "
+           f"--tree {OPENFABMAP}/tree.yml.gz --pretrain-bow {OPENFABMAP}/bow-pretrain.yml.gz "
+           f"--train-bow {OPENFABMAP}/bow-loop.yml.gz@0:40 -o loop.vprdb")
+    bow = f"--query-bow {OPENFABMAP}/bow-loop.yml.gz@40:80"
+    for variant in "fabmap1", "fabmap2", "fabmap2-fixed", "lut", "fbo":
+        for more in ("", "--word-model naive-bayes", "--new-place mean-field", "--motion-model"):
+            if variant == "fbo" and more:
+                continue
+            name = f"{variant}{more.replace(' ', '').replace('--', '-')}"
+            save = "" if variant == "fbo" else f"--save-posteriors {name}.npy"
+            yield f"vpr-query loop.vprdb {bow} --variant {variant} {more} {save} --t-p 0.6 -o {name}.json"
+    yield f"vpr-eval fabmap2.json {LOOP_TRUTH} -o report.json"
+    yield f"vpr-eval --scores fabmap2.npy --similarity {LOOP_TRUTH} -o metrics.json"
+
+
+def features(kind):
+    yield (f"vpr-train fabmap --features {kind} --words 50 --pretrain {TOWER}/floor5@0:30:5 "
+           f"--train {LOOP}/images@0:40:10 -o {kind}.vprdb")
+    yield f"vpr-query {kind}.vprdb --query {LOOP}/images@40:80:10 --save-posteriors {kind}.npy -o {kind}.json"
+
+
+GROUPS = {
+    "building": ([], BUILDING),
+    "corridor": ([CORRIDOR], corridor()),
+    "loop": ([OPENFABMAP, LOOP], loop()),
+}
+for feature in "surf", "sift", "kaze", "akaze", "orb", "brisk":
+    GROUPS[feature] = ([LOOP, TOWER], features(feature))
+
+
+def run(programs, command, folder):
+    """What the command prints is an output, too. Returns seconds."""
+    words = command.split()
+    start = time.monotonic()
+    done = subprocess.run([programs / words[0], *words[1:]], cwd=folder, capture_output=True, text=True)
+    with open(folder / "printed.txt", "a", encoding="utf-8") as file:
+        file.write(f"$ {command}\n{done.stdout}")
+    if done.returncode != 0:
+        sys.exit(f"{programs / words[0]} {' '.join(words[1:])}: exit code {done.returncode}\n{done.stderr}")
+    return time.monotonic() - start
+
+
+def contents(path):
+    """What must be the same."""
+    if path.suffix == ".html":
+        return [line for line in path.read_bytes().splitlines() if not line.startswith(b"<dt>command line</dt>")]
+    if path.suffix != ".json":
+        return path.read_bytes()
+    data = json.loads(path.read_text(), parse_float=str)  # digits, not values
+    for key in "machine", "timing":
+        data.pop(key, None)
+    return json.dumps(data)
+
+
+def differing(folder, other):
+    names = {f.relative_to(root) for root in (folder, other) for f in root.rglob("*") if f.is_file()}
+    same_names = [n for n in names if (folder / n).is_file() and (other / n).is_file()]
+    return len(names), sorted(
+        {str(n) for n in names if n not in same_names}
+        | {str(n) for n in same_names if contents(folder / n) != contents(other / n)})
+
+
+def compare(group, builds, keep):
+    needed, commands = GROUPS[group]
+    for path in needed:
+        if not path.exists():
+            print(f"{group}: skipped, there is no {path}")
+            return False
+    folders = [keep / f"{group}-{i}" for i in range(2)]
+    for folder in folders:
+        folder.mkdir()
+    seconds = [0.0, 0.0]
+    for command in commands:
+        for i, folder in enumerate(folders):
+            seconds[i] += run(builds[i], command, folder)
+    count, different = differing(*folders)
+    print(f"{group}: {count} files, {len(different)} differ ({seconds[0]:.1f} and {seconds[1]:.1f} s)", flush=True)
+    for name in different:
+        print(f"  {name}")
+    return bool(different)
+
+
+def main():
+    builds = [pathlib.Path(word).resolve() for word in sys.argv[1:3]]
+    wrong = [group for group in sys.argv[3:] if group not in GROUPS]
+    if len(builds) < 2 or wrong:
+        sys.exit(__doc__ + f"\nGroups: {', '.join(GROUPS)}")
+    keep = os.environ.get("VPR_KEEP_OUTPUTS")
+    with tempfile.TemporaryDirectory() as folder:
+        results = [compare(group, builds, pathlib.Path(keep or folder)) for group in sys.argv[3:] or GROUPS]
+    sys.exit(1 if any(results) else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+// Runs a program's main once a request, in a child of the process that has loaded its libraries:
+// they are most of the time of a short run.
+#include <cerrno>
+#include <cstdlib>
+#include <vector>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "faults.h"
+
+namespace faults {
+namespace {
+
+using Main = int (*)(int, char**, char**);
+
+constexpr int kRequests = STDIN_FILENO;
+constexpr int kAnswers = STDOUT_FILENO;
+constexpr unsigned int kMostSeconds = 60;  // of one run
+
+Main program_main = nullptr;  // NOLINT
+
+bool read_all(int file, void* bytes, size_t size) {
+  auto* at = static_cast<char*>(bytes);
+  while (size > 0) {
+    const ssize_t got = ::read(file, at, size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    at += got;
+    size -= static_cast<size_t>(got);
+  }
+  return true;
+}
+
+void write_all(int file, const void* bytes, size_t size) {
+  const auto* at = static_cast<const char*>(bytes);
+  while (size > 0) {
+    const ssize_t written = ::write(file, at, size);
+    if (written <= 0) ::_exit(1);
+    at += written;
+    size -= static_cast<size_t>(written);
+  }
+}
+
+/// A request: its size in 4 bytes, then texts that end with a zero byte each: working folder,
+/// folder whose calls count, fault (its place in the enum), number of the call, whether renames are
+/// plain (0 or 1), and the command line.
+bool read_request(std::vector<std::string>& texts) {
+  uint32_t size = 0;
+  if (!read_all(kRequests, &size, sizeof(size))) return false;
+  std::string bytes(size, '\0');
+  if (!read_all(kRequests, bytes.data(), size)) return false;
+  texts.clear();
+  for (size_t at = 0; at < bytes.size(); at += texts.back().size() + 1)
+    texts.emplace_back(bytes.c_str() + at);
+  return texts.size() > 5;
+}
+
+void redirect(int stream, const char* path, int flags) {
+  const int file = ::open(path, flags, 0666);
+  if (file < 0) ::_exit(99);
+  ::dup2(file, stream);
+  ::close(file);
+}
+
+/// In the child. Its two streams go to files in the working folder.
+[[noreturn]] void run(std::vector<std::string>& texts, char** environment, Notes& notes) {
+  if (::chdir(texts[0].c_str()) != 0) ::_exit(99);
+  redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
+  redirect(STDOUT_FILENO, "stdout", O_WRONLY | O_CREAT | O_TRUNC);
+  redirect(STDERR_FILENO, "stderr", O_WRONLY | O_CREAT | O_TRUNC);
+  std::vector<char*> arguments;
+  for (size_t i = 5; i < texts.size(); ++i) arguments.push_back(texts[i].data());
+  arguments.push_back(nullptr);
+  ::alarm(kMostSeconds);
+  arm({texts[1], static_cast<Fault>(std::stoi(texts[2])), std::stoull(texts[3]), texts[4] == "1"},
+      notes);
+  std::exit(program_main(static_cast<int>(arguments.size() - 1), arguments.data(), environment));
+}
+
+/// An answer: the status that waitpid gives, the bytes of notes, and these.
+int serve(int, char**, char** environment) {
+  ::unsetenv("LD_PRELOAD");  // what a program starts is left alone
+  void* const shared =
+      ::mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (shared == MAP_FAILED) return 1;
+  Notes& notes = *static_cast<Notes*>(shared);
+  std::vector<std::string> texts;
+  while (read_request(texts)) {
+    notes.bytes = 0;
+    const pid_t child = ::fork();
+    if (child < 0) return 1;
+    if (child == 0) run(texts, environment, notes);
+    int32_t status = 0;
+    while (::waitpid(child, &status, 0) < 0)
+      if (errno != EINTR) return 1;
+    const auto bytes = static_cast<uint32_t>(notes.bytes);
+    write_all(kAnswers, &status, sizeof(status));
+    write_all(kAnswers, &bytes, sizeof(bytes));
+    write_all(kAnswers, notes.text, bytes);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace faults
+
+/// The C library's, which calls main.
+extern "C" int __libc_start_main(faults::Main main, int argc, char** argv,
+                                 void (*init)(),  // NOLINT
+                                 void (*fini)(), void (*rtld_fini)(), void* stack_end) {
+  static const auto next =
+      reinterpret_cast<decltype(&__libc_start_main)>(::dlsym(RTLD_NEXT, "__libc_start_main"));
+  faults::program_main = main;
+  return next(std::getenv("VPR_FAULTS") != nullptr ? faults::serve : main, argc, argv, init, fini,
+              rtld_fini, stack_end);
+}

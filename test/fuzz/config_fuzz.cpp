@@ -1,0 +1,54 @@
+// A file of --config: settings of every method, and a small query with those that are accepted.
+#include "base/json.h"
+#include "bench/generated.h"
+#include "config_file.h"
+#include "fuzz.h"
+#include "pipeline/fabmap_query.h"
+#include "pipeline/query.h"
+#include "pipeline/train.h"
+#include "report/result_file.h"
+
+using namespace vpr;
+
+namespace {
+
+constexpr size_t kFrames = 12;
+
+template <class S>
+S settings_from(const Json& json) {
+  S settings;
+  value_from_json(json, settings, "config", "settings");
+  value_to_json(settings);
+  return settings;
+}
+
+SequenceDatabase make_database() {
+  SequenceDatabase database;
+  database.sequences.push_back({"walk", std::vector<std::string>(kFrames), {}});
+  database.codes.owned = generate_walk(kFrames, 1);
+  database.statistics =
+      TrainStatistics{{}, 400, std::vector<float>(kFrames, 0), std::vector<float>(kFrames, 4096)};
+  return database;
+}
+
+void query(const Json& json) {
+  const auto settings = settings_from<SequenceQuerySettings>(json);
+  settings_in_force(settings);
+  static const SequenceDatabase kDatabase = make_database();
+  const SequenceCodes query{generate_walk(kFrames, 2), {std::vector<std::string>(kFrames), {}}};
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  resources.memory_limit = size_t{1} << 26;
+  run_query(plan_query(kDatabase, query, "q", settings, resources, {}), kDatabase, query, resources,
+            {}, {});
+}
+
+}  // namespace
+
+void fuzz::run(std::string_view input) {
+  const Json json = read_config(memory_file(input));
+  refuses([&] { query(json); });
+  refuses([&] { check_query_settings(settings_from<FabmapQuerySettings>(json)); });
+  refuses([&] { settings_from<SequenceTrainSettings>(json); });
+  refuses([&] { settings_from<FabmapTrainSettings>(json); });
+}

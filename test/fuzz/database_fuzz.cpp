@@ -1,0 +1,70 @@
+// The files of a database, of either family, with whatever checksums they need to be looked at; and
+// a small query of what can be opened.
+#include "base/checksum.h"
+#include "base/json.h"
+#include "database/archive.h"
+#include "fuzz.h"
+#include "pipeline/fabmap_query.h"
+#include "pipeline/query.h"
+#include "pipeline/score_basis.h"
+
+using namespace vpr;
+
+namespace {
+
+constexpr size_t kQueryFrames = 4;
+
+// The manifest lists the files that there are, and is sealed.
+void seal(std::vector<fuzz::Part>& parts) {
+  for (fuzz::Part& part : parts) {
+    std::optional<Json> manifest = parse_json(part.bytes);
+    if (part.name != kManifestName || !manifest || !manifest->is_object()) continue;
+    manifest->erase("checksum");
+    Json& files = (*manifest)["files"] = Json::object();
+    for (const fuzz::Part& file : parts)
+      if (file.name != kManifestName)
+        files[file.name] = {{"bytes", file.bytes.size()},
+                            {"checksum", checksum(std::string_view(file.bytes))}};
+    part.bytes = sealed_manifest(*manifest);
+  }
+}
+
+void query_sequences(const std::filesystem::path& folder) {
+  SequenceDatabase database = read_sequence_database(folder);
+  const auto codes = database.codes.view();
+  SequenceCodes query;
+  query.codes.assign(codes.begin(),
+                     codes.begin() + static_cast<ptrdiff_t>(std::min(kQueryFrames, codes.size())));
+  query.frames.names.resize(query.codes.size());
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  ensure_statistics(database, resources.kernels, {});
+  for (const Score score : {Score::raw, Score::standardized}) {
+    SequenceQuerySettings settings;
+    settings.window_length = 2;
+    settings.score = score;
+    fuzz::refuses([&] {
+      run_query(plan_query(database, query, "q", settings, resources, {}), database, query,
+                resources, {}, {});
+    });
+  }
+}
+
+void query_places(const std::filesystem::path& folder) {
+  const FabmapDatabase database = read_fabmap_database(folder);
+  SequenceWords query;
+  for (size_t v = 0; v < std::min(kQueryFrames, database.views.views()); ++v)
+    query.frames.emplace_back(database.views.view(v).begin(), database.views.view(v).end());
+  query.names.resize(query.frames.size());
+  query_fabmap(database, query, "q", {}, 1, [](size_t, std::span<const double>) {}, {});
+}
+
+}  // namespace
+
+void fuzz::run(std::string_view input) {
+  std::vector<Part> parts = split_parts(input);
+  seal(parts);
+  const std::filesystem::path folder = folder_of(parts);
+  refuses([&] { query_sequences(folder); });
+  refuses([&] { query_places(folder); });
+}

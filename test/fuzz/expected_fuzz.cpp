@@ -1,0 +1,32 @@
+// What vpr-eval --expect expects, of a report.
+#include "base/json.h"
+#include "evaluation/expectation.h"
+#include "fuzz.h"
+
+using namespace vpr;
+
+namespace {
+
+/// A report of a score matrix has what those of results have not, and the other way round.
+const Json& report() {
+  static const Json kReport = {
+      {"schema", "vpr.report/1"},
+      {"method", "fastable"},
+      {"settings", {{"method", "fastable"}, {"c_l", 3}, {"t_r", "auto"}}},
+      {"counts",
+       {{"hits", {{"correct", 9}, {"incorrect", 1}, {"ignored", 0}}},
+        {"places", {{"correct", 2}, {"incorrect", 0}, {"ignored", 0}}},
+        {"distinct", 2}}},
+      {"best_match", {{"queries", 20}, {"correct", 15}, {"rate", 0.75}}},
+      {"metrics", {{"single_best", {{"average_precision", 0.5}, {"roc_auc", nullptr}}}}},
+      {"localisation", {{"frames", 22}, {"share", 0.5}}},
+      {"protocol", {{"ground_truth", "pairs"}, {"tolerance_frames", 0}}},
+      {"provenance", {{"ground_truth", "xxh3:0"}}}};
+  return kReport;
+}
+
+}  // namespace
+
+void fuzz::run(std::string_view input) {
+  unmet_expectations(report(), read_json(memory_file(input), ErrorKind::usage), "expected");
+}

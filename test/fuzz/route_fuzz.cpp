@@ -1,0 +1,15 @@
+// Poses, places and walls that a data set names: any bytes as each of them.
+#include "base/monitor.h"
+#include "evaluation/pose_csv.h"
+#include "evaluation/route.h"
+#include "evaluation/travelled.h"
+#include "fuzz.h"
+
+void vpr::fuzz::run(std::string_view input) {
+  const std::filesystem::path path = memory_file(input);
+  refuses([&] { read_pose_csv(path, {{}, 1000}); });
+  refuses([&] { read_pose_csv(path.string() + "@1:9:2", {4, 1000}); });
+  refuses([&] { read_travelled(path, 3, {}); });
+  refuses([&] { read_place_positions(path); });
+  refuses([&] { read_walls(path); });
+}

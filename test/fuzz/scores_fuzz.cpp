@@ -1,0 +1,27 @@
+// Any bytes as a score matrix of some program.
+#include "evaluation/score_matrix.h"
+#include "fuzz.h"
+
+using namespace vpr;
+
+namespace {
+
+// (Judging its rows takes the time of a thousand readings, and sees nothing but whole keys.)
+void read_rows(const std::filesystem::path& path, const ScoreFormat& format) {
+  const ScoreMatrix matrix(path, format);
+  matrix.fingerprint();
+  size_t rows = 0;
+  matrix.for_each_row(1, {}, "", [&](size_t, size_t, std::span<const uint64_t> keys) {
+    fuzz::require(keys.size() == matrix.references());
+    ++rows;
+  });
+  fuzz::require(rows == matrix.queries());
+}
+
+}  // namespace
+
+void fuzz::run(std::string_view input) {
+  const std::filesystem::path path = memory_file(input);
+  refuses([&] { read_rows(path, {}); });
+  refuses([&] { read_rows(path, {ScoreKind::similarity, true, 0}); });
+}

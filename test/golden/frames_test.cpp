@@ -1,0 +1,232 @@
+// Codes, distances, scores, words and posteriors of a small recording, frame by frame, against
+// checksums that stand in files: for every SIMD target, method and number of threads the same.
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/parallel.h"
+#include "base/simd.h"
+#include "database/chow_liu.h"
+#include "descriptors/vocabulary.h"
+#include "golden/checksums.h"
+#include "golden/recording.h"
+#include "matching/fabmap.h"
+#include "pipeline/fabmap_query.h"
+#include "pipeline/query.h"
+#include "pipeline/score_basis.h"
+#include "support.h"
+
+using namespace vpr;
+using test::FrameChecksum;
+using test::Walk;
+
+namespace {
+
+constexpr uint64_t kWindow = 4;
+constexpr size_t kUnreadable = 9;  // of the query
+
+// Calls body once for each SIMD target and number of threads.
+template <class Body>
+void for_each_setting(Body&& body) {
+  for (const std::string& target : simd_targets()) {
+    use_simd_target(target);
+    for (const size_t threads : {1, 2, 5}) {
+      INFO(target << ", " << threads << " threads");
+      const ThreadLimit limit(threads);
+      body();
+    }
+  }
+  use_simd_target("");
+}
+
+std::vector<LdbCode> describe(const Walk& walk) {
+  std::vector<LdbCode> codes;
+  for (size_t frame = 0; frame < walk.frames; ++frame)
+    codes.push_back(describe_ldb(test::draw_frame(walk, frame)));
+  return codes;
+}
+
+std::vector<std::string> frame_names(const Walk& walk) {
+  std::vector<std::string> names;
+  for (size_t frame = 0; frame < walk.frames; ++frame)
+    names.push_back(fmt::format("{} {}", walk.name, frame));
+  return names;
+}
+
+SequenceDatabase make_database() {
+  SequenceDatabase database;
+  for (const Walk& walk : test::kTrain) {
+    database.sequences.push_back({walk.name, frame_names(walk), {}});
+    const std::vector<LdbCode> codes = describe(walk);
+    database.codes.owned.insert(database.codes.owned.end(), codes.begin(), codes.end());
+  }
+  ensure_statistics(database, select_kernels(), {});
+  return database;
+}
+
+SequenceCodes make_query() {
+  SequenceCodes query{describe(test::kQuery), {frame_names(test::kQuery), {kUnreadable}}};
+  query.codes[kUnreadable] = {};
+  return query;
+}
+
+// Every row of distances or biased scores, by query window.
+std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
+  const SequenceDatabase database = make_database();
+  const SequenceCodes query = make_query();
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  std::mutex mutex;
+  std::map<std::tuple<size_t, size_t, size_t>, uint32_t> cells;
+  const RowConsumer collect = [&](const DistanceRow& row) {
+    const std::lock_guard lock(mutex);
+    for (size_t x = 0; x < row.distances.size(); ++x)
+      cells[{row.query_window, row.sequence, row.train_window + x}] = row.distances[x];
+  };
+  run_query(plan_query(database, query, "back", settings, resources, {}), database, query,
+            resources, {collect}, {});
+  std::map<size_t, std::vector<uint32_t>> rows;
+  for (const auto& [key, value] : cells) rows[std::get<0>(key)].push_back(value);
+  std::vector<FrameChecksum> lines;
+  for (const auto& [window, row] : rows)
+    lines.push_back({fmt::format("window {}", window), test::short_checksum(row)});
+  return lines;
+}
+
+SequenceQuerySettings settings_with(const std::string& method, Score score) {
+  SequenceQuerySettings settings;
+  settings.method = method;
+  settings.score = score;
+  settings.window_length = kWindow;
+  settings.distance_threshold = score == Score::raw ? 0.3 : -1;
+  return settings;
+}
+
+// Squares of pretraining frames, one in two of every fourth frame, are the words.
+Vocabulary make_words() {
+  cv::Mat words;
+  for (size_t frame = 0; frame < test::kPretrain.frames; frame += 4) {
+    const cv::Mat features = test::square_features(test::draw_frame(test::kPretrain, frame));
+    for (int i = static_cast<int>(frame); i < features.rows; i += 2)
+      words.push_back(features.row(i));
+  }
+  return make_vocabulary(words);
+}
+
+std::vector<WordSet> words_of(const Walk& walk, const Vocabulary& vocabulary) {
+  std::vector<WordSet> frames;
+  for (size_t frame = 0; frame < walk.frames; ++frame)
+    frames.push_back(quantise(vocabulary, test::square_features(test::draw_frame(walk, frame))));
+  return frames;
+}
+
+FabmapDatabase make_fabmap_database(const Vocabulary& vocabulary) {
+  FabmapDatabase database;
+  database.vocabulary = vocabulary.words;
+  const std::vector<WordSet> pretrain = words_of(test::kPretrain, vocabulary);
+  database.tree = train_chow_liu(pretrain, static_cast<size_t>(vocabulary.words.rows), {});
+  for (const WordSet& frame : pretrain) database.pretrain.add(frame);
+  for (const Walk& walk : test::kTrain)
+    add_group(database, {walk.name, false, frame_names(walk)}, words_of(walk, vocabulary));
+  index_views(database);
+  return database;
+}
+
+// In millionths: logarithms and exponentials of other machines may differ in the last digits.
+std::string posterior_checksum(std::span<const double> posterior) {
+  std::vector<int32_t> millionths;
+  for (const double p : posterior) millionths.push_back(static_cast<int32_t>(std::lround(p * 1e6)));
+  return test::short_checksum(millionths);
+}
+
+std::vector<FrameChecksum> posteriors(const FabmapDatabase& database, const SequenceWords& query,
+                                      const std::string& variant) {
+  FabmapQuerySettings settings;
+  settings.variant = variant;
+  std::vector<FrameChecksum> lines;
+  query_fabmap(database, query, "back", settings, 1,
+               [&](size_t frame, std::span<const double> posterior) {
+                 if (!posterior.empty())
+                   lines.push_back({query.names[frame], posterior_checksum(posterior)});
+               },
+               {});
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("codes of a small recording are those that stand in the file") {
+  std::vector<FrameChecksum> lines;
+  for (const Walk& walk : {test::kTrain[0], test::kTrain[1], test::kQuery}) {
+    const std::vector<LdbCode> codes = describe(walk);
+    for (size_t frame = 0; frame < walk.frames; ++frame)
+      lines.push_back({frame_names(walk)[frame], test::short_checksum(std::vector(
+                                                     codes[frame].begin(), codes[frame].end()))});
+  }
+  test::check_golden("codes", "Frame: its LDB code.", lines);
+}
+
+TEST_CASE("distances of its windows are those that stand in the file, by every exact method") {
+  for_each_setting([] {
+    for (const SequenceMethod& method : sequence_methods()) {
+      if (!method.is_exact) continue;
+      INFO(method.name);
+      test::check_golden("distances",
+                         "Query window of 4 frames: its distances to all training windows.",
+                         window_rows(settings_with(std::string(method.name), Score::raw)));
+    }
+  });
+}
+
+TEST_CASE("standardized scores of its windows are those that stand in the files") {
+  for_each_setting([] {
+    for (const Score score : {Score::standardized, Score::standardized_offline})
+      test::check_golden(
+          std::string(enum_name(score)),
+          fmt::format("Query window of 4 frames: its scores ({}), biased as matchers give them.",
+                      enum_name(score)),
+          window_rows(settings_with("fastable", score)));
+  });
+}
+
+TEST_CASE("FAB-MAP's words and posteriors are those that stand in the files") {
+  for_each_setting([] {
+    const Vocabulary vocabulary = make_words();
+    const FabmapDatabase database = make_fabmap_database(vocabulary);
+    std::vector<FrameChecksum> lines;
+    for (const Walk& walk : {test::kPretrain, test::kTrain[0], test::kTrain[1], test::kQuery}) {
+      const std::vector<WordSet> words = words_of(walk, vocabulary);
+      for (size_t frame = 0; frame < walk.frames; ++frame)
+        lines.push_back({frame_names(walk)[frame], test::short_checksum(words[frame])});
+    }
+    test::check_golden("words", "Frame: the ids of its words.", lines);
+    const SequenceWords query{
+        words_of(test::kQuery, vocabulary), frame_names(test::kQuery), {kUnreadable}};
+    for (const FabmapVariant& variant : fabmap_variants()) {
+      INFO(variant.name);
+      test::check_golden(fmt::format("posteriors-{}", variant.name),
+                         "Frame: its posterior (new place, then views) in millionths.",
+                         posteriors(database, query, std::string(variant.name)));
+    }
+  });
+}
+
+TEST_CASE("a change names the first frame that changed, and how many did") {
+  const std::vector<FrameChecksum> expected = {{"a 0", "11"}, {"a 1", "22"}, {"a 2", "33"}};
+  CHECK(test::first_change("x", expected, expected) == "");
+  auto found = expected;
+  found[1].text = "23";
+  found[2].text = "34";
+  CHECK(test::first_change("x", expected, found)
+            .find("2 of 3 lines changed, the first from \"a 1: "
+                  "22\" to \"a 1: 23\"") != std::string::npos);
+  found = expected;
+  found.pop_back();
+  CHECK(test::first_change("x", expected, found)
+            .find("1 of 3 lines changed, the first from \"a 2: "
+                  "33\" to \"nothing\"") != std::string::npos);
+}
