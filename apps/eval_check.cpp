@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "evaluation/ground_truth/check.h"
-#include "evaluation/ground_truth/formats.h"
+#include "ground_truth/check.h"
+#include "ground_truth/formats.h"
 #include "report/ground_truth_report.h"
 
 namespace vpr {

@@ -4,8 +4,8 @@
 
 #include "base/counted.h"
 #include "base/error.h"
-#include "evaluation/ground_truth/check.h"
-#include "evaluation/ground_truth/formats.h"
+#include "ground_truth/check.h"
+#include "ground_truth/formats.h"
 
 namespace vpr {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "base/json.h"
 #include "base/stopwatch.h"
-#include "evaluation/ground_truth/presets.h"
+#include "ground_truth/presets.h"
 #include "report/evaluation_report.h"
 
 namespace vpr {

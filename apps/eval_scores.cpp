@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "evaluation/metrics.h"
-#include "evaluation/travelled.h"
+#include "ground_truth/travelled.h"
 #include "report/matrix_file.h"
 #include "report/scores_report.h"
 

@@ -7,7 +7,7 @@
 #include "base/json_fwd.h"
 #include "command.h"
 #include "evaluation/judgement.h"
-#include "images/dataset.h"
+#include "ground_truth/dataset.h"
 #include "report/result_file.h"
 
 namespace vpr {

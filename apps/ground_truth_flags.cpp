@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include "base/json.h"
-#include "evaluation/ground_truth/formats.h"
-#include "evaluation/ground_truth/presets.h"
+#include "ground_truth/formats.h"
+#include "ground_truth/presets.h"
 
 namespace vpr {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "command.h"
+#include "ground_truth/dataset.h"
 #include "ground_truth_flags.h"
-#include "images/dataset.h"
 #include "recognition/fabmap_result.h"
 #include "recognition/sequence_result.h"
 

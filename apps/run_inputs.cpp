@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "database/archive.h"
-#include "images/dataset.h"
+#include "ground_truth/dataset.h"
 #include "report/result_file.h"
 
 namespace vpr {

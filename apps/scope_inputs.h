@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "command.h"
-#include "evaluation/ground_truth.h"
+#include "ground_truth/ground_truth.h"
 
 namespace vpr {
 

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "database/openfabmap.h"
-#include "images/dataset.h"
+#include "ground_truth/dataset.h"
 #include "pipeline/fabmap_train.h"
 #include "report/table.h"
 #include "train_inputs.h"

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "database/archive.h"
-#include "images/dataset.h"
+#include "ground_truth/dataset.h"
 
 namespace vpr {
 

@@ -7,8 +7,8 @@
 
 #include "base/json_fwd.h"
 #include "command.h"
+#include "ground_truth/dataset.h"
 #include "ground_truth_flags.h"
-#include "images/dataset.h"
 #include "pipeline/sweep.h"
 #include "report/table.h"
 #include "tune_grids.h"

@@ -2,11 +2,12 @@
 # Includes may only go from a later stage to an earlier one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-stages=(base images synth descriptors database matching recognition evaluation report pipeline bench)
+stages=(base images ground_truth synth descriptors database matching recognition evaluation report pipeline bench)
 declare -A rank
 for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done
-# synth and descriptors stand side by side: neither may include the other.
-rank[descriptors]=${rank[synth]}
+# These stand side by side: none may include another.
+rank[synth]=${rank[ground_truth]}
+rank[descriptors]=${rank[ground_truth]}
 bad=0
 while IFS=: read -r file line text; do
   from=${file#src/}; from=${from%%/*}

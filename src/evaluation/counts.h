@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "evaluation/ground_truth.h"
+#include "ground_truth/ground_truth.h"
 #include "recognition/fabmap_result.h"
 #include "recognition/sequence_result.h"
 

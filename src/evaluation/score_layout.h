@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "evaluation/ground_truth.h"
 #include "evaluation/score_matrix.h"
+#include "ground_truth/ground_truth.h"
 #include "recognition/sequence_result.h"
 
 namespace vpr {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "evaluation/ground_truth.h"
+#include "ground_truth/ground_truth.h"
 #include "recognition/sequence_result.h"
 
 namespace vpr {

@@ -4,7 +4,7 @@
 
 #include "base/counted.h"
 #include "base/json.h"
-#include "evaluation/ground_truth/fingerprint.h"
+#include "ground_truth/fingerprint.h"
 #include "report/metrics_report.h"
 
 namespace vpr {

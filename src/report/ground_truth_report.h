@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "evaluation/ground_truth/check.h"
+#include "ground_truth/check.h"
 #include "report/run_info.h"
 #include "report/table.h"
 

@@ -10,7 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/output_file.h"
-#include "evaluation/ground_truth.h"
+#include "ground_truth/ground_truth.h"
 #include "report/matrix_file.h"
 
 namespace vpr {

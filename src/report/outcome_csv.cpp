@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "evaluation/csv.h"
+#include "base/csv.h"
 #include "evaluation/judgement.h"
 #include "recognition/fabmap_result.h"
 

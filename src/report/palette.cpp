@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/matx.hpp>
 
-#include "evaluation/ground_truth.h"
+#include "ground_truth/ground_truth.h"
 
 namespace vpr {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/monitor.h"
 #include "evaluation/judgement.h"
-#include "evaluation/route.h"
+#include "ground_truth/route.h"
 #include "report/palette.h"
 #include "report/plot.h"
 

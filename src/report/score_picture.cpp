@@ -6,7 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/statistics.h"
-#include "evaluation/ground_truth/label_runs.h"
+#include "ground_truth/label_runs.h"
 
 namespace vpr {
 namespace {

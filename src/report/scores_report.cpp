@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "evaluation/ground_truth/fingerprint.h"
+#include "ground_truth/fingerprint.h"
 #include "report/evaluation_report.h"
 #include "report/metrics_report.h"
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/csv.h"
 #include "base/printable.h"
-#include "evaluation/csv.h"
 
 namespace vpr {
 namespace {

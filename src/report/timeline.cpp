@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "evaluation/ground_truth/label_runs.h"
+#include "ground_truth/label_runs.h"
 
 namespace vpr {
 

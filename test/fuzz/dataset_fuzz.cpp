@@ -1,5 +1,5 @@
 // Any bytes as a data set description.
 #include "fuzz.h"
-#include "images/dataset.h"
+#include "ground_truth/dataset.h"
 
 void vpr::fuzz::run(std::string_view input) { read_dataset(memory_file(input)); }

@@ -1,8 +1,8 @@
 // Any bytes as a ground truth of one format (VPR_FUZZ_FORMAT): they are refused with an Error, or
 // give a ground truth that is sound.
-#include "evaluation/ground_truth/check.h"
-#include "evaluation/ground_truth/formats.h"
 #include "fuzz.h"
+#include "ground_truth/check.h"
+#include "ground_truth/formats.h"
 
 using namespace vpr;
 using fuzz::require;

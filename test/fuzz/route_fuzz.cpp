@@ -1,9 +1,9 @@
 // Poses, places and walls that a data set names: any bytes as each of them.
 #include "base/monitor.h"
-#include "evaluation/pose_csv.h"
-#include "evaluation/route.h"
-#include "evaluation/travelled.h"
 #include "fuzz.h"
+#include "ground_truth/pose_csv.h"
+#include "ground_truth/route.h"
+#include "ground_truth/travelled.h"
 
 void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);

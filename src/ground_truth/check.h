@@ -1,0 +1,33 @@
+// What a ground truth says in all, and whether it can be trusted.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "ground_truth/ground_truth.h"
+
+namespace vpr {
+
+/// Counts over all sequences, tolerance applied.
+struct GroundTruthSummary {
+  uint64_t query_frames = 0;
+  uint64_t train_frames = 0;
+  uint64_t same = 0;                      ///< pairs of the same place
+  uint64_t ignored = 0;                   ///< pairs to ignore
+  uint64_t queries_without_match = 0;     ///< no pair of the same place
+  uint64_t references_without_match = 0;  ///< of training frames
+  uint64_t most_matches = 0;              ///< of any query
+  /// Pairs (i, j) of the same place for which (j, i) is not: in a ground truth of a sequence
+  /// against itself a mistake, between two walks usual. Nothing unless there is one sequence with
+  /// as many frames as the query.
+  std::optional<uint64_t> one_sided;
+  std::vector<std::string> one_sided_examples;
+};
+
+GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Monitor& monitor = {});
+
+/// Throws Error(data), with the first of them, if a pair is out of range or contradicts another.
+void require_undamaged(const InspectedGroundTruth& ground_truth, const std::string& name);
+
+}  // namespace vpr

@@ -1,0 +1,200 @@
+#include "ground_truth/formats.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/mapped_file.h"
+#include "base/utf8.h"
+#include "ground_truth/aligned.h"
+#include "ground_truth/mask_image.h"
+#include "ground_truth/matrix_file.h"
+#include "ground_truth/openseqslam_csv.h"
+#include "ground_truth/pairs_csv.h"
+#include "ground_truth/poses.h"
+#include "ground_truth/utm_names.h"
+#include "ground_truth/vpr_bench.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kStartBytes = 65536;
+
+bool has_path(const GroundTruthFormat& format) {
+  return std::find(format.options.begin(), format.options.end(), "path") != format.options.end();
+}
+
+// Of the formats that use an option.
+std::string format_names_of(std::string_view option) {
+  std::vector<std::string_view> names;
+  for (const GroundTruthFormat& format : ground_truth_formats())
+    if (std::find(format.options.begin(), format.options.end(), option) != format.options.end())
+      names.push_back(format.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string_view first_line(std::string_view text) {
+  text = without_byte_order_mark(text);
+  while (!text.empty()) {
+    std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (!line.empty() && !line.starts_with('#')) return line;
+  }
+  return {};
+}
+
+// What an option that has no effect belongs to.
+std::string use_of(std::string_view option) {
+  if (option == "range") return "; turn it into pairs, which take one (vpr-eval convert)";
+  return fmt::format("; {} belongs to {}", option, format_names_of(option));
+}
+
+// Numbers of frames stand before a range in a path's name.
+std::filesystem::path path_without_range(const std::filesystem::path& path) {
+  return parse_sequence_argument(path.string()).path;
+}
+
+}  // namespace
+
+std::span<const GroundTruthFormat> ground_truth_formats() {
+  static const std::vector<GroundTruthFormat> kFormats = {
+      {"aligned", "frame i is frame i", {"reference_step"}, nullptr, read_aligned, nullptr, false},
+      {"pairs",
+       "CSV query,reference[,label] or query,sequence,reference[,label]",
+       {"path", "range"},
+       is_pairs_csv,
+       read_pairs_csv,
+       write_pairs_csv,
+       true},
+      {"poses",
+       "CSV frame,x,y[,heading] of either side",
+       {"path", "range", "reference", "radius_m", "angle_deg"},
+       is_pose_csv,
+       read_poses,
+       nullptr,
+       false},
+      {"tum",
+       "trajectories: time x y z qx qy qz qw",
+       {"path", "range", "reference", "radius_m", "angle_deg"},
+       is_tum,
+       read_tum_poses,
+       nullptr,
+       false},
+      {"kitti",
+       "trajectories: 3 x 4 matrices",
+       {"path", "range", "reference", "radius_m", "angle_deg"},
+       is_kitti,
+       read_kitti_poses,
+       nullptr,
+       false},
+      {"utm",
+       "images called @east@north@...",
+       {"path", "range", "reference", "radius_m", "angle_deg"},
+       is_utm_names,
+       read_utm_names,
+       nullptr,
+       false},
+      {"vpr-bench",
+       "ground_truth_new.npy: for every query a list",
+       {"path"},
+       is_vpr_bench,
+       read_vpr_bench,
+       write_vpr_bench,
+       false},
+      {"matrix",
+       "0/1 matrix, .npy or .npz, with a soft one to ignore",
+       {"path", "soft", "matrix_rows"},
+       is_matrix_file,
+       read_matrix_file,
+       write_matrix_file,
+       true},
+      {"openseqslam2",
+       "CSV without header: query, reference, tolerance, from 1",
+       {"path"},
+       is_openseqslam_csv,
+       read_openseqslam_csv,
+       write_openseqslam_csv,
+       false},
+      {"mask",
+       "image: 255 same, 0 different, grey ignore",
+       {"path", "matrix_rows"},
+       is_mask_image,
+       read_mask_image,
+       write_mask_image,
+       true}};
+  return kFormats;
+}
+
+std::string format_names(bool (*wanted)(const GroundTruthFormat& format)) {
+  std::vector<std::string_view> names;
+  for (const GroundTruthFormat& format : ground_truth_formats())
+    if (wanted(format)) names.push_back(format.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string format_summaries() {
+  std::string text;
+  for (const GroundTruthFormat& format : ground_truth_formats())
+    text += fmt::format("  {:<14}{}\n", format.name, format.summary);
+  return text;
+}
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const GroundTruthFormat& format : ground_truth_formats()) names.emplace_back(format.name);
+  return names;
+}
+
+const GroundTruthFormat& find_format(std::string_view name) {
+  for (const GroundTruthFormat& format : ground_truth_formats())
+    if (format.name == name) return format;
+  const std::vector<std::string> names = format_names();
+  throw Error(ErrorKind::usage,
+              fmt::format("unknown ground truth format \"{}\"; did you mean {}? There are {}", name,
+                          nearest(name, names), fmt::join(names, ", ")));
+}
+
+const GroundTruthFormat& recognise_format(const std::filesystem::path& path) {
+  std::error_code error;
+  FileStart start;
+  start.path = path_without_range(path);
+  start.is_folder = std::filesystem::is_directory(start.path, error);
+  const MappedFile file = start.is_folder ? MappedFile() : MappedFile(start.path);
+  start.bytes = file.text().substr(0, kStartBytes);
+  start.first_line = first_line(start.bytes);
+  for (const GroundTruthFormat& format : ground_truth_formats())
+    if (format.recognise != nullptr && format.recognise(start)) return format;
+  if (start.path.extension() == ".csv") return find_format("pairs");
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: is no ground truth of a format that can be told from its content; "
+                          "give --ground-truth-format, one of {}",
+                          path.string(), format_names(has_path)));
+}
+
+void require_options(const GroundTruthFormat& format, const GroundTruthArgument& argument) {
+  const GroundTruthOptions& options = argument.options;
+  const auto check = [&](std::string_view option, bool is_given) {
+    const bool uses =
+        std::find(format.options.begin(), format.options.end(), option) != format.options.end();
+    if (is_given && !uses)
+      throw Error(ErrorKind::usage, fmt::format("{} has no effect on a ground truth of format {}{}",
+                                                option, format.name, use_of(option)));
+    if (option == "path" && uses && !is_given)
+      throw Error(ErrorKind::usage,
+                  fmt::format("the ground truth format {} needs a path", format.name));
+  };
+  check("path", !argument.path.empty());
+  check("range", !parse_sequence_argument(argument.path.string()).range.is_all());
+  check("reference", !options.reference.empty());
+  check("soft", !options.soft.empty());
+  check("radius_m", options.radius_m.has_value());
+  check("angle_deg", options.angle_deg.has_value());
+  check("reference_step", options.reference_step.has_value());
+  check("matrix_rows", options.matrix_rows != MatrixRows::automatic);
+}
+
+}  // namespace vpr

@@ -1,0 +1,127 @@
+#include "ground_truth/ground_truth.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "ground_truth/builder.h"
+#include "ground_truth/formats.h"
+#include "ground_truth/presets.h"
+
+namespace vpr {
+namespace {
+
+InspectedGroundTruth read(GroundTruthArgument argument, const GroundTruthScope& scope, OddPairs odd,
+                          const Monitor& monitor) {
+  if (argument.tolerance_frames < 0)
+    throw Error(ErrorKind::usage, fmt::format("the tolerance must be 0 frames or more, found {}",
+                                              argument.tolerance_frames));
+  const GroundTruthPreset* preset = find_preset(argument.format);
+  if (preset != nullptr) argument = preset_argument(*preset, argument, scope);
+  const GroundTruthFormat& format =
+      argument.format.empty() ? recognise_format(argument.path) : find_format(argument.format);
+  require_options(format, argument);
+  GroundTruthBuilder builder(argument, scope, odd, monitor);
+  const std::string protocol = format.read(builder);
+  InspectedGroundTruth result =
+      builder.finish(preset == nullptr ? protocol : preset_protocol(*preset, protocol));
+  result.format = format.name;
+  return result;
+}
+
+}  // namespace
+
+std::span<const GroundTruth::Pair> GroundTruth::pairs_of(size_t query, size_t sequence) const {
+  const auto [begin, end] = std::ranges::equal_range(pairs[query], sequence, {}, &Pair::sequence);
+  return {begin, end};
+}
+
+PlaceLabel GroundTruth::label(size_t query, size_t sequence, size_t reference) const {
+  const auto& row = pairs[query];
+  const auto wanted = static_cast<int64_t>(reference);
+  // Runs are sorted and don't overlap: those that the tolerance reaches stand side by side, in
+  // front of the first that begins behind it.
+  auto run = std::upper_bound(row.begin(), row.end(), wanted + tolerance_frames,
+                              [&](int64_t last_reached, const Pair& pair) {
+                                return pair.sequence != sequence ? sequence < pair.sequence
+                                                                 : last_reached < pair.first;
+                              });
+  PlaceLabel found = PlaceLabel::different;
+  while (run != row.begin()) {
+    --run;
+    if (run->sequence != sequence || run->last() + tolerance_frames < wanted) break;
+    if (run->label == PlaceLabel::same) return PlaceLabel::same;
+    if (run->first <= wanted && wanted <= run->last()) found = PlaceLabel::ignore;
+  }
+  return found;
+}
+
+void GroundTruth::label_row(size_t query, size_t sequence, std::span<PlaceLabel> labels) const {
+  std::fill(labels.begin(), labels.end(), PlaceLabel::different);
+  const auto frames = static_cast<int64_t>(labels.size());
+  for (const PlaceLabel label : {PlaceLabel::ignore, PlaceLabel::same}) {  // same wins
+    const int64_t reach = label == PlaceLabel::same ? tolerance_frames : 0;
+    for (const Pair& pair : pairs_of(query, sequence)) {
+      if (pair.label != label) continue;
+      const int64_t first = std::max<int64_t>(0, pair.first - reach);
+      const int64_t end = std::min(frames, pair.last() + reach + 1);
+      if (first < end) std::fill(labels.begin() + first, labels.begin() + end, label);
+    }
+  }
+}
+
+bool GroundTruth::has_match(size_t query) const {
+  return std::any_of(pairs[query].begin(), pairs[query].end(),
+                     [](const Pair& pair) { return pair.label == PlaceLabel::same; });
+}
+
+GroundTruth unknown_ground_truth(const GroundTruthScope& scope) {
+  GroundTruth truth;
+  truth.is_known = false;
+  truth.protocol = "none";
+  std::vector<GroundTruth::Pair> all;
+  for (size_t s = 0; s < scope.sequences.size(); ++s)
+    if (scope.sequences[s].searched && scope.sequences[s].frames > 0)
+      all.push_back({static_cast<uint32_t>(s), 0, PlaceLabel::ignore,
+                     static_cast<uint32_t>(scope.sequences[s].frames - 1)});
+  truth.pairs.assign(scope.query_frames, all);
+  return truth;
+}
+
+GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope,
+                              const Monitor& monitor) {
+  return read(argument, scope, OddPairs::refuse, monitor).truth;
+}
+
+InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
+                                          const GroundTruthScope& scope, const Monitor& monitor) {
+  return read(argument, scope, OddPairs::count, monitor);
+}
+
+namespace {
+
+// A word that is one or two slips of the hand away from a known one, and no file.
+void refuse_mistyped_word(const std::string& text) {
+  std::vector<std::string> words = {"aligned"};
+  for (const GroundTruthPreset& preset : ground_truth_presets()) words.emplace_back(preset.name);
+  const std::string best = nearest(text, words);
+  std::error_code error;
+  if (edit_distance(text, best) <= 2 && !std::filesystem::exists(text, error))
+    throw Error(ErrorKind::usage,
+                fmt::format("the ground truth {} is neither a file nor a word that stands for one; "
+                            "did you mean {}?",
+                            text, best));
+}
+
+}  // namespace
+
+GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tolerance_frames) {
+  const bool is_word = text == "aligned" || find_preset(text) != nullptr;
+  if (!is_word) refuse_mistyped_word(text);
+  return is_word ? GroundTruthArgument{text, {}, tolerance_frames}
+                 : GroundTruthArgument{"", text, tolerance_frames};
+}
+
+}  // namespace vpr

@@ -1,0 +1,105 @@
+// Which query frame shows the same place as which training frame: same, different, or ignore.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/monitor.h"
+#include "ground_truth/dataset.h"
+
+namespace vpr {
+
+enum class PlaceLabel { different, same, ignore };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"different", "same",
+                                                                           "ignore"};
+
+/// A number of frames that only the ground truth itself can tell.
+inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();
+
+/// What indices mean: the training sequences of a result, in its order, and its query.
+struct GroundTruthScope {
+  struct TrainSequence {
+    std::string name;
+    size_t frames = 0;
+    bool searched = true;  ///< pairs of a sequence that was not searched are left out
+  };
+  size_t query_frames = 0;
+  std::vector<TrainSequence> sequences;
+};
+
+/// Three-valued, by frames (not windows).
+struct GroundTruth {
+  /// The frames first .. first + further of a training sequence, labelled alike: a matrix of 10^8
+  /// pairs is a few runs a row.
+  struct Pair {
+    uint32_t sequence = 0;
+    uint32_t first = 0;
+    PlaceLabel label = PlaceLabel::same;
+    uint32_t further = 0;
+
+    uint32_t last() const { return first + further; }
+    auto operator<=>(const Pair&) const = default;
+  };
+  /// Per query frame: sorted, no reference twice.
+  std::vector<std::vector<Pair>> pairs;
+  int64_t tolerance_frames = 0;
+  std::string protocol;  ///< in words, for reports
+  bool is_known = true;  ///< false: nothing is judged
+
+  /// The pairs of a query frame with the frames of one training sequence.
+  std::span<const Pair> pairs_of(size_t query, size_t sequence) const;
+  /// Same, if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label
+  /// of an `ignore` pair that is exactly this one; otherwise different.
+  PlaceLabel label(size_t query, size_t sequence, size_t reference) const;
+  /// The same for all references 0 .. labels.size() - 1 at once.
+  void label_row(size_t query, size_t sequence, std::span<PlaceLabel> labels) const;
+  /// Whether any frame of the searched sequences shows the query frame's place.
+  bool has_match(size_t query) const;
+};
+
+/// Where nothing is known: every pair is labelled ignore.
+GroundTruth unknown_ground_truth(const GroundTruthScope& scope);
+
+/// What is odd about a ground truth.
+enum class FindingKind { out_of_range, contradiction, duplicate };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<FindingKind> = {
+    "out_of_range", "contradiction", "duplicate"};
+
+struct GroundTruthFinding {
+  uint64_t count = 0;                 ///< pairs
+  std::vector<std::string> examples;  ///< the first of them, in words
+};
+
+struct InspectedGroundTruth {
+  GroundTruth truth;       ///< without what is out of range; of two labels, the first stays
+  GroundTruthScope scope;  ///< with the numbers of frames that were unknown
+  std::string format;
+  std::array<GroundTruthFinding, 3> findings;  ///< by FindingKind
+};
+
+/// Reads what `argument` names; the formats are the rows of ground_truth/formats.h.
+/// Throws Error(usage) where several sequences were searched and the format can't tell them apart,
+/// or where the format is unknown or lacks an option; Error(input) if a file can't be read;
+/// Error(data), naming file and line, if it is damaged, an index is out of range or a pair has both
+/// labels. A pair that is listed twice counts once.
+/// Warns of what is odd but no damage: a radius that calls nearly everything the same.
+GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope,
+                              const Monitor& monitor = {});
+
+/// The same, but indices that are out of range and pairs with both labels are counted, not thrown;
+/// and numbers of frames may be kUnknownFrames: they become those of the file, or one more than its
+/// largest index.
+InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
+                                          const GroundTruthScope& scope,
+                                          const Monitor& monitor = {});
+
+/// `text` as --ground-truth takes it: a word (aligned, or the name of a preset), or a path.
+GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tolerance_frames);
+
+}  // namespace vpr

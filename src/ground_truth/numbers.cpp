@@ -1,0 +1,40 @@
+#include "ground_truth/numbers.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace vpr {
+
+std::optional<FrameText> parse_frame(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative) text.remove_prefix(1);
+  if (text.empty() || text.find_first_not_of("0123456789") != std::string_view::npos)
+    return std::nullopt;
+  FrameText frame;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), frame.value);
+  frame.in_range = error == std::errc{} && (!negative || frame.value == 0);
+  return frame;
+}
+
+std::optional<double> parse_real(std::string_view text) {
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::vector<std::string_view> split_words(std::string_view line) {
+  constexpr std::string_view kBlank = " \t\r";
+  std::vector<std::string_view> words;
+  for (size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
+    const size_t end = std::min(line.find_first_of(kBlank, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kBlank, end);
+  }
+  return words;
+}
+
+}  // namespace vpr

@@ -1,0 +1,139 @@
+#include "ground_truth/pairs_csv.h"
+
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "base/csv.h"
+#include "base/mapped_file.h"
+#include "ground_truth/builder.h"
+#include "ground_truth/formats.h"
+#include "ground_truth/label_runs.h"
+#include "ground_truth/numbers.h"
+#include "ground_truth/writing.h"
+
+namespace vpr {
+namespace {
+
+/// Column numbers of a pairs file.
+struct PairColumns {
+  size_t count = 0;
+  bool has_sequence = false;
+  bool has_label = false;
+};
+
+PairColumns read_header(const std::vector<CsvRow>& rows, const GroundTruthBuilder& builder) {
+  if (!rows.empty()) {
+    const auto& names = rows.front().fields;
+    for (const bool has_sequence : {false, true}) {
+      for (const bool has_label : {false, true}) {
+        std::vector<std::string> wanted = {"query"};
+        if (has_sequence) wanted.emplace_back("sequence");
+        wanted.emplace_back("reference");
+        if (has_label) wanted.emplace_back("label");
+        if (names == wanted) return {wanted.size(), has_sequence, has_label};
+      }
+    }
+  }
+  builder.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
+}
+
+// Nothing if the index is out of range, which is noted.
+std::optional<size_t> read_index(GroundTruthBuilder& builder, const std::string& text,
+                                 const FrameCount& side, std::string_view what) {
+  const auto frame = parse_frame(text);
+  if (!frame) builder.fail(fmt::format("{} \"{}\" is not a frame number", what, text));
+  if (frame->in_range) return frame->value;
+  builder.note_out_of_range(what, text, side);
+  return std::nullopt;
+}
+
+PlaceLabel read_label(const GroundTruthBuilder& builder, const std::string& text) {
+  if (text == "same" || text.empty()) return PlaceLabel::same;
+  if (text == "ignore") return PlaceLabel::ignore;
+  builder.fail(fmt::format("label \"{}\" is neither same nor ignore", text));
+}
+
+// Whether the row's query frame is one of the range.
+bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const CsvRow& row,
+              size_t only_sequence, const FrameRange& range) {
+  builder.at("line", row.line);
+  if (row.fields.size() != columns.count)
+    builder.fail(fmt::format("expected {} columns, found {}", columns.count, row.fields.size()));
+  const size_t sequence =
+      columns.has_sequence ? builder.find_sequence(row.fields[1]) : only_sequence;
+  const auto query = read_index(builder, row.fields[0], builder.query(), "query");
+  const auto reference = read_index(builder, row.fields[columns.has_sequence ? 2 : 1],
+                                    builder.train(sequence), "reference");
+  const PlaceLabel label =
+      columns.has_label ? read_label(builder, row.fields.back()) : PlaceLabel::same;
+  const auto frame = query ? frame_in_range(range, *query) : std::nullopt;
+  if (frame && reference) builder.add(*frame, sequence, *reference, *reference, label);
+  return frame.has_value();
+}
+
+void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) {
+  const auto in_range = frame_count(source.range);
+  if (in_range && !builder.query().grows && *in_range != builder.query().frames)
+    builder.fail(fmt::format("its range has {}, and the query has {}", counted(*in_range, "frame"),
+                             builder.query().frames));
+  if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
+}
+
+}  // namespace
+
+bool is_pairs_csv(const FileStart& start) {
+  return start.first_line.starts_with("query,") || start.first_line.starts_with("\"query\",");
+}
+
+std::string read_pairs_csv(GroundTruthBuilder& builder) {
+  const std::filesystem::path& path = builder.argument().path;
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  const MappedFile file(source.path);
+  const std::vector<CsvRow> rows = parse_csv(file.text(), path.string());
+  require_range(builder, source);
+  const PairColumns columns = read_header(rows, builder);
+  const size_t only_sequence =
+      columns.has_sequence
+          ? 0
+          : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
+  size_t pairs = 0;
+  for (size_t r = 1; r < rows.size(); ++r)
+    pairs += read_row(builder, columns, rows[r], only_sequence, source.range) ? 1 : 0;
+  const std::string text = "pairs: " + counted(pairs, "labelled pair");
+  const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
+  if (tolerance == 0) return text;
+  return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
+}
+
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
+                     const Monitor& monitor) {
+  const auto& sequences = ground_truth.scope.sequences;
+  const GroundTruth& truth = ground_truth.truth;
+  const bool several = sequences.size() > 1;
+  bool has_ignored = false;
+  for (const auto& row : truth.pairs)
+    for (const auto& pair : row) has_ignored = has_ignored || pair.label == PlaceLabel::ignore;
+  file.write(fmt::format("query,{}reference{}\n", several ? "sequence," : "",
+                         has_ignored ? ",label" : ""));
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    const std::string name = several ? csv_field(sequences[s].name) + "," : "";
+    for (size_t query = 0; query < truth.pairs.size(); ++query) {
+      check_stop(monitor);
+      std::string lines;
+      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].frames)) {
+        const std::string_view label = !has_ignored                    ? ""
+                                       : run.label == PlaceLabel::same ? ",same"
+                                                                       : ",ignore";
+        for (size_t reference = run.first; reference <= run.last; ++reference) {
+          lines += fmt::format("{},{}{}{}\n", query, name, reference, label);
+          write_piece(file, lines, monitor);
+        }
+      }
+      file.write(lines);
+    }
+  }
+}
+
+}  // namespace vpr

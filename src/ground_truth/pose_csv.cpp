@@ -1,0 +1,67 @@
+#include "ground_truth/pose_csv.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "ground_truth/named_rows.h"
+#include "ground_truth/numbers.h"
+#include "images/sequence.h"
+
+namespace vpr {
+namespace {
+
+const std::vector<std::string> kNeeded = {"frame", "x", "y"};
+
+// The frame of the present row, as it counts in the range; nothing outside the range.
+std::optional<size_t> read_frame(const NamedRows& rows, const FrameRange& range) {
+  const auto frame = parse_frame(rows.text("frame"));
+  if (!frame || !frame->in_range)
+    rows.fail(fmt::format("\"{}\" is not a frame number", rows.text("frame")));
+  return frame_in_range(range, frame->value);
+}
+
+void require_room(const NamedRows& rows, const PoseCsvRules& rules, const SequenceArgument& source,
+                  size_t frame) {
+  if (!rules.frames && frame >= rules.most_frames)
+    rows.fail("the frame is too large; give their number");
+  if (!rules.frames || frame < *rules.frames) return;
+  rows.fail(fmt::format("frame {} is out of range; there are {} frames{}", rows.text("frame"),
+                        *rules.frames, source.range.is_all() ? range_hint(source.path) : ""));
+}
+
+}  // namespace
+
+bool has_pose_columns(const std::vector<std::string>& header) {
+  return std::all_of(kNeeded.begin(), kNeeded.end(), [&](const std::string& column) {
+    return std::find(header.begin(), header.end(), column) != header.end();
+  });
+}
+
+std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& path,
+                                                  const PoseCsvRules& rules) {
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  NamedRows rows(source.path, path.string(), kNeeded);
+  const auto in_range = frame_count(source.range);
+  if (in_range && rules.frames && *in_range != *rules.frames)
+    rows.fail(fmt::format("its range has {}, and the sequence has {}", counted(*in_range, "frame"),
+                          *rules.frames));
+  std::vector<std::optional<CsvPose>> poses(rules.frames.value_or(0));
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    const auto frame = read_frame(rows, source.range);
+    if (!frame) continue;
+    require_room(rows, rules, source, *frame);
+    if (*frame >= poses.size()) poses.resize(*frame + 1);
+    if (poses[*frame]) rows.fail(fmt::format("frame {} is given twice", rows.text("frame")));
+    CsvPose& pose = poses[*frame].emplace();
+    pose.x = rows.real("x");
+    pose.y = rows.real("y");
+    if (rows.has("heading")) pose.heading_deg = rows.real("heading");
+    pose.floor = rows.text("floor");
+  }
+  return poses;
+}
+
+}  // namespace vpr

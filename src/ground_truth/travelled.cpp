@@ -1,0 +1,46 @@
+#include "ground_truth/travelled.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/monitor.h"
+#include "ground_truth/pose_csv.h"
+
+namespace vpr {
+
+std::vector<double> read_travelled(const std::filesystem::path& path, size_t frames,
+                                   const Monitor& monitor) {
+  const auto poses = read_pose_csv(path, {frames});
+  const auto known = [](const auto& pose) { return pose.has_value(); };
+  const auto missing = std::find_if_not(poses.begin(), poses.end(), known);
+  if (missing != poses.end()) {
+    warn(monitor,
+         fmt::format("{}: has no pose of {} of {} (the first is frame {}), so "
+                     "nothing is given in metres",
+                     path.string(),
+                     frames - static_cast<size_t>(std::count_if(poses.begin(), poses.end(), known)),
+                     counted(frames, "frame"), missing - poses.begin()));
+    return {};
+  }
+  std::vector<double> travelled;
+  for (size_t frame = 0; frame < frames; ++frame) {
+    if (frame == 0) {
+      travelled.push_back(0);
+      continue;
+    }
+    const double x = poses[frame]->x - poses[frame - 1]->x;
+    const double y = poses[frame]->y - poses[frame - 1]->y;
+    // Rounded correctly everywhere, which hypot is not.
+    travelled.push_back(travelled.back() + std::sqrt(x * x + y * y));
+  }
+  if (!travelled.empty() && !std::isfinite(travelled.back()))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its positions are too far apart for metres", path.string()));
+  return travelled;
+}
+
+}  // namespace vpr

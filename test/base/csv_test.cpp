@@ -1,0 +1,32 @@
+#include "base/csv.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "support.h"
+
+using namespace vpr;
+
+TEST_CASE("fields may be quoted, rows may end in CR LF, empty lines are left out") {
+  const auto rows = parse_csv(
+      "\xef\xbb\xbf"
+      "a,b\r\n\r\n\"x,\"\"y\"\"\",2\n\n3,",
+      "t");
+  REQUIRE(rows.size() == 3);
+  CHECK(rows[0].fields == std::vector<std::string>{"a", "b"});
+  CHECK(rows[1].fields == std::vector<std::string>{"x,\"y\"", "2"});
+  CHECK(rows[1].line == 3);
+  CHECK(rows[2].fields == std::vector<std::string>{"3", ""});
+  CHECK(rows[2].line == 5);
+  CHECK(parse_csv("", "t").empty());
+}
+
+TEST_CASE("quotes that do not end, or stand inside a field, are damage") {
+  const std::string text = GENERATE("a,\"b", "a\"b,c", "\"a\"b");
+  CHECK(test::error_kind([&] { parse_csv(text, "t"); }) == ErrorKind::data);
+}
+
+TEST_CASE("what is written is read back") {
+  for (const std::string text : {"plain", "a,b", "say \"hi\"", "two\nlines", ""})
+    CHECK(parse_csv("x," + csv_field(text), "t")[0].fields[1] == text);
+}

@@ -1,0 +1,105 @@
+#include "ground_truth/ground_truth.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+GroundTruth read(const std::string& csv, const GroundTruthScope& scope, int tolerance = 0) {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "g.csv", csv);
+  return read_ground_truth({"pairs", folder / "g.csv", tolerance}, scope);
+}
+
+const GroundTruthScope kOne = {5, {{"ref", 10}}};
+const GroundTruthScope kTwo = {5, {{"a", 10}, {"b, c", 4}}};
+
+}  // namespace
+
+TEST_CASE("pairs are three-valued") {
+  const GroundTruth truth = read("query,reference,label\n1,2,same\n1,3,ignore\n2,9,\n", kOne);
+  CHECK(truth.label(1, 0, 2) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 3) == PlaceLabel::ignore);
+  CHECK(truth.label(1, 0, 4) == PlaceLabel::different);
+  CHECK(truth.label(2, 0, 9) == PlaceLabel::same);
+  CHECK(truth.has_match(1));
+  CHECK_FALSE(truth.has_match(0));
+}
+
+TEST_CASE("a tolerance widens pairs of the same place, not those to ignore") {
+  const GroundTruth truth =
+      read("query,reference,label\n1,2,same\n1,8,ignore\n1,4,ignore\n", kOne, 2);
+  CHECK(truth.label(1, 0, 0) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 4) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 5) == PlaceLabel::different);
+  CHECK(truth.label(1, 0, 8) == PlaceLabel::ignore);
+  CHECK(truth.label(1, 0, 9) == PlaceLabel::different);
+}
+
+TEST_CASE("a query whose pairs are all ignored has no match") {
+  CHECK_FALSE(read("query,reference,label\n1,2,ignore\n", kOne).has_match(1));
+}
+
+TEST_CASE("a sequence column names the training sequence") {
+  const GroundTruth truth = read("query,sequence,reference\n0,\"b, c\",3\n", kTwo);
+  CHECK(truth.label(0, 1, 3) == PlaceLabel::same);
+  CHECK(truth.label(0, 0, 3) == PlaceLabel::different);
+}
+
+TEST_CASE("pairs of a sequence that was not searched are left out, but still checked") {
+  GroundTruthScope scope = kTwo;
+  scope.sequences[1].searched = false;
+  const GroundTruth truth = read("query,sequence,reference\n0,\"b, c\",3\n1,a,1\n", scope);
+  CHECK_FALSE(truth.has_match(0));
+  CHECK(truth.has_match(1));
+  CHECK(test::error_kind([&] { read("query,sequence,reference\n0,\"b, c\",4\n", scope); }) ==
+        ErrorKind::data);
+  CHECK(read("query,reference\n1,1\n", scope).label(1, 0, 1) == PlaceLabel::same);
+}
+
+TEST_CASE("several sequences need a sequence column") {
+  CHECK(test::error_kind([] { read("query,reference\n1,1\n", kTwo); }) == ErrorKind::usage);
+  CHECK(test::error_kind([] { read_ground_truth({"aligned", {}, 0}, kTwo); }) == ErrorKind::usage);
+}
+
+TEST_CASE("damaged pairs are refused with their line") {
+  const std::string csv = GENERATE(
+      "", "reference,query\n1,1\n", "query,reference\n1\n", "query,reference\n1,1,1\n",
+      "query,reference\n5,1\n", "query,reference\n1,10\n", "query,reference\n-1,1\n",
+      "query,reference\n1,x\n", "query,reference\n1,1.5\n", "query,reference\n1, 2\n",
+      "query,reference\n1,99999999999999999999999\n", "query,reference,label\n1,1,maybe\n",
+      "query,sequence,reference\n1,zzz,1\n", "query,reference,label\n1,1,same\n1,1,ignore\n");
+  CHECK(test::error_kind([&] { read(csv, kOne); }) == ErrorKind::data);
+  CHECK(test::error_text([] { read("query,reference\n1,1\n\n1,10\n", kOne); }).find("line 4") !=
+        std::string::npos);
+}
+
+TEST_CASE("aligned: frame i is frame i, within the tolerance") {
+  const GroundTruth exact = read_ground_truth({"aligned", {}, 0}, {12, {{"ref", 10}}});
+  CHECK(exact.label(3, 0, 3) == PlaceLabel::same);
+  CHECK(exact.label(3, 0, 4) == PlaceLabel::different);
+  CHECK(exact.has_match(9));
+  CHECK_FALSE(exact.has_match(10));
+  const GroundTruth near = read_ground_truth({"aligned", {}, 2}, {14, {{"ref", 10}}});
+  CHECK(near.label(3, 0, 1) == PlaceLabel::same);
+  CHECK(near.label(3, 0, 6) == PlaceLabel::different);
+  CHECK(near.has_match(11));
+  CHECK(near.label(11, 0, 9) == PlaceLabel::same);
+  CHECK_FALSE(near.has_match(12));
+}
+
+TEST_CASE("an unknown ground truth ignores every pair of what was searched") {
+  const GroundTruth truth =
+      unknown_ground_truth({2, {{"a", 3, true}, {"b", 4, false}, {"c", 1, true}, {"d", 0, true}}});
+  CHECK_FALSE(truth.is_known);
+  REQUIRE(truth.pairs.size() == 2);
+  CHECK(truth.pairs[1].size() == 2);
+  CHECK(truth.label(1, 0, 0) == PlaceLabel::ignore);
+  CHECK(truth.label(1, 0, 2) == PlaceLabel::ignore);
+  CHECK(truth.label(0, 2, 0) == PlaceLabel::ignore);
+  CHECK_FALSE(truth.has_match(0));
+}
