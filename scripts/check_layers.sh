@@ -21,5 +21,8 @@ done < <(grep -rnE '^#include "[a-z]+/' src)
 if grep -rnE 'std::cout|std::cerr|(^|[^a-z_])printf *\(|std::exit|imshow' src; then
   echo "the library must not print, exit or open a window"; bad=1
 fi
+if grep -rnE '^#include "(train|query|eval|tune)/' apps; then
+  echo "a program's folder must not include another's"; bad=1
+fi
 [[ $bad == 0 ]] && echo "layers: includes go one way"
 exit $bad

@@ -1,5 +1,5 @@
 // What programs say of themselves: help, versions, and what may have been meant.
-#include "help.h"
+#include "common/help.h"
 
 #include <sstream>
 

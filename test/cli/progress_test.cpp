@@ -1,5 +1,5 @@
 // Progress as a text; what a terminal shows is checked by terminal.py.
-#include "progress.h"
+#include "common/progress.h"
 
 #include <catch2/catch.hpp>
 

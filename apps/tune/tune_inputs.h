@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "command.h"
+#include "common/command.h"
+#include "common/ground_truth_flags.h"
 #include "ground_truth/dataset.h"
-#include "ground_truth_flags.h"
 #include "pipeline/sweep.h"
 #include "report/table.h"
 #include "tune_grids.h"

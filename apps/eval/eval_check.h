@@ -1,7 +1,7 @@
 // vpr-eval check: is a ground truth sound?
 #pragma once
 
-#include "ground_truth_flags.h"
+#include "common/ground_truth_flags.h"
 #include "report/table.h"
 #include "scope_inputs.h"
 

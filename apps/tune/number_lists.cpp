@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "command.h"
+#include "common/command.h"
 
 namespace vpr {
 namespace {

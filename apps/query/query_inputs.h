@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "command.h"
+#include "common/command.h"
+#include "common/ground_truth_flags.h"
 #include "ground_truth/dataset.h"
-#include "ground_truth_flags.h"
 #include "recognition/fabmap_result.h"
 #include "recognition/sequence_result.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "command.h"
+#include "common/command.h"
 #include "eval_scores.h"
 
 namespace vpr {

@@ -1,7 +1,7 @@
 // vpr-eval convert: a ground truth from one format to another.
 #pragma once
 
-#include "ground_truth_flags.h"
+#include "common/ground_truth_flags.h"
 #include "scope_inputs.h"
 
 namespace vpr {

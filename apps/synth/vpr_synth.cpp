@@ -5,7 +5,7 @@
 
 #include "base/counted.h"
 #include "base/error.h"
-#include "command.h"
+#include "common/command.h"
 #include "synth/recording.h"
 
 int main(int argc, char** argv) {

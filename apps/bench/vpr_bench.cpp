@@ -11,7 +11,7 @@
 #include "bench/matching_bench.h"
 #include "bench/nordland_bench.h"
 #include "bench/realtime_bench.h"
-#include "command.h"
+#include "common/command.h"
 #include "descriptors/describe.h"
 #include "pipeline/train.h"
 

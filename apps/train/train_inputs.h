@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "command.h"
+#include "common/command.h"
 #include "database/fabmap_database.h"
 #include "pipeline/fabmap_train.h"
 #include "pipeline/train.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "command.h"
+#include "common/command.h"
 #include "evaluation/judgement.h"
 #include "ground_truth/dataset.h"
 #include "report/result_file.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "command.h"
+#include "common/command.h"
 #include "images/sequence.h"
 #include "pipeline/fabmap_explain.h"
 #include "query_inputs.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "command.h"
+#include "common/command.h"
 #include "ground_truth/ground_truth.h"
 
 namespace vpr {

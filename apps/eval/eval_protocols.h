@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "command.h"
+#include "common/command.h"
 #include "report/table.h"
 
 namespace vpr {
