@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/mapped_file.h"
+#include "base/npy.h"
 #include "base/utf8.h"
 #include "ground_truth/aligned.h"
 #include "ground_truth/mask_image.h"
@@ -16,7 +17,6 @@
 #include "ground_truth/pairs_csv.h"
 #include "ground_truth/poses.h"
 #include "ground_truth/utm_names.h"
-#include "ground_truth/vpr_bench.h"
 
 namespace vpr {
 namespace {
@@ -51,6 +51,19 @@ std::string_view first_line(std::string_view text) {
 std::string use_of(std::string_view option) {
   if (option == "range") return "; turn it into pairs, which take one (vpr-eval convert)";
   return fmt::format("; {} belongs to {}", option, format_names_of(option));
+}
+
+// VPR-Bench's ground truth is a Python pickle.
+[[noreturn]] void refuse_vpr_bench(const std::string& what) {
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: Python objects are not read; turn the file into pairs, as in "
+                          "scripts/pairs_of_vpr_bench.py ground_truth_new.npy > pairs.csv",
+                          what));
+}
+
+bool holds_objects(std::string_view bytes) {
+  const auto header = parse_npy_header(bytes);
+  return header && header->type == "|O";
 }
 
 // Numbers of frames stand before a range in a path's name.
@@ -98,13 +111,6 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        read_utm_names,
        nullptr,
        false},
-      {"vpr-bench",
-       "ground_truth_new.npy: for every query a list",
-       {"path"},
-       is_vpr_bench,
-       read_vpr_bench,
-       write_vpr_bench,
-       false},
       {"matrix",
        "0/1 matrix, .npy or .npz, with a soft one to ignore",
        {"path", "soft", "matrix_rows"},
@@ -150,6 +156,7 @@ std::vector<std::string> format_names() {
 }
 
 const GroundTruthFormat& find_format(std::string_view name) {
+  if (name == "vpr-bench") refuse_vpr_bench("the ground truth format vpr-bench");
   for (const GroundTruthFormat& format : ground_truth_formats())
     if (format.name == name) return format;
   const std::vector<std::string> names = format_names();
@@ -166,6 +173,7 @@ const GroundTruthFormat& recognise_format(const std::filesystem::path& path) {
   const MappedFile file = start.is_folder ? MappedFile() : MappedFile(start.path);
   start.bytes = file.text().substr(0, kStartBytes);
   start.first_line = first_line(start.bytes);
+  if (holds_objects(start.bytes)) refuse_vpr_bench(path.string());
   for (const GroundTruthFormat& format : ground_truth_formats())
     if (format.recognise != nullptr && format.recognise(start)) return format;
   if (start.path.extension() == ".csv") return find_format("pairs");

@@ -71,7 +71,7 @@ TEST_CASE("a result counts the same in every format that can hold its ground tru
   const std::string expected = counts(walk().path("g.csv"));
   convert(walk().path("g.csv"), "matrix", out / "g.npz");
   convert(walk().path("g.csv"), "mask", out / "g.png");
-  convert(walk().path("g.csv"), "vpr-bench", out / "g.npy");
+  convert(walk().path("g.csv"), "matrix", out / "g.npy");
   convert(walk().path("g.csv"), "openseqslam2", out / "o.csv");
   for (const std::string name : {"g.npz", "g.png", "g.npy", "o.csv"}) {
     INFO(name);
@@ -140,7 +140,7 @@ TEST_CASE("mistakes of convert and check") {
     more.insert(more.begin(), {"convert", pairs, "--to", to, "-o", out / "x"});
     return run_program("vpr-eval", more);
   };
-  check_failure(convert_to("aligned"), 2, "--to takes pairs, vpr-bench");
+  check_failure(convert_to("aligned"), 2, "--to takes pairs, matrix");
   check_failure(convert_to("masks"), 2, "did you mean mask");
   check_failure(convert_to("mask", {"--query-frames", "8"}), 2, "both");
   check_failure(convert_to("mask", {"--query", walk().path("one")}), 2, "both");
@@ -156,7 +156,7 @@ TEST_CASE("mistakes of convert and check") {
   check_failure(run_program("vpr-eval", {}), 2, "result");
   CHECK(test::list_folder(out.path()).empty());
   // What can't be said is said to be lost.
-  const auto lossy = convert_to("vpr-bench");
+  const auto lossy = convert_to("openseqslam2");
   CHECK(lossy.exit_code == 0);
   CHECK(lossy.err.find("1 pair to ignore") != std::string::npos);
 }

@@ -150,7 +150,7 @@ WRITERS = [
              f"{{tolerance}} --query in/walks/two --train in/walks/one -o out/{name}", name,
              {"tolerance": ("0", "1")},
              (Reader((name,), f"vpr-eval in/n.json --ground-truth out/{name}"),))
-      for kind, name in (("pairs", "g.csv"), ("vpr-bench", "g.npy"), ("matrix", "g.npz"),
+      for kind, name in (("pairs", "g.csv"), ("matrix", "g.npy"), ("matrix", "g.npz"),
                          ("mask", "g.png"))],
     Writer("eval check", "vpr-eval check in/walks/back.ground_truth.csv --result in/r.json "
            "--tolerance {tolerance} -o out/c.json", "c.json", {"tolerance": ("0", "1")}),
