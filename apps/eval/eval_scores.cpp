@@ -1,11 +1,13 @@
 #include "eval_scores.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "evaluation/metrics.h"
 #include "ground_truth/travelled.h"
-#include "report/matrix_file.h"
+#include "recognition/score_kind.h"
 #include "report/scores_report.h"
 
 namespace vpr {
@@ -18,7 +20,9 @@ void warn_negative(const Session& session, const ScoreInputs& inputs, const Judg
   const auto& points = judgement.single_best.points;
   if (inputs.is_similarity || inputs.missing || points.empty()) return;
   const double best = judgement.single_best.threshold(points.front());
-  if (best != kNoDistance && best != kNoStandardizedScore) return;
+  const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
+  const auto kinds = score_kinds();
+  if (std::none_of(kinds.begin(), kinds.end(), is_missing)) return;
   warn(session.monitor,
        fmt::format("{0}: has the distance {1}, the best there is; if it stands for a missing one, "
                    "as in a matrix of vpr-query, give --missing {1}",
@@ -91,7 +95,7 @@ ScoreMatrix open_scores(const ScoreInputs& inputs) {
     throw Error(ErrorKind::usage,
                 "say what the scores are: --distance (small is good) or --similarity (large is)");
   ScoreFormat format;
-  format.kind = inputs.is_similarity ? ScoreKind::similarity : ScoreKind::distance;
+  format.kind = inputs.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance;
   format.references_first = inputs.references_first;
   format.missing = inputs.missing;
   return {inputs.path, format};
@@ -99,7 +103,7 @@ ScoreMatrix open_scores(const ScoreInputs& inputs) {
 
 ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
   return {inputs.path,
-          {ScoreKind::distance, inputs.references_first, inputs.missing.value_or(missing)}};
+          {ScoreOrder::distance, inputs.references_first, inputs.missing.value_or(missing)}};
 }
 
 std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames,

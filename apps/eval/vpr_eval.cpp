@@ -100,9 +100,9 @@ ScoreInputs with_poses(const EvalInputs& inputs, const std::string& query_name) 
 
 /// What vpr-query --save-matrix writes where there is no distance.
 double missing_score(const SequenceResult& result) {
-  return result.settings.score == Score::raw ? kNoDistance : kNoStandardizedScore;
+  return score_kind(result.settings.score).missing;
 }
-double missing_score(const FabmapResult&) { return kNoDistance; }
+double missing_score(const FabmapResult&) { return -1; }
 
 /// Throws Error(data) if the matrix is not the one that was saved with the result.
 void check_matrix(const Session& session, const StoredResult& stored, const ScoreMatrix& matrix,

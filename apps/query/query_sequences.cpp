@@ -12,7 +12,6 @@
 #include "pipeline/advice.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"
-#include "pipeline/score_check.h"
 #include "pipeline/train.h"
 #include "query_inputs.h"
 #include "repeated_command.h"
@@ -36,18 +35,16 @@ Table places_table(const SequenceResult& result) {
       fmt::format("{}: {} in {}, {} of {} recognised", result.query_name,
                   counted(result.hits.size(), "hit"), counted(result.places.size(), "place"),
                   recognised_windows(result), counted(result.query_windows, "window"));
-  const bool is_raw = result.settings.score == Score::raw;
-  table.columns = {"sequence", "query frame", "train frame", "hits",
-                   is_raw ? "bits/frame" : "mean z"};
+  const ScoreKind& kind = score_kind(result.settings.score);
+  table.columns = {"sequence", "query frame", "train frame", "hits", std::string(kind.frame_unit)};
   for (const Recognition& place : result.places) {
     if (table.rows.size() == kTableRows) break;
     table.rows.push_back(
         {result.sequences[place.sequence].name, std::to_string(result.anchor(place.query_window)),
          std::to_string(result.anchor(place.train_window)), std::to_string(place.hits),
-         is_raw
-             ? fmt::format("{:.1f}", static_cast<double>(place.best_distance) /
-                                         static_cast<double>(result.settings.window_length))
-             : fmt::format("{:.2f}", mean_z(place.best_distance, result.settings.window_length))});
+         fmt::format("{:.{}f}",
+                     kind.frame_value(place.best_distance, result.settings.window_length),
+                     kind.frame_digits)});
   }
   return table;
 }
@@ -128,10 +125,9 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const Stopwatch watch;
   const QuerySource source = find_query(inputs);
   SequenceDatabase database = read_sequence_database(inputs.database);
-  if (settings.score != Score::raw) {
-    check_score(settings);
+  check_score(settings);
+  if (score_kind(settings.score).needs_statistics)
     ensure_statistics(database, session.kernels, session.monitor);
-  }
   const SequenceCodes query = describe_sequence(
       open_sequence(source.sequence.sequence), database.descriptor,
       settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);

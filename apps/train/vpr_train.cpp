@@ -14,8 +14,9 @@ namespace {
 std::optional<AutomaticThreshold> threshold_of(const SequenceDatabase& database,
                                                const ThresholdTable& table, size_t sequence,
                                                const Session& session) {
-  return sequence_threshold(database, table, sequence, table.safety_factor, session.kernels,
-                            session.monitor);
+  SequenceQuerySettings settings;
+  settings.safety_factor = table.safety_factor;
+  return sequence_threshold(database, table, sequence, settings, session.kernels, session.monitor);
 }
 
 std::string threshold_text(const std::optional<AutomaticThreshold>& automatic) {

@@ -66,7 +66,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const std::vector<Source> sources = find_sources(inputs, false);
   const auto validation = find_validation(inputs, sources, false, session.monitor);
   FastableTuner tuner{session, command, read_sequence_database(inputs.database), {}};
-  if (command.settings.score != Score::raw)
+  if (score_kind(command.settings.score).needs_statistics)
     ensure_statistics(tuner.database, session.kernels, session.monitor);
   tuner.resources.kernels = session.kernels;
   tuner.resources.seed = session.options.seed;

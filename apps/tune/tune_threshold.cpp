@@ -6,9 +6,7 @@
 #include "database/archive.h"
 #include "number_lists.h"
 #include "pipeline/score_basis.h"
-#include "pipeline/score_check.h"
 #include "pipeline/train.h"
-#include "recognition/automatic_score.h"
 #include "report/run_info.h"
 #include "report/table.h"
 #include "tune_inputs.h"
@@ -28,52 +26,35 @@ struct Automatic {
   std::vector<std::optional<AutomaticThreshold>> thresholds;
 };
 
-Automatic raw_thresholds(const Session& session, const ThresholdTune& command,
-                         const SequenceDatabase& database, size_t length) {
-  Automatic automatic{
-      compute_thresholds(database, length, command.safety_factor, session.kernels, session.monitor),
-      {}};
-  warn_of_overlaps(database, automatic.table, session.monitor);
-  for (size_t s = 0; s < database.sequences.size(); ++s)
-    automatic.thresholds.push_back(sequence_threshold(
-        database, automatic.table, s, command.safety_factor, session.kernels, session.monitor));
-  return automatic;
-}
-
-Automatic score_thresholds(const Session& session, const SequenceQuerySettings& settings,
-                           const SequenceDatabase& database, size_t length, size_t memory_limit) {
-  const MatchSettings match{length, memory_limit, session.kernels};
-  const std::vector<CodeSpan> spans = code_spans(database);
-  Automatic automatic{
-      {length, 1,
-       find_closest_scores(spans, make_score_basis(database, settings), match, session.monitor)},
-      std::vector<std::optional<AutomaticThreshold>>(spans.size())};
-  for (size_t s = 0; s < spans.size(); ++s)
-    if (count_windows(readable_runs(spans[s]), length) > 0)
-      automatic.thresholds[s] =
-          automatic_score_threshold(automatic.table.closest[s], length, settings.safety_margin);
-  return automatic;
-}
-
 // What a query with such thresholds would be set to.
 SequenceQuerySettings query_settings(const ThresholdTune& command) {
   SequenceQuerySettings settings;
   settings.score = command.score;
+  if (command.safety_factor != 1) settings.safety_factor = command.safety_factor;
   settings.safety_margin = command.safety_margin;
   settings.standardization = command.standardization;
   return settings;
 }
 
+Automatic find_thresholds(const Session& session, const SequenceQuerySettings& settings,
+                          const SequenceDatabase& database, size_t memory_limit) {
+  const MatchSettings match{settings.window_length, memory_limit, session.kernels};
+  Automatic automatic{closest_windows(database, settings, match, session.monitor), {}};
+  if (score_kind(settings.score).is_stored)
+    warn_of_overlaps(database, automatic.table, session.monitor);
+  for (size_t s = 0; s < database.sequences.size(); ++s)
+    automatic.thresholds.push_back(sequence_threshold(database, automatic.table, s, settings,
+                                                      session.kernels, session.monitor));
+  return automatic;
+}
+
 void check_command(const Session& session, const ThresholdTune& command) {
   check_safety_factor(command.safety_factor);
   check_score(query_settings(command));
-  if (command.score != Score::raw && command.write)
+  if (!score_kind(command.score).is_stored && command.write)
     throw Error(ErrorKind::usage,
                 "a database keeps thresholds of raw distances only: those of standardized scores "
                 "depend on the settings of each query; leave --write out");
-  if (command.score != Score::raw && command.safety_factor != 1)
-    throw Error(ErrorKind::usage,
-                "the safety factor is for raw distances; standardized scores have --safety-margin");
   session.claim_output();
   if (!command.write) return;
   session.outputs.extend(command.database);
@@ -81,14 +62,9 @@ void check_command(const Session& session, const ThresholdTune& command) {
 }
 
 Json head_json(const ThresholdTune& command) {
+  const Json settings = value_to_json(command);
   Json json = {{"schema", "vpr.thresholds/1"}};
-  if (command.score == Score::raw) {
-    json["safety_factor"] = command.safety_factor;
-  } else {
-    json["score"] = enum_name(command.score);
-    json["safety_margin"] = command.safety_margin;
-    json["standardization"] = value_to_json(command.standardization);
-  }
+  for (const std::string_view key : score_kind(command.score).settings) json[key] = settings[key];
   return json;
 }
 
@@ -98,8 +74,21 @@ struct Listing {
   Json json;
 };
 
-void list_thresholds(const SequenceDatabase& database, const Automatic& automatic, bool is_raw,
-                     Listing& listing) {
+std::string threshold_column(ThresholdScale scale) {
+  switch (scale) {
+    case ThresholdScale::mean_z:
+      return "t_r (mean z)";
+    case ThresholdScale::mean:
+      return "t_r (of mean)";
+    case ThresholdScale::relative:
+    case ThresholdScale::bits:
+      break;
+  }
+  return "t_r (bits)";
+}
+
+void list_thresholds(const SequenceDatabase& database, const Automatic& automatic,
+                     const ScoreKind& kind, Listing& listing) {
   const size_t length = automatic.table.window_length;
   for (size_t s = 0; s < database.sequences.size(); ++s) {
     const TrainSequence& own = database.sequences[s];
@@ -119,7 +108,7 @@ void list_thresholds(const SequenceDatabase& database, const Automatic& automati
       const TrainSequence& other = database.sequences[closest->other_sequence];
       row[4] = frame_span(own, closest->window, length);
       row[5] = frame_span(other, closest->other_window, length);
-      item["distance"] = closest->distance - (is_raw ? 0 : score_offset(length));
+      item["distance"] = closest->distance - kind.offset(length);
       item["own_frames"] = row[4];
       item["closest_frames"] = row[5];
     }
@@ -129,31 +118,22 @@ void list_thresholds(const SequenceDatabase& database, const Automatic& automati
 
 void tune_threshold(Session& session, const ThresholdTune& command) {
   check_command(session, command);
-  const bool is_raw = command.score == Score::raw;
+  const ScoreKind& kind = score_kind(command.score);
+  SequenceQuerySettings settings = query_settings(command);
   SequenceDatabase database = read_sequence_database(command.database);
-  if (!is_raw) ensure_statistics(database, session.kernels, session.monitor);
+  if (kind.needs_statistics) ensure_statistics(database, session.kernels, session.monitor);
   Listing listing{{}, head_json(command)};
   listing.table.title =
-      is_raw ? fmt::format("{}: automatic t_r, safety factor {:g}", command.database,
-                           command.safety_factor)
-             : fmt::format("{}: automatic t_r of {} scores, safety margin {:g}", command.database,
-                           enum_name(command.score), command.safety_margin);
-  const bool is_single = database.sequences.size() == 1;
-  listing.table.columns = {"sequence",
-                           "c_l",
-                           !is_raw ? "t_r (mean z)" : is_single ? "t_r (of mean)" : "t_r (bits)",
-                           "from",
-                           "own frames",
-                           "closest other frames"};
+      fmt::format("{}: automatic {}", command.database, kind.automatic_title(settings));
+  listing.table.columns = {
+      "sequence", "c_l",        threshold_column(automatic_scale(database, settings)),
+      "from",     "own frames", "closest other frames"};
   listing.json["thresholds"] = Json::array();
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
-    SequenceQuerySettings settings = query_settings(command);
     settings.window_length = length;
     check_score(settings);
-    const Automatic automatic =
-        is_raw ? raw_thresholds(session, command, database, length)
-               : score_thresholds(session, settings, database, length, command.memory_limit);
-    list_thresholds(database, automatic, is_raw, listing);
+    const Automatic automatic = find_thresholds(session, settings, database, command.memory_limit);
+    list_thresholds(database, automatic, kind, listing);
     if (command.write) {
       std::erase_if(database.thresholds,
                     [&](const ThresholdTable& stored) { return stored.window_length == length; });

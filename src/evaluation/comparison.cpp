@@ -16,7 +16,7 @@ namespace {
 struct Paired {
   std::vector<const QueryOutcome*> queries;  // by frame
   std::vector<size_t> order;                 // best score first, those without one last
-  ScoreKind kind = ScoreKind::distance;
+  ScoreOrder kind = ScoreOrder::distance;
 };
 
 // A query that one method could not get right is no measure of the others.

@@ -9,7 +9,7 @@ void sort_items(std::vector<ScoredItem>& items) {
             [](const ScoredItem& a, const ScoredItem& b) { return a.key < b.key; });
 }
 
-Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreKind kind) {
+Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind) {
   Curve curve{kind, to_find, {}};
   CurvePoint last;  // what has been accepted so far
   bool is_kept = true;

@@ -22,7 +22,7 @@ struct CurvePoint {
 /// Points from the strictest threshold on: the best score, every score that something correct has,
 /// and the worst score. Between two points only incorrect ones enter, so nothing is lost.
 struct Curve {
-  ScoreKind kind = ScoreKind::distance;
+  ScoreOrder kind = ScoreOrder::distance;
   uint64_t to_find = 0;  ///< the denominator of recall: at least the correct ones that have a score
   std::vector<CurvePoint> points;
 
@@ -49,6 +49,6 @@ struct ScoredItem {
 void sort_items(std::vector<ScoredItem>& items);
 
 /// `items` are sorted; those without a score (kNoScore) are left out. No items give no points.
-Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreKind kind);
+Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind);
 
 }  // namespace vpr

@@ -32,7 +32,7 @@ void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLay
 Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth) {
   const ScoreLayout layout = layout_of(result);
   Outcomes outcomes{
-      ScoreKind::distance, result.query_frames, result.settings.window_length, false, {}};
+      ScoreOrder::distance, result.query_frames, result.settings.window_length, false, {}};
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = outcomes.queries.emplace_back();
     query.frame = result.anchor(window);
@@ -52,7 +52,7 @@ Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth) {
 }
 
 Outcomes outcomes_of(const FabmapResult& result, const GroundTruth& truth) {
-  Outcomes outcomes{ScoreKind::similarity, result.query_frames, 1, false, {}};
+  Outcomes outcomes{ScoreOrder::similarity, result.query_frames, 1, false, {}};
   const std::set<size_t> unreadable(result.query_unreadable.begin(), result.query_unreadable.end());
   for (size_t frame = 0; frame < result.best.size(); ++frame) {
     QueryOutcome& query = outcomes.queries.emplace_back();

@@ -31,7 +31,7 @@ struct QueryOutcome {
 };
 
 struct Outcomes {
-  ScoreKind kind = ScoreKind::distance;
+  ScoreOrder kind = ScoreOrder::distance;
   size_t query_frames = 0;  ///< of the whole path
   size_t window_length = 1;
   bool has_ranks = false;             ///< from a matrix

@@ -14,7 +14,7 @@
 namespace vpr {
 
 struct ScoreFormat {
-  ScoreKind kind = ScoreKind::distance;
+  ScoreOrder kind = ScoreOrder::distance;
   bool references_first = false;  ///< rows of the file are references, columns are queries
   std::optional<double> missing;  ///< this value is no score either
 };
@@ -28,7 +28,7 @@ class ScoreMatrix {
 
   size_t queries() const { return queries_; }
   size_t references() const { return references_; }
-  ScoreKind kind() const { return format_.kind; }
+  ScoreOrder kind() const { return format_.kind; }
 
   /// Keys (score_key) of all references of one query; they live while the call lasts.
   using RowBody = std::function<void(size_t worker, size_t query, std::span<const uint64_t> keys)>;

@@ -15,10 +15,8 @@
 #include "matching/views.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
-#include "pipeline/score_check.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
-#include "recognition/automatic_score.h"
 
 namespace vpr {
 namespace {
@@ -92,58 +90,38 @@ const ThresholdTable* stored_table(const SequenceDatabase& database, size_t wind
   return is_old ? nullptr : table;
 }
 
+// What the database holds, or else computed. Closest windows of standardized scores depend on the
+// settings, and are computed for each query.
 ThresholdTable automatic_table(const SequenceDatabase& database,
                                const SequenceQuerySettings& settings,
                                const QueryResources& resources, const Monitor& monitor) {
+  const MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
+  if (!score_kind(settings.score).is_stored)
+    return closest_windows(database, settings, match, monitor);
   const ThresholdTable* stored = stored_table(database, settings.window_length);
   if (stored != nullptr) return *stored;
   if (is_left_to_queries(code_spans(database)))
     warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
                               "takes a while; vpr-tune threshold DB --c-l {} --write keeps it",
                               settings.window_length, settings.window_length));
-  const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
-  return compute_thresholds(database, settings.window_length, factor, resources.kernels, monitor);
-}
-
-void plan_raw_thresholds(SequenceResult& result, const SequenceDatabase& database,
-                         const QueryResources& resources, const Monitor& monitor) {
-  const SequenceQuerySettings& settings = result.settings;
-  const ThresholdTable table = automatic_table(database, settings, resources, monitor);
-  for (size_t s = 0; s < result.sequences.size(); ++s) {
-    SequenceThreshold& sequence = result.sequences[s];
-    if (!sequence.searched) continue;
-    const auto automatic =
-        sequence_threshold(database, table, s, settings.safety_factor.value_or(table.safety_factor),
-                           resources.kernels, monitor);
-    if (!automatic) continue;
-    sequence.threshold = automatic->value;
-    sequence.scale = automatic->scale;
-  }
-}
-
-// Standardized scores of training sequences against each other. They depend on the settings, and
-// are computed for each query.
-void plan_score_thresholds(SequenceResult& result, const SequenceDatabase& database,
-                           const QueryResources& resources, const Monitor& monitor) {
-  const SequenceQuerySettings& settings = result.settings;
-  const auto closest = find_closest_scores(
-      code_spans(database), make_score_basis(database, settings),
-      {settings.window_length, resources.memory_limit, resources.kernels}, monitor);
-  for (size_t s = 0; s < result.sequences.size(); ++s) {
-    SequenceThreshold& sequence = result.sequences[s];
-    sequence.scale = ThresholdScale::mean_z;
-    if (!sequence.searched || sequence.windows == 0) continue;
-    sequence.threshold =
-        automatic_score_threshold(closest[s], settings.window_length, settings.safety_margin).value;
-  }
+  ThresholdTable table = closest_windows(database, settings, match, monitor);
+  table.safety_factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
+  return table;
 }
 
 void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
-  if (result.settings.score == Score::raw)
-    plan_raw_thresholds(result, database, resources, monitor);
-  else
-    plan_score_thresholds(result, database, resources, monitor);
+  SequenceQuerySettings settings = result.settings;
+  const ThresholdTable table = automatic_table(database, settings, resources, monitor);
+  if (!settings.safety_factor) settings.safety_factor = table.safety_factor;
+  for (size_t s = 0; s < result.sequences.size(); ++s) {
+    SequenceThreshold& sequence = result.sequences[s];
+    sequence.scale = automatic_scale(database, settings);
+    if (!sequence.searched) continue;
+    const auto automatic =
+        sequence_threshold(database, table, s, settings, resources.kernels, monitor);
+    if (automatic) sequence.threshold = automatic->value;
+  }
 }
 
 // Limits that need no distances: automatic thresholds, and numbers that are not relative.
@@ -186,11 +164,12 @@ void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& databas
                  const SequenceCodes& query, const SequenceQuerySettings& settings,
                  const Monitor& monitor) {
   if (cells.empty()) return;
+  const std::optional<ScoreBasis> basis = score_basis(database, settings);
   const std::vector<Cell> wrong =
-      settings.score == Score::raw
-          ? wrong_cells(cells, code_spans(database), query.codes, settings.window_length, monitor)
-          : wrong_scores(cells, code_spans(database), {query.codes, query.frames.unreadable},
-                         settings.window_length, make_score_basis(database, settings), monitor);
+      basis
+          ? wrong_scores(cells, code_spans(database), {query.codes, query.frames.unreadable},
+                         settings.window_length, *basis, monitor)
+          : wrong_cells(cells, code_spans(database), query.codes, settings.window_length, monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
@@ -247,7 +226,7 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
     plan_automatic_thresholds(result, database, resources, monitor);
   }
   plan_limits(result, database, query);
-  if (settings.score != Score::raw && database.statistics)
+  if (score_kind(settings.score).needs_statistics && database.statistics)
     result.statistics = {database.statistics->settings, database.statistics->typical_distance};
   return result;
 }

@@ -18,32 +18,43 @@ void ensure_statistics(SequenceDatabase& database, const HammingKernels& kernels
       compute_statistics(make_train_codes(code_spans(database)), {}, kernels, monitor);
 }
 
-ScoreBasis make_score_basis(const SequenceDatabase& database,
-                            const SequenceQuerySettings& settings) {
+std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
+                                      const SequenceQuerySettings& settings) {
+  const ScoreKind& kind = score_kind(settings.score);
+  if (!kind.needs_statistics) return std::nullopt;
   if (!database.statistics)
     throw Error(ErrorKind::usage,
                 "the database has no training statistics, which standardized scores start from; "
                 "train it again");
-  return {settings.standardization,
-          settings.score == Score::standardized_offline,
-          database.statistics->typical_distance,
-          database.statistics->bias,
-          database.statistics->variance,
-          count_bits(code_spans(database))};
+  return ScoreBasis{settings.standardization,
+                    kind.is_offline,
+                    database.statistics->typical_distance,
+                    database.statistics->bias,
+                    database.statistics->variance,
+                    count_bits(code_spans(database))};
+}
+
+ThresholdTable closest_windows(const SequenceDatabase& database,
+                               const SequenceQuerySettings& settings, const MatchSettings& match,
+                               const Monitor& monitor) {
+  const std::optional<ScoreBasis> basis = score_basis(database, settings);
+  return {settings.window_length, settings.safety_factor.value_or(1),
+          score_kind(settings.score)
+              .closest(code_spans(database), basis ? &*basis : nullptr, match, monitor)};
 }
 
 void match_rows(const SequenceResult& result, const SequenceDatabase& database,
                 const TrainCodes& train, const QueryCodes& query,
                 std::span<const size_t> window_lengths, const MatchSettings& settings,
                 const Monitor& monitor, const RawMatcher& raw, const LengthRowConsumer& consume) {
-  if (result.settings.score == Score::raw) {
+  const std::optional<ScoreBasis> all = score_basis(database, result.settings);
+  if (!all) {
     raw(consume);
     return;
   }
   std::vector<uint8_t> searched;
   for (const SequenceThreshold& sequence : result.sequences) searched.push_back(sequence.searched);
-  const ScoreBasis basis =
-      basis_of(make_score_basis(database, result.settings), code_spans(database), searched);
+  const ScoreBasis basis = basis_of(*all, code_spans(database), searched);
   match_standardized(train, query, window_lengths, basis, settings, monitor, consume);
 }
 

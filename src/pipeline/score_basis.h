@@ -12,9 +12,15 @@ namespace vpr {
 void ensure_statistics(SequenceDatabase& database, const HammingKernels& kernels,
                        const Monitor& monitor);
 
-/// For all sequences of the database. Throws Error(usage) if it has no training statistics.
-ScoreBasis make_score_basis(const SequenceDatabase& database,
-                            const SequenceQuerySettings& settings);
+/// For all sequences of the database; none for a score that needs no statistics. Throws
+/// Error(usage) if the database has none.
+std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
+                                      const SequenceQuerySettings& settings);
+
+/// How close training sequences come to each other, by the score that is set; settings give c_l.
+ThresholdTable closest_windows(const SequenceDatabase& database,
+                               const SequenceQuerySettings& settings, const MatchSettings& match,
+                               const Monitor& monitor);
 
 /// Matches the rows of a planned result, several window lengths in one pass. Raw distances come
 /// from `raw`, standardized scores of the searched sequences from FastABLE's recurrence.

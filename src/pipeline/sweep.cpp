@@ -87,7 +87,7 @@ HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& reso
 ThresholdScale automatic_scale(const SequenceResult& result) {
   for (const SequenceThreshold& sequence : result.sequences)
     if (sequence.threshold) return sequence.scale;
-  return result.settings.score == Score::raw ? ThresholdScale::bits : ThresholdScale::mean_z;
+  return score_kind(result.settings.score).automatic_scale;
 }
 
 SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,

@@ -120,17 +120,23 @@ bool is_left_to_queries(std::span<const CodeSpan> sequences) {
 
 std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
                                                      const ThresholdTable& table, size_t sequence,
-                                                     double safety_factor,
+                                                     SequenceQuerySettings settings,
                                                      const HammingKernels& kernels,
                                                      const Monitor& monitor) {
   const CodeSpan span = code_spans(database)[sequence];
   if (count_windows(readable_runs(span), table.window_length) == 0) return std::nullopt;
-  const auto& stored = database.sequences[sequence].typical_distance;
-  const double typical = stored ? *stored : typical_distance(span, kernels, monitor);
-  return table.closest.size() == 1
-             ? own_threshold(table.closest[0], typical, table.window_length, safety_factor)
-             : automatic_threshold(table.closest[sequence], typical, table.window_length,
-                                   safety_factor);
+  settings.window_length = table.window_length;
+  const auto typical = [&] {
+    const auto& stored = database.sequences[sequence].typical_distance;
+    return stored ? *stored : typical_distance(span, kernels, monitor);
+  };
+  return score_kind(settings.score).automatic(table.closest, sequence, typical, settings);
+}
+
+ThresholdScale automatic_scale(const SequenceDatabase& database,
+                               const SequenceQuerySettings& settings) {
+  const ScoreKind& kind = score_kind(settings.score);
+  return database.sequences.size() == 1 ? kind.single_scale : kind.automatic_scale;
 }
 
 void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,

@@ -8,7 +8,7 @@
 #include "database/sequence_database.h"
 #include "images/sequence.h"
 #include "matching/hamming_kernels.h"
-#include "recognition/threshold.h"
+#include "recognition/sequence_result.h"
 
 namespace vpr {
 
@@ -53,14 +53,18 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
 /// pairs and more): then thresholds are computed when a query asks for them.
 bool is_left_to_queries(std::span<const CodeSpan> sequences);
 
-/// The automatic t_r of one sequence, in bits a frame (of the only one: on the scale mean), with a
-/// safety factor; none if it has no
-/// window. Its typical distance is the one that the database holds, or else computed.
+/// The automatic t_r of one sequence, by the score that is set and from the closest windows by this
+/// score; none if the sequence has no window. Its typical distance is the one that the database
+/// holds, or else computed.
 std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
                                                      const ThresholdTable& table, size_t sequence,
-                                                     double safety_factor,
+                                                     SequenceQuerySettings settings,
                                                      const HammingKernels& kernels,
                                                      const Monitor& monitor);
+
+/// The scale of the automatic t_r of all its sequences.
+ThresholdScale automatic_scale(const SequenceDatabase& database,
+                               const SequenceQuerySettings& settings);
 
 /// Says which sequences seem to show the same place (overlap_warning).
 void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "base/step_parts.h"
 #include "matching/fastable_standardized.h"
@@ -13,15 +12,6 @@ namespace {
 
 // Scores of c_l independent frames would spread by 1 / sqrt(c_l) deviations.
 constexpr double kSpread = 5.5;
-
-using ClosestTable = std::vector<std::optional<ClosestWindows>>;
-
-void keep_closer(std::optional<ClosestWindows>& kept, const ClosestWindows& candidate) {
-  const auto key = [](const ClosestWindows& c) {
-    return std::tie(c.distance, c.window, c.other_sequence, c.other_window);
-  };
-  if (!kept || key(candidate) < key(*kept)) kept = candidate;
-}
 
 // One sequence as the query, against all others.
 void compare_with_others(std::span<const CodeSpan> sequences, size_t own, const ScoreBasis& basis,

@@ -4,7 +4,7 @@
 #include "database/sequence_database.h"
 #include "matching/rows.h"
 #include "matching/standardization.h"
-#include "recognition/threshold.h"
+#include "recognition/automatic_threshold.h"
 
 namespace vpr {
 

@@ -22,15 +22,6 @@ constexpr double kMeanSpread = 0.8;
 
 constexpr uint64_t kTypicalSamples = 1000;
 
-using ClosestTable = std::vector<std::optional<ClosestWindows>>;
-
-void keep_closer(std::optional<ClosestWindows>& kept, const ClosestWindows& candidate) {
-  const auto key = [](const ClosestWindows& c) {
-    return std::tie(c.distance, c.window, c.other_sequence, c.other_window);
-  };
-  if (!kept || key(candidate) < key(*kept)) kept = candidate;
-}
-
 // One sequence against all later ones: every pair of sequences is met once.
 void compare_with_later(std::span<const CodeSpan> sequences, size_t own,
                         const MatchSettings& settings, const Monitor& monitor,
@@ -69,6 +60,13 @@ std::optional<ClosestWindows> closest_of_own(const CodeSpan& walk, const MatchSe
 }
 
 }  // namespace
+
+void keep_closer(std::optional<ClosestWindows>& kept, const ClosestWindows& candidate) {
+  const auto key = [](const ClosestWindows& c) {
+    return std::tie(c.distance, c.window, c.other_sequence, c.other_window);
+  };
+  if (!kept || key(candidate) < key(*kept)) kept = candidate;
+}
 
 ClosestTable find_closest_windows(std::span<const CodeSpan> sequences,
                                   const MatchSettings& settings, const Monitor& monitor) {

@@ -10,6 +10,11 @@
 
 namespace vpr {
 
+using ClosestTable = std::vector<std::optional<ClosestWindows>>;
+
+/// Keeps the candidate if it is closer. Ties: smallest own window, then sequence, then window.
+void keep_closer(std::optional<ClosestWindows>& kept, const ClosestWindows& candidate);
+
 /// For each training sequence the window of any other one that is closest to any of its own (paper,
 /// section VII-D: two training sequences never show the same place, so whatever is as close as
 /// they are is no recognition). Ties: smallest own window, then sequence, then window. Of a single

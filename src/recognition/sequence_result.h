@@ -8,6 +8,7 @@
 #include "base/json_fwd.h"
 #include "recognition/clustering.h"
 #include "recognition/row_scan.h"
+#include "recognition/score_kind.h"
 #include "recognition/threshold.h"
 
 namespace vpr {
@@ -48,8 +49,8 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
 /// The scale that a number is on: the one that was given, or the score's default.
 ThresholdScale scale_of(const SequenceQuerySettings& settings);
 
-/// The settings that have an effect with the score, the default scale filled in: those of raw
-/// distances do not tell of standardized ones.
+/// The settings as files hold them: the default scale filled in, and those of other scores left out
+/// (score_settings).
 Json settings_in_force(const SequenceQuerySettings& settings);
 
 /// A training sequence of the database, and the threshold used for it.
@@ -101,11 +102,8 @@ struct SequenceResult {
   std::optional<UsedStatistics> statistics;  ///< of standardized scores
   std::optional<ResultViews> views;          ///< none where no typical distance is known
 
-  /// By how much biased sums of standardized scores are above the scores that files hold; 0 for
-  /// distances.
-  int64_t score_offset() const {
-    return settings.score == Score::raw ? 0 : vpr::score_offset(settings.window_length);
-  }
+  /// By how much the sums of rows are above the scores that files hold.
+  int64_t score_offset() const { return score_kind(settings.score).offset(settings.window_length); }
   /// Where the user is at the end of a window that starts at this frame.
   size_t anchor(size_t window) const { return window + settings.window_length - 1; }
 };

@@ -63,7 +63,7 @@ void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
 Outcomes read_outcomes(const Fields& fields) {
   const Fields part = fields.object("outcomes");
   Outcomes outcomes;
-  const auto kind = enum_value<ScoreKind>(part.text("scores_are"));
+  const auto kind = enum_value<ScoreOrder>(part.text("scores_are"));
   if (!kind) fields.fail("its scores are neither distances nor similarities");
   outcomes.kind = *kind;
   const uint64_t first = part.count("first_frame", kMostFrames);

@@ -33,8 +33,7 @@ Json recognitions_json(const SequenceResult& result, const GroundTruth& truth,
   return json;
 }
 
-void add_sequence_protocol(Json& protocol, Score score) {
-  const std::string measure = score == Score::raw ? "distance" : "standardized score";
+void add_sequence_protocol(Json& protocol, std::string_view measure) {
   protocol["anchor"] = "a window is judged at its last frame";
   protocol["hits"] = fmt::format("window pairs with a {} below the threshold", measure);
   protocol["places"] = "clusters of hits, judged at their mean";
@@ -81,6 +80,12 @@ Json counts_by_view_json(const CountsByView& counts) {
   const auto rate = counts.best_match_rate();
   json["best_match"]["rate"] = rate ? Json(*rate) : Json();
   return json;
+}
+
+// Settings of raw distances name no score.
+const ScoreKind& score_kind_of(const Json& settings) {
+  const auto named = enum_value<Score>(settings.value("score", std::string()));
+  return score_kind(named.value_or(Score::raw));
 }
 
 std::string text(const Json& json) {
@@ -137,7 +142,7 @@ Json report_json(const SequenceResult& result, const SequenceCounts& counts,
   json["recognitions"] = recognitions_json(result, truth, monitor);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
-  add_sequence_protocol(json["protocol"], result.settings.score);
+  add_sequence_protocol(json["protocol"], score_kind(result.settings.score).measure);
   if (by_view) json["protocol"]["by_view"] = kViewProtocol;
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
@@ -182,11 +187,9 @@ std::string reference_word(const Json& report) {
 }
 
 std::string score_words(const Json& report) {
-  if (report.contains("settings") && report["settings"].contains("score"))
-    return "standardized score (1/1024, summed)";
   if (reference_word(report) == "training place") return "probability";
-  const std::string kind = text(report["outcomes"]["scores_are"]);
-  return report.contains("counts") ? kind + " (bits, summed)" : kind;
+  if (!report.contains("counts")) return text(report["outcomes"]["scores_are"]);
+  return std::string(score_kind_of(report["settings"]).title);
 }
 
 Table view_table(const Json& report) {
@@ -225,8 +228,8 @@ Table report_table(const Json& report) {
   } else {
     add("c_l", text(settings["c_l"]));
     add("t_r", text(settings["t_r"]));
-    const std::string automatic =
-        report.value("automatic_scale", settings.contains("score") ? "mean-z" : "bits");
+    const std::string automatic = report.value(
+        "automatic_scale", std::string(enum_name(score_kind_of(settings).automatic_scale)));
     add("scale", settings["t_r"].is_string() ? automatic : text(settings["t_r_scale"]));
   }
   add("hits right", text(counts["hits"]["correct"]));

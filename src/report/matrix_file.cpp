@@ -1,7 +1,6 @@
 #include "report/matrix_file.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "base/json.h"
 #include "base/npy.h"
@@ -12,8 +11,8 @@ namespace vpr {
 MatrixLayout matrix_layout(const SequenceResult& result) {
   MatrixLayout layout;
   layout.rows = result.query_windows;
-  layout.has_scores = result.settings.score != Score::raw;
   layout.score_offset = result.score_offset();
+  layout.missing = score_kind(result.settings.score).missing;
   for (const SequenceThreshold& sequence : result.sequences) {
     layout.first_column.push_back(layout.cols);
     if (sequence.searched && sequence.frames >= result.settings.window_length)
@@ -39,11 +38,10 @@ MatrixFile::MatrixFile(OutputFile& file, const MatrixLayout& layout, bool has_ga
   file_.write(header);
   file_.reserve(header_bytes_ + sizeof(int32_t) * layout.rows * layout.cols);
   if (!has_gaps) return;
-  const std::vector<int32_t> no_distance(layout.cols,
-                                         layout.has_scores ? kNoStandardizedScore : kNoDistance);
+  const std::vector<int32_t> missing(layout.cols, layout.missing);
   for (size_t r = 0; r < layout.rows; ++r) {
     check_stop(monitor);
-    file_.write(std::as_bytes(std::span(no_distance)));
+    file_.write(std::as_bytes(std::span(missing)));
   }
 }
 
@@ -51,7 +49,7 @@ void MatrixFile::operator()(const DistanceRow& row) {
   const size_t column = layout_.first_column[row.sequence] + row.train_window;
   const size_t cell = row.query_window * layout_.cols + column;
   const size_t position = header_bytes_ + sizeof(int32_t) * cell;
-  if (!layout_.has_scores) {
+  if (layout_.score_offset == 0) {
     file_.write_at(position, std::as_bytes(row.distances));
     return;
   }

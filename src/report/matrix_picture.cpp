@@ -155,8 +155,7 @@ void MatrixPicture::write(OutputFile& file, const SequenceResult& result, const 
     };
     frame.greys = std::pair(value(found->first), value(found->second));
   }
-  frame.grey_words =
-      layout_.has_scores ? "standardized score (1/1024, summed)" : "distance (bits, summed)";
+  frame.grey_words = score_kind(result.settings.score).title;
   write_png(file, framed(image, frame));
 }
 

@@ -204,13 +204,13 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   stored.fingerprint = fields.text("checksum");
   SequenceResult& result = stored.result;
   stored_settings_from_json(json, result.settings, where);
-  if (result.settings.score != Score::raw && result.settings.window_length > kMaxScoredWindow)
+  if (result.settings.window_length > score_kind(result.settings.score).longest_window)
     fields.fail("its c_l is out of range");
   const Fields query = fields.object("query");
   result.query_name = query.text("name");
   result.query_frames = query.count("frames", kMostFrames);
   result.query_windows = query.count("windows", result.query_frames);
-  if (result.settings.window_length == 0 || result.settings.window_length > kMaxWindowLength ||
+  if (result.settings.window_length == 0 ||
       result.query_windows != window_count(result.query_frames, result.settings.window_length))
     fields.fail("its numbers of windows and frames do not fit");
   result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);

@@ -50,7 +50,7 @@ std::optional<std::pair<double, double>> draw_grey(cv::Mat& image, const Grid& g
   if (values.empty()) return std::nullopt;
   const double low = quantile(values, 0.01);
   const double high = quantile(values, 0.99);
-  const bool is_distance = matrix.kind() == ScoreKind::distance;
+  const bool is_distance = matrix.kind() == ScoreOrder::distance;
   for (size_t p = 0; p < best.size(); ++p) {
     if (best[p] == kNoScore) continue;
     const double value = score_of_key(best[p], matrix.kind());

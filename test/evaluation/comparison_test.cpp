@@ -24,7 +24,7 @@ NamedOutcomes method(const std::string& letters, size_t first_frame = 0,
                     : letter == 'i' ? Verdict::ignored
                                     : Verdict::incorrect;
     query.has_match = letter == 'c' || letter == 'w';
-    query.key = score_key(scores.empty() ? double(q) : scores[q], ScoreKind::distance);
+    query.key = score_key(scores.empty() ? double(q) : scores[q], ScoreOrder::distance);
   }
   return named;
 }

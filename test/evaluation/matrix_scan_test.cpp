@@ -171,8 +171,8 @@ TEST_CASE("a query without a match lowers precision, but is none to find") {
   const Curve curve = single_best_curve(found.outcomes);
   CHECK(curve.to_find == 1);
   REQUIRE(curve.points.size() == 2);
-  CHECK(curve.points[0] == CurvePoint{score_key(1, ScoreKind::distance), 0, 0, 1});
-  CHECK(curve.points[1] == CurvePoint{score_key(2, ScoreKind::distance), 1, 1, 1});
+  CHECK(curve.points[0] == CurvePoint{score_key(1, ScoreOrder::distance), 0, 0, 1});
+  CHECK(curve.points[1] == CurvePoint{score_key(2, ScoreOrder::distance), 1, 1, 1});
 }
 
 TEST_CASE("a value that stands for no score is none") {
@@ -249,7 +249,7 @@ TEST_CASE("the curve over all pairs is that of sorting them all") {
         if (uniform_below(engine, rarity) == 0)
           pairs.push_back({0, reference,
                            uniform_below(engine, 4) == 0 ? PlaceLabel::ignore : PlaceLabel::same});
-    for (const ScoreKind kind : {ScoreKind::distance, ScoreKind::similarity}) {
+    for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
       const ScoreMatrix matrix(write_matrix(folder, scores, rows, cols), {kind, false, {}});
       const ScoreLayout layout = layout_of(matrix, 1);
       MatrixScan found = scan_matrix(matrix, truth, layout, {});

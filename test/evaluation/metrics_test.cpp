@@ -23,7 +23,7 @@ struct Scored {
 };
 
 Curve curve_from(const std::vector<Scored>& scored, uint64_t to_find,
-                 ScoreKind kind = ScoreKind::distance) {
+                 ScoreOrder kind = ScoreOrder::distance) {
   std::vector<ScoredItem> items;
   for (const Scored& item : scored)
     items.push_back({score_key(item.distance, kind), item.is_correct});
@@ -89,7 +89,7 @@ TEST_CASE("metrics of five matches are those computed by hand") {
 TEST_CASE("a similarity is a distance turned round") {
   std::vector<Scored> turned = kFive;
   for (Scored& item : turned) item.distance = -item.distance;
-  const Curve curve = curve_from(turned, 4, ScoreKind::similarity);
+  const Curve curve = curve_from(turned, 4, ScoreOrder::similarity);
   for (const CurveMetric& metric : curve_metrics())
     CHECK(metric.compute(curve).value == metric.compute(curve_from(kFive, 4)).value);
   CHECK(recall_at_full_precision(curve).threshold == -2);
@@ -210,18 +210,18 @@ TEST_CASE("weights count an item so many times, and 0 leaves it out") {
   std::vector<ScoredItem> weighted = {{1, true, 2}, {2, false, 0}, {3, true, 1}, {4, false, 3}};
   std::vector<ScoredItem> repeated = {{1, true},  {1, true},  {3, true},
                                       {4, false}, {4, false}, {4, false}};
-  CHECK(curve_of(weighted, 3, ScoreKind::distance) == curve_of(repeated, 3, ScoreKind::distance));
+  CHECK(curve_of(weighted, 3, ScoreOrder::distance) == curve_of(repeated, 3, ScoreOrder::distance));
 }
 
 TEST_CASE("keys sort scores best first and give them back") {
   const std::vector<double> rising = {-INFINITY, -3, -1e-300, 0, 1e-300, 0.5, 3, INFINITY};
-  for (const ScoreKind kind : {ScoreKind::distance, ScoreKind::similarity}) {
+  for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
     for (size_t i = 0; i < rising.size(); ++i) {
       CHECK(score_of_key(score_key(rising[i], kind), kind) == rising[i]);
       CHECK(score_key(rising[i], kind) < kNoScore);
       if (i == 0) continue;
       const bool is_rising = score_key(rising[i - 1], kind) < score_key(rising[i], kind);
-      CHECK(is_rising == (kind == ScoreKind::distance));
+      CHECK(is_rising == (kind == ScoreOrder::distance));
     }
     CHECK(score_key(-0.0, kind) == score_key(0.0, kind));
     CHECK(score_key(NAN, kind) == kNoScore);

@@ -167,7 +167,7 @@ TEST_CASE("a wrong score is found, and a right one is not") {
     std::vector<Cell> cells = {run.result.hits[100], run.result.hits[300]};
     cells[1].distance += 10;  // two units a frame
     const auto wrong = wrong_scores(cells, code_spans(database), {query.codes, {}}, 4,
-                                    make_score_basis(database, settings), {});
+                                    *score_basis(database, settings), {});
     REQUIRE(wrong.size() == 1);
     CHECK(wrong[0].train_window == cells[1].train_window);
     CHECK(std::abs(int64_t{wrong[0].distance} - int64_t{run.result.hits[300].distance}) <= 4);

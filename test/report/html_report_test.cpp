@@ -35,7 +35,7 @@ Judgement example(const std::string& letters, size_t window_length = 1) {
                                           true,
                                           false,
                                           FrameMatch{0, frame},
-                                          score_key(double(q), ScoreKind::distance),
+                                          score_key(double(q), ScoreOrder::distance),
                                           false,
                                           {}});
   }

@@ -42,7 +42,7 @@ Judgement walk(const std::string& letters) {
     query.frame = layout.anchor(q);
     query.verdict = is_right ? Verdict::correct : Verdict::incorrect;
     query.best = FrameMatch{is_right ? 0u : 1u, query.frame};
-    query.key = score_key(double(q), ScoreKind::distance);
+    query.key = score_key(double(q), ScoreOrder::distance);
     judgement.outcomes.queries.push_back(query);
     if (letters[q] == 'R') judgement.fixes[query.frame] = Fix::right;
     if (letters[q] == 'W') judgement.fixes[query.frame] = Fix::wrong;

@@ -1,0 +1,178 @@
+#include "recognition/score_kind.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "matching/methods.h"
+#include "recognition/automatic_score.h"
+#include "recognition/automatic_threshold.h"
+#include "recognition/sequence_result.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kMostMargin = 64;
+
+constexpr std::array<std::string_view, 1> kRawSettings = {"safety_factor"};
+constexpr std::array<std::string_view, 3> kStandardizedSettings = {"score", "safety_margin",
+                                                                   "standardization"};
+
+void check_raw(const SequenceQuerySettings& settings) {
+  if (settings.threshold_scale == ThresholdScale::mean_z)
+    throw Error(ErrorKind::usage,
+                "t_r_scale mean-z is for standardized scores; add --score standardized, or give "
+                "relative, mean or bits");
+  if (settings.safety_margin != 0)
+    throw Error(ErrorKind::usage,
+                "the safety margin is for standardized scores; raw distances have "
+                "--safety-factor");
+  if (!settings.distance_threshold) return;
+  const double threshold = *settings.distance_threshold;
+  if (threshold < 0)
+    throw Error(ErrorKind::usage, fmt::format("t_r must not be negative, found {}", threshold));
+  if (threshold > 1 && scale_of(settings) == ThresholdScale::relative)
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r is relative to the largest distance, where {} accepts everything; "
+                            "for bits a frame give --t-r {} --t-r-scale bits, else a share, as in "
+                            "--t-r 0.6",
+                            threshold, threshold));
+  if (threshold > 1 && scale_of(settings) == ThresholdScale::mean)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("t_r is a share of what a window differs by on average, where {} accepts "
+                    "what is farther than usual; give one below 1, as in --t-r 0.85",
+                    threshold));
+}
+
+void check_standardized(const SequenceQuerySettings& settings) {
+  const ThresholdScale scale = scale_of(settings);
+  if (scale != ThresholdScale::mean_z)
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r_scale {} means nothing for standardized scores, which have no "
+                            "bits; leave it out, or give mean-z, as in --t-r -1.5",
+                            enum_name(scale)));
+  if (settings.distance_threshold && *settings.distance_threshold > 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r of standardized scores is a mean z, where {} accepts places that "
+                            "are farther than usual; give one below 0, as in --t-r -1.5",
+                            *settings.distance_threshold));
+  if (!find_sequence_method(settings.method).has_scores)
+    throw Error(ErrorKind::usage, fmt::format("{} has no standardized scores; take fastable or "
+                                              "fastable-online",
+                                              settings.method));
+  if (settings.safety_factor)
+    throw Error(ErrorKind::usage,
+                "the safety factor is for raw distances; t_r of standardized scores, which may be "
+                "negative, has --safety-margin");
+  if (!std::isfinite(settings.safety_margin) || std::abs(settings.safety_margin) > kMostMargin)
+    throw Error(ErrorKind::usage, fmt::format("the safety margin must be from -64 to 64, found {}",
+                                              settings.safety_margin));
+  if (settings.window_length > kMaxScoredWindow)
+    throw Error(ErrorKind::usage,
+                fmt::format("c_l must be at most {} with standardized scores, found {}",
+                            kMaxScoredWindow, settings.window_length));
+  check_standardization(settings.standardization);
+}
+
+int64_t no_offset(size_t) { return 0; }
+
+double bits_a_frame(uint32_t sum, size_t window_length) {
+  return static_cast<double>(sum) / static_cast<double>(window_length);
+}
+
+ClosestTable closest_distances(std::span<const CodeSpan> sequences, const ScoreBasis*,
+                               const MatchSettings& match, const Monitor& monitor) {
+  return find_closest_windows(sequences, match, monitor);
+}
+
+ClosestTable closest_scores(std::span<const CodeSpan> sequences, const ScoreBasis* basis,
+                            const MatchSettings& match, const Monitor& monitor) {
+  return find_closest_scores(sequences, *basis, match, monitor);
+}
+
+AutomaticThreshold automatic_distance(const ClosestTable& closest, size_t sequence,
+                                      const std::function<double()>& typical_distance,
+                                      const SequenceQuerySettings& settings) {
+  const auto threshold = closest.size() == 1 ? own_threshold : automatic_threshold;
+  return threshold(closest[sequence], typical_distance(), settings.window_length,
+                   settings.safety_factor.value_or(1));
+}
+
+AutomaticThreshold automatic_score(const ClosestTable& closest, size_t sequence,
+                                   const std::function<double()>&,
+                                   const SequenceQuerySettings& settings) {
+  return automatic_score_threshold(closest[sequence], settings.window_length,
+                                   settings.safety_margin);
+}
+
+std::string raw_title(const SequenceQuerySettings& settings) {
+  return fmt::format("t_r, safety factor {:g}", settings.safety_factor.value_or(1));
+}
+
+std::string standardized_title(const SequenceQuerySettings& settings) {
+  return fmt::format("t_r of {} scores, safety margin {:g}", enum_name(settings.score),
+                     settings.safety_margin);
+}
+
+constexpr ScoreKind kRaw = {.measure = "distance",
+                            .title = "distance (bits, summed)",
+                            .frame_unit = "bits/frame",
+                            .frame_digits = 1,
+                            .number_scale = ThresholdScale::relative,
+                            .automatic_scale = ThresholdScale::bits,
+                            .single_scale = ThresholdScale::mean,
+                            .longest_window = kMaxWindowLength,
+                            .missing = -1,
+                            .needs_statistics = false,
+                            .is_offline = false,
+                            .is_stored = true,
+                            .settings = kRawSettings,
+                            .offset = no_offset,
+                            .frame_value = bits_a_frame,
+                            .check = check_raw,
+                            .closest = closest_distances,
+                            .automatic = automatic_distance,
+                            .automatic_title = raw_title};
+
+constexpr ScoreKind standardized_row(bool is_offline) {
+  return {.measure = "standardized score",
+          .title = "standardized score (1/1024, summed)",
+          .frame_unit = "mean z",
+          .frame_digits = 2,
+          .number_scale = ThresholdScale::mean_z,
+          .automatic_scale = ThresholdScale::mean_z,
+          .single_scale = ThresholdScale::mean_z,
+          .longest_window = kMaxScoredWindow,
+          .missing = std::numeric_limits<int32_t>::min(),
+          .needs_statistics = true,
+          .is_offline = is_offline,
+          .is_stored = false,
+          .settings = kStandardizedSettings,
+          .offset = score_offset,
+          .frame_value = mean_z,
+          .check = check_standardized,
+          .closest = closest_scores,
+          .automatic = automatic_score,
+          .automatic_title = standardized_title};
+}
+
+constexpr std::array<ScoreKind, kEnumNames<Score>.size()> kKinds = {kRaw, standardized_row(false),
+                                                                    standardized_row(true)};
+
+}  // namespace
+
+std::span<const ScoreKind> score_kinds() { return kKinds; }
+
+const ScoreKind& score_kind(Score score) { return kKinds[static_cast<size_t>(score)]; }
+
+void check_score(const SequenceQuerySettings& settings) {
+  score_kind(settings.score).check(settings);
+}
+
+std::span<const std::string_view> score_settings() { return kStandardizedSettings; }
+
+}  // namespace vpr

@@ -1,0 +1,86 @@
+// The table of scores: every row against what is said of it elsewhere.
+#include "recognition/score_kind.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/json.h"
+#include "matching/score_kernels.h"
+#include "recognition/sequence_result.h"
+#include "support.h"
+
+using namespace vpr;
+
+TEST_CASE("each score has its row") {
+  REQUIRE(score_kinds().size() == kEnumNames<Score>.size());
+  CHECK_FALSE(score_kind(Score::raw).needs_statistics);
+  CHECK(score_kind(Score::standardized).needs_statistics);
+  CHECK_FALSE(score_kind(Score::standardized).is_offline);
+  CHECK(score_kind(Score::standardized_offline).is_offline);
+}
+
+TEST_CASE("a sum of frame scores is given back a frame, whatever it is biased by") {
+  CHECK(score_kind(Score::raw).offset(7) == 0);
+  CHECK(score_kind(Score::raw).frame_value(350, 7) == 50);
+  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+    const ScoreKind& kind = score_kind(score);
+    // Three frames, each 1.5 deviations closer than usual.
+    const auto sum = static_cast<uint32_t>(3 * kScoreBias - 3 * 1536);
+    CHECK(sum - kind.offset(3) == -3 * 1536);
+    CHECK(kind.frame_value(sum, 3) == -1.5);
+  }
+}
+
+TEST_CASE("sums of the longest windows fit, and none is lower than what stands for a missing one") {
+  for (const ScoreKind& kind : score_kinds()) {
+    CHECK(-kind.offset(kind.longest_window) >= int64_t{kind.missing});
+    // A sum of the largest frame scores fits into 32 bits.
+    const uint64_t most = kind.needs_statistics ? 65535 : 1386;
+    CHECK(most * kind.longest_window <= 0xFFFFFFFF);
+  }
+}
+
+TEST_CASE("files tell the settings of their own score") {
+  SequenceQuerySettings settings;
+  const auto keys = [&](Score score) {
+    settings.score = score;
+    std::vector<std::string> found;
+    const Json json = settings_in_force(settings);
+    for (const auto& item : json.items()) found.push_back(item.key());
+    return found;
+  };
+  const std::vector<std::string> raw = {"method",          "c_l",           "t_r",
+                                        "t_r_scale",       "safety_factor", "only_sequence",
+                                        "skip_unreadable", "clustering",    "lsh"};
+  std::vector<std::string> all = raw;
+  all.insert(all.end(), {"score", "safety_margin", "standardization"});
+  CHECK(keys(Score::raw) == raw);
+  CHECK(keys(Score::standardized) == all);
+  CHECK(keys(Score::standardized_offline) == all);
+}
+
+TEST_CASE("a number is on the scale of its score, unless another is given") {
+  SequenceQuerySettings settings;
+  CHECK(scale_of(settings) == ThresholdScale::relative);
+  settings.score = Score::standardized;
+  CHECK(scale_of(settings) == ThresholdScale::mean_z);
+  settings.threshold_scale = ThresholdScale::bits;
+  CHECK(scale_of(settings) == ThresholdScale::bits);
+  CHECK(test::error_kind([&] { check_score(settings); }) == ErrorKind::usage);
+}
+
+TEST_CASE("an automatic threshold is the closest windows', with what the score takes from it") {
+  SequenceQuerySettings settings;
+  settings.window_length = 100;
+  const auto typical = [] { return 500.0; };
+  const ClosestTable two = {ClosestWindows{20'000, 0, 1, 0}, ClosestWindows{30'000, 0, 0, 0}};
+  settings.safety_factor = 0.5;
+  CHECK(score_kind(Score::raw).automatic(two, 1, typical, settings).value == 150);
+  const ClosestTable one = {ClosestWindows{20'000, 0, 0, 50}};
+  const AutomaticThreshold own = score_kind(Score::raw).automatic(one, 0, typical, settings);
+  CHECK(own.scale == score_kind(Score::raw).single_scale);
+  CHECK(own.value == 0.5 * (200.0 / 500));
+  settings.safety_margin = 0.25;
+  const auto sum = static_cast<uint32_t>(100 * (kScoreBias - 2 * 1024));
+  const ClosestTable scores = {ClosestWindows{sum, 0, 1, 0}, std::nullopt};
+  CHECK(score_kind(Score::standardized).automatic(scores, 0, typical, settings).value == -2.25);
+}
