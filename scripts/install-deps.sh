@@ -7,11 +7,11 @@
 #   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs build on
 set -euo pipefail
 libraries=(
-  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev zlib1g-dev
+  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev zlib1g-dev
   libdlib-dev libcli11-dev nlohmann-json3-dev catch2
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
-packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy gnuplot-nox)
+packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
 [[ ${1:-} == --arm64 ]] && packages+=(crossbuild-essential-arm64 mmdebstrap qemu-user-static)

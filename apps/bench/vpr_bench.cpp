@@ -27,8 +27,7 @@ struct Presentation {
 void add_presentation(const Command& command, Presentation& presentation) {
   add_setting(command, "--format", presentation.format,
               "of the table: text (default), csv, markdown or latex");
-  command.add_option("--plot", presentation.plots,
-                     "folder for plots (SVG and PNG), where gnuplot is installed");
+  command.add_option("--plot", presentation.plots, "folder for plots (SVG and PNG)");
 }
 
 /// A list of numbers, as in 20,40,60.
@@ -64,12 +63,10 @@ void present(Session& session, const BenchResult& result, const Presentation& pr
   session.run.simd_target = session.kernels.target;
   const Json json = bench_json(result, session.run);
   session.write_output(json);
-  if (!presentation.plots.empty() && !can_draw_plots()) {
-    warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
-  } else if (!presentation.plots.empty()) {
+  if (!presentation.plots.empty()) {
     const OutputFolder& folder = session.outputs.folder(presentation.plots, is_marked_folder);
-    for (const Plot& plot : result.plots)
-      if (!plot.lines.empty()) draw_plot(plot, folder.temporary());
+    for (const Chart& chart : result.charts)
+      if (!chart.series.empty()) draw_chart(chart, folder.temporary());
   }
   session.print_result(report_text(result, presentation.format), json);
 }

@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "report/evaluation_report.h"
-#include "report/plot.h"
 #include "report/route_map.h"
 
 namespace vpr {
@@ -82,10 +81,6 @@ void check_map_inputs(const Session& session, const MapInputs& inputs, const std
 void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
                const Evaluation& first, const Evaluation* second) {
   if (inputs.folder.empty()) return;
-  if (!can_draw_plots()) {
-    warn(session.monitor, "gnuplot is not installed, so no map is drawn");
-    return;
-  }
   const RouteMap map = read_map(read_dataset(dataset), dataset, first);
   std::vector<MapPanel> panels = {panel_of(first)};
   if (second != nullptr) {

@@ -5,9 +5,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "report/evaluation_plots.h"
+#include "report/evaluation_charts.h"
 #include "report/html_report.h"
-#include "report/plot.h"
 
 namespace vpr {
 namespace {
@@ -113,10 +112,6 @@ void write_pictures(Session& session, const PictureInputs& inputs, const std::st
     session.outputs.file(inputs.html).write(page);
   }
   if (inputs.plots.empty()) return;
-  if (!can_draw_plots()) {
-    warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
-    return;
-  }
   draw_evaluation(evaluation.report, evaluation.judgement, evaluation.truth, matrix,
                   session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
                   session.monitor);

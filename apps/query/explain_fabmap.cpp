@@ -137,8 +137,8 @@ void write_explanation_picture(const Explanation& explanation, const QueryInputs
       pair.view.title += " (can't be decoded)";
     }
   }
-  write_png(session.outputs.file(explanation_picture_path(session.options.output)),
-            draw_word_pairs(pairs));
+  session.outputs.file(explanation_picture_path(session.options.output))
+      .write(png_of(draw_word_pairs(pairs)));
 }
 
 }  // namespace vpr

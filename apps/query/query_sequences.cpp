@@ -15,13 +15,16 @@
 #include "pipeline/train.h"
 #include "query_inputs.h"
 #include "repeated_command.h"
+#include "report/evaluation_charts.h"
 #include "report/matrix_file.h"
-#include "report/matrix_picture.h"
 #include "report/result_file.h"
+#include "report/score_picture.h"
 #include "report/table.h"
 
 namespace vpr {
 namespace {
+
+constexpr size_t kMatrixPictureSide = 2000;  // pixels
 
 constexpr size_t kTableRows = 20;
 
@@ -138,14 +141,15 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   if (source.ground_truth && inputs.matrix.ends_with(".png"))
     truth = read_ground_truth(*source.ground_truth, scope_of(planned), session.monitor);
 
-  const MatrixLayout layout = matrix_layout(planned);
+  const ScoreLayout layout = layout_of(planned);
   std::optional<MatrixFile> matrix;
-  std::optional<MatrixPicture> picture;
+  std::optional<RowPixels> pixels;
   std::vector<RowConsumer> observers;
   if (inputs.matrix.ends_with(".npy"))
-    observers.emplace_back(std::ref(matrix.emplace(session.outputs.file(inputs.matrix), layout,
+    observers.emplace_back(std::ref(matrix.emplace(session.outputs.file(inputs.matrix), planned,
                                                    has_gaps(planned, database), session.monitor)));
-  if (inputs.matrix.ends_with(".png")) observers.emplace_back(std::ref(picture.emplace(layout)));
+  if (inputs.matrix.ends_with(".png"))
+    observers.emplace_back(std::ref(pixels.emplace(layout, kMatrixPictureSide)));
 
   QueryRun found =
       run_query(std::move(planned), database, query, resources, observers, session.monitor);
@@ -163,12 +167,13 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   context.seconds = found.seconds;
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
   if (matrix) {
-    context.matrix = matrix_layout_json(layout, found.result);
+    context.matrix = matrix_layout_json(layout);
     context.files["matrix"] = matrix->entry(session.monitor);
   }
-  if (picture)
-    picture->write(session.outputs.file(inputs.matrix), found.result, truth ? &*truth : nullptr,
-                   session.monitor);
+  if (pixels)
+    session.outputs.file(inputs.matrix)
+        .write(chart_png({result_matrix_chart(found.result, *pixels, truth ? &*truth : nullptr,
+                                              session.monitor)}));
   const Json json = options.output.empty()
                         ? result_json(found.result, context)
                         : write_result(options.output, found.result, context, session.outputs);

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "report/png_file.h"
 #include "report/run_info.h"
 #include "report/sweep_table.h"
 #include "tune_inputs.h"
@@ -78,15 +77,11 @@ std::string result_text(const TuneInputs& inputs, const CommonOptions& options,
 }
 
 void draw_plots(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps) {
-  if (!can_draw_plots()) {
-    warn(session.monitor, "gnuplot is not installed, so no plots are drawn");
-    return;
-  }
   const OutputFolder& folder = session.outputs.folder(inputs.plots, is_marked_folder);
   for (size_t s = 0; s < sweeps.size(); ++s) {
-    Plot plot = sweep_plot(sweeps[s]);
-    if (sweeps.size() > 1) plot.file += fmt::format("-{}", s + 1);
-    draw_plot(plot, folder.temporary());
+    Chart chart = sweep_chart(sweeps[s]);
+    if (sweeps.size() > 1) chart.file += fmt::format("-{}", s + 1);
+    draw_chart(chart, folder.temporary());
   }
 }
 
@@ -122,8 +117,7 @@ void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep
   json["timing"] = timing_json({{"sweep", seconds}});
   const std::optional<Json>& recommended = sweeps.front().recommended_settings;
   session.write_output(json);
-  if (!inputs.heat_map.empty())
-    write_png(session.outputs.file(inputs.heat_map), draw_sweeps(sweeps));
+  if (!inputs.heat_map.empty()) session.outputs.file(inputs.heat_map).write(heat_map_png(sweeps));
   if (!inputs.save_config.empty() && recommended)
     session.outputs.file(inputs.save_config).write(config_text(*recommended));
   if (!inputs.plots.empty()) draw_plots(session, inputs, sweeps);

@@ -8,7 +8,7 @@
 
 #include "base/json.h"
 #include "bench/measure.h"
-#include "report/plot.h"
+#include "report/chart.h"
 
 namespace vpr {
 
@@ -47,7 +47,7 @@ struct BenchResult {
   std::vector<BenchRow> rows;
   std::vector<std::string> left_out;  ///< sentences: what was not measured, and why
   std::vector<PaperNumber> paper;
-  std::vector<Plot> plots;
+  std::vector<Chart> charts;
 };
 
 /// Adds `name`, how many times faster a row is than the one of `slower` with its parameters, to the

@@ -195,24 +195,21 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
       }
     }
   }
-  Plot plot{"fabmap",
-            fmt::format("FAB-MAP query time, {} words, {} a frame", settings.words.front(),
-                        settings.words_per_frame.front()),
-            "places",
-            "milliseconds",
-            true,
-            true,
-            {}};
+  Chart chart{"fabmap",
+              fmt::format("FAB-MAP query time, {} words, {} a frame", settings.words.front(),
+                          settings.words_per_frame.front()),
+              {"places", true},
+              {"milliseconds", true}};
   for (const std::string& variant : settings.variants) {
-    PlotLine line{variant, {}};
+    Series series{variant, {}};
     for (const BenchRow& row : result.rows)
       if (row.work == variant &&
           row.parameter("words") == static_cast<double>(settings.words.front()) &&
           row.parameter("words_per_frame") == static_cast<double>(settings.words_per_frame.front()))
-        line.points.emplace_back(row.parameter("places"), row.time.median_ms);
-    if (!line.points.empty()) plot.lines.push_back(line);
+        series.points.emplace_back(row.parameter("places"), row.time.median_ms);
+    if (!series.points.empty()) chart.series.push_back(series);
   }
-  result.plots.push_back(plot);
+  result.charts.push_back(chart);
   return result;
 }
 

@@ -63,28 +63,28 @@ BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
   return row;
 }
 
-Plot time_plot(const BenchResult& result, const MatchingBenchSettings& settings,
-               const std::string& x, const NamedNumbers& fixed) {
-  Plot plot;
-  plot.file = fmt::format("time-by-{}", x);
-  plot.title = "Matching time per query frame";
-  for (const auto& [name, value] : fixed) plot.title += fmt::format(", {} {:g}", name, value);
-  plot.x_label = x == "frames" ? "database frames"
-                 : x == "c_l"  ? "window length c_l (frames)"
-                               : "query frames";
-  plot.y_label = "milliseconds";
-  plot.is_log_x = x == "frames";
-  plot.is_log_y = true;
+Chart time_chart(const BenchResult& result, const MatchingBenchSettings& settings,
+                 const std::string& x, const NamedNumbers& fixed) {
+  Chart chart;
+  chart.file = fmt::format("time-by-{}", x);
+  chart.title = "Matching time per query frame";
+  for (const auto& [name, value] : fixed) chart.title += fmt::format(", {} {:g}", name, value);
+  chart.x.label = x == "frames" ? "database frames"
+                  : x == "c_l"  ? "window length c_l (frames)"
+                                : "query frames";
+  chart.y.label = "milliseconds";
+  chart.x.is_log = x == "frames";
+  chart.y.is_log = true;
   for (const std::string& method : settings.methods) {
-    PlotLine line{method, {}};
+    Series series{method, {}};
     for (const BenchRow& row : result.rows)
       if (row.work == method && std::all_of(fixed.begin(), fixed.end(), [&](const auto& parameter) {
             return row.parameter(parameter.first) == parameter.second;
           }))
-        line.points.emplace_back(row.parameter(x), row.time.median_ms);
-    if (!line.points.empty()) plot.lines.push_back(line);
+        series.points.emplace_back(row.parameter(x), row.time.median_ms);
+    if (!series.points.empty()) chart.series.push_back(series);
   }
-  return plot;
+  return chart;
 }
 
 }  // namespace
@@ -131,35 +131,38 @@ BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
 
 void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& settings) {
   add_method_speed_ups(result);
-  std::vector<PlotLine> speed_ups;
+  std::vector<Series> speed_ups;
   for (const uint64_t length : settings.window_lengths) {
-    PlotLine line{fmt::format("c_l {}", length), {}};
+    Series series{fmt::format("c_l {}", length), {}};
     for (const uint64_t frames : settings.databases) {
       const NamedNumbers parameters = parameters_of(frames, length, settings.query_frames.front());
       const BenchRow* fast = find_row(result, "fastable", parameters);
       const BenchRow* slow = find_row(result, "openable", parameters);
       if (fast == nullptr || slow == nullptr) continue;
-      line.points.emplace_back(static_cast<double>(frames),
-                               slow->time.median_ms / fast->time.median_ms);
+      series.points.emplace_back(static_cast<double>(frames),
+                                 slow->time.median_ms / fast->time.median_ms);
       for (const PaperSpeedUp& paper : kPaperSpeedUps)
         if (paper.frames == frames && paper.window_length == length)
           result.paper.push_back(
               paper_ratio("tab6", fmt::format("FastABLE over OpenABLE, {}", paper.device),
                           paper.ratio, *fast, *slow));
     }
-    if (!line.points.empty()) speed_ups.push_back(line);
+    if (!series.points.empty()) speed_ups.push_back(series);
   }
   if (!speed_ups.empty())
-    result.plots.push_back({"speed-up", "FastABLE over OpenABLE, same kernels", "database frames",
-                            "times faster", true, false, speed_ups});
+    result.charts.push_back({"speed-up",
+                             "FastABLE over OpenABLE, same kernels",
+                             {"database frames", true},
+                             {"times faster", false, true},
+                             speed_ups});
   const NamedNumbers longest = {{"c_l", static_cast<double>(settings.window_lengths.back())}};
   const NamedNumbers largest = {{"frames", static_cast<double>(settings.databases.back())}};
   const NamedNumbers query = {{"query_frames", static_cast<double>(settings.query_frames.front())}};
-  result.plots.push_back(time_plot(result, settings, "frames", {longest[0], query[0]}));
+  result.charts.push_back(time_chart(result, settings, "frames", {longest[0], query[0]}));
   if (settings.window_lengths.size() > 1)
-    result.plots.push_back(time_plot(result, settings, "c_l", {largest[0], query[0]}));
+    result.charts.push_back(time_chart(result, settings, "c_l", {largest[0], query[0]}));
   if (settings.query_frames.size() > 1)
-    result.plots.push_back(time_plot(result, settings, "query_frames", {largest[0], longest[0]}));
+    result.charts.push_back(time_chart(result, settings, "query_frames", {largest[0], longest[0]}));
 }
 
 }  // namespace vpr

@@ -137,20 +137,17 @@ BenchResult bench_nordland(const NordlandBenchSettings& settings,
   }
   add_method_speed_ups(result);
   add_paper_numbers(result, settings);
-  Plot plot{"nordland",
-            fmt::format("Matching time per query frame, c_l {}", settings.window_length),
-            "database frames",
-            "milliseconds",
-            true,
-            true,
-            {}};
+  Chart chart{"nordland",
+              fmt::format("Matching time per query frame, c_l {}", settings.window_length),
+              {"database frames", true},
+              {"milliseconds", true}};
   for (const BenchRow& row : result.rows) {
-    const auto same = [&](const PlotLine& line) { return line.name == row.work; };
-    auto line = std::find_if(plot.lines.begin(), plot.lines.end(), same);
-    if (line == plot.lines.end()) line = plot.lines.insert(line, {row.work, {}});
-    line->points.emplace_back(row.parameter("frames"), row.time.median_ms);
+    const auto same = [&](const Series& series) { return series.name == row.work; };
+    auto series = std::find_if(chart.series.begin(), chart.series.end(), same);
+    if (series == chart.series.end()) series = chart.series.insert(series, {row.work, {}});
+    series->points.emplace_back(row.parameter("frames"), row.time.median_ms);
   }
-  result.plots.push_back(plot);
+  result.charts.push_back(chart);
   return result;
 }
 

@@ -4,10 +4,11 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
-#include "matching/score_kernels.h"
+#include "report/chart_layout.h"
+#include "report/chart_svg.h"
+#include "report/evaluation_charts.h"
 #include "report/evaluation_report.h"
 #include "report/gallery_cards.h"
 #include "report/html_text.h"
@@ -16,8 +17,6 @@
 #include "report/score_picture.h"
 #include "report/scores_report.h"
 #include "report/summary.h"
-#include "report/svg_charts.h"
-#include "report/timeline.h"
 
 namespace vpr {
 namespace {
@@ -64,61 +63,25 @@ std::string list_html(const Json& object) {
   return html;
 }
 
-std::string matrix_html(const Json& report, const Judgement& judgement,
-                        const ScorePicture& picture) {
-  std::vector<uint8_t> png;
-  cv::imencode(".png", picture.image, png);
-  return matrix_svg(judgement, picture, base64(std::as_bytes(std::span(png))),
-                    reference_word(report), score_words(report));
-}
-
 std::string legend_html(const std::vector<Meaning>& meanings) {
   std::string html;
   for (const Meaning meaning : meanings) html += legend_key(meaning);
   return html;
 }
 
-std::vector<Meaning> timeline_meanings(const Judgement& judgement, const GroundTruth& truth) {
-  std::set<Meaning> found;
-  for (const QueryOutcome& query : judgement.outcomes.queries)
-    if (query.best) found.insert(meaning_of(judgement, query));
-  for (const Fix fix : judgement.fixes)
-    if (fix != Fix::none) found.insert(meaning_of(fix));
-  if (truth.is_known) found.insert(Meaning::truth);
-  return {found.begin(), found.end()};
-}
-
-/// Scores as thresholds are given: t_r in bits a frame or as mean z, t_p, or as they are.
-ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
-  const auto length = static_cast<double>(judgement.layout.window_length);
-  if (!report.contains("counts")) return {score_words(report), 1};
-  if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
-  if (report["settings"].contains("score")) return {"the mean z (t_r)", length * kScoreUnit};
-  return {"so many bits a frame (t_r with --t-r-scale bits)", length};
-}
-
-/// Both charts of best matches, with their legends.
+/// Two charts side by side, with their legends.
 std::string curves_html(const Json& report, const Judgement& judgement) {
-  const auto figure = [](const std::string& svg, const std::string& title,
-                         const std::vector<Meaning>& meanings) {
-    return "<figure><figcaption>" + title + "</figcaption>" + svg + "<p class=\"legend\">" +
-           legend_html(meanings) + "</p></figure>";
+  const auto figure = [](Chart chart, const std::string& title) {
+    chart.title = title;
+    chart.width = 650;
+    chart.height = 450;
+    return "<figure><figcaption>" + title + "</figcaption>" + page_svg(chart) +
+           "<p class=\"legend\">" + legend_html(meanings_of(chart)) + "</p></figure>";
   };
   std::string html = "<div class=\"charts\">";
-  std::set<Meaning> kinds;
-  for (const QueryOutcome& query : judgement.outcomes.queries)
-    if (query.best)
-      kinds.insert(query.verdict == Verdict::correct     ? Meaning::right
-                   : query.verdict == Verdict::incorrect ? Meaning::wrong
-                                                         : Meaning::unjudged);
-  if (!judgement.single_best.points.empty()) {
-    std::vector<Meaning> curves = {Meaning::best_matches};
-    if (judgement.all_pairs) curves.push_back(Meaning::all_pairs);
-    html += figure(curve_svg(judgement), "Precision and recall", curves);
-  }
-  return html +
-         figure(threshold_svg(judgement, score_axis(report, judgement)),
-                "What a threshold recognises", {kinds.begin(), kinds.end()}) +
+  const Chart curves = curve_chart(report, judgement);
+  if (!curves.series.empty()) html += figure(curves, "Precision and recall");
+  return html + figure(threshold_chart(report, judgement), "What a threshold recognises") +
          "</div>";
 }
 
@@ -134,7 +97,7 @@ std::string tables_html(const Json& report, bool is_judged) {
 
 /// What scripts look up: a line of data for each query.
 Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
-               const TimelineFrame& frame) {
+               const ChartLayout& timeline) {
   Json data;
   data["best"] = report["outcomes"]["best"];
   data["first_frame"] = report["outcomes"]["first_frame"];
@@ -160,9 +123,9 @@ Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
     if (is_recognised(judgement, query)) recognised[query.frame] = 'f';
   data["recognised"] = recognised;
   data["frames"] = std::max<size_t>(1, judgement.fixes.size());
-  data["left"] = frame.left;
-  data["width"] = frame.plot_width;
-  data["svg_width"] = frame.width;
+  data["left"] = timeline.area.left;
+  data["width"] = timeline.area.width;
+  data["svg_width"] = timeline.width;
   return data;
 }
 
@@ -173,8 +136,13 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
                         const FrameSources& sources, const Monitor& monitor) {
   GalleryCards gallery(judgement, truth, sources);
   gallery.read_frames(monitor);
-  const TimelineFrame frame;
+  Chart timeline = timeline_chart(report, judgement, truth, monitor);
+  timeline.title = "best match of every query frame";
+  timeline.height = 440;
   const ScorePicture picture = draw_scores(judgement, truth, matrix, kMatrixSide, monitor);
+  Chart pairs =
+      matrix_chart(judgement.layout, picture, reference_word(report), score_words(report));
+  pairs.title = "queries against references";
   Json made = report["settings"];
   made.update(report["provenance"]);
   if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
@@ -198,17 +166,18 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
        {"protocol", list_html(protocol)},
        {"provenance", list_html(made)},
        {"curves", curves_html(report, judgement)},
-       {"timeline_legend", legend_html(timeline_meanings(judgement, truth))},
-       {"timeline", timeline_svg(judgement, truth, reference_word(report), frame, monitor)},
+       {"timeline_legend", legend_html(meanings_of(timeline))},
+       {"timeline", page_svg(timeline)},
        {"matrix_title", matrix != nullptr ? "Scores of all pairs" : "Recognitions of all pairs"},
-       {"matrix_legend", legend_html(picture.shown)},
-       {"matrix", matrix_html(report, judgement, picture)},
+       {"matrix_legend", legend_html(meanings_of(pairs))},
+       {"matrix", page_svg(pairs)},
        {"gallery_title", truth.is_known ? "Mistakes and hits" : "Best matches"},
        {"mistakes", truth.is_known ? std::string(kMistakes) : ""},
        {"weak", truth.is_known ? "weakest right ones" : "weakest matches"},
        {"gallery_note", html_escaped(gallery.note())},
        {"cards", gallery.html()},
-       {"data", script_json(page_data(report, judgement, truth.is_known, frame))}});
+       {"data",
+        script_json(page_data(report, judgement, truth.is_known, layout_of(timeline, true)))}});
 }
 
 }  // namespace vpr

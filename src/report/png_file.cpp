@@ -1,16 +1,15 @@
 #include "report/png_file.h"
 
-#include <span>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 
 namespace vpr {
 
-void write_png(OutputFile& file, const cv::Mat& image) {
+std::string png_of(const cv::Mat& image) {
   std::vector<uint8_t> png;
-  cv::imencode(".png", image, png);
-  file.write(std::as_bytes(std::span(png)));
+  cv::imencode(".png", image, png, {cv::IMWRITE_PNG_COMPRESSION, 9});
+  return {png.begin(), png.end()};
 }
 
 }  // namespace vpr

@@ -1,9 +1,7 @@
 // Pictures as PNG files.
 #pragma once
 
-#include <filesystem>
-
-#include "base/output_file.h"
+#include <string>
 
 namespace cv {
 class Mat;
@@ -11,7 +9,7 @@ class Mat;
 
 namespace vpr {
 
-/// Grey or BGR, 8 bits. The caller commits. Throws Error(output).
-void write_png(OutputFile& file, const cv::Mat& image);
+/// The bytes of a PNG file. `image`: grey or BGR, 8 bits.
+std::string png_of(const cv::Mat& image);
 
 }  // namespace vpr

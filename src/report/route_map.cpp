@@ -13,31 +13,23 @@
 namespace vpr {
 namespace {
 
-PlotLine points(Meaning meaning, PlotMark mark) {
-  return {std::string(colour_of(meaning).words), {}, PlotStyle::points, hex_of(meaning), mark};
-}
-
-PlotLine line(Meaning meaning, PlotStyle style) {
-  return {std::string(colour_of(meaning).words), {}, style, hex_of(meaning)};
-}
-
-PlotLine wall_lines(const RouteMap& map, const std::string& floor) {
-  PlotLine walls = line(Meaning::wall, PlotStyle::line);
+Series wall_lines(const RouteMap& map, const std::string& floor) {
+  Series walls = series_of(Meaning::wall, SeriesStyle::line);
   for (const WallLine& wall : map.walls) {
     if (wall.from.floor != floor) continue;
     walls.points.insert(walls.points.end(),
-                        {{wall.from.x, wall.from.y}, {wall.to.x, wall.to.y}, kPlotGap});
+                        {{wall.from.x, wall.from.y}, {wall.to.x, wall.to.y}, kChartGap});
   }
   return walls;
 }
 
 /// A wide line, so that the query's dots can be seen on it.
-PlotLine train_lines(const RouteMap& map, const std::string& floor) {
-  PlotLine train = line(Meaning::train_path, PlotStyle::wide_line);
+Series train_lines(const RouteMap& map, const std::string& floor) {
+  Series train = series_of(Meaning::train_path, SeriesStyle::wide_line);
   for (const auto& sequence : map.train) {
     for (const auto& at : sequence)
-      train.points.push_back(at && at->floor == floor ? std::pair(at->x, at->y) : kPlotGap);
-    train.points.push_back(kPlotGap);
+      train.points.push_back(at && at->floor == floor ? std::pair(at->x, at->y) : kChartGap);
+    train.points.push_back(kChartGap);
   }
   const bool is_empty = std::all_of(train.points.begin(), train.points.end(),
                                     [](const auto& point) { return std::isnan(point.first); });
@@ -46,12 +38,12 @@ PlotLine train_lines(const RouteMap& map, const std::string& floor) {
 }
 
 /// Below what is drawn: about a quarter of its width, in round metres.
-PlotLine scale_bar(const std::vector<PlotLine>& lines) {
+Series scale_bar(const std::vector<Series>& lines) {
   double left = std::numeric_limits<double>::infinity();
   double right = -left;
   double bottom = left;
   double top = -left;
-  for (const PlotLine& drawn : lines)
+  for (const Series& drawn : lines)
     for (const auto& [x, y] : drawn.points) {
       if (std::isnan(x)) continue;
       left = std::min(left, x);
@@ -59,7 +51,7 @@ PlotLine scale_bar(const std::vector<PlotLine>& lines) {
       bottom = std::min(bottom, y);
       top = std::max(top, y);
     }
-  PlotLine bar{"", {}, PlotStyle::bar, hex_of(Meaning::wall)};
+  Series bar{"", {}, SeriesStyle::bar, Meaning::wall};
   if (right <= left && top <= bottom) return bar;
   const double size = std::max(right - left, top - bottom);
   const auto metres = static_cast<double>(round_step(static_cast<size_t>(size), 4));
@@ -69,19 +61,19 @@ PlotLine scale_bar(const std::vector<PlotLine>& lines) {
   return bar;
 }
 
-using MarkedMeaning = std::pair<Meaning, PlotMark>;
+using MarkedMeaning = std::pair<Meaning, SeriesMark>;
 
 // In the order in which they are drawn.
-constexpr std::array<MarkedMeaning, 3> kBelowPlaces = {{{Meaning::unmapped, PlotMark::circle},
-                                                        {Meaning::unreachable, PlotMark::dot},
-                                                        {Meaning::missed, PlotMark::dot}}};
-constexpr std::array<MarkedMeaning, 3> kAbovePlaces = {{{Meaning::unjudged, PlotMark::disc},
-                                                        {Meaning::right, PlotMark::disc},
-                                                        {Meaning::wrong, PlotMark::cross}}};
+constexpr std::array<MarkedMeaning, 3> kBelowPlaces = {{{Meaning::unmapped, SeriesMark::circle},
+                                                        {Meaning::unreachable, SeriesMark::dot},
+                                                        {Meaning::missed, SeriesMark::dot}}};
+constexpr std::array<MarkedMeaning, 3> kAbovePlaces = {{{Meaning::unjudged, SeriesMark::disc},
+                                                        {Meaning::right, SeriesMark::disc},
+                                                        {Meaning::wrong, SeriesMark::cross}}};
 
-PlotLine frame_points(const RouteMap& map, const MapPanel& panel, const std::string& floor,
-                      Meaning meaning, PlotMark mark) {
-  PlotLine frames = points(meaning, mark);
+Series frame_points(const RouteMap& map, const MapPanel& panel, const std::string& floor,
+                    Meaning meaning, SeriesMark mark) {
+  Series frames = series_of(meaning, SeriesStyle::points, mark);
   for (size_t frame = 0; frame < map.query.size(); ++frame) {
     const auto& at = map.query[frame];
     if (at && at->floor == floor && panel.meanings[frame] == meaning)
@@ -90,23 +82,25 @@ PlotLine frame_points(const RouteMap& map, const MapPanel& panel, const std::str
   return frames;
 }
 
-Plot panel_plot(const RouteMap& map, const MapPanel& panel, const std::string& floor) {
-  Plot plot;
-  plot.title = floor.empty() ? panel.title : fmt::format("{}, {}", panel.title, floor);
-  plot.is_plan = true;
-  PlotLine places = points(Meaning::place, PlotMark::square);
+Chart panel_chart(const RouteMap& map, const MapPanel& panel, const std::string& floor) {
+  Chart chart;
+  chart.title = floor.empty() ? panel.title : fmt::format("{}, {}", panel.title, floor);
+  chart.is_plan = true;
+  chart.y.from_zero = false;
+  chart.width = 675;
+  Series places = series_of(Meaning::place, SeriesStyle::points, SeriesMark::square);
   if (panel.shows_places)
     for (const RoutePoint& place : map.places)
       if (place.floor == floor) places.points.emplace_back(place.x, place.y);
-  plot.lines = {train_lines(map, floor), wall_lines(map, floor)};
+  chart.series = {train_lines(map, floor), wall_lines(map, floor)};
   for (const auto& [meaning, mark] : kBelowPlaces)
-    plot.lines.push_back(frame_points(map, panel, floor, meaning, mark));
-  plot.lines.push_back(places);
+    chart.series.push_back(frame_points(map, panel, floor, meaning, mark));
+  chart.series.push_back(places);
   for (const auto& [meaning, mark] : kAbovePlaces)
-    plot.lines.push_back(frame_points(map, panel, floor, meaning, mark));
-  plot.lines.push_back(scale_bar(plot.lines));
-  std::erase_if(plot.lines, [](const PlotLine& drawn) { return drawn.points.empty(); });
-  return plot;
+    chart.series.push_back(frame_points(map, panel, floor, meaning, mark));
+  chart.series.push_back(scale_bar(chart.series));
+  std::erase_if(chart.series, [](const Series& drawn) { return drawn.points.empty(); });
+  return chart;
 }
 
 }  // namespace
@@ -126,24 +120,24 @@ std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& 
   return meanings;
 }
 
-std::vector<Plot> route_plots(const RouteMap& map, const std::vector<MapPanel>& panels,
-                              const Monitor& monitor) {
+std::vector<Chart> route_charts(const RouteMap& map, const std::vector<MapPanel>& panels,
+                                const Monitor& monitor) {
   std::vector<std::string> floors;
   std::set<std::string> known;
   for (const auto& at : map.query)
     if (at && known.insert(at->floor).second) floors.push_back(at->floor);
-  std::vector<Plot> plots;
+  std::vector<Chart> charts;
   for (const std::string& floor : floors)
     for (const MapPanel& panel : panels) {
       check_stop(monitor);
-      plots.push_back(panel_plot(map, panel, floor));
+      charts.push_back(panel_chart(map, panel, floor));
     }
-  return plots;
+  return charts;
 }
 
 void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
                     const std::filesystem::path& folder, const Monitor& monitor) {
-  draw_plots(route_plots(map, panels, monitor), panels.size(), "map", folder);
+  draw_charts(route_charts(map, panels, monitor), panels.size(), "map", folder);
 }
 
 }  // namespace vpr

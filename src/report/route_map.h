@@ -9,8 +9,8 @@
 #include "base/monitor.h"
 #include "evaluation/judgement.h"
 #include "ground_truth/route.h"
+#include "report/chart.h"
 #include "report/palette.h"
-#include "report/plot.h"
 
 namespace vpr {
 
@@ -37,10 +37,10 @@ std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& 
 /// The panels, row by row: side by side, and one below the other for every floor that the query
 /// visits. Training paths and places of other floors are left out. Each has a bar of so many
 /// metres.
-std::vector<Plot> route_plots(const RouteMap& map, const std::vector<MapPanel>& panels,
-                              const Monitor& monitor = {});
+std::vector<Chart> route_charts(const RouteMap& map, const std::vector<MapPanel>& panels,
+                                const Monitor& monitor = {});
 
-/// Draws map.svg and map.png into `folder`, which exists. Throws Error(output) if gnuplot fails.
+/// Draws map.svg and map.png into the folder of an output. Throws Error(output).
 void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
                     const std::filesystem::path& folder, const Monitor& monitor);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include <opencv2/core/mat.hpp>
 
@@ -11,53 +13,43 @@
 namespace vpr {
 namespace {
 
-/// Cells to pixels.
-struct Grid {
-  size_t scale = 1;
-  size_t rows = 1;
-  size_t cols = 1;
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+const cv::Vec3b kNoScoreColour(235, 225, 215);
 
-  Grid(const ScoreLayout& layout, size_t most_pixels) {
-    const size_t height = std::max<size_t>(1, row_count(layout));
-    const size_t width = std::max<size_t>(1, column_count(layout));
-    scale = (std::max(height, width) + most_pixels - 1) / most_pixels;
-    rows = (height + scale - 1) / scale;
-    cols = (width + scale - 1) / scale;
-  }
-  /// The first column of the pixel behind that of a column.
-  size_t next_pixel(size_t column) const { return (column / scale + 1) * scale; }
-  cv::Vec3b& pixel(cv::Mat& image, size_t row, size_t column) const {
-    return image.at<cv::Vec3b>(static_cast<int>(row / scale), static_cast<int>(column / scale));
-  }
-};
-
-/// Gives the scores of black and white.
-std::optional<std::pair<double, double>> draw_grey(cv::Mat& image, const Grid& grid,
-                                                   const ScoreMatrix& matrix,
-                                                   const Monitor& monitor) {
+std::vector<double> scores_of(const ScoreMatrix& matrix, const PixelGrid& grid,
+                              const Monitor& monitor) {
   std::vector<uint64_t> best(grid.rows * grid.cols, kNoScore);
   matrix.for_each_row(1, monitor, "drawing scores",
                       [&](size_t, size_t row, std::span<const uint64_t> keys) {
-                        uint64_t* line = &best[row / grid.scale * grid.cols];
+                        uint64_t* line = &best[grid.index(row, 0)];
                         for (size_t c = 0; c < keys.size(); ++c)
-                          line[c / grid.scale] = std::min(line[c / grid.scale], keys[c]);
+                          line[c / grid.cells] = std::min(line[c / grid.cells], keys[c]);
                       });
+  std::vector<double> scores;
+  for (const uint64_t key : best) scores.push_back(score_of_key(key, matrix.kind()));
+  return scores;
+}
+
+/// Gives the scores of black and white.
+std::optional<std::pair<double, double>> draw_grey(cv::Mat& image,
+                                                   const std::vector<double>& scores,
+                                                   bool is_distance) {
   std::vector<double> values;
-  for (const uint64_t key : best) {
-    const double value = score_of_key(key, matrix.kind());
-    if (std::isfinite(value)) values.push_back(value);
-  }
+  for (const double score : scores)
+    if (std::isfinite(score)) values.push_back(score);
   if (values.empty()) return std::nullopt;
   const double low = quantile(values, 0.01);
   const double high = quantile(values, 0.99);
-  const bool is_distance = matrix.kind() == ScoreOrder::distance;
-  for (size_t p = 0; p < best.size(); ++p) {
-    if (best[p] == kNoScore) continue;
-    const double value = score_of_key(best[p], matrix.kind());
-    const double share = high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) : 0.5;
+  for (size_t p = 0; p < scores.size(); ++p) {
+    cv::Vec3b& pixel = image.at<cv::Vec3b>(static_cast<int>(p / static_cast<size_t>(image.cols)),
+                                           static_cast<int>(p % static_cast<size_t>(image.cols)));
+    if (std::isnan(scores[p])) {
+      pixel = kNoScoreColour;
+      continue;
+    }
+    const double share = high > low ? std::clamp((scores[p] - low) / (high - low), 0.0, 1.0) : 0.5;
     const auto grey = static_cast<uint8_t>(255 * (is_distance ? share : 1 - share));
-    image.at<cv::Vec3b>(static_cast<int>(p / grid.cols), static_cast<int>(p % grid.cols)) =
-        cv::Vec3b(grey, grey, grey);
+    pixel = cv::Vec3b(grey, grey, grey);
   }
   return is_distance ? std::pair(low, high) : std::pair(high, low);
 }
@@ -81,38 +73,82 @@ std::vector<std::pair<size_t, size_t>> true_columns(const GroundTruth& truth,
 
 }  // namespace
 
+PixelGrid::PixelGrid(const ScoreLayout& layout, size_t most_pixels) {
+  const size_t height = std::max<size_t>(1, row_count(layout));
+  const size_t width = std::max<size_t>(1, column_count(layout));
+  cells = (std::max(height, width) + most_pixels - 1) / most_pixels;
+  rows = (height + cells - 1) / cells;
+  cols = (width + cells - 1) / cells;
+}
+
+RowPixels::RowPixels(const ScoreLayout& layout, size_t most_pixels)
+    : layout_(layout), grid_(layout, most_pixels), closest_(grid_.rows * grid_.cols) {
+  for (auto& value : closest_) value = kNone;
+}
+
+void RowPixels::operator()(const DistanceRow& row) {
+  const size_t first = layout_.columns_of(static_cast<uint32_t>(row.sequence))->first;
+  for (size_t i = 0; i < row.distances.size();) {
+    const size_t column = first + row.train_window + i;
+    const size_t next = (column / grid_.cells + 1) * grid_.cells - column;  // pixel
+    const size_t end = std::min(row.distances.size(), i + next);
+    const auto begin = row.distances.begin();
+    const uint32_t closest =
+        *std::min_element(begin + static_cast<ptrdiff_t>(i), begin + static_cast<ptrdiff_t>(end));
+    std::atomic<uint32_t>& pixel = closest_[grid_.index(row.query_window, column)];
+    uint32_t seen = pixel.load(std::memory_order_relaxed);
+    while (closest < seen && !pixel.compare_exchange_weak(seen, closest)) {
+    }
+    i = end;
+  }
+}
+
+std::vector<double> RowPixels::scores(int64_t offset) const {
+  std::vector<double> scores;
+  for (const auto& value : closest_)
+    scores.push_back(value == kNone ? std::numeric_limits<double>::quiet_NaN()
+                                    : static_cast<double>(int64_t{value} - offset));
+  return scores;
+}
+
 ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
-                         const ScoreMatrix* matrix, size_t most_pixels, const Monitor& monitor) {
+                         const PixelGrid& grid, const std::vector<double>& scores,
+                         const Monitor& monitor) {
   const ScoreLayout& layout = judgement.layout;
-  const Grid grid(layout, most_pixels);
-  ScorePicture picture;
-  picture.cells = grid.scale;
-  picture.image.create(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3);
-  picture.image.setTo(cv::Scalar(255, 255, 255));
-  if (matrix != nullptr) picture.greys = draw_grey(picture.image, grid, *matrix, monitor);
-  std::vector<bool> is_shown(palette().size());
+  cv::Mat image(static_cast<int>(grid.rows), static_cast<int>(grid.cols), CV_8UC3,
+                cv::Scalar::all(255));
+  const auto greys = draw_grey(image, scores, judgement.outcomes.kind == ScoreOrder::distance);
+  std::set<Meaning> shown;
   const auto set = [&](size_t row, size_t column, Meaning meaning) {
-    grid.pixel(picture.image, row, column) = bgr_of(meaning);
-    is_shown[static_cast<size_t>(meaning)] = true;
+    image.at<cv::Vec3b>(static_cast<int>(row / grid.cells), static_cast<int>(column / grid.cells)) =
+        bgr_of(meaning);
+    shown.insert(meaning);
   };
   for (size_t row = 0; row < row_count(layout); ++row)
     for (const ScoreLayout::Columns& columns : layout.columns)
       for (const auto& [first, end] : true_columns(truth, layout, row, columns, monitor))
-        for (size_t column = first; column < end; column = grid.next_pixel(column))
+        for (size_t column = first; column < end; column = (column / grid.cells + 1) * grid.cells)
           set(row, column, Meaning::truth);
   for (const ScoreLayout::Columns& columns : layout.columns)
     if (columns.first > 0)
-      picture.image.col(static_cast<int>(columns.first / grid.scale))
-          .setTo(bgr_of(Meaning::divider));
+      image.col(static_cast<int>(columns.first / grid.cells)).setTo(bgr_of(Meaning::divider));
   for (const RecognisedCell& cell : judgement.recognised) {
     check_stop(monitor);
     const FrameMatch match = match_of_column(layout, cell.column);
     set(cell.query_window, cell.column,
         meaning_of(truth.label(layout.anchor(cell.query_window), match.sequence, match.reference)));
   }
-  for (const PaletteColour& colour : palette())
-    if (is_shown[static_cast<size_t>(colour.meaning)]) picture.shown.push_back(colour.meaning);
+  ScorePicture picture{chart_image(image, grid.cells), {shown.begin(), shown.end()}};
+  picture.image.greys = greys;
   return picture;
+}
+
+ScorePicture draw_scores(const Judgement& judgement, const GroundTruth& truth,
+                         const ScoreMatrix* matrix, size_t most_pixels, const Monitor& monitor) {
+  const PixelGrid grid(judgement.layout, most_pixels);
+  const std::vector<double> scores =
+      matrix == nullptr ? std::vector<double>{} : scores_of(*matrix, grid, monitor);
+  return draw_scores(judgement, truth, grid, scores, monitor);
 }
 
 }  // namespace vpr

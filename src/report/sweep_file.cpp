@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core/mat.hpp>
 
 #include "base/json.h"
 #include "report/evaluation_report.h"
@@ -81,17 +81,14 @@ void add_sweeps(Json& json, const std::vector<Sweep>& sweeps) {
   }
 }
 
-Plot sweep_plot(const Sweep& sweep) {
+Chart sweep_chart(const Sweep& sweep) {
   const std::vector<SweepCell> cells = sweep_cells(sweep);
-  Plot plot;
-  plot.file = "correct-incorrect";
-  plot.title = fmt::format("{}: hits", sweep.query_name);
-  plot.x_label = "incorrect hits";
-  plot.y_label = "correct hits";
-  plot.starts_at_zero = true;
+  Chart chart{"correct-incorrect", fmt::format("{}: hits", sweep.query_name), {"incorrect hits"}};
+  chart.x.from_zero = true;
+  chart.y.label = "correct hits";
   const SweepSymbols symbols = sweep_symbols(sweep);
   for (const std::string& window : distinct_values(cells, &SweepCell::window)) {
-    PlotLine line{fmt::format("{} {}", symbols.window, window), {}};
+    Series series{fmt::format("{} {}", symbols.window, window), {}};
     std::vector<const SweepCell*> order;
     for (const SweepCell& cell : cells)
       if (cell.window == window) order.push_back(&cell);
@@ -101,72 +98,76 @@ Plot sweep_plot(const Sweep& sweep) {
                                                                   : a->looseness < b->looseness;
     });
     for (const SweepCell* cell : order) {
-      if (!cell->looseness && !line.points.empty()) {
-        line.points.push_back(kPlotGap);
-        line.labels.emplace_back();
+      if (!cell->looseness && !series.points.empty()) {
+        series.points.push_back(kChartGap);
+        series.labels.emplace_back();
       }
-      line.points.emplace_back(static_cast<double>(cell->hits.incorrect),
-                               static_cast<double>(cell->hits.correct));
-      line.labels.push_back(symbols.threshold + " " + cell->threshold);
+      series.points.emplace_back(static_cast<double>(cell->hits.incorrect),
+                                 static_cast<double>(cell->hits.correct));
+      series.labels.push_back(symbols.threshold + " " + cell->threshold);
     }
-    plot.lines.push_back(line);
+    chart.series.push_back(series);
   }
-  thin_labels(plot);
-  return plot;
+  return chart;
 }
 
 namespace {
 
-cv::Mat draw_grid(const Sweep& sweep) {
-  constexpr int kCellWidth = 64;
-  constexpr int kCellHeight = 36;
-  constexpr int kMargin = 70;
+/// Names side by side, one a unit.
+ChartAxis name_axis(const std::string& label, const std::vector<std::string>& names, bool is_down) {
+  ChartAxis axis{label};
+  const auto end = static_cast<double>(names.size());
+  axis.range = is_down ? std::pair(end, 0.0) : std::pair(0.0, end);
+  for (size_t i = 0; i < names.size(); ++i)
+    axis.ticks.push_back({static_cast<double>(i) + 0.5, names[i]});
+  return axis;
+}
+
+/// From white to the colour, by the root of the count's share in the largest.
+cv::Vec3b shade(const cv::Vec3b& full, uint64_t count, uint64_t most) {
+  const double share = std::sqrt(static_cast<double>(count) / static_cast<double>(most));
+  cv::Vec3b colour;
+  for (int c = 0; c < 3; ++c) colour[c] = static_cast<uint8_t>(255 + share * (full[c] - 255));
+  return colour;
+}
+
+Chart heat_chart(const Sweep& sweep, const std::string& what, uint64_t LabelCounts::*count,
+                 Meaning meaning) {
   const std::vector<SweepCell> cells = sweep_cells(sweep);
   const auto windows = distinct_values(cells, &SweepCell::window);
   const auto thresholds = distinct_values(cells, &SweepCell::threshold);
-  const int panel = kMargin + static_cast<int>(windows.size()) * kCellWidth + 20;
-  cv::Mat canvas(kMargin + static_cast<int>(thresholds.size()) * kCellHeight + 20,
-                 std::max(2 * panel, 480), CV_8UC3, cv::Scalar(255, 255, 255));
-  const auto write = [&](const std::string& text, int x, int y, const cv::Scalar& colour) {
-    cv::putText(canvas, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.45, colour, 1, cv::LINE_AA);
-  };
-  const auto draw = [&](const char* title, uint64_t LabelCounts::*count, int left,
-                        const cv::Scalar& full) {
-    uint64_t most = 1;
-    for (const SweepCell& cell : cells) most = std::max(most, cell.hits.*count);
-    write(sweep.query_name + ": " + title, left + kMargin, 20, {0, 0, 0});
-    for (size_t w = 0; w < windows.size(); ++w)
-      write(sweep_symbols(sweep).window + " " + windows[w],
-            left + kMargin + static_cast<int>(w) * kCellWidth + 4, kMargin - 10, {0, 0, 0});
-    for (size_t t = 0; t < thresholds.size(); ++t)
-      write(thresholds[t], left + 8, kMargin + static_cast<int>(t) * kCellHeight + 23, {0, 0, 0});
-    for (const SweepCell& cell : cells) {
-      const auto w = std::find(windows.begin(), windows.end(), cell.window) - windows.begin();
-      const auto t =
-          std::find(thresholds.begin(), thresholds.end(), cell.threshold) - thresholds.begin();
-      const double share =
-          std::sqrt(static_cast<double>(cell.hits.*count) / static_cast<double>(most));
-      cv::Scalar colour;
-      for (int c = 0; c < 3; ++c) colour[c] = 255 + share * (full[c] - 255);
-      const cv::Rect box(left + kMargin + static_cast<int>(w) * kCellWidth,
-                         kMargin + static_cast<int>(t) * kCellHeight, kCellWidth - 2,
-                         kCellHeight - 2);
-      cv::rectangle(canvas, box, colour, cv::FILLED);
-      write(std::to_string(cell.hits.*count), box.x + 6, box.y + 22,
-            share > 0.7 ? cv::Scalar(255, 255, 255) : cv::Scalar(40, 40, 40));
-    }
-  };
-  draw("correct hits", &LabelCounts::correct, 0, bgr_of(Meaning::right));
-  draw("incorrect hits", &LabelCounts::incorrect, panel, bgr_of(Meaning::wrong));
-  return canvas;
+  const SweepSymbols symbols = sweep_symbols(sweep);
+  Chart chart{"heat-map", fmt::format("{}: {}", sweep.query_name, what)};
+  chart.x = name_axis(symbols.window, windows, false);
+  chart.y = name_axis(symbols.threshold, thresholds, true);
+  uint64_t most = 1;
+  for (const SweepCell& cell : cells) most = std::max(most, cell.hits.*count);
+  cv::Mat image(static_cast<int>(thresholds.size()), static_cast<int>(windows.size()), CV_8UC3,
+                cv::Scalar::all(255));
+  Series numbers{"", {}, SeriesStyle::points, meaning, SeriesMark::none};
+  for (const SweepCell& cell : cells) {
+    const auto w = std::find(windows.begin(), windows.end(), cell.window) - windows.begin();
+    const auto t =
+        std::find(thresholds.begin(), thresholds.end(), cell.threshold) - thresholds.begin();
+    image.at<cv::Vec3b>(static_cast<int>(t), static_cast<int>(w)) =
+        shade(bgr_of(meaning), cell.hits.*count, most);
+    numbers.points.emplace_back(static_cast<double>(w) + 0.5, static_cast<double>(t) + 0.5);
+    numbers.labels.push_back(std::to_string(cell.hits.*count));
+  }
+  chart.series = {numbers};
+  chart.image = chart_image(image, 1);
+  return chart;
 }
 
 }  // namespace
 
-cv::Mat draw_sweeps(const std::vector<Sweep>& sweeps) {
-  cv::Mat all;
-  for (const Sweep& sweep : sweeps) all.push_back(draw_grid(sweep));
-  return all;
+std::string heat_map_png(const std::vector<Sweep>& sweeps) {
+  std::vector<Chart> charts;
+  for (const Sweep& sweep : sweeps) {
+    charts.push_back(heat_chart(sweep, "correct hits", &LabelCounts::correct, Meaning::right));
+    charts.push_back(heat_chart(sweep, "incorrect hits", &LabelCounts::incorrect, Meaning::wrong));
+  }
+  return chart_png(charts, 2);
 }
 
 }  // namespace vpr

@@ -4,11 +4,7 @@
 #include "base/json.h"
 #include "base/statistics.h"
 #include "evaluation/sweep.h"
-#include "report/plot.h"
-
-namespace cv {
-class Mat;
-}
+#include "report/chart.h"
 
 namespace vpr {
 
@@ -38,9 +34,9 @@ struct Sweep {
 void add_sweeps(Json& json, const std::vector<Sweep>& sweeps);
 
 /// Correct against incorrect hits, a line a window.
-Plot sweep_plot(const Sweep& sweep);
+Chart sweep_chart(const Sweep& sweep);
 
-/// Correct and incorrect hits over the grid, side by side, one sweep below the other: BGR, 8 bits.
-cv::Mat draw_sweeps(const std::vector<Sweep>& sweeps);
+/// Correct and incorrect hits over the grid, side by side, one sweep below the other: a PNG file.
+std::string heat_map_png(const std::vector<Sweep>& sweeps);
 
 }  // namespace vpr

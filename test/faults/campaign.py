@@ -1,6 +1,5 @@
 """Tries cases: workers with programs and a folder each, which share the inputs."""
 import dataclasses
-import os
 import pathlib
 import re
 import sys
@@ -13,7 +12,6 @@ import outputs
 import places
 import programs
 
-HERE = pathlib.Path(__file__).resolve().parent
 
 
 @dataclasses.dataclass
@@ -31,8 +29,7 @@ class Worker:
         self.work = pathlib.Path(work)
         self.place = places.PLACES[kind](self.work)
         (self.work / "read").mkdir()
-        path = os.environ["PATH"] if options.gnuplot else f"{HERE}:{os.environ['PATH']}"
-        self.programs = programs.Programs(options.programs, options.shim, {"PATH": path})
+        self.programs = programs.Programs(options.programs, options.shim)
 
     def run(self, line, *fault):
         return self.programs.run(line, self.work, *fault)

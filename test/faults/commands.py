@@ -146,7 +146,7 @@ WRITERS = [
            "-o out/e.json", "e.json", {"result": ("in/n2.json", "in/n.json")}),
     Writer("eval compare", "vpr-eval compare {reports} -o out/c.json", "c.json",
            {"reports": ("in/e2.json in/e.json", "in/e.json in/e2.json")}),
-    *[Writer(f"eval convert --to {kind}", f"vpr-eval convert aligned --to {kind} --tolerance "
+    *[Writer(f"eval convert to {name}", f"vpr-eval convert aligned --to {kind} --tolerance "
              f"{{tolerance}} --query in/walks/two --train in/walks/one -o out/{name}", name,
              {"tolerance": ("0", "1")},
              (Reader((name,), f"vpr-eval in/n.json --ground-truth out/{name}"),))

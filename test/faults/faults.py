@@ -12,7 +12,6 @@ import concurrent.futures
 import contextlib
 import os
 import pathlib
-import shutil
 import sys
 import tempfile
 
@@ -43,7 +42,6 @@ def parse_options():
     options = parser.parse_args()
     options.programs = options.programs.resolve()
     options.shim = options.programs / "vpr_faults.so"
-    options.gnuplot = options.kind == "full" and shutil.which("gnuplot") is not None
     return options
 
 

@@ -35,11 +35,11 @@ def parse_calls(text):
 
 
 class Programs:
-    """The programs of a build, each loaded once. `environment` is added to the own one."""
+    """The programs of a build, each loaded once."""
 
-    def __init__(self, binaries, shim, environment):
+    def __init__(self, binaries, shim):
         self.binaries = pathlib.Path(binaries)
-        self.environment = {**os.environ, **environment, "LD_PRELOAD": str(shim), "VPR_FAULTS": "1",
+        self.environment = {**os.environ, "LD_PRELOAD": str(shim), "VPR_FAULTS": "1",
                             "LD_BIND_NOW": "1", "OPENBLAS_NUM_THREADS": "1"}
         self.servers = {}
 

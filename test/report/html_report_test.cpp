@@ -11,7 +11,6 @@
 #include "report/html_text.h"
 #include "report/score_picture.h"
 #include "report/scores_report.h"
-#include "report/svg_charts.h"
 #include "report/thumbnails.h"
 #include "support.h"
 
@@ -169,10 +168,12 @@ size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-std::string page_of(const Judgement& judgement, const GroundTruth& truth) {
+std::string page_of(const Judgement& judgement, const GroundTruth& truth,
+                    const Monitor& monitor = {}) {
   const Json report = scores_report_json({"mine", {}, judgement.layout.window_length, {}}, "walk",
                                          judgement, truth, "xxh3:0", {});
-  return html_report(report, "Recognised in 2 of 8 frames.", judgement, truth, nullptr, {}, {});
+  return html_report(report, "Recognised in 2 of 8 frames.", judgement, truth, nullptr, {},
+                     monitor);
 }
 
 }  // namespace
@@ -224,8 +225,7 @@ TEST_CASE("a page can be stopped where it draws") {
   const std::atomic<bool> stop{true};
   Monitor monitor;
   monitor.stop = &stop;
-  CHECK(test::error_kind([&] { timeline_svg(judgement, truth, "frame", {}, monitor); }) ==
-        ErrorKind::interrupted);
+  CHECK(test::error_kind([&] { page_of(judgement, truth, monitor); }) == ErrorKind::interrupted);
   CHECK(test::error_kind([&] { draw_scores(judgement, truth, nullptr, 100, monitor); }) ==
         ErrorKind::interrupted);
 }

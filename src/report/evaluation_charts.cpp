@@ -1,0 +1,228 @@
+#include "report/evaluation_charts.h"
+
+#include <array>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "evaluation/metrics.h"
+#include "evaluation/recall_at.h"
+#include "matching/score_kernels.h"
+#include "recognition/score_kind.h"
+#include "report/evaluation_report.h"
+#include "report/frame_axis.h"
+#include "report/metrics_report.h"
+#include "report/score_picture.h"
+#include "report/timeline.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostPoints = 1000;
+constexpr size_t kMostTruth = 465;    // frames whose ground truth is drawn
+constexpr size_t kMatrixSide = 1000;  // pixels
+constexpr size_t kMostTicks = 10;
+
+Series curve_series(Meaning meaning, const Curve& curve) {
+  Series series = series_of(meaning, SeriesStyle::line);
+  for (const CurvePoint& point : thinned(curve, kMostPoints))
+    series.points.emplace_back(curve.recall(point), Curve::precision(point));
+  return series;
+}
+
+void leave_out_empty(Chart& chart) {
+  std::erase_if(chart.series, [](const Series& series) { return series.points.empty(); });
+}
+
+/// An axis that counts the frames of bands; `is_down`: from above.
+ChartAxis frame_axis(const std::vector<FrameBand>& bands, const std::string& label, bool is_down) {
+  ChartAxis axis{label};
+  const double end = std::max<double>(1, static_cast<double>(length_of(bands)));
+  axis.range = is_down ? std::pair(end, 0.0) : std::pair(0.0, end);
+  for (const AxisTick& tick : ticks_of(bands, kMostTicks))
+    axis.ticks.push_back({tick.position, std::to_string(tick.frame)});
+  for (const FrameBand& band : bands)
+    if (!band.name.empty()) axis.bands.push_back({static_cast<double>(band.at), band.name});
+  return axis;
+}
+
+Series truth_series(const Judgement& judgement, const GroundTruth& truth,
+                    const std::vector<FrameBand>& bands, const Monitor& monitor) {
+  Series series = series_of(Meaning::truth, SeriesStyle::boxes);
+  for (const TruthBox& box : truth_boxes(judgement, truth, bands, kMostTruth, monitor)) {
+    series.points.emplace_back(box.begin, box.low);
+    series.points.emplace_back(box.end, box.high);
+  }
+  return series;
+}
+
+/// Runs of frames with the same fix.
+std::vector<ChartRun> fix_runs(const std::vector<Fix>& fixes) {
+  std::vector<ChartRun> runs;
+  for (size_t begin = 0; begin < fixes.size();) {
+    size_t end = begin;
+    while (end < fixes.size() && fixes[end] == fixes[begin]) ++end;
+    if (fixes[begin] != Fix::none)
+      runs.push_back(
+          {static_cast<double>(begin), static_cast<double>(end), meaning_of(fixes[begin])});
+    begin = end;
+  }
+  return runs;
+}
+
+/// How a chart shows scores: divided, and called so.
+struct ScoreAxis {
+  std::string label;
+  double divisor = 1;
+};
+
+/// Scores as thresholds are given: t_r in bits a frame or as mean z, t_p, or as they are.
+ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
+  const auto length = static_cast<double>(judgement.layout.window_length);
+  if (!report.contains("counts")) return {score_words(report), 1};
+  if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
+  if (report["settings"].contains("score")) return {"the mean z (t_r)", length * kScoreUnit};
+  return {"so many bits a frame (t_r with --t-r-scale bits)", length};
+}
+
+constexpr std::array<Meaning, 3> kAccepted = {Meaning::right, Meaning::wrong, Meaning::unjudged};
+
+size_t accepted_as(const QueryOutcome& query) {
+  return query.verdict == Verdict::correct ? 0 : query.verdict == Verdict::incorrect ? 1 : 2;
+}
+
+std::vector<const QueryOutcome*> strictest_first(const Outcomes& outcomes) {
+  std::vector<const QueryOutcome*> order;
+  for (const QueryOutcome& query : outcomes.queries)
+    if (query.best && std::isfinite(score_of_key(query.key, outcomes.kind)))
+      order.push_back(&query);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const QueryOutcome* a, const QueryOutcome* b) { return a->key < b->key; });
+  return order;
+}
+
+Chart recall_chart(const Json& report, const Judgement& judgement) {
+  Chart chart{"recall-at", evaluation_title(report), {"K"}};
+  chart.y.label = "recall@K";
+  Series& series = chart.series.emplace_back(
+      Series{"recall@K", {}, SeriesStyle::line_and_points, Meaning::best_matches});
+  for (size_t k = 1; k <= kRecallAt.back(); ++k)
+    series.points.emplace_back(k, *recall_at(judgement.outcomes, k));
+  return chart;
+}
+
+}  // namespace
+
+Chart curve_chart(const Json& report, const Judgement& judgement) {
+  Chart chart{"precision-recall", evaluation_title(report), {"recall"}};
+  chart.y.label = "precision";
+  chart.x.range = chart.y.range = {0, 1};
+  if (judgement.all_pairs)
+    chart.series.push_back(curve_series(Meaning::all_pairs, judgement.all_pairs->curve));
+  chart.series.push_back(curve_series(Meaning::best_matches, judgement.single_best));
+  leave_out_empty(chart);
+  return chart;
+}
+
+Chart threshold_chart(const Json& report, const Judgement& judgement) {
+  const ScoreAxis axis = score_axis(report, judgement);
+  Chart chart{"thresholds", evaluation_title(report), {"up to " + axis.label}};
+  chart.y.label = "best matches accepted";
+  for (const Meaning meaning : kAccepted)
+    chart.series.push_back(series_of(meaning, SeriesStyle::line));
+  const auto order = strictest_first(judgement.outcomes);
+  const auto threshold = [&](const QueryOutcome& query) {
+    return score_of_key(query.key, judgement.outcomes.kind) / axis.divisor;
+  };
+  if (!order.empty() && threshold(*order.front()) != threshold(*order.back()))
+    chart.x.range = {threshold(*order.front()), threshold(*order.back())};
+  std::array<size_t, 3> counts = {};
+  const size_t thinning = std::max<size_t>(1, order.size() / kMostPoints);
+  for (size_t i = 0; i < order.size(); ++i) {
+    ++counts[accepted_as(*order[i])];
+    if (i % thinning != 0 && i + 1 < order.size()) continue;
+    for (size_t kind = 0; kind < kAccepted.size(); ++kind)
+      chart.series[kind].points.emplace_back(threshold(*order[i]), counts[kind]);
+  }
+  std::erase_if(chart.series, [](const Series& series) {
+    return series.points.empty() || series.points.back().second == 0;
+  });
+  return chart;
+}
+
+Chart timeline_chart(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                     const Monitor& monitor) {
+  const std::vector<FrameBand> bands = frame_bands(judgement.layout);
+  Chart chart{"timeline", evaluation_title(report)};
+  chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);
+  chart.y = frame_axis(bands, reference_word(report), false);
+  chart.series.push_back(truth_series(judgement, truth, bands, monitor));
+  const std::vector<TimelineMark> marks = timeline_marks(judgement, bands);
+  for (const Meaning meaning : kMarkOrder) {
+    Series series = series_of(meaning, SeriesStyle::points,
+                              is_weak(meaning) ? SeriesMark::dot : SeriesMark::disc);
+    for (const TimelineMark& mark : marks)
+      if (mark.meaning == meaning)
+        series.points.emplace_back(static_cast<double>(mark.frame) + 0.5,
+                                   static_cast<double>(mark.position) + 0.5);
+    chart.series.push_back(series);
+  }
+  leave_out_empty(chart);
+  chart.runs = fix_runs(judgement.fixes);
+  chart.runs_label = "fixes";
+  chart.width = 1000;
+  return chart;
+}
+
+Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
+                   const std::string& reference_word, const std::string& score_words) {
+  Chart chart{"matrix", ""};
+  chart.x = frame_axis(column_bands(layout), reference_word, false);
+  chart.y = frame_axis(row_bands(layout), "query frame, downwards", true);
+  chart.image = picture.image;
+  chart.image->grey_label = score_words;
+  for (const Meaning meaning : picture.shown)
+    chart.series.push_back(series_of(meaning, SeriesStyle::points, SeriesMark::square));
+  return chart;
+}
+
+Chart result_matrix_chart(const SequenceResult& result, const RowPixels& pixels,
+                          const GroundTruth* truth, const Monitor& monitor) {
+  const GroundTruth known = truth != nullptr ? *truth : unknown_ground_truth(scope_of(result));
+  const Judgement judgement = judge(result, known, {}, monitor);
+  const ScorePicture picture =
+      draw_scores(judgement, known, pixels.grid(), pixels.scores(result.score_offset()), monitor);
+  Chart chart = matrix_chart(judgement.layout, picture, "training frame",
+                             std::string(score_kind(result.settings.score).title));
+  chart.title = fmt::format("{} on {}, c_l {}", result.settings.method, result.query_name,
+                            result.settings.window_length);
+  return chart;
+}
+
+std::vector<Meaning> meanings_of(const Chart& chart) {
+  std::set<Meaning> found;
+  for (const Series& series : chart.series)
+    if (series.meaning) found.insert(*series.meaning);
+  for (const ChartRun& run : chart.runs) found.insert(run.meaning);
+  return {found.begin(), found.end()};
+}
+
+void draw_evaluation(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                     const ScoreMatrix* matrix, const std::filesystem::path& folder,
+                     const Monitor& monitor) {
+  std::vector<Chart> charts = {curve_chart(report, judgement)};
+  if (judgement.outcomes.has_ranks && judged_queries(judgement.outcomes) > 0)
+    charts.push_back(recall_chart(report, judgement));
+  charts.push_back(timeline_chart(report, judgement, truth, monitor));
+  for (const Chart& chart : charts)
+    if (!chart.series.empty()) draw_chart(chart, folder);
+  const ScorePicture picture = draw_scores(judgement, truth, matrix, kMatrixSide, monitor);
+  Chart chart =
+      matrix_chart(judgement.layout, picture, reference_word(report), score_words(report));
+  chart.title = evaluation_title(report);
+  draw_chart(chart, folder);
+}
+
+}  // namespace vpr

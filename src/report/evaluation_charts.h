@@ -1,0 +1,48 @@
+// The charts of an evaluation, for its page and for papers.
+#pragma once
+
+#include <filesystem>
+
+#include "base/json_fwd.h"
+#include "base/monitor.h"
+#include "evaluation/judgement.h"
+#include "report/chart.h"
+
+namespace vpr {
+
+class RowPixels;
+struct ScorePicture;
+
+/// Precision against recall: best matches and, where there are some, all pairs. It has no series
+/// where nothing is judged.
+Chart curve_chart(const Json& report, const Judgement& judgement);
+
+/// Best matches that a threshold accepts, from the strictest to the loosest, in the unit in which
+/// thresholds are given: right ones, wrong ones, and those that are not judged.
+Chart threshold_chart(const Json& report, const Judgement& judgement);
+
+/// Best matches and ground truth along the query's path, frames of the training sequences upwards,
+/// band by band, and below, a bar of fixes. It has no series where there are neither.
+Chart timeline_chart(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                     const Monitor& monitor = {});
+
+/// The picture with axes that count frames, a legend and, of scores, the scale of its greys.
+/// `reference_word`: what the columns are; `score_words`: what the greys are.
+Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
+                   const std::string& reference_word, const std::string& score_words);
+
+/// The matrix of a result, in the pixels that its rows gave. Without a ground truth, hits are not
+/// judged.
+Chart result_matrix_chart(const SequenceResult& result, const RowPixels& pixels,
+                          const GroundTruth* truth, const Monitor& monitor);
+
+/// The meanings that a chart shows, for a legend outside it.
+std::vector<Meaning> meanings_of(const Chart& chart);
+
+/// Writes precision-recall, recall@K (where ranks are known), timeline and matrix as SVG and PNG
+/// into the folder of an output. Throws Error(output).
+void draw_evaluation(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                     const ScoreMatrix* matrix, const std::filesystem::path& folder,
+                     const Monitor& monitor);
+
+}  // namespace vpr
