@@ -15,7 +15,6 @@
 #include <unistd.h>
 
 #include "base/random.h"
-#include "base/simd.h"
 
 extern char** environ;
 
@@ -87,16 +86,6 @@ std::vector<LdbCode> walk_codes(size_t count, uint64_t seed, int changed_bits) {
   }
   codes.resize(count);
   return codes;
-}
-
-std::vector<HammingKernels> all_kernels() {
-  std::vector<HammingKernels> kernels;
-  for (const std::string& target : simd_targets()) {
-    use_simd_target(target);
-    kernels.push_back(select_kernels());
-  }
-  use_simd_target("");
-  return kernels;
 }
 
 std::optional<fs::path> real_data(const std::string& folder) {

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "matching/codes.h"
-#include "matching/hamming_kernels.h"
+#include "base/simd.h"
+#include "matching/frame_distances.h"
+#include "matching/row_kernels.h"
 
 namespace vpr::test {
 
@@ -38,8 +39,14 @@ std::vector<LdbCode> random_codes(size_t count, uint64_t seed);
 /// A walk: each code differs from the one before in about `changed_bits` bits.
 std::vector<LdbCode> walk_codes(size_t count, uint64_t seed, int changed_bits = 60);
 
-/// Kernels of every SIMD target that this machine has.
-std::vector<HammingKernels> all_kernels();
+/// One of simd_targets(), which kernels are chosen for while it lives; then the best one again.
+class ChosenTarget {
+ public:
+  explicit ChosenTarget(const std::string& name) { use_simd_target(name); }
+  ~ChosenTarget() { use_simd_target(""); }
+  ChosenTarget(const ChosenTarget&) = delete;
+  ChosenTarget& operator=(const ChosenTarget&) = delete;
+};
 
 /// The real image sequences, in $VPR_TEST_DATA or beside the project; if they are not there, prints
 /// why the test is skipped and gives nothing.

@@ -14,7 +14,7 @@
 #include "base/monitor.h"
 #include "base/output_transaction.h"
 #include "images/codec_scope.h"
-#include "matching/hamming_kernels.h"
+#include "matching/row_kernels.h"
 #include "parser.h"
 #include "report/run_info.h"
 
@@ -67,7 +67,7 @@ struct Session {
   const CommonOptions& options;
   const Monitor& monitor;
   RunInfo run;
-  HammingKernels kernels;
+  RowKernels kernels;
   ProgressLine& progress;
   OutputTransaction& outputs;
 

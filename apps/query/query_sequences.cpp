@@ -129,8 +129,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const QuerySource source = find_query(inputs);
   SequenceDatabase database = read_sequence_database(inputs.database);
   check_score(settings);
-  if (score_kind(settings.score).needs_statistics)
-    ensure_statistics(database, session.kernels, session.monitor);
+  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
   const SequenceCodes query = describe_sequence(
       open_sequence(source.sequence.sequence), database.descriptor,
       settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);

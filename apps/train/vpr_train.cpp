@@ -16,7 +16,7 @@ std::optional<AutomaticThreshold> threshold_of(const SequenceDatabase& database,
                                                const Session& session) {
   SequenceQuerySettings settings;
   settings.safety_factor = table.safety_factor;
-  return sequence_threshold(database, table, sequence, settings, session.kernels, session.monitor);
+  return sequence_threshold(database, table, sequence, settings, session.monitor);
 }
 
 std::string threshold_text(const std::optional<AutomaticThreshold>& automatic) {

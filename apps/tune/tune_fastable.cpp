@@ -67,7 +67,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const auto validation = find_validation(inputs, sources, false, session.monitor);
   FastableTuner tuner{session, command, read_sequence_database(inputs.database), {}};
   if (score_kind(command.settings.score).needs_statistics)
-    ensure_statistics(tuner.database, session.kernels, session.monitor);
+    ensure_statistics(tuner.database, session.monitor);
   tuner.resources.kernels = session.kernels;
   tuner.resources.seed = session.options.seed;
   tuner.resources.memory_limit = session.run.memory_limit = command.memory_limit;

@@ -26,14 +26,14 @@ std::string given_or(const std::string& given, const char* otherwise) {
 // Those that are no usage error for this query.
 std::vector<uint64_t> fitting_windows(const SequenceDatabase& database,
                                       const SequenceCodes& query) {
-  const std::vector<CodeSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = code_spans(database);
   const std::vector<FrameRun> query_runs =
-      readable_runs(CodeSpan{query.codes, query.frames.unreadable});
+      readable_runs(DescriptorSpan{query.codes, query.frames.unreadable});
   std::vector<uint64_t> lengths = parse_counts(kWindowLengths, "--c-l");
   const uint64_t shortest = lengths.front();
   std::erase_if(lengths, [&](uint64_t length) {
     return count_windows(query_runs, length) == 0 ||
-           std::all_of(spans.begin(), spans.end(), [&](const CodeSpan& span) {
+           std::all_of(spans.begin(), spans.end(), [&](const DescriptorSpan& span) {
              return count_windows(readable_runs(span), length) == 0;
            });
   });

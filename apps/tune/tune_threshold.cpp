@@ -43,8 +43,8 @@ Automatic find_thresholds(const Session& session, const SequenceQuerySettings& s
   if (score_kind(settings.score).is_stored)
     warn_of_overlaps(database, automatic.table, session.monitor);
   for (size_t s = 0; s < database.sequences.size(); ++s)
-    automatic.thresholds.push_back(sequence_threshold(database, automatic.table, s, settings,
-                                                      session.kernels, session.monitor));
+    automatic.thresholds.push_back(
+        sequence_threshold(database, automatic.table, s, settings, session.monitor));
   return automatic;
 }
 
@@ -121,7 +121,7 @@ void tune_threshold(Session& session, const ThresholdTune& command) {
   const ScoreKind& kind = score_kind(command.score);
   SequenceQuerySettings settings = query_settings(command);
   SequenceDatabase database = read_sequence_database(command.database);
-  if (kind.needs_statistics) ensure_statistics(database, session.kernels, session.monitor);
+  if (kind.needs_statistics) ensure_statistics(database, session.monitor);
   Listing listing{{}, head_json(command)};
   listing.table.title =
       fmt::format("{}: automatic {}", command.database, kind.automatic_title(settings));

@@ -90,7 +90,7 @@ Chart time_chart(const BenchResult& result, const MatchingBenchSettings& setting
 }  // namespace
 
 BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
-                           const HammingKernels& kernels, const Monitor& monitor) {
+                           const RowKernels& kernels, const Monitor& monitor) {
   check_settings(settings);
   BenchResult result;
   result.bench = "matching";

@@ -34,7 +34,7 @@ void visit_fields(MatchingBenchSettings& settings, Visitor&& visit) {
 /// Generated codes. Every method is checked against the definition before it is timed. Throws
 /// Error(usage) for settings out of range, Error(expectation) if a distance differs.
 BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
-                           const HammingKernels& kernels, const Monitor& monitor);
+                           const RowKernels& kernels, const Monitor& monitor);
 
 /// Speed-up of FastABLE over OpenABLE of each case, beside the paper's where it has one, and the
 /// plots of its figures.

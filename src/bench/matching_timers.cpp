@@ -11,11 +11,11 @@
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/fastable_online.h"
-#include "matching/fastable_standardized.h"
 #include "matching/lsh.h"
 #include "matching/methods.h"
 #include "matching/openable.h"
 #include "matching/plain.h"
+#include "matching/standardized_frames.h"
 #include "pipeline/verify.h"
 #include "recognition/row_scan.h"
 
@@ -27,6 +27,12 @@ constexpr size_t kSampledCells = 20'000;  // of a row of the plain methods
 
 void ignore(const DistanceRow&) {}
 
+// The distances of so many query windows, or all.
+FrameDistances first_rows(const MatchingCase& example, size_t rows) {
+  const size_t frames = example.settings.window_length + std::min(rows, example.rows()) - 1;
+  return example.distances.of_query({example.distances.query.rows.first(frames), {}});
+}
+
 std::vector<double> divided(std::vector<double> times_ms, double by) {
   for (double& ms : times_ms) ms /= by;
   return times_ms;
@@ -34,12 +40,11 @@ std::vector<double> divided(std::vector<double> times_ms, double by) {
 
 void time_online(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                  BenchRow& row) {
-  const auto& frames = example.query.words;
-  FastableState state = start_fastable(example.train, example.settings);
+  FastableState state = start_fastable(example.distances, example.settings);
   size_t next = 0;
   const auto advance = [&] {
-    advance_fastable(state, example.train, example.settings.kernels, frames[next]);
-    next = (next + 1) % frames.size();
+    advance_fastable(state, example.distances, example.settings.kernels, next);
+    next = (next + 1) % example.distances.query_frames;
   };
   // The first windows are shorter, and the ring is not filled yet.
   for (size_t f = 0; f <= example.settings.window_length; ++f) advance();
@@ -48,33 +53,30 @@ void time_online(const MatchingCase& example, const Effort& effort, const Monito
 }
 
 ScoreBasis score_basis(const MatchingCase& example) {
-  TrainStatistics statistics = compute_statistics(example.train, {}, example.settings.kernels, {});
+  TrainStatistics statistics = compute_statistics(example.distances.train, {}, {});
   return {{},
           false,
           statistics.typical_distance,
           std::move(statistics.bias),
-          std::move(statistics.variance),
-          count_bits(example.train.sequences)};
+          std::move(statistics.variance)};
 }
 
 void time_standardized(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                        BenchRow& row) {
-  const auto& frames = example.query.words;
-  const HammingKernels& kernels = example.settings.kernels;
   const Stopwatch watch;
   const ScoreBasis basis = score_basis(example);
   row.values.emplace_back("statistics_s", watch.elapsed_s());
-  ScoredFastable state{start_standardized(example.train, example.query, basis, kernels, monitor),
-                       start_scored_sums(example.train, example.settings)};
+  const auto learning = start_standardized(example.distances, basis, monitor);
+  const FrameDistances scores = standardized(learning);
+  FastableState state = start_fastable(scores, example.settings);
   size_t next = 0;
   size_t seen = 0;
   size_t learned = 0;
   const auto advance = [&] {
-    begin_frame(state.frames, basis, frames[next], true);
-    learned += state.frames.lesson ? 1 : 0;
+    advance_fastable(state, scores, example.settings.kernels, next);
+    learned += learning->lesson ? 1 : 0;
     ++seen;
-    advance_scored(state, example.train, kernels);
-    next = (next + 1) % frames.size();
+    next = (next + 1) % scores.query_frames;
   };
   for (size_t f = 0; f <= example.settings.window_length; ++f) advance();
   row.time = summarise(time_repeatedly(effort, advance, monitor));
@@ -84,21 +86,18 @@ void time_standardized(const MatchingCase& example, const Effort& effort, const 
 
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                 BenchRow& row) {
-  const auto frames = static_cast<double>(example.query.words.size());
-  row.time = summarise(divided(
-      time_repeatedly(
-          effort,
-          [&] { match_fastable(example.train, example.query, example.settings, {}, ignore); },
-          monitor),
-      frames));
+  const auto frames = static_cast<double>(example.distances.query_frames);
+  row.time = summarise(
+      divided(time_repeatedly(
+                  effort, [&] { match_fastable(example.distances, example.settings, {}, ignore); },
+                  monitor),
+              frames));
 }
 
 void time_openable(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                    BenchRow& row) {
   const auto run = [&](size_t rows) {
-    const QueryCodes some = make_query_codes(
-        {std::span(example.query_codes).first(example.settings.window_length + rows - 1), {}});
-    match_openable(example.train, some, example.settings, {}, ignore);
+    match_openable(first_rows(example, rows), example.settings, {}, ignore);
   };
   // As many rows at once as fit a tenth of the time, for the start of a run costs something too.
   const Stopwatch watch;
@@ -115,22 +114,23 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
               BenchRow& row) {
   const size_t length = example.settings.window_length;
   const Stopwatch watch;
-  const LshIndex index(example.train, length, example.settings.lsh, example.settings.seed, monitor);
+  const LshIndex index(example.distances.train, length, example.settings.lsh, example.settings.seed,
+                       monitor);
   row.values.emplace_back("build_s", watch.elapsed_s());
   size_t window = 0;
   row.time = summarise(time_repeatedly(
       effort,
       [&] {
-        index.find(example.query_codes.data() + window);
+        index.find(example.query_codes[window].data());
         window = (window + 1) % example.rows();
       },
       monitor));
   HitScan scan({{0}, example.rows(), 1, example.settings.kernels});
-  match_fastable(example.train, example.query, example.settings, monitor, std::ref(scan));
+  match_fastable(example.distances, example.settings, monitor, std::ref(scan));
   const auto exact = scan.result().best;
   size_t found = 0;
   for (size_t w = 0; w < example.rows(); ++w) {
-    const auto candidates = index.find(example.query_codes.data() + w);
+    const auto candidates = index.find(example.query_codes[w].data());
     found += std::any_of(candidates.begin(), candidates.end(), [&](const LshCandidate& candidate) {
       return candidate.distance == exact[w]->distance;
     });
@@ -193,15 +193,14 @@ constexpr std::array<MatchingTimer, 7> kTimers = {{
 MatchingCase::MatchingCase(const std::vector<LdbCode>& train_frames,
                            std::vector<LdbCode> query_frames, const MatchSettings& match)
     : train_codes(train_frames), query_codes(std::move(query_frames)), settings(match) {
-  const CodeSpan span{train_codes, {}};
-  train = make_train_codes(std::span(&span, 1));
-  query = make_query_codes({query_codes, {}});
+  const DescriptorSpan train{train_codes, {}};
+  distances = frame_distances({&train, 1}, {query_codes, {}});
 }
 
 std::span<const MatchingTimer> matching_timers() { return kTimers; }
 
 bool has_room_for_scores(const MatchingCase& example) {
-  return ring_fits(example.train.frame_count, example.settings.window_length,
+  return ring_fits(example.distances.train_frames, example.settings.window_length,
                    example.settings.memory_limit);
 }
 
@@ -229,16 +228,12 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
   constexpr size_t kCheckedScores = 20;  // each costs the oracle as many distances as rows
   constexpr size_t kCheckedRows = 20;
   const size_t length = example.settings.window_length;
-  const CodeSpan some{
-      std::span(example.query_codes).first(length + std::min(kCheckedRows, example.rows()) - 1),
-      {}};
-  const QueryCodes query = make_query_codes(some);
-  CellScan scan(choose_cells(example.train.runs, query.runs, length, kCheckedScores, 1));
+  const FrameDistances some = first_rows(example, kCheckedRows);
+  CellScan scan(choose_cells(some.train_runs, some.query_runs, length, kCheckedScores, 1));
   const ScoreBasis basis = score_basis(example);
-  match_standardized(example.train, query, {&length, 1}, basis, example.settings, monitor,
-                     [&](size_t, const DistanceRow& row) { scan(row); });
-  const CodeSpan train{example.train_codes, {}};
-  if (!wrong_scores(scan.result(), std::span(&train, 1), some, length, basis, monitor).empty())
+  match_fastable_online(standardized(some, basis, monitor), example.settings, monitor,
+                        std::ref(scan));
+  if (!wrong_scores(scan.result(), some.train, some.query, length, basis, monitor).empty())
     throw Error(ErrorKind::expectation,
                 "standardized: a score differs from its definition; nothing was timed");
 }
@@ -250,14 +245,10 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   const size_t length = example.settings.window_length;
   const auto check = [&](std::string_view timer, std::string_view method, size_t rows) {
     if (std::find(methods.begin(), methods.end(), timer) == methods.end()) return;
-    const QueryCodes some = make_query_codes(
-        {std::span(example.query_codes).first(length + std::min(rows, example.rows()) - 1), {}});
-    CellScan scan(choose_cells(example.train.runs, some.runs, length, kCheckedCells, 1));
-    find_sequence_method(method).match(example.train, some, example.settings, monitor,
-                                       std::ref(scan));
-    const CodeSpan span{example.train_codes, {}};
-    if (!wrong_cells(scan.result(), std::span(&span, 1), example.query_codes, length, monitor)
-             .empty())
+    const FrameDistances some = first_rows(example, rows);
+    CellScan scan(choose_cells(some.train_runs, some.query_runs, length, kCheckedCells, 1));
+    find_sequence_method(method).match(some, example.settings, monitor, std::ref(scan));
+    if (!wrong_cells(scan.result(), some.train, some.query.rows, length, monitor).empty())
       throw Error(
           ErrorKind::expectation,
           fmt::format("{}: a distance differs from its definition; nothing was timed", timer));

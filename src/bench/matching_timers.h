@@ -11,13 +11,12 @@
 
 namespace vpr {
 
-/// One database and one query in all layouts.
+/// One database and one query, as codes and as distances.
 struct MatchingCase {
   const std::vector<LdbCode>& train_codes;
   std::vector<LdbCode> query_codes;
   MatchSettings settings;
-  TrainCodes train;
-  QueryCodes query;
+  FrameDistances distances;
 
   MatchingCase(const std::vector<LdbCode>& train_frames, std::vector<LdbCode> query_frames,
                const MatchSettings& match);

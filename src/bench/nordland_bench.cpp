@@ -101,7 +101,7 @@ void add_paper_numbers(BenchResult& result, const NordlandBenchSettings& setting
 
 BenchResult bench_nordland(const NordlandBenchSettings& settings,
                            const std::optional<RecordedCodes>& recorded, uint64_t seed,
-                           const HammingKernels& kernels, const Monitor& monitor) {
+                           const RowKernels& kernels, const Monitor& monitor) {
   check_settings(settings);
   BenchResult result;
   result.bench = "nordland";

@@ -43,6 +43,6 @@ struct RecordedCodes {
 /// As bench_matching; a database that does not fit the memory is left out, and said.
 BenchResult bench_nordland(const NordlandBenchSettings& settings,
                            const std::optional<RecordedCodes>& recorded, uint64_t seed,
-                           const HammingKernels& kernels, const Monitor& monitor);
+                           const RowKernels& kernels, const Monitor& monitor);
 
 }  // namespace vpr

@@ -49,7 +49,7 @@ void check_settings(const RealtimeBenchSettings& settings) {
 
 /// Milliseconds of one online step against a generated database.
 BenchRow time_database(uint64_t frames, const RealtimeBenchSettings& settings,
-                       const HammingKernels& kernels, uint64_t seed, const Monitor& monitor) {
+                       const RowKernels& kernels, uint64_t seed, const Monitor& monitor) {
   const std::vector<LdbCode> train = generate_walk(frames, seed);
   const MatchingCase example(train,
                              walk_again(train, 0, settings.window_length + 50, 100, seed + 1),
@@ -70,9 +70,10 @@ BenchRow time_database(uint64_t frames, const RealtimeBenchSettings& settings,
 }  // namespace
 
 FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
-                        const HammingKernels& kernels) {
+                        const RowKernels& kernels) {
   struct Online {
-    TrainCodes train;
+    std::vector<LdbCode> codes;  // of the last c_l + 1 frames: what enters, and what leaves
+    FrameDistances distances;
     FastableState state;
     size_t best = 0;  // kept, so that the search for it is not left out
   };
@@ -80,13 +81,16 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
     throw Error(ErrorKind::usage,
                 "a replay decodes in grey; train the database without --illumination-invariant");
   auto online = std::make_shared<Online>();
-  online->train = make_train_codes(code_spans(database));
-  online->state = start_fastable(online->train, {window_length, kRingBytes, kernels});
+  online->codes.resize(window_length + 1);
+  online->distances = frame_distances(code_spans(database), {online->codes, {}});
+  online->state = start_fastable(online->distances, {window_length, kRingBytes, kernels});
   return [online, kernels, window_length](const cv::Mat& grey) {
-    const auto sums =
-        advance_fastable(online->state, online->train, kernels, code_words(describe_ldb(grey)));
+    const size_t frame = online->state.frames_seen % online->codes.size();
+    online->codes[frame] = describe_ldb(grey);
+    online->distances = online->distances.of_query({online->codes, {}});
+    const auto sums = advance_fastable(online->state, online->distances, kernels, frame);
     if (online->state.frames_seen < window_length) return;
-    emit_row(online->train, window_length, online->state.frames_seen - 1, 0, sums,
+    emit_row(online->distances, window_length, online->state.frames_seen - 1, 0, sums,
              [&](const DistanceRow& row) {
                const uint32_t least = kernels.minimum(row.distances.data(), row.distances.size());
                online->best =
@@ -157,7 +161,7 @@ BenchResult bench_realtime(const Sequence& query, const FrameWork& work,
 }
 
 void find_largest_database(BenchResult& result, const RealtimeBenchSettings& settings,
-                           const HammingKernels& kernels, uint64_t seed, const Monitor& monitor) {
+                           const RowKernels& kernels, uint64_t seed, const Monitor& monitor) {
   check_settings(settings);
   const double budget_ms = settings.share_percent / 100 * 1000 / settings.rate_hz;
   uint64_t fits = 0;

@@ -35,7 +35,7 @@ using FrameWork = std::function<void(const cv::Mat&)>;
 /// LDB, one step of FastABLE over all sequences, and the best match of each. The database must
 /// outlive it. Throws Error(usage) for illumination-invariant codes, which need colour.
 FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
-                        const HammingKernels& kernels);
+                        const RowKernels& kernels);
 
 /// Features, words, likelihoods and the posterior. The database must outlive it.
 FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings);
@@ -50,6 +50,6 @@ BenchResult bench_realtime(const Sequence& query, const FrameWork& work,
 /// The largest database of generated codes whose online matching takes at most the given share of
 /// one core at this rate; adds a row for each size tried.
 void find_largest_database(BenchResult& result, const RealtimeBenchSettings& settings,
-                           const HammingKernels& kernels, uint64_t seed, const Monitor& monitor);
+                           const RowKernels& kernels, uint64_t seed, const Monitor& monitor);
 
 }  // namespace vpr

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -19,17 +20,22 @@ constexpr size_t kRows = 64;       // sampled frames that meet them at once
 constexpr uint64_t kMostSamples = 1'000'000;
 constexpr uint32_t kFewestDistances = 2;
 
-/// A sampled frame and its neighbours [first, last), itself included.
-struct Sample {
-  CodeWords words;
+/// The neighbours [first, last) of a sampled frame, itself included.
+struct Neighbours {
   size_t first = 0;
   size_t last = 0;
+};
+
+/// The sampled frames as a query.
+struct Samples {
+  std::vector<uint8_t> bytes;
+  std::vector<Neighbours> neighbours;
 };
 
 /// Of the distances of one training frame.
 struct ColumnSums {
   uint32_t count = 0;
-  uint32_t sum = 0;
+  uint64_t sum = 0;
   uint64_t squares = 0;
 };
 
@@ -43,28 +49,30 @@ void check_settings(const StatisticsSettings& settings) {
                             settings.neighbour_share));
 }
 
-std::vector<Sample> make_samples(const TrainCodes& train, const StatisticsSettings& settings) {
-  std::vector<Sample> samples;
+Samples make_samples(std::span<const DescriptorSpan> train, const StatisticsSettings& settings) {
+  Samples samples;
   const std::vector<size_t> frames = sampled_frames(train, settings);
   auto frame = frames.begin();
   size_t first = 0;
-  for (const CodeSpan& sequence : train.sequences) {
-    const size_t end = first + sequence.codes.size();
+  for (const DescriptorSpan& sequence : train) {
+    const size_t end = first + sequence.rows.size();
     const auto share = static_cast<uint64_t>(
-        std::floor(settings.neighbour_share * static_cast<double>(sequence.codes.size())));
+        std::floor(settings.neighbour_share * static_cast<double>(sequence.rows.size())));
     const size_t reach =
         std::min<uint64_t>(std::max(settings.neighbour_frames, share), end - first);
-    for (; frame != frames.end() && *frame < end; ++frame)
-      samples.push_back({code_words(sequence.codes[*frame - first]),
-                         *frame - std::min(reach, *frame - first),
-                         std::min(*frame + reach + 1, end)});
+    for (; frame != frames.end() && *frame < end; ++frame) {
+      const DescriptorRow row = sequence.rows[*frame - first];
+      samples.bytes.insert(samples.bytes.end(), row.begin(), row.end());
+      samples.neighbours.push_back(
+          {*frame - std::min(reach, *frame - first), std::min(*frame + reach + 1, end)});
+    }
     first = end;
   }
   return samples;
 }
 
 /// Sums of one tile of samples, in arrays of their own so that the compiler can take several
-/// columns at once: squares of kRows distances of at most 1408 bits fit 32 bits.
+/// columns at once.
 struct TileSums {
   std::array<uint32_t, kColumns> sum = {};
   std::array<uint32_t, kColumns> squares = {};
@@ -77,27 +85,30 @@ struct TileSums {
     }
   }
 };
-static_assert(kRows * (8 * kLdbBytes) * (8 * kLdbBytes) <= std::numeric_limits<uint32_t>::max());
+
+// The squares of so many distances fit 32 bits; 64 for LDB.
+size_t rows_a_tile(const FrameDistances& distances) {
+  const uint64_t square = std::max<uint64_t>(uint64_t{distances.largest} * distances.largest, 1);
+  return std::clamp<uint64_t>(std::numeric_limits<uint32_t>::max() / square, 1, kRows);
+}
 
 // Training frames [first, first + count) against all samples.
-void sum_columns(const TrainCodes& train, const std::vector<Sample>& samples,
-                 const HammingKernels& kernels, size_t first, size_t count, ColumnSums* sums) {
-  const size_t blocks = (count + kBlockFrames - 1) / kBlockFrames;
-  std::vector<uint16_t> distances(kRows * kColumns);
-  std::vector<CodeWords> words;
-  for (size_t row = 0; row < samples.size(); row += kRows) {
-    const size_t rows = std::min(kRows, samples.size() - row);
-    words.clear();
-    for (size_t r = 0; r < rows; ++r) words.push_back(samples[row + r].words);
-    kernels.tile_distances(words.data(), rows, train.blocks.data() + first / kBlockFrames, blocks,
-                           distances.data(), kColumns);
+void sum_columns(const FrameDistances& distances, const std::vector<Neighbours>& neighbours,
+                 size_t first, size_t count, ColumnSums* sums) {
+  std::vector<uint16_t> values(kRows * kColumns);
+  const size_t most_rows = rows_a_tile(distances);
+  for (size_t row = 0; row < neighbours.size(); row += most_rows) {
+    const size_t rows = std::min(most_rows, neighbours.size() - row);
+    std::array<uint32_t, kRows> queries;
+    std::iota(queries.begin(), queries.end(), static_cast<uint32_t>(row));
+    distances.tile(std::span(queries).first(rows), first, first + count, values.data(), kColumns);
     TileSums tile;
     for (size_t r = 0; r < rows; ++r) {
-      const Sample& sample = samples[row + r];
-      const size_t from = std::clamp(sample.first, first, first + count) - first;
-      const size_t to = std::clamp(sample.last, first, first + count) - first;
-      tile.add(distances.data() + r * kColumns, 0, from);
-      tile.add(distances.data() + r * kColumns, to, count);
+      const Neighbours& near = neighbours[row + r];
+      const size_t from = std::clamp(near.first, first, first + count) - first;
+      const size_t to = std::clamp(near.last, first, first + count) - first;
+      tile.add(values.data() + r * kColumns, 0, from);
+      tile.add(values.data() + r * kColumns, to, count);
       for (size_t x = from; x < to; ++x) --sums[x].count;
     }
     for (size_t x = 0; x < count; ++x) {
@@ -108,26 +119,20 @@ void sum_columns(const TrainCodes& train, const std::vector<Sample>& samples,
   }
 }
 
-std::vector<uint8_t> readable_flags(const TrainCodes& train) {
-  std::vector<uint8_t> readable(train.frame_count, 0);
-  for (const FrameRun& run : train.runs)
-    std::fill_n(readable.begin() + static_cast<ptrdiff_t>(run.first), run.count, uint8_t{1});
-  return readable;
-}
-
 double mean_of(const ColumnSums& sums) {
   return static_cast<double>(sums.sum) / static_cast<double>(sums.count);
 }
 
-// (n * sum of squares - square of the sum) / n^2; the numerator is exact below 2^64.
+// (n * sum of squares - square of the sum) / n^2, whose numerator is exact.
 double variance_of(const ColumnSums& sums) {
-  const uint64_t spread = sums.count * sums.squares - uint64_t{sums.sum} * sums.sum;
+  __extension__ using Wide = unsigned __int128;
+  const Wide spread = Wide{sums.count} * sums.squares - Wide{sums.sum} * sums.sum;
   return static_cast<double>(spread) /
          (static_cast<double>(sums.count) * static_cast<double>(sums.count));
 }
 
-TrainStatistics summarise(const std::vector<ColumnSums>& sums,
-                          const std::vector<uint8_t>& readable) {
+TrainStatistics summarise(const std::vector<ColumnSums>& sums, const std::vector<uint8_t>& readable,
+                          uint16_t largest) {
   const auto is_known = [&](size_t i) {
     return readable[i] != 0 && sums[i].count >= kFewestDistances;
   };
@@ -142,8 +147,9 @@ TrainStatistics summarise(const std::vector<ColumnSums>& sums,
   }
   const auto count = static_cast<double>(known);
   TrainStatistics statistics;
-  statistics.typical_distance = known == 0 ? kUnknownDistance : means / count;
-  const double variance = known == 0 ? kUnknownDeviation * kUnknownDeviation : variances / count;
+  statistics.typical_distance = known == 0 ? unknown_distance(largest) : means / count;
+  const double unknown = unknown_deviation(largest);
+  const double variance = known == 0 ? unknown * unknown : variances / count;
   for (size_t i = 0; i < sums.size(); ++i) {
     const double bias = is_known(i) ? mean_of(sums[i]) - statistics.typical_distance : 0;
     statistics.bias.push_back(static_cast<float>(bias));
@@ -155,9 +161,10 @@ TrainStatistics summarise(const std::vector<ColumnSums>& sums,
 
 }  // namespace
 
-std::vector<size_t> sampled_frames(const TrainCodes& train, const StatisticsSettings& settings) {
+std::vector<size_t> sampled_frames(std::span<const DescriptorSpan> train,
+                                   const StatisticsSettings& settings) {
   std::vector<size_t> frames;
-  for (const FrameRun& run : train.runs)
+  for (const FrameRun& run : readable_runs(train))
     for (size_t i = 0; i < run.count; ++i) frames.push_back(run.first + i);
   if (frames.size() <= settings.samples) return frames;
   RandomEngine engine(settings.seed);
@@ -170,20 +177,24 @@ std::vector<size_t> sampled_frames(const TrainCodes& train, const StatisticsSett
   return chosen;
 }
 
-TrainStatistics compute_statistics(const TrainCodes& train, const StatisticsSettings& settings,
-                                   const HammingKernels& kernels, const Monitor& monitor) {
+TrainStatistics compute_statistics(std::span<const DescriptorSpan> train,
+                                   const StatisticsSettings& settings, const Monitor& monitor) {
   check_settings(settings);
-  const std::vector<Sample> samples = make_samples(train, settings);
-  std::vector<ColumnSums> sums(train.frame_count);
-  const size_t parts = (train.frame_count + kColumns - 1) / kColumns;
+  const Samples samples = make_samples(train, settings);
+  const DescriptorShape shape = train.empty() ? kLdbShape : train.front().rows.shape;
+  const FrameDistances distances = frame_distances(train, {{shape, samples.bytes}, {}});
+  const size_t frames = distances.train_frames;
+  std::vector<ColumnSums> sums(frames);
+  const size_t parts = (frames + kColumns - 1) / kColumns;
   StepCounter counter(monitor, "statistics", parts);
   parallel_for(parts, monitor, [&](size_t part) {
     const size_t first = part * kColumns;
-    sum_columns(train, samples, kernels, first, std::min(kColumns, train.frame_count - first),
+    sum_columns(distances, samples.neighbours, first, std::min(kColumns, frames - first),
                 sums.data() + first);
     counter.add();
   });
-  TrainStatistics statistics = summarise(sums, readable_flags(train));
+  TrainStatistics statistics =
+      summarise(sums, readable_flags(distances.train_runs, frames), distances.largest);
   statistics.settings = settings;
   return statistics;
 }

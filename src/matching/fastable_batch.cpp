@@ -1,10 +1,13 @@
 #include "matching/fastable_batch.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <numeric>
 #include <vector>
 
 #include "base/parallel.h"
+#include "matching/fastable_online.h"
 
 namespace vpr {
 namespace {
@@ -55,28 +58,27 @@ struct Tile {
 };
 
 // Train frames [train_first, train_last) against query frames [query_first, query_last).
-void fill_tile(Tile& tile, const TrainCodes& train, const QueryCodes& query,
-               const HammingKernels& kernels, size_t query_first, size_t query_last,
+void fill_tile(Tile& tile, const FrameDistances& distances, size_t query_first, size_t query_last,
                size_t train_first, size_t train_last) {
-  const size_t block = train_first / kBlockFrames;
-  const size_t blocks = (train_last + kBlockFrames - 1) / kBlockFrames - block;
+  std::array<uint32_t, kTileQueries> queries;
+  std::iota(queries.begin(), queries.end(), static_cast<uint32_t>(query_first));
   tile.first_query = query_first;
-  tile.first_train = block * kBlockFrames;
-  tile.stride = round_up(blocks * kBlockFrames, 64) + 32;  // rows must not share cache sets
+  tile.first_train = train_first / kStretchFrames * kStretchFrames;
+  const size_t width = round_up(train_last - tile.first_train, kStretchFrames);
+  tile.stride = round_up(width, 64) + 32;  // rows must not share cache sets
   tile.values.resize(std::max(tile.values.size(), tile.stride * (query_last - query_first)));
-  kernels.tile_distances(query.words.data() + query_first, query_last - query_first,
-                         train.blocks.data() + block, blocks, tile.values.data(), tile.stride);
+  distances.tile(std::span(queries).first(query_last - query_first), tile.first_train, train_last,
+                 tile.values.data(), tile.stride);
 }
 
 /// Works through one strip, tile after tile, for windows of several lengths at once: they share the
 /// distances that enter. Rows outside the matrix count as distance 0.
 class StripMatcher {
  public:
-  StripMatcher(const TrainCodes& train, const QueryCodes& query,
-               std::span<const size_t> window_lengths, const HammingKernels& kernels,
-               const LengthRowConsumer& consume, Strip strip, bool has_ring)
-      : train_(train),
-        query_(query),
+  StripMatcher(const FrameDistances& distances, std::span<const size_t> window_lengths,
+               const RowKernels& kernels, const LengthRowConsumer& consume, Strip strip,
+               bool has_ring)
+      : distances_(distances),
         lengths_(window_lengths),
         longest_(*std::max_element(window_lengths.begin(), window_lengths.end())),
         kernels_(kernels),
@@ -91,13 +93,13 @@ class StripMatcher {
     const size_t first = strip_.first + ptrdiff_t(strip_.width) > 0
                              ? 0
                              : static_cast<size_t>(1 - strip_.first - ptrdiff_t(strip_.width));
-    for (size_t query = first; query < query_.words.size(); query += kTileQueries) {
+    for (size_t query = first; query < distances_.query_frames; query += kTileQueries) {
       check_stop(monitor);
-      const size_t end = std::min(query + kTileQueries, query_.words.size());
+      const size_t end = std::min(query + kTileQueries, distances_.query_frames);
       const size_t train_first = train_begin(query);
       const size_t train_last = train_end(end - 1);
       if (train_first >= train_last) break;
-      fill_tile(entering_, train_, query_, kernels_, query, end, train_first, train_last);
+      fill_tile(entering_, distances_, query, end, train_first, train_last);
       for (size_t l = 0; ring_.empty() && l < lengths_.size(); ++l)
         fill_leaving(leaving_[l], lengths_[l], query, end);
       for (size_t frame = query; frame < end; ++frame) advance(frame);
@@ -111,7 +113,7 @@ class StripMatcher {
   }
   size_t train_end(size_t query) const {
     const ptrdiff_t end = strip_.first + ptrdiff_t(strip_.width) + ptrdiff_t(query);
-    return static_cast<size_t>(std::clamp<ptrdiff_t>(end, 0, ptrdiff_t(train_.frame_count)));
+    return static_cast<size_t>(std::clamp<ptrdiff_t>(end, 0, ptrdiff_t(distances_.train_frames)));
   }
 
   // Without a ring: the distances of the frames that leave, computed a second time.
@@ -121,7 +123,7 @@ class StripMatcher {
     const size_t train_first = train_begin(first);
     const size_t train_last = train_end(end - 1 - length);
     if (train_first < train_last)
-      fill_tile(leaving, train_, query_, kernels_, first, end - length, train_first, train_last);
+      fill_tile(leaving, distances_, first, end - length, train_first, train_last);
   }
 
   void advance(size_t query) {
@@ -137,8 +139,8 @@ class StripMatcher {
                        to - from);
       else
         slide_without_ring(l, query, from, to, entering, sums);
-      if (ends_window(query_, lengths_[l], query))
-        emit_row(train_, lengths_[l], query, from, {sums, to - from},
+      if (ends_window(distances_, lengths_[l], query))
+        emit_row(distances_, lengths_[l], query, from, {sums, to - from},
                  [&](const DistanceRow& row) { consume_(l, row); });
     }
     if (!ring_.empty()) std::copy(entering, entering + (to - from), ring_row(query) + lane);
@@ -160,11 +162,10 @@ class StripMatcher {
                      to - split);
   }
 
-  const TrainCodes& train_;
-  const QueryCodes& query_;
+  const FrameDistances& distances_;
   std::span<const size_t> lengths_;
   size_t longest_;
-  const HammingKernels& kernels_;
+  const RowKernels& kernels_;
   const LengthRowConsumer& consume_;
   Strip strip_;
   std::vector<std::vector<uint32_t>> sums_;  // per length
@@ -176,30 +177,32 @@ class StripMatcher {
 
 }  // namespace
 
-void match_fastable_lengths(const TrainCodes& train, const QueryCodes& query,
-                            std::span<const size_t> window_lengths, const MatchSettings& settings,
-                            const Monitor& monitor, const LengthRowConsumer& consume) {
+void match_fastable_lengths(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                            const MatchSettings& settings, const Monitor& monitor,
+                            const LengthRowConsumer& consume) {
   assert(std::all_of(window_lengths.begin(), window_lengths.end(),
                      [](size_t length) { return length >= 1 && length <= kMaxWindowLength; }));
   if (window_lengths.empty()) return;
+  if (distances.is_in_order())
+    return match_in_order(distances, window_lengths, settings, monitor, consume);
   const auto [shortest, longest] =
       std::minmax_element(window_lengths.begin(), window_lengths.end());
-  if (!any_window_pair(train, query, *shortest)) return;
-  const size_t diagonals = train.frame_count + query.words.size() - 1;
+  if (!any_window_pair(distances, *shortest)) return;
+  const size_t diagonals = distances.train_frames + distances.query_frames - 1;
   const StripLayout layout = plan_strips(diagonals, settings, *longest);
-  const ptrdiff_t first_diagonal = 1 - ptrdiff_t(query.words.size());
+  const ptrdiff_t first_diagonal = 1 - ptrdiff_t(distances.query_frames);
   StepCounter counter(monitor, "match", layout.count);
   parallel_for(layout.count, monitor, [&](size_t s) {
     const Strip strip{first_diagonal + ptrdiff_t(s * layout.width), layout.width};
-    StripMatcher(train, query, window_lengths, settings.kernels, consume, strip, layout.has_ring)
+    StripMatcher(distances, window_lengths, settings.kernels, consume, strip, layout.has_ring)
         .run(monitor);
     counter.add();
   });
 }
 
-void match_fastable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+void match_fastable(const FrameDistances& distances, const MatchSettings& settings,
                     const Monitor& monitor, const RowConsumer& consume) {
-  match_fastable_lengths(train, query, {&settings.window_length, 1}, settings, monitor,
+  match_fastable_lengths(distances, {&settings.window_length, 1}, settings, monitor,
                          [&](size_t, const DistanceRow& row) { consume(row); });
 }
 

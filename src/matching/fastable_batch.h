@@ -8,16 +8,14 @@ namespace vpr {
 /// Strips of diagonals (train frame - query frame) are independent: their running sums stay in
 /// place, each with a ring of its own of window_length rows, in the thread's own cache. A row
 /// therefore arrives in pieces. Nothing is produced where a sequence is shorter than a window.
-void match_fastable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+/// Distances that come in order are matched row after row, by match_in_order.
+void match_fastable(const FrameDistances& distances, const MatchSettings& settings,
                     const Monitor& monitor, const RowConsumer& consume);
-
-/// Takes rows of windows of window_lengths[index].
-using LengthRowConsumer = std::function<void(size_t index, const DistanceRow&)>;
 
 /// The same for several window lengths in one pass: distances of frames are computed once.
 /// settings.window_length does not matter.
-void match_fastable_lengths(const TrainCodes& train, const QueryCodes& query,
-                            std::span<const size_t> window_lengths, const MatchSettings& settings,
-                            const Monitor& monitor, const LengthRowConsumer& consume);
+void match_fastable_lengths(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                            const MatchSettings& settings, const Monitor& monitor,
+                            const LengthRowConsumer& consume);
 
 }  // namespace vpr

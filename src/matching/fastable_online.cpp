@@ -2,28 +2,36 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "base/parallel.h"
+#include "matching/standardization.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kChunkFrames = 2048;       // codes of a chunk stay in the second-level cache
+constexpr size_t kChunkFrames = 2048;       // descriptors of a chunk stay in the second-level cache
 constexpr size_t kFramesPerThread = 32768;  // below, a second thread costs more than it gives
 
+/// Writes what enters the windows, for train frames [first, last) and the new query frame, to
+/// out[0] and on: as FrameDistances::tile says.
+using RowSource = std::function<void(size_t first, size_t last, uint16_t* out)>;
+
 size_t padded(size_t frame_count) {
-  return (frame_count + kBlockFrames - 1) / kBlockFrames * kBlockFrames;
+  return (frame_count + kStretchFrames - 1) / kStretchFrames * kStretchFrames;
 }
 
-void distances_of_frames(const HammingKernels& kernels, const TrainCodes& train,
-                         const CodeWords& query, size_t first, size_t last, uint16_t* out) {
-  assert(first % kBlockFrames == 0);
-  const size_t blocks = (last - first + kBlockFrames - 1) / kBlockFrames;
-  kernels.row_distances(query, train.blocks.data() + first / kBlockFrames, blocks, out);
+RowSource row_of(const FrameDistances& distances, uint32_t query) {
+  return [&distances, query](size_t first, size_t last, uint16_t* out) {
+    distances.tile({&query, 1}, first, last, out, 0);
+  };
 }
 
 // next[i] = sums[i - 1] + entering[i - first] - leaving[i - first] for i in [first, last).
-void slide_frames(FastableState& state, const HammingKernels& kernels, size_t first, size_t last,
+void slide_frames(FastableState& state, const RowKernels& kernels, size_t first, size_t last,
                   const uint16_t* entering, const uint16_t* leaving) {
   if (first >= last) return;
   if (first == 0) {  // nothing comes in from the left
@@ -38,7 +46,7 @@ void slide_frames(FastableState& state, const HammingKernels& kernels, size_t fi
 
 // The leaving term of window end i is the distance of train frame i - c_l to query frame f - c_l,
 // which the ring has kept; there is none where either index is negative.
-void advance_with_ring(FastableState& state, const HammingKernels& kernels, const RowSource& source,
+void advance_with_ring(FastableState& state, const RowKernels& kernels, const RowSource& source,
                        size_t begin, size_t end) {
   const size_t rows = state.window_length + 1;
   uint16_t* entering = state.ring.get() + state.frames_seen % rows * state.ring_stride;
@@ -56,29 +64,26 @@ void advance_with_ring(FastableState& state, const HammingKernels& kernels, cons
   }
 }
 
-// Without a ring the same pass over the codes gives both distances: those of the frame that leaves
-// are needed window_length train frames later, and wait in a delay line.
-void advance_without_ring(FastableState& state, const TrainCodes& train,
-                          const HammingKernels& kernels, const CodeWords& frame, size_t begin,
-                          size_t end) {
+// Without a ring the same pass over the descriptors gives both distances: those of the frame that
+// leaves are needed window_length train frames later, and wait in a delay line.
+void advance_without_ring(FastableState& state, const FrameDistances& distances,
+                          const RowKernels& kernels, uint32_t frame, size_t begin, size_t end) {
   const size_t length = state.window_length;
   const bool leaves = state.frames_seen >= length;
-  const CodeWords old = state.recent[state.frames_seen % length];
+  const RowSource entering_row = row_of(distances, frame);
+  const RowSource leaving_row = row_of(distances, state.recent[state.frames_seen % length]);
   // A part that does not start at 0 first fills its delay line.
-  const size_t history =
-      leaves ? std::min(begin, (length + kBlockFrames - 1) / kBlockFrames * kBlockFrames) : 0;
+  const size_t history = leaves ? std::min(begin, padded(length)) : 0;
   std::vector<uint16_t> entering(kChunkFrames);
   // delay[x] belongs to train frame delay_first + x.
-  std::vector<uint16_t> delay(length + kBlockFrames + kChunkFrames, 0);
-  const size_t keep = length + kBlockFrames;  // entries kept in front of a chunk
-  if (history > 0)
-    distances_of_frames(kernels, train, old, begin - history, begin,
-                        delay.data() + (keep - history));
+  std::vector<uint16_t> delay(length + kStretchFrames + kChunkFrames, 0);
+  const size_t keep = length + kStretchFrames;  // entries kept in front of a chunk
+  if (history > 0) leaving_row(begin - history, begin, delay.data() + (keep - history));
   for (size_t first = begin; first < end; first += kChunkFrames) {
     const size_t last = std::min(first + kChunkFrames, end);
-    distances_of_frames(kernels, train, frame, first, last, entering.data());
+    entering_row(first, last, entering.data());
     // Train frames before 0 have no distance: the delay line starts with zeros.
-    if (leaves) distances_of_frames(kernels, train, old, first, last, delay.data() + keep);
+    if (leaves) leaving_row(first, last, delay.data() + keep);
     slide_frames(state, kernels, first, last, entering.data(), delay.data() + (keep - length));
     std::copy(delay.end() - static_cast<ptrdiff_t>(keep), delay.end(), delay.begin());
   }
@@ -102,6 +107,65 @@ std::span<const uint32_t> advance_in_parts(FastableState& state, size_t frames,
   return state.sums;
 }
 
+// Takes what has been started (FrameDistances::start_row).
+std::span<const uint32_t> advance_sums(FastableState& state, size_t frame_count,
+                                       const RowKernels& kernels, const RowSource& source) {
+  assert(state.has_ring && state.sums.size() == frame_count);
+  return advance_in_parts(state, frame_count, [&](size_t begin, size_t end) {
+    advance_with_ring(state, kernels, source, begin, end);
+  });
+}
+
+std::span<const uint32_t> advance_started(FastableState& state, const FrameDistances& distances,
+                                          const RowKernels& kernels, uint32_t frame) {
+  if (state.has_ring)
+    return advance_sums(state, distances.train_frames, kernels, row_of(distances, frame));
+  const size_t seen = state.frames_seen;
+  const auto sums = advance_in_parts(state, distances.train_frames, [&](size_t begin, size_t end) {
+    advance_without_ring(state, distances, kernels, frame, begin, end);
+  });
+  state.recent[seen % state.window_length] = frame;
+  return sums;
+}
+
+// What entered another state's ring with the last query frame.
+RowSource copy_of(const FastableState& state) {
+  const size_t row = (state.frames_seen - 1) % (state.window_length + 1);
+  return
+      [from = state.ring.get() + row * state.ring_stride](
+          size_t first, size_t last, uint16_t* out) { std::copy(from + first, from + last, out); };
+}
+
+size_t ring_bytes(const FastableState& state) {
+  return state.ring_stride * (state.window_length + 1) * sizeof(uint16_t);
+}
+
+// Every length has sums of its own, and the rings share the memory.
+std::vector<FastableState> start_lengths(const FrameDistances& distances,
+                                         std::span<const size_t> window_lengths,
+                                         MatchSettings settings) {
+  std::vector<FastableState> states;
+  for (const size_t length : window_lengths) {
+    settings.window_length = length;
+    states.push_back(start_fastable(distances, settings));
+    if (states.back().has_ring) settings.memory_limit -= ring_bytes(states.back());
+  }
+  return states;
+}
+
+void check_scored_ring(const FrameDistances& distances, const MatchSettings& settings) {
+  if (settings.window_length > kMaxScoredWindow)
+    throw Error(ErrorKind::usage,
+                fmt::format("standardized scores allow a c_l of {} at most, found {}",
+                            kMaxScoredWindow, settings.window_length));
+  if (!ring_fits(distances.train_frames, settings.window_length, settings.memory_limit))
+    throw Error(ErrorKind::usage,
+                fmt::format("standardized scores of {} training frames at c_l {} need {} MiB of "
+                            "memory beside what other c_l take; raise --max-memory",
+                            distances.train_frames, settings.window_length,
+                            (distances.train_frames * (settings.window_length + 1) >> 19) + 1));
+}
+
 }  // namespace
 
 bool ring_fits(size_t frame_count, size_t window_length, size_t memory_limit) {
@@ -111,15 +175,16 @@ bool ring_fits(size_t frame_count, size_t window_length, size_t memory_limit) {
          bytes <= memory_limit;
 }
 
-FastableState start_fastable(const TrainCodes& train, const MatchSettings& settings) {
+FastableState start_fastable(const FrameDistances& distances, const MatchSettings& settings) {
   assert(settings.window_length >= 1 && settings.window_length <= kMaxWindowLength);
+  if (distances.is_in_order()) check_scored_ring(distances, settings);
   FastableState state;
   state.window_length = settings.window_length;
-  state.has_ring = ring_fits(train.frame_count, settings.window_length, settings.memory_limit);
-  state.sums.assign(train.frame_count, 0);
-  state.next_sums.assign(train.frame_count, 0);
+  state.has_ring = ring_fits(distances.train_frames, settings.window_length, settings.memory_limit);
+  state.sums.assign(distances.train_frames, 0);
+  state.next_sums.assign(distances.train_frames, 0);
   if (state.has_ring) {
-    state.ring_stride = padded(train.frame_count);
+    state.ring_stride = padded(distances.train_frames);
     state.ring =
         std::make_unique_for_overwrite<uint16_t[]>(state.ring_stride * (state.window_length + 1));
   } else {
@@ -128,46 +193,41 @@ FastableState start_fastable(const TrainCodes& train, const MatchSettings& setti
   return state;
 }
 
-std::span<const uint32_t> advance_sums(FastableState& state, size_t frame_count,
-                                       const HammingKernels& kernels, const RowSource& source) {
-  assert(state.has_ring && state.sums.size() == frame_count);
-  return advance_in_parts(state, frame_count, [&](size_t begin, size_t end) {
-    advance_with_ring(state, kernels, source, begin, end);
-  });
+std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDistances& distances,
+                                           const RowKernels& kernels, size_t query_frame) {
+  if (distances.start_row) distances.start_row(query_frame);
+  return advance_started(state, distances, kernels, static_cast<uint32_t>(query_frame));
 }
 
-const uint16_t* newest_row(const FastableState& state) {
-  assert(state.has_ring && state.frames_seen > 0);
-  return state.ring.get() + (state.frames_seen - 1) % (state.window_length + 1) * state.ring_stride;
-}
-
-std::span<const uint32_t> advance_fastable(FastableState& state, const TrainCodes& train,
-                                           const HammingKernels& kernels, const CodeWords& frame) {
-  if (state.has_ring)
-    return advance_sums(state, train.frame_count, kernels,
-                        [&](size_t first, size_t last, uint16_t* out) {
-                          distances_of_frames(kernels, train, frame, first, last, out);
-                        });
-  const size_t seen = state.frames_seen;
-  const auto sums = advance_in_parts(state, train.frame_count, [&](size_t begin, size_t end) {
-    advance_without_ring(state, train, kernels, frame, begin, end);
-  });
-  state.recent[seen % state.window_length] = frame;
-  return sums;
-}
-
-void match_fastable_online(const TrainCodes& train, const QueryCodes& query,
-                           const MatchSettings& settings, const Monitor& monitor,
-                           const RowConsumer& consume) {
-  if (!any_window_pair(train, query, settings.window_length)) return;
-  FastableState state = start_fastable(train, settings);
-  StepCounter counter(monitor, "match", query.words.size());
-  for (size_t frame = 0; frame < query.words.size(); ++frame) {
-    const auto sums = advance_fastable(state, train, settings.kernels, query.words[frame]);
-    if (ends_window(query, settings.window_length, frame))
-      emit_row(train, settings.window_length, frame, 0, sums, consume);
+void match_in_order(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                    const MatchSettings& settings, const Monitor& monitor,
+                    const LengthRowConsumer& consume) {
+  if (window_lengths.empty()) return;
+  const size_t shortest = *std::min_element(window_lengths.begin(), window_lengths.end());
+  if (!any_window_pair(distances, shortest)) return;
+  std::vector<FastableState> states = start_lengths(distances, window_lengths, settings);
+  StepCounter counter(monitor, "match", distances.query_frames);
+  for (size_t frame = 0; frame < distances.query_frames; ++frame) {
+    check_stop(monitor);
+    if (distances.start_row) distances.start_row(frame);
+    for (size_t l = 0; l < states.size(); ++l) {
+      const bool has_copy = l > 0 && states[0].has_ring && states[l].has_ring;
+      const auto sums = has_copy ? advance_sums(states[l], distances.train_frames, settings.kernels,
+                                                copy_of(states[0]))
+                                 : advance_started(states[l], distances, settings.kernels,
+                                                   static_cast<uint32_t>(frame));
+      if (ends_window(distances, window_lengths[l], frame))
+        emit_row(distances, window_lengths[l], frame, 0, sums,
+                 [&](const DistanceRow& row) { consume(l, row); });
+    }
     counter.add();
   }
+}
+
+void match_fastable_online(const FrameDistances& distances, const MatchSettings& settings,
+                           const Monitor& monitor, const RowConsumer& consume) {
+  match_in_order(distances, {&settings.window_length, 1}, settings, monitor,
+                 [&](size_t, const DistanceRow& row) { consume(row); });
 }
 
 }  // namespace vpr

@@ -1,38 +1,31 @@
-// The inner loops of matching, compiled once for every SIMD target and chosen at run time.
+// The inner loops of Hamming distances, compiled once for every SIMD target and chosen at run time.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
-#include "matching/codes.h"
+#include "matching/frame_distances.h"
 
 namespace vpr {
 
-/// All targets give the same integers. Called per row or tile, never per pair.
-struct HammingKernels {
-  std::string_view target;  ///< Highway's name: "AVX3_DL", "AVX2", "SSE4", ...
-
-  /// out[i] = Hamming distance of `query` to frame i of the blocks; 8 * block_count values.
-  void (*row_distances)(const CodeWords& query, const CodeBlock* blocks, size_t block_count,
-                        uint16_t* out);
-  /// The same for several query frames: out[t * out_stride + i] for query frame t.
-  void (*tile_distances)(const CodeWords* queries, size_t query_count, const CodeBlock* blocks,
-                         size_t block_count, uint16_t* out, size_t out_stride);
-  /// after[x] = before[x] + entering[x] - leaving[x]: FastABLE's recurrence (paper, section VII).
-  /// `before` and `after` are the same array or do not overlap.
-  void (*slide)(const uint32_t* before, const uint16_t* entering, const uint16_t* leaving,
-                uint32_t* after, size_t count);
-  /// sums[x] += entering[x].
-  void (*accumulate)(uint32_t* sums, const uint16_t* entering, size_t count);
-  /// The smallest and the largest value; count > 0.
-  uint32_t (*minimum)(const uint32_t* values, size_t count);
-  uint32_t (*maximum)(const uint32_t* values, size_t count);
-  /// The first index from `begin` on whose value is below `limit` (strict), or count.
-  size_t (*find_below)(const uint32_t* values, size_t begin, size_t count, uint32_t limit);
+/// One word of eight frames: a SIMD lane is a frame, so that nothing is summed across lanes. The
+/// words of a block of eight frames lie one after the other.
+struct alignas(64) LaneWords {
+  std::array<uint64_t, kStretchFrames> frames;
 };
 
-/// The kernels of the SIMD target in use (base/simd.h).
-HammingKernels select_kernels();
+/// Kernels of codes of a number of words of 64 bits. All targets give the same integers.
+struct HammingKernels {
+  /// Writes a code's words as the tile takes them, of query and training frames alike.
+  void (*encode)(const uint8_t* code, size_t words, uint64_t* out);
+  /// out[t * out_stride + i] = Hamming distance of query frame t to frame i of the blocks;
+  /// 8 * block_count values a query frame. Query frames lie one after the other.
+  void (*tile)(const uint64_t* queries, size_t query_count, size_t words, const LaneWords* blocks,
+               size_t block_count, uint16_t* out, size_t out_stride);
+};
+
+/// The kernels of the SIMD target in use (base/simd.h): those of LDB for its 22 words, else a loop.
+HammingKernels select_hamming_kernels(size_t words);
 
 }  // namespace vpr

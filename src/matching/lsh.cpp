@@ -65,26 +65,26 @@ struct LshIndex::Tables {
   cvflann::LshIndex<WindowHamming> index;
 
   // OpenCV takes no const data, and changes none.
-  Tables(const FrameRun& frames, const LdbCode* codes, size_t window_length,
+  Tables(const FrameRun& frames, const DescriptorRows& rows, size_t window_length,
          const LshSettings& settings)
       : run(frames),
-        index(cvflann::Matrix<unsigned char>(const_cast<unsigned char*>(codes->data()),
-                                             frames.windows(window_length),
-                                             window_length * kLdbBytes, kLdbBytes),
+        index(cvflann::Matrix<unsigned char>(
+                  const_cast<unsigned char*>(rows[frames.first_in_sequence].data()),
+                  frames.windows(window_length), window_length * rows.shape.row_bytes(),
+                  rows.shape.row_bytes()),
               cvflann::LshIndexParams(
                   static_cast<int>(settings.tables),
                   static_cast<int>(key_bits(settings, frames.windows(window_length))),
                   static_cast<int>(settings.probe_level))) {}
 };
 
-LshIndex::LshIndex(const TrainCodes& train, size_t window_length, const LshSettings& settings,
-                   uint64_t seed, const Monitor& monitor) {
+LshIndex::LshIndex(std::span<const DescriptorSpan> train, size_t window_length,
+                   const LshSettings& settings, uint64_t seed, const Monitor& monitor) {
   check(settings);
-  for (const FrameRun& run : train.runs)
+  for (const FrameRun& run : readable_runs(train))
     if (run.windows(window_length) > 0)
-      tables_.push_back(std::make_unique<Tables>(
-          run, train.sequences[run.sequence].codes.data() + run.first_in_sequence, window_length,
-          settings));
+      tables_.push_back(
+          std::make_unique<Tables>(run, train[run.sequence].rows, window_length, settings));
   StepCounter counter(monitor, "index", tables_.size());
   parallel_for(tables_.size(), monitor, [&](size_t i) {
     cv::setRNGSeed(static_cast<int>(seed + i));  // of this thread
@@ -95,11 +95,11 @@ LshIndex::LshIndex(const TrainCodes& train, size_t window_length, const LshSetti
 
 LshIndex::~LshIndex() = default;
 
-std::vector<LshCandidate> LshIndex::find(const LdbCode* window) const {
+std::vector<LshCandidate> LshIndex::find(const uint8_t* window) const {
   std::vector<LshCandidate> candidates;
   for (const auto& tables : tables_) {
     Collector collector;
-    tables->index.findNeighbors(collector, window->data(), cvflann::SearchParams());
+    tables->index.findNeighbors(collector, window, cvflann::SearchParams());
     auto& found = collector.found;
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -112,15 +112,19 @@ std::vector<LshCandidate> LshIndex::find(const LdbCode* window) const {
   return candidates;
 }
 
-void match_lsh(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
                const Monitor& monitor, const RowConsumer& consume) {
+  const DescriptorRows& query = distances.query.rows;
+  if (query.shape.element != ElementType::bits || distances.is_in_order())
+    throw Error(ErrorKind::usage,
+                "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
   const size_t length = settings.window_length;
-  const LshIndex index(train, length, settings.lsh, settings.seed, monitor);
-  StepCounter counter(monitor, "match", query.words.size());
-  parallel_for(query.words.size(), monitor, [&](size_t query_end) {
-    if (ends_window(query, length, query_end)) {
+  const LshIndex index(distances.train, length, settings.lsh, settings.seed, monitor);
+  StepCounter counter(monitor, "match", distances.query_frames);
+  parallel_for(distances.query_frames, monitor, [&](size_t query_end) {
+    if (ends_window(distances, length, query_end)) {
       const size_t window = query_end + 1 - length;
-      for (const LshCandidate& candidate : index.find(query.codes.data() + window))
+      for (const LshCandidate& candidate : index.find(query[window].data()))
         consume({window, candidate.sequence, candidate.train_window, {&candidate.distance, 1}});
     }
     counter.add();

@@ -19,27 +19,27 @@ struct LshCandidate {
 };
 
 /// Hash tables over all windows of a database. Nothing is copied: the windows of a sequence are
-/// rows of its codes that overlap, c_l x 176 bytes wide and 176 bytes apart. (The tables are
-/// OpenCV's.)
+/// rows of its codes that overlap, c_l codes wide and one code apart. (The tables are OpenCV's.)
 class LshIndex {
  public:
-  /// `train` and the codes it was made of must outlive the index. The same seed gives the same
-  /// tables for any number of threads. Throws Error(usage) for settings out of range.
-  LshIndex(const TrainCodes& train, size_t window_length, const LshSettings& settings,
+  /// The codes must outlive the index. The same seed gives the same tables for any number of
+  /// threads. Throws Error(usage) for settings out of range.
+  LshIndex(std::span<const DescriptorSpan> train, size_t window_length, const LshSettings& settings,
            uint64_t seed, const Monitor& monitor);
   ~LshIndex();
 
-  /// By sequence, then window; each once. `window`: the first code of c_l that lie one after the
+  /// By sequence, then window; each once. `window`: c_l codes that lie one after the
   /// other. May be called from several threads.
-  std::vector<LshCandidate> find(const LdbCode* window) const;
+  std::vector<LshCandidate> find(const uint8_t* window) const;
 
  private:
   struct Tables;
   std::vector<std::unique_ptr<Tables>> tables_;  // one a run
 };
 
-/// Rows hold only the windows that were found; the others do not arrive.
-void match_lsh(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+/// Rows hold only the windows that were found; the others do not arrive. Throws Error(usage) for
+/// anything but plain Hamming distances of bits.
+void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
                const Monitor& monitor, const RowConsumer& consume);
 
 }  // namespace vpr

@@ -14,9 +14,8 @@ struct SequenceMethod {
   std::string_view name;
   std::string_view summary;
   bool is_exact;
-  bool has_scores;  ///< standardized ones, too: by match_standardized
-  void (*match)(const TrainCodes&, const QueryCodes&, const MatchSettings&, const Monitor&,
-                const RowConsumer&);
+  bool has_scores;  ///< also takes distances that come in order, as standardized ones
+  void (*match)(const FrameDistances&, const MatchSettings&, const Monitor&, const RowConsumer&);
 };
 
 std::span<const SequenceMethod> sequence_methods();

@@ -5,9 +5,9 @@
 
 namespace vpr {
 
-/// Every cell costs window_length Hamming distances. Rows are computed in parallel. Nothing is
-/// produced where a sequence is shorter than a window.
-void match_openable(const TrainCodes& train, const QueryCodes& query, const MatchSettings& settings,
+/// Every cell costs window_length frame distances, which must not come in order. Rows are computed
+/// in parallel. Nothing is produced where a sequence is shorter than a window.
+void match_openable(const FrameDistances& distances, const MatchSettings& settings,
                     const Monitor& monitor, const RowConsumer& consume);
 
 }  // namespace vpr

@@ -3,6 +3,8 @@
 #include <array>
 #include <cassert>
 
+#include "matching/frame_distances.h"
+
 namespace vpr {
 namespace {
 
@@ -21,24 +23,30 @@ size_t window_count(size_t frames, size_t window_length) {
 
 }  // namespace
 
-uint32_t plain_hamming(const LdbCode& a, const LdbCode& b) {
+uint32_t plain_hamming(DescriptorRow a, DescriptorRow b) {
   uint32_t distance = 0;
   for (size_t i = 0; i < a.size(); ++i) distance += kBitCounts[a[i] ^ b[i]];
   return distance;
 }
 
-uint32_t plain_window_distance(std::span<const LdbCode> train, size_t train_window,
-                               std::span<const LdbCode> query, size_t query_window,
+uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
+                        size_t frame_b) {
+  assert(a.shape == b.shape);
+  return distance_of(a.shape.element).plain(a[frame_a], b[frame_b]);
+}
+
+uint32_t plain_window_distance(const DescriptorRows& train, size_t train_window,
+                               const DescriptorRows& query, size_t query_window,
                                size_t window_length) {
   assert(train_window + window_length <= train.size());
   assert(query_window + window_length <= query.size());
   uint32_t sum = 0;
   for (size_t k = 0; k < window_length; ++k)
-    sum += plain_hamming(train[train_window + k], query[query_window + k]);
+    sum += plain_distance(train, train_window + k, query, query_window + k);
   return sum;
 }
 
-std::vector<uint32_t> plain_openable(std::span<const LdbCode> train, std::span<const LdbCode> query,
+std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
                                      size_t window_length) {
   const size_t rows = window_count(query.size(), window_length);
   const size_t cols = window_count(train.size(), window_length);
@@ -49,7 +57,7 @@ std::vector<uint32_t> plain_openable(std::span<const LdbCode> train, std::span<c
   return distances;
 }
 
-std::vector<uint32_t> plain_fastable(std::span<const LdbCode> train, std::span<const LdbCode> query,
+std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
                                      size_t window_length) {
   const size_t rows = window_count(query.size(), window_length);
   const size_t cols = window_count(train.size(), window_length);
@@ -62,8 +70,8 @@ std::vector<uint32_t> plain_fastable(std::span<const LdbCode> train, std::span<c
       }
       const size_t last = window_length - 1;
       distances[j * cols + i] = distances[(j - 1) * cols + i - 1] +
-                                plain_hamming(train[i + last], query[j + last]) -
-                                plain_hamming(train[i - 1], query[j - 1]);
+                                plain_distance(train, i + last, query, j + last) -
+                                plain_distance(train, i - 1, query, j - 1);
     }
   }
   return distances;

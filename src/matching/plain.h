@@ -5,26 +5,30 @@
 #include <cstdint>
 #include <vector>
 
-#include "matching/codes.h"
+#include "descriptors/descriptor_rows.h"
 
 namespace vpr {
 
 /// Differing bits, counted byte by byte with a table of 256 entries.
-uint32_t plain_hamming(const LdbCode& a, const LdbCode& b);
+uint32_t plain_hamming(DescriptorRow a, DescriptorRow b);
 
-/// D(query_window, train_window) by its definition: the sum over k < window_length of the Hamming
+/// The plain distance of two frames, by the element type of their descriptors.
+uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
+                        size_t frame_b);
+
+/// D(query_window, train_window) by its definition: the sum over k < window_length of the plain
 /// distances of train[train_window + k] and query[query_window + k]. Both windows must fit.
-uint32_t plain_window_distance(std::span<const LdbCode> train, size_t train_window,
-                               std::span<const LdbCode> query, size_t query_window,
+uint32_t plain_window_distance(const DescriptorRows& train, size_t train_window,
+                               const DescriptorRows& query, size_t query_window,
                                size_t window_length);
 
 /// All window pairs of two sequences, row-major, query windows x train windows; empty if either
 /// sequence is shorter than a window. OpenABLE: window_length distances a cell.
-std::vector<uint32_t> plain_openable(std::span<const LdbCode> train, std::span<const LdbCode> query,
+std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
                                      size_t window_length);
 
 /// The same matrix by FastABLE's recurrence, two distances a cell (paper, section VII).
-std::vector<uint32_t> plain_fastable(std::span<const LdbCode> train, std::span<const LdbCode> query,
+std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
                                      size_t window_length);
 
 }  // namespace vpr

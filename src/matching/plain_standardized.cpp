@@ -15,30 +15,32 @@ bool contains(std::span<const size_t> frames, size_t frame) {
   return std::binary_search(frames.begin(), frames.end(), frame);
 }
 
-double mean_over(std::span<const CodeSpan> sequences, const LdbCode& code) {
+double mean_over(std::span<const DescriptorSpan> sequences, const DescriptorRows& query,
+                 size_t frame) {
   double sum = 0;
   size_t count = 0;
-  for (const CodeSpan& sequence : sequences) {
-    for (size_t i = 0; i < sequence.codes.size(); ++i) {
+  for (const DescriptorSpan& sequence : sequences) {
+    for (size_t i = 0; i < sequence.rows.size(); ++i) {
       if (contains(sequence.unreadable, i)) continue;
-      sum += plain_hamming(sequence.codes[i], code);
+      sum += plain_distance(sequence.rows, i, query, frame);
       ++count;
     }
   }
   return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
-std::vector<std::optional<size_t>> plain_schedule(const CodeSpan& query, const ScoreBasis& basis) {
-  std::vector<std::optional<size_t>> learned(query.codes.size());
+std::vector<std::optional<size_t>> plain_schedule(const DescriptorSpan& query,
+                                                  const ScoreBasis& basis) {
+  std::vector<std::optional<size_t>> learned(query.rows.size());
   std::vector<size_t> views;  // every new one, rising
   const double least_change = basis.settings.view_change * basis.typical_distance;
   const size_t lag = basis.settings.lag_views;
-  for (size_t j = 0; j < query.codes.size(); ++j) {
+  for (size_t j = 0; j < query.rows.size(); ++j) {
     if (contains(query.unreadable, j) || !basis.settings.learn) continue;
     const size_t recent = std::min(views.size(), lag);
     const bool is_new =
         std::all_of(views.end() - static_cast<ptrdiff_t>(recent), views.end(), [&](size_t view) {
-          return plain_hamming(query.codes[view], query.codes[j]) >= least_change;
+          return plain_distance(query.rows, view, query.rows, j) >= least_change;
         });
     if (!is_new) continue;
     views.push_back(j);
@@ -67,44 +69,46 @@ struct Sums {
   }
 };
 
-double standardized(double x, const Sums& sums, const StandardizationSettings& settings) {
+double standardized(double x, const Sums& sums, const StandardizationSettings& settings,
+                    uint16_t largest) {
   constexpr double kLimit = static_cast<double>(kScoreBias) / kScoreUnit;
-  const double deviation =
-      settings.divide ? std::max(std::sqrt(std::max(sums.variance, 0.0)), settings.deviation_floor)
-                      : kUnknownDeviation;
+  const double deviation = settings.divide ? std::max(std::sqrt(std::max(sums.variance, 0.0)),
+                                                      deviation_floor(settings, largest))
+                                           : unknown_deviation(largest);
   return std::clamp((x - sums.mean) / deviation, -kLimit, kLimit - 1.0 / kScoreUnit);
 }
 
 }  // namespace
 
-PlainLessons plain_lessons(std::span<const CodeSpan> centred_over, const CodeSpan& query,
-                           const ScoreBasis& basis, const Monitor& monitor) {
+PlainLessons plain_lessons(std::span<const DescriptorSpan> centred_over,
+                           const DescriptorSpan& query, const ScoreBasis& basis,
+                           const Monitor& monitor) {
   PlainLessons lessons;
-  lessons.row_means.assign(query.codes.size(), basis.typical_distance);
+  lessons.row_means.assign(query.rows.size(), basis.typical_distance);
   if (basis.settings.centre)
-    parallel_for(query.codes.size(), monitor,
-                 [&](size_t j) { lessons.row_means[j] = mean_over(centred_over, query.codes[j]); });
+    parallel_for(query.rows.size(), monitor,
+                 [&](size_t j) { lessons.row_means[j] = mean_over(centred_over, query.rows, j); });
   lessons.learned = plain_schedule(query, basis);
   return lessons;
 }
 
-std::vector<double> plain_frame_scores(const LdbCode& train, double bias, double variance,
-                                       std::span<const LdbCode> query, const PlainLessons& lessons,
+std::vector<double> plain_frame_scores(DescriptorRow train, double bias, double variance,
+                                       const DescriptorRows& query, const PlainLessons& lessons,
                                        const ScoreBasis& basis) {
   const StandardizationSettings& settings = basis.settings;
   const double weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
   const double forgetting = basis.offline ? 1 : settings.forgetting;
   Sums sums{weight, weight * bias, weight * (variance + bias * bias), bias, variance};
-  const auto centred = [&](size_t j) {
-    return plain_hamming(train, query[j]) - lessons.row_means[j];
-  };
+  const auto plain = distance_of(query.shape.element).plain;
+  const uint16_t largest = largest_distance(query.shape);
+  const auto centred = [&](size_t j) { return plain(train, query[j]) - lessons.row_means[j]; };
   if (basis.offline)
     for (const auto& view : lessons.learned)
       if (view) sums.add(centred(*view), forgetting);
   std::vector<double> scores;
   for (size_t j = 0; j < query.size(); ++j) {
     if (!basis.offline && lessons.learned[j]) sums.add(centred(*lessons.learned[j]), forgetting);
-    scores.push_back(standardized(centred(j), sums, settings));
+    scores.push_back(standardized(centred(j), sums, settings, largest));
   }
   return scores;
 }

@@ -19,14 +19,15 @@ struct PlainLessons {
 };
 
 /// `centred_over`: all training frames that rows are centred over, with what can't be read.
-PlainLessons plain_lessons(std::span<const CodeSpan> centred_over, const CodeSpan& query,
-                           const ScoreBasis& basis, const Monitor& monitor);
+PlainLessons plain_lessons(std::span<const DescriptorSpan> centred_over,
+                           const DescriptorSpan& query, const ScoreBasis& basis,
+                           const Monitor& monitor);
 
 /// z of every query frame to one training frame, within [-32, 32). W, S1 and S2 are the weight, the
 /// sum and the sum of squares: mean S1 / W, variance S2 / W - mean^2. `bias` and `variance`: what
 /// the training statistics say of the frame.
-std::vector<double> plain_frame_scores(const LdbCode& train, double bias, double variance,
-                                       std::span<const LdbCode> query, const PlainLessons& lessons,
+std::vector<double> plain_frame_scores(DescriptorRow train, double bias, double variance,
+                                       const DescriptorRows& query, const PlainLessons& lessons,
                                        const ScoreBasis& basis);
 
 /// The largest difference of a window's score in fixed point from that in double precision: half a

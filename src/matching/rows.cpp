@@ -13,10 +13,11 @@ std::vector<FrameRun>::const_iterator run_from(const std::vector<FrameRun>& runs
 
 }  // namespace
 
-void emit_row(const TrainCodes& train, size_t window_length, size_t query_end, size_t first,
+void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
               std::span<const uint32_t> sums, const RowConsumer& consume) {
   const size_t end = first + sums.size();
-  for (auto run = run_from(train.runs, first); run != train.runs.end() && run->first < end; ++run) {
+  for (auto run = run_from(frames.train_runs, first);
+       run != frames.train_runs.end() && run->first < end; ++run) {
     const size_t from = std::max(first, run->first + window_length - 1);
     const size_t to = std::min(end, run->first + run->count);
     if (from >= to) continue;
@@ -26,14 +27,14 @@ void emit_row(const TrainCodes& train, size_t window_length, size_t query_end, s
   }
 }
 
-bool any_window_pair(const TrainCodes& train, const QueryCodes& query, size_t window_length) {
-  return count_windows(train.runs, window_length) > 0 &&
-         count_windows(query.runs, window_length) > 0;
+bool any_window_pair(const FrameDistances& frames, size_t window_length) {
+  return count_windows(frames.train_runs, window_length) > 0 &&
+         count_windows(frames.query_runs, window_length) > 0;
 }
 
-bool ends_window(const QueryCodes& query, size_t window_length, size_t frame) {
-  const auto run = run_from(query.runs, frame);
-  return run != query.runs.end() && frame + 1 >= run->first + window_length;
+bool ends_window(const FrameDistances& frames, size_t window_length, size_t frame) {
+  const auto run = run_from(frames.query_runs, frame);
+  return run != frames.query_runs.end() && frame + 1 >= run->first + window_length;
 }
 
 }  // namespace vpr

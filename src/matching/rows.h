@@ -7,13 +7,14 @@
 #include <span>
 
 #include "base/monitor.h"
-#include "matching/codes.h"
-#include "matching/hamming_kernels.h"
+#include "matching/frame_distances.h"
+#include "matching/row_kernels.h"
 
 namespace vpr {
 
-/// Adjacent cells of one row: distances[x] = D(query_window, train_window + x), in bits summed over
-/// the window; of standardized scores, biased sums that order as the scores do (score_kernels.h).
+/// Adjacent cells of one row: distances[x] = D(query_window, train_window + x), the frame distances
+/// of the windows, summed; of standardized scores, biased sums that order as the scores do
+/// (score_kernels.h).
 /// Windows are named by their first frame, train windows within their sequence.
 struct DistanceRow {
   size_t query_window = 0;
@@ -25,6 +26,9 @@ struct DistanceRow {
 /// Called several times for a row, in any order, from several threads at once. Every cell of every
 /// valid window pair arrives exactly once; of an approximate method, some.
 using RowConsumer = std::function<void(const DistanceRow&)>;
+
+/// The same of several window lengths at once: rows of windows of window_lengths[index].
+using LengthRowConsumer = std::function<void(size_t index, const DistanceRow&)>;
 
 /// Of the method `lsh`.
 struct LshSettings {
@@ -47,7 +51,7 @@ struct MatchSettings {
   size_t window_length = 40;  ///< c_l, at least 1, at most kMaxWindowLength
   /// Bytes for rings; beyond, work is done twice instead.
   size_t memory_limit = kDefaultMemoryLimit;
-  HammingKernels kernels;
+  RowKernels kernels;
   LshSettings lsh = {};
   uint64_t seed = 1;  ///< of lsh
 };
@@ -57,13 +61,13 @@ inline constexpr size_t kMaxWindowLength = 1'000'000;
 
 /// Splits sums of windows that *end* at train frames [first, first + sums.size()) at the ends of
 /// the runs and hands the valid ones on. `query_end` is the query window's last frame.
-void emit_row(const TrainCodes& train, size_t window_length, size_t query_end, size_t first,
+void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
               std::span<const uint32_t> sums, const RowConsumer& consume);
 
 /// Whether there is a cell at all.
-bool any_window_pair(const TrainCodes& train, const QueryCodes& query, size_t window_length);
+bool any_window_pair(const FrameDistances& frames, size_t window_length);
 
 /// Whether a valid query window ends at this frame.
-bool ends_window(const QueryCodes& query, size_t window_length, size_t frame);
+bool ends_window(const FrameDistances& frames, size_t window_length, size_t frame);
 
 }  // namespace vpr

@@ -1,7 +1,6 @@
 #include "matching/standardization.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -36,36 +35,24 @@ void check_standardization(const StandardizationSettings& settings) {
           static_cast<double>(settings.lag_views));
 }
 
-float row_offset(const ScoreBasis& basis, const CodeWords& frame) {
-  return static_cast<float>(basis.settings.centre ? mean_distance(basis.bits, frame)
-                                                  : basis.typical_distance);
+double deviation_floor(const StandardizationSettings& settings, uint16_t largest) {
+  return settings.deviation_floor * reference_bit(largest);
 }
 
-uint32_t code_distance(const CodeWords& a, const CodeWords& b) {
-  int distance = 0;
-  uint64_t before = 0;
-  for (size_t w = 0; w < kCodeWords; ++w) {
-    const uint64_t parity = a[w] ^ b[w];
-    distance += std::popcount(parity ^ before);
-    before = parity;
-  }
-  return static_cast<uint32_t>(distance);
+ViewQueue make_view_queue(const StandardizationSettings& settings, double typical_distance) {
+  return {settings.view_change * typical_distance, settings.lag_views, {}};
 }
 
-ViewQueue make_view_queue(const ScoreBasis& basis) {
-  return {basis.settings.view_change * basis.typical_distance, basis.settings.lag_views, {}};
-}
-
-bool is_new_view(const ViewQueue& queue, const CodeWords& frame) {
-  return std::all_of(queue.pending.begin(), queue.pending.end(), [&](const CodeWords& view) {
-    return code_distance(view, frame) >= queue.least_change;
+bool is_new_view(const ViewQueue& queue, const DescriptorRows& rows, size_t frame) {
+  return std::all_of(queue.pending.begin(), queue.pending.end(), [&](size_t view) {
+    return frame_distance(rows, view, frame) >= queue.least_change;
   });
 }
 
-std::optional<CodeWords> push_view(ViewQueue& queue, const CodeWords& view) {
+std::optional<size_t> push_view(ViewQueue& queue, size_t view) {
   queue.pending.push_back(view);
   if (queue.pending.size() <= queue.lag) return std::nullopt;
-  const CodeWords oldest = queue.pending.front();
+  const size_t oldest = queue.pending.front();
   queue.pending.erase(queue.pending.begin());
   return oldest;
 }

@@ -11,15 +11,22 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kChunkFrames = 2048;             // codes of a chunk stay in the second-level cache
+constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the second-level cache
 constexpr size_t kRowStride = kChunkFrames + 32;  // rows must not share cache sets
 
 using Distances = std::array<uint16_t, 2 * kRowStride>;
 
+// What is taken from the distances of a frame: the mean over the training frames, or, for rows that
+// keep theirs, the typical distance.
+float row_offset(const StandardizedState& state, size_t frame) {
+  return static_cast<float>(state.settings.centre ? row_mean(state.distances, frame)
+                                                  : state.typical_distance);
+}
+
 // The weights of what was known and of the new view, and the share of the new one in the sum.
-void teach(StandardizedState& state, const ScoreBasis& basis, const CodeWords& view) {
+void teach(StandardizedState& state, size_t view) {
   state.weight = state.forgetting * state.weight + 1;
-  state.lesson = {view, row_offset(basis, view), static_cast<float>(1 / state.weight)};
+  state.lesson = {view, row_offset(state, view), static_cast<float>(1 / state.weight)};
 }
 
 void learn_chunk(StandardizedState& state, const uint16_t* distances, size_t first, size_t count) {
@@ -27,91 +34,106 @@ void learn_chunk(StandardizedState& state, const uint16_t* distances, size_t fir
                       state.mean.data() + first, state.variance.data() + first, count);
 }
 
-void learn_everywhere(StandardizedState& state, const TrainCodes& train,
-                      const HammingKernels& kernels) {
-  parallel_for((train.frame_count + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
+void learn_everywhere(StandardizedState& state) {
+  const size_t frames = state.distances.train_frames;
+  const auto view = static_cast<uint32_t>(state.lesson->view);
+  parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
     Distances distances;
     const size_t first = chunk * kChunkFrames;
-    const size_t count = std::min(kChunkFrames, train.frame_count - first);
-    kernels.row_distances(state.lesson->view, train.blocks.data() + first / kBlockFrames,
-                          (count + kBlockFrames - 1) / kBlockFrames, distances.data());
+    const size_t count = std::min(kChunkFrames, frames - first);
+    state.distances.tile({&view, 1}, first, first + count, distances.data(), kRowStride);
     learn_chunk(state, distances.data(), first, count);
   });
 }
 
-void learn_query(StandardizedState& state, const TrainCodes& train, const QueryCodes& query,
-                 const ScoreBasis& basis, const HammingKernels& kernels, const Monitor& monitor) {
-  StepCounter counter(monitor, "learn", query.words.size());
-  for (const FrameRun& run : query.runs) {
+void learn_query(StandardizedState& state, const Monitor& monitor) {
+  const DescriptorRows& rows = state.distances.query.rows;
+  StepCounter counter(monitor, "learn", rows.size());
+  for (const FrameRun& run : state.distances.query_runs) {
     for (size_t f = run.first; f < run.first + run.count; ++f) {
       counter.add();
-      if (!is_new_view(state.views, query.words[f])) continue;
-      push_view(state.views, query.words[f]);
-      teach(state, basis, query.words[f]);
-      learn_everywhere(state, train, kernels);
+      if (!is_new_view(state.views, rows, f)) continue;
+      push_view(state.views, f);
+      teach(state, f);
+      learn_everywhere(state);
     }
   }
   state.lesson.reset();
 }
 
-}  // namespace
-
-StandardizedState start_standardized(const TrainCodes& train, const QueryCodes& query,
-                                     const ScoreBasis& basis, const HammingKernels& kernels,
-                                     const Monitor& monitor) {
-  assert(basis.bias.size() == train.frame_count && basis.variance.size() == train.frame_count);
-  const StandardizationSettings& settings = basis.settings;
-  StandardizedState state;
-  state.mean = basis.bias;
-  state.variance = basis.variance;
-  state.views = make_view_queue(basis);
-  state.kernels = select_score_kernels();
-  const auto floor = static_cast<float>(settings.deviation_floor);
-  constexpr auto kUnknown = static_cast<float>(kUnknownDeviation);
-  state.least_variance = settings.divide ? floor * floor : kUnknown * kUnknown;
-  state.most_variance = settings.divide ? std::numeric_limits<float>::max() : kUnknown * kUnknown;
-  state.forgetting = basis.offline ? 1 : settings.forgetting;
-  state.weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
-  if (basis.offline && settings.learn) learn_query(state, train, query, basis, kernels, monitor);
-  return state;
-}
-
-void begin_frame(StandardizedState& state, const ScoreBasis& basis, const CodeWords& frame,
-                 bool is_readable) {
+// Decides what is learned before the frame is scored.
+void begin_frame(StandardizedState& state, size_t frame) {
   state.frame = frame;
-  state.offset = row_offset(basis, frame);
+  state.offset = row_offset(state, frame);
   state.lesson.reset();
-  if (basis.offline || !basis.settings.learn || !is_readable) return;
-  if (!is_new_view(state.views, frame)) return;
-  if (const auto view = push_view(state.views, frame)) teach(state, basis, *view);
+  if (state.offline || !state.settings.learn || state.readable[frame] == 0) return;
+  if (!is_new_view(state.views, state.distances.query.rows, frame)) return;
+  if (const auto view = push_view(state.views, frame)) teach(state, *view);
 }
 
-void score_frames(StandardizedState& state, const TrainCodes& train, const HammingKernels& kernels,
-                  size_t first, size_t last, uint16_t* out) {
-  assert(first % kBlockFrames == 0);
+// Learns these training frames' share of the lesson first.
+void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t* out) {
+  assert(first % kStretchFrames == 0);
+  std::array<uint32_t, 2> queries = {static_cast<uint32_t>(state.frame), 0};
+  if (state.lesson) queries[1] = static_cast<uint32_t>(state.lesson->view);
   Distances distances;
   for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
     const size_t count = std::min(kChunkFrames, last - chunk);
-    const CodeBlock* blocks = train.blocks.data() + chunk / kBlockFrames;
-    const size_t block_count = (count + kBlockFrames - 1) / kBlockFrames;
-    if (state.lesson) {
-      const std::array<CodeWords, 2> words = {state.frame, state.lesson->view};
-      kernels.tile_distances(words.data(), 2, blocks, block_count, distances.data(), kRowStride);
-      learn_chunk(state, distances.data() + kRowStride, chunk, count);
-    } else {
-      kernels.row_distances(state.frame, blocks, block_count, distances.data());
-    }
+    state.distances.tile(std::span(queries).first(state.lesson ? 2 : 1), chunk, chunk + count,
+                         distances.data(), kRowStride);
+    if (state.lesson) learn_chunk(state, distances.data() + kRowStride, chunk, count);
     state.kernels.standardize(distances.data(), state.offset, state.mean.data() + chunk,
                               state.variance.data() + chunk, state.least_variance,
                               state.most_variance, out + (chunk - first), count);
   }
 }
 
-std::vector<uint8_t> readable_frames(const QueryCodes& query) {
-  std::vector<uint8_t> readable(query.words.size(), 0);
-  for (const FrameRun& run : query.runs)
-    std::fill_n(readable.begin() + static_cast<ptrdiff_t>(run.first), run.count, uint8_t{1});
-  return readable;
+}  // namespace
+
+std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
+                                                      const ScoreBasis& basis,
+                                                      const Monitor& monitor) {
+  assert(basis.bias.size() == distances.train_frames);
+  assert(basis.variance.size() == distances.train_frames && !distances.is_in_order());
+  const StandardizationSettings& settings = basis.settings;
+  auto state = std::make_shared<StandardizedState>();
+  state->settings = settings;
+  state->offline = basis.offline;
+  state->typical_distance = basis.typical_distance;
+  state->mean = basis.bias;
+  state->variance = basis.variance;
+  state->views = make_view_queue(settings, basis.typical_distance);
+  state->readable = readable_flags(distances.query_runs, distances.query_frames);
+  state->kernels = select_score_kernels();
+  const auto floor = static_cast<float>(deviation_floor(settings, distances.largest));
+  const auto unknown = static_cast<float>(unknown_deviation(distances.largest));
+  state->least_variance = settings.divide ? floor * floor : unknown * unknown;
+  state->most_variance = settings.divide ? std::numeric_limits<float>::max() : unknown * unknown;
+  state->forgetting = basis.offline ? 1 : settings.forgetting;
+  state->weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
+  state->distances = std::move(distances);
+  if (basis.offline && settings.learn) learn_query(*state, monitor);
+  return state;
+}
+
+FrameDistances standardized(const std::shared_ptr<StandardizedState>& state) {
+  FrameDistances scores = state->distances;
+  scores.largest = std::numeric_limits<uint16_t>::max();
+  scores.unit = {"standard deviations", 1.0 / kScoreUnit};
+  scores.row_total = nullptr;
+  scores.of_query = nullptr;
+  scores.start_row = [state](size_t query) { begin_frame(*state, query); };
+  scores.tile = [state](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
+                        size_t) {
+    assert(queries.size() == 1 && queries.front() == state->frame);
+    score_frames(*state, first, last, out);
+  };
+  return scores;
+}
+
+FrameDistances standardized(FrameDistances distances, const ScoreBasis& basis,
+                            const Monitor& monitor) {
+  return standardized(start_standardized(std::move(distances), basis, monitor));
 }
 
 }  // namespace vpr

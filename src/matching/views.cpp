@@ -6,16 +6,14 @@
 
 namespace vpr {
 
-std::vector<uint32_t> view_starts(std::span<const LdbCode> codes,
-                                  std::span<const size_t> unreadable, double typical_distance) {
-  const StandardizationSettings settings;
-  ViewQueue views{settings.view_change * typical_distance, settings.lag_views, {}};
+std::vector<uint32_t> view_starts(const DescriptorSpan& sequence, double typical_distance) {
+  ViewQueue views = make_view_queue({}, typical_distance);
   std::vector<uint32_t> starts;
-  for (size_t frame = 0; frame < codes.size(); ++frame) {
-    const bool is_readable = !std::binary_search(unreadable.begin(), unreadable.end(), frame);
-    const CodeWords words = code_words(codes[frame]);
-    const bool is_new = is_readable && is_new_view(views, words);
-    if (is_new) push_view(views, words);
+  for (size_t frame = 0; frame < sequence.rows.size(); ++frame) {
+    const auto& gaps = sequence.unreadable;
+    const bool is_readable = !std::binary_search(gaps.begin(), gaps.end(), frame);
+    const bool is_new = is_readable && is_new_view(views, sequence.rows, frame);
+    if (is_new) push_view(views, frame);
     if (is_new || frame == 0) starts.push_back(static_cast<uint32_t>(frame));
   }
   return starts;

@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/step_parts.h"
 #include "base/stopwatch.h"
-#include "matching/bit_counts.h"
 #include "matching/fastable_batch.h"
 #include "matching/views.h"
 #include "pipeline/query_steps.h"
@@ -61,11 +60,11 @@ std::vector<SequenceThreshold> plan_sequences(const SequenceDatabase& database,
                                               const Monitor& monitor) {
   std::vector<SequenceThreshold> planned;
   bool any = false;
-  const std::vector<CodeSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = code_spans(database);
   for (size_t s = 0; s < spans.size(); ++s) {
     SequenceThreshold& sequence = planned.emplace_back();
     sequence.name = database.sequences[s].name;
-    sequence.frames = spans[s].codes.size();
+    sequence.frames = spans[s].rows.size();
     sequence.windows = count_windows(readable_runs(spans[s]), settings.window_length);
     sequence.searched = is_searched(settings, sequence.name);
     if (!sequence.searched) continue;
@@ -118,8 +117,7 @@ void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& d
     SequenceThreshold& sequence = result.sequences[s];
     sequence.scale = automatic_scale(database, settings);
     if (!sequence.searched) continue;
-    const auto automatic =
-        sequence_threshold(database, table, s, settings, resources.kernels, monitor);
+    const auto automatic = sequence_threshold(database, table, s, settings, monitor);
     if (automatic) sequence.threshold = automatic->value;
   }
 }
@@ -128,13 +126,13 @@ void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& d
 void plan_limits(SequenceResult& result, const SequenceDatabase& database,
                  const SequenceCodes& query) {
   const uint64_t length = result.settings.window_length;
-  const std::vector<CodeSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = code_spans(database);
   for (size_t s = 0; s < spans.size(); ++s) {
     SequenceThreshold& sequence = result.sequences[s];
     if (!sequence.threshold) continue;
     if (sequence.scale == ThresholdScale::mean && sequence.searched)
-      set_mean_limits(sequence,
-                      mean_window_distances(count_bits({&spans[s], 1}), query.codes, length));
+      set_mean_limits(sequence, mean_window_distances(
+                                    frame_distances({&spans[s], 1}, {query.codes, {}}), length));
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
@@ -143,11 +141,11 @@ void plan_limits(SequenceResult& result, const SequenceDatabase& database,
 }
 
 // Compares with an exact search of everything.
-SearchRecall measure_recall(const SequenceResult& result, const TrainCodes& train,
-                            const QueryCodes& query, const MatchSettings& match,
-                            const QueryResources& resources, const Monitor& monitor) {
+SearchRecall measure_recall(const SequenceResult& result, const FrameDistances& distances,
+                            const MatchSettings& match, const QueryResources& resources,
+                            const Monitor& monitor) {
   HitScan scan(scan_settings(result, resources));
-  match_fastable(train, query, match, monitor, std::ref(scan));
+  match_fastable(distances, match, monitor, std::ref(scan));
   const HitScanResult exact = scan.result();
   SearchRecall recall;
   recall.hits = exact.hits.size();
@@ -184,9 +182,9 @@ std::optional<ResultViews> find_views(const SequenceDatabase& database,
                                       const SequenceCodes& query) {
   if (!database.statistics) return std::nullopt;
   const double typical = database.statistics->typical_distance;
-  ResultViews views{view_starts(query.codes, query.frames.unreadable, typical), {}};
-  for (const CodeSpan& sequence : code_spans(database))
-    views.train.push_back(view_starts(sequence.codes, sequence.unreadable, typical));
+  ResultViews views{view_starts({query.codes, query.frames.unreadable}, typical), {}};
+  for (const DescriptorSpan& sequence : code_spans(database))
+    views.train.push_back(view_starts(sequence, typical));
   return views;
 }
 
@@ -239,8 +237,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   const SequenceMethod& method = find_sequence_method(result.settings.method);
   const MatchSettings match{result.settings.window_length, resources.memory_limit,
                             resources.kernels, result.settings.lsh, resources.seed};
-  const TrainCodes train = searched_codes(database, result);
-  const QueryCodes query_codes = make_query_codes({query.codes, query.frames.unreadable});
+  FrameDistances distances = searched_distances(database, result, query);
 
   // A relative threshold is known only after all distances were seen once.
   const bool has_two_passes = needs_maxima(result);
@@ -248,27 +245,21 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   Stopwatch watch;
   if (has_two_passes) {
     MaximumScan scan(result.sequences.size(), resources.kernels);
-    method.match(train, query_codes, match, part_of(monitor, "pass", 0, 2), std::ref(scan));
+    method.match(distances, match, part_of(monitor, "pass", 0, 2), std::ref(scan));
     set_relative_limits(result, scan.result());
     run.seconds["maximum"] = watch.elapsed_s();
   }
 
   watch = {};
   HitScan scan(scan_settings(result, resources));
-  CellScan cells(choose_cells(train.runs, query_codes.runs, match.window_length,
+  CellScan cells(choose_cells(distances.train_runs, distances.query_runs, match.window_length,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
-  const size_t length = match.window_length;
-  match_rows(
-      result, database, train, query_codes, {&length, 1}, match, last_pass,
-      [&](const LengthRowConsumer& consume) {
-        method.match(train, query_codes, match, last_pass,
-                     [&](const DistanceRow& row) { consume(0, row); });
-      },
-      [&](size_t, const DistanceRow& row) {
-        scan(row);
-        cells(row);
-        for (const RowConsumer& observe : observers) observe(row);
-      });
+  distances = scored(std::move(distances), result, database, last_pass);
+  method.match(distances, match, last_pass, [&](const DistanceRow& row) {
+    scan(row);
+    cells(row);
+    for (const RowConsumer& observe : observers) observe(row);
+  });
   HitScanResult found = scan.result();
   const std::vector<Cell> verified =
       method.is_exact ? cells.result()
@@ -279,7 +270,7 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
 
   if (!method.is_exact) {
     watch = {};
-    result.recall = measure_recall(result, train, query_codes, match, resources, monitor);
+    result.recall = measure_recall(result, distances, match, resources, monitor);
     run.seconds["recall"] = watch.elapsed_s();
   }
 

@@ -13,7 +13,7 @@ namespace vpr {
 
 /// What does not change the result.
 struct QueryResources {
-  HammingKernels kernels;
+  RowKernels kernels;
   size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and hits
   size_t verify_cells = 0;                    ///< recompute so many cells by definition
   uint64_t seed = 1;                          ///< of their choice

@@ -19,11 +19,13 @@ std::vector<uint32_t> window_limits(const SequenceThreshold& sequence) {
 
 }  // namespace
 
-TrainCodes searched_codes(const SequenceDatabase& database, const SequenceResult& result) {
-  std::vector<CodeSpan> spans = code_spans(database);
-  for (size_t s = 0; s < spans.size(); ++s)
-    if (!result.sequences[s].searched) spans[s] = {};
-  return make_train_codes(spans);
+FrameDistances searched_distances(const SequenceDatabase& database, const SequenceResult& result,
+                                  const SequenceCodes& query) {
+  const std::vector<DescriptorSpan> all = code_spans(database);
+  std::vector<DescriptorSpan> searched = all;
+  for (size_t s = 0; s < searched.size(); ++s)
+    if (!result.sequences[s].searched) searched[s] = {};
+  return frame_distances(searched, {query.codes, query.frames.unreadable}, all);
 }
 
 bool needs_maxima(const SequenceResult& result) {

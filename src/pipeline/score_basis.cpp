@@ -2,20 +2,18 @@
 
 #include "base/error.h"
 #include "matching/distance_statistics.h"
-#include "matching/fastable_standardized.h"
+#include "matching/standardized_frames.h"
 #include "pipeline/train.h"
 #include "recognition/automatic_score.h"
 
 namespace vpr {
 
-void ensure_statistics(SequenceDatabase& database, const HammingKernels& kernels,
-                       const Monitor& monitor) {
+void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
   if (database.statistics) return;
   warn(monitor,
        "the database has no training statistics, which standardized scores start from: computing "
        "them; a database that is trained again holds them");
-  database.statistics =
-      compute_statistics(make_train_codes(code_spans(database)), {}, kernels, monitor);
+  database.statistics = compute_statistics(code_spans(database), {}, monitor);
 }
 
 std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
@@ -26,12 +24,9 @@ std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
     throw Error(ErrorKind::usage,
                 "the database has no training statistics, which standardized scores start from; "
                 "train it again");
-  return ScoreBasis{settings.standardization,
-                    kind.is_offline,
-                    database.statistics->typical_distance,
-                    database.statistics->bias,
-                    database.statistics->variance,
-                    count_bits(code_spans(database))};
+  return ScoreBasis{settings.standardization, kind.is_offline,
+                    database.statistics->typical_distance, database.statistics->bias,
+                    database.statistics->variance};
 }
 
 ThresholdTable closest_windows(const SequenceDatabase& database,
@@ -43,19 +38,14 @@ ThresholdTable closest_windows(const SequenceDatabase& database,
               .closest(code_spans(database), basis ? &*basis : nullptr, match, monitor)};
 }
 
-void match_rows(const SequenceResult& result, const SequenceDatabase& database,
-                const TrainCodes& train, const QueryCodes& query,
-                std::span<const size_t> window_lengths, const MatchSettings& settings,
-                const Monitor& monitor, const RawMatcher& raw, const LengthRowConsumer& consume) {
+FrameDistances scored(FrameDistances distances, const SequenceResult& result,
+                      const SequenceDatabase& database, const Monitor& monitor) {
   const std::optional<ScoreBasis> all = score_basis(database, result.settings);
-  if (!all) {
-    raw(consume);
-    return;
-  }
+  if (!all) return distances;
   std::vector<uint8_t> searched;
   for (const SequenceThreshold& sequence : result.sequences) searched.push_back(sequence.searched);
-  const ScoreBasis basis = basis_of(*all, code_spans(database), searched);
-  match_standardized(train, query, window_lengths, basis, settings, monitor, consume);
+  return standardized(std::move(distances), basis_of(*all, code_spans(database), searched),
+                      monitor);
 }
 
 }  // namespace vpr

@@ -1,16 +1,15 @@
-// What standardized scores of a database start from, and rows of either kind of score.
+// What standardized scores of a database start from, and distances as either score takes them.
 #pragma once
 
 #include "database/sequence_database.h"
-#include "matching/fastable_batch.h"
+#include "matching/standardization.h"
 #include "pipeline/query.h"
 
 namespace vpr {
 
 /// Gives a database of older date the training statistics that it lacks, with default settings, and
 /// says so. Nothing happens to one that has them.
-void ensure_statistics(SequenceDatabase& database, const HammingKernels& kernels,
-                       const Monitor& monitor);
+void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
 /// For all sequences of the database; none for a score that needs no statistics. Throws
 /// Error(usage) if the database has none.
@@ -22,13 +21,9 @@ ThresholdTable closest_windows(const SequenceDatabase& database,
                                const SequenceQuerySettings& settings, const MatchSettings& match,
                                const Monitor& monitor);
 
-/// Matches the rows of a planned result, several window lengths in one pass. Raw distances come
-/// from `raw`, standardized scores of the searched sequences from FastABLE's recurrence.
-/// settings.window_length does not matter to the latter.
-using RawMatcher = std::function<void(const LengthRowConsumer&)>;
-void match_rows(const SequenceResult& result, const SequenceDatabase& database,
-                const TrainCodes& train, const QueryCodes& query,
-                std::span<const size_t> window_lengths, const MatchSettings& settings,
-                const Monitor& monitor, const RawMatcher& raw, const LengthRowConsumer& consume);
+/// The distances of the searched sequences as a planned result scores them: standardized, or as
+/// they are. Throws what score_basis and start_standardized throw.
+FrameDistances scored(FrameDistances distances, const SequenceResult& result,
+                      const SequenceDatabase& database, const Monitor& monitor);
 
 }  // namespace vpr

@@ -111,17 +111,13 @@ std::vector<SequenceCellCounts> sweep_sequences(
   std::vector<LengthSweep> sweeps =
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
   const GroundTruth truth = read_truth(scope_of(sweeps.front().planned.front()));
-  const TrainCodes train = searched_codes(database, sweeps.front().planned.front());
-  const QueryCodes query_codes = make_query_codes({query.codes, query.frames.unreadable});
+  const FrameDistances distances =
+      searched_distances(database, sweeps.front().planned.front(), query);
   const std::vector<size_t> lengths(grid.window_lengths.begin(), grid.window_lengths.end());
   const MatchSettings match{1, resources.memory_limit, resources.kernels};
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
-    match_rows(
-        sweeps.front().planned.front(), database, train, query_codes, lengths, match, monitor,
-        [&](const LengthRowConsumer& rows) {
-          match_fastable_lengths(train, query_codes, lengths, match, monitor, rows);
-        },
-        consume);
+    match_fastable_lengths(scored(distances, sweeps.front().planned.front(), database, monitor),
+                           lengths, match, monitor, consume);
   };
   if (any_relative(sweeps)) {
     for (LengthSweep& sweep : sweeps)

@@ -41,7 +41,7 @@ void append_sequences(SequenceDatabase& database, const std::vector<NamedArgumen
 
 void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
                              const Monitor& monitor) {
-  const std::vector<CodeSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = code_spans(database);
   for (size_t s = 0; s < spans.size(); ++s)
     if (count_windows(readable_runs(spans[s]), window_length) == 0)
       warn(monitor, fmt::format("{}: has no {} readable frames in a row, so it can't be recognised "
@@ -50,7 +50,7 @@ void warn_of_short_sequences(const SequenceDatabase& database, size_t window_len
 }
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
-                    const HammingKernels& kernels, const Monitor& monitor) {
+                    const RowKernels& kernels, const Monitor& monitor) {
   if (is_left_to_queries(code_spans(database))) {
     warn(monitor, fmt::format("the training sequences are long: their automatic t_r is computed "
                               "when a query needs it; vpr-tune threshold DB --c-l {} --write does "
@@ -63,18 +63,16 @@ void add_thresholds(SequenceDatabase& database, size_t window_length, double saf
   warn_of_overlaps(database, database.thresholds.back(), monitor);
 }
 
-void add_typical_distances(SequenceDatabase& database, const HammingKernels& kernels,
-                           const Monitor& monitor) {
-  const std::vector<CodeSpan> spans = code_spans(database);
+void add_typical_distances(SequenceDatabase& database, const Monitor& monitor) {
+  const std::vector<DescriptorSpan> spans = code_spans(database);
   for (size_t s = 0; s < spans.size(); ++s)
     if (!database.sequences[s].typical_distance)
-      database.sequences[s].typical_distance = typical_distance(spans[s], kernels, monitor);
+      database.sequences[s].typical_distance = typical_distance(spans[s], monitor);
 }
 
 void add_statistics(SequenceDatabase& database, const StatisticsSettings& settings,
-                    const HammingKernels& kernels, const Monitor& monitor) {
-  database.statistics =
-      compute_statistics(make_train_codes(code_spans(database)), settings, kernels, monitor);
+                    const Monitor& monitor) {
+  database.statistics = compute_statistics(code_spans(database), settings, monitor);
 }
 
 }  // namespace
@@ -91,8 +89,8 @@ void check_safety_factor(double factor) {
                 fmt::format("the safety factor must be above 0, found {}", factor));
 }
 
-std::vector<CodeSpan> code_spans(const SequenceDatabase& database) {
-  std::vector<CodeSpan> spans;
+std::vector<DescriptorSpan> code_spans(const SequenceDatabase& database) {
+  std::vector<DescriptorSpan> spans;
   std::span<const LdbCode> rest = database.codes.view();
   for (const TrainSequence& sequence : database.sequences) {
     spans.push_back({rest.first(sequence.frame_count()), sequence.unreadable});
@@ -102,18 +100,18 @@ std::vector<CodeSpan> code_spans(const SequenceDatabase& database) {
 }
 
 ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,
-                                  double safety_factor, const HammingKernels& kernels,
+                                  double safety_factor, const RowKernels& kernels,
                                   const Monitor& monitor) {
   const MatchSettings match{window_length, kDefaultMemoryLimit, kernels};
   return {window_length, safety_factor, find_closest_windows(code_spans(database), match, monitor)};
 }
 
-bool is_left_to_queries(std::span<const CodeSpan> sequences) {
+bool is_left_to_queries(std::span<const DescriptorSpan> sequences) {
   uint64_t pairs = 0;
   uint64_t before = 0;
-  for (const CodeSpan& sequence : sequences) {
-    pairs += before * sequence.codes.size();
-    before += sequence.codes.size();
+  for (const DescriptorSpan& sequence : sequences) {
+    pairs += before * sequence.rows.size();
+    before += sequence.rows.size();
   }
   return pairs > kMostPairs;
 }
@@ -121,14 +119,13 @@ bool is_left_to_queries(std::span<const CodeSpan> sequences) {
 std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
                                                      const ThresholdTable& table, size_t sequence,
                                                      SequenceQuerySettings settings,
-                                                     const HammingKernels& kernels,
                                                      const Monitor& monitor) {
-  const CodeSpan span = code_spans(database)[sequence];
+  const DescriptorSpan span = code_spans(database)[sequence];
   if (count_windows(readable_runs(span), table.window_length) == 0) return std::nullopt;
   settings.window_length = table.window_length;
   const auto typical = [&] {
     const auto& stored = database.sequences[sequence].typical_distance;
-    return stored ? *stored : typical_distance(span, kernels, monitor);
+    return stored ? *stored : typical_distance(span, monitor);
   };
   return score_kind(settings.score).automatic(table.closest, sequence, typical, settings);
 }
@@ -146,7 +143,7 @@ void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& ta
 }
 
 void explain_no_hits(const SequenceDatabase& database, size_t window_length,
-                     const HammingKernels& kernels, const Monitor& monitor) {
+                     const RowKernels& kernels, const Monitor& monitor) {
   const ThresholdTable* stored = find_thresholds(database.thresholds, window_length);
   if (stored == nullptr && is_left_to_queries(code_spans(database))) return;
   warn_of_overlaps(database,
@@ -157,36 +154,36 @@ void explain_no_hits(const SequenceDatabase& database, size_t window_length,
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
-                                 const SequenceTrainSettings& settings,
-                                 const HammingKernels& kernels, const Monitor& monitor) {
+                                 const SequenceTrainSettings& settings, const RowKernels& kernels,
+                                 const Monitor& monitor) {
   check_window_length(settings.window_length);
   check_safety_factor(settings.safety_factor);
   SequenceDatabase database;
   database.descriptor = settings.descriptor;
   append_sequences(database, sequences, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
-  add_typical_distances(database, kernels, monitor);
+  add_typical_distances(database, monitor);
   add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
-  add_statistics(database, settings.statistics, kernels, monitor);
+  add_statistics(database, settings.statistics, monitor);
   return database;
 }
 
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
-                               const HammingKernels& kernels, const Monitor& monitor) {
+                               const RowKernels& kernels, const Monitor& monitor) {
   SequenceDatabase extended;
   extended.descriptor = database.descriptor;
   extended.sequences = database.sequences;
   extended.codes.owned.assign(database.codes.view().begin(), database.codes.view().end());
   append_sequences(extended, sequences, skip_unreadable, monitor);
-  add_typical_distances(extended, kernels, monitor);
+  add_typical_distances(extended, monitor);
   for (const ThresholdTable& table : database.thresholds) {
     warn_of_short_sequences(extended, table.window_length, monitor);
     add_thresholds(extended, table.window_length, table.safety_factor, kernels, monitor);
   }
   add_statistics(extended,
                  database.statistics ? database.statistics->settings : StatisticsSettings{},
-                 kernels, monitor);
+                 monitor);
   return extended;
 }
 

@@ -6,8 +6,9 @@
 
 #include "base/monitor.h"
 #include "database/sequence_database.h"
+#include "descriptors/descriptor_rows.h"
 #include "images/sequence.h"
-#include "matching/hamming_kernels.h"
+#include "matching/row_kernels.h"
 #include "recognition/sequence_result.h"
 
 namespace vpr {
@@ -39,19 +40,19 @@ struct NamedArgument {
 /// Error(usage) for settings out of range, and what describe_sequence throws. Warns of overlapping
 /// sequences, and of those shorter than a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
-                                 const SequenceTrainSettings& settings,
-                                 const HammingKernels& kernels, const Monitor& monitor);
+                                 const SequenceTrainSettings& settings, const RowKernels& kernels,
+                                 const Monitor& monitor);
 
 /// The database with more sequences; what it has is not described again. Thresholds are computed
 /// again for every window length that it has them for, and statistics with the settings that it
 /// has. The descriptor is the database's.
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
-                               const HammingKernels& kernels, const Monitor& monitor);
+                               const RowKernels& kernels, const Monitor& monitor);
 
 /// Whether comparing all sequences with each other takes longer than training should (2^32 frame
 /// pairs and more): then thresholds are computed when a query asks for them.
-bool is_left_to_queries(std::span<const CodeSpan> sequences);
+bool is_left_to_queries(std::span<const DescriptorSpan> sequences);
 
 /// The automatic t_r of one sequence, by the score that is set and from the closest windows by this
 /// score; none if the sequence has no window. Its typical distance is the one that the database
@@ -59,7 +60,6 @@ bool is_left_to_queries(std::span<const CodeSpan> sequences);
 std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
                                                      const ThresholdTable& table, size_t sequence,
                                                      SequenceQuerySettings settings,
-                                                     const HammingKernels& kernels,
                                                      const Monitor& monitor);
 
 /// The scale of the automatic t_r of all its sequences.
@@ -73,16 +73,16 @@ void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& ta
 /// Where automatic thresholds give no hits: the same, by the closest windows that the database
 /// holds for this window length, or else computed, unless is_left_to_queries.
 void explain_no_hits(const SequenceDatabase& database, size_t window_length,
-                     const HammingKernels& kernels, const Monitor& monitor);
+                     const RowKernels& kernels, const Monitor& monitor);
 
 /// Closest windows for one window length.
 ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,
-                                  double safety_factor, const HammingKernels& kernels,
+                                  double safety_factor, const RowKernels& kernels,
                                   const Monitor& monitor);
 
 /// Codes and unreadable frames of every sequence, as the matchers take them. They point into the
 /// database.
-std::vector<CodeSpan> code_spans(const SequenceDatabase& database);
+std::vector<DescriptorSpan> code_spans(const SequenceDatabase& database);
 
 /// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.
 void check_window_length(uint64_t window_length);

@@ -77,12 +77,12 @@ std::vector<Cell> choose_found(const HitScanResult& found, size_t count, uint64_
   return chosen;
 }
 
-std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,
-                              std::span<const LdbCode> query, size_t window_length,
+std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
+                              const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor) {
   std::vector<uint32_t> right(cells.size());
   parallel_for(cells.size(), monitor, [&](size_t i) {
-    right[i] = plain_window_distance(train[cells[i].sequence].codes, cells[i].train_window, query,
+    right[i] = plain_window_distance(train[cells[i].sequence].rows, cells[i].train_window, query,
                                      cells[i].query_window, window_length);
   });
   std::vector<Cell> wrong;
@@ -94,27 +94,27 @@ std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeS
   return wrong;
 }
 
-std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const CodeSpan> train,
-                               const CodeSpan& query, size_t window_length, const ScoreBasis& basis,
-                               const Monitor& monitor) {
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
+                               const DescriptorSpan& query, size_t window_length,
+                               const ScoreBasis& basis, const Monitor& monitor) {
   const PlainLessons lessons = plain_lessons(train, query, basis, monitor);
   std::vector<size_t> first_frame;
   size_t frames = 0;
-  for (const CodeSpan& sequence : train) {
+  for (const DescriptorSpan& sequence : train) {
     first_frame.push_back(frames);
-    frames += sequence.codes.size();
+    frames += sequence.rows.size();
   }
   std::vector<double> right(cells.size(), 0);
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const Cell& cell = cells[c];
     // Only an offline score depends on frames behind the window.
-    const size_t known = basis.offline ? query.codes.size() : cell.query_window + window_length;
+    const size_t known = basis.offline ? query.rows.size() : cell.query_window + window_length;
     for (size_t k = 0; k < window_length; ++k) {
       const size_t i = cell.train_window + k;
       const size_t frame = first_frame[cell.sequence] + i;
-      right[c] += plain_frame_scores(train[cell.sequence].codes[i], basis.bias[frame],
-                                     basis.variance[frame], query.codes.first(known), lessons,
-                                     basis)[cell.query_window + k];
+      right[c] +=
+          plain_frame_scores(train[cell.sequence].rows[i], basis.bias[frame], basis.variance[frame],
+                             query.rows.first(known), lessons, basis)[cell.query_window + k];
     }
   });
   std::vector<Cell> wrong;

@@ -22,15 +22,15 @@ std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
 std::vector<Cell> choose_found(const HitScanResult& found, size_t count, uint64_t seed);
 
 /// The cells whose distance is not that of the plain scalar definition, with the right distance.
-std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const CodeSpan> train,
-                              std::span<const LdbCode> query, size_t window_length,
+std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
+                              const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor);
 
 /// The same for standardized scores, as biased sums: the cells that are farther than
 /// score_tolerance from the plain oracle, with its score rounded to fixed point. `basis`: of all
 /// sequences.
-std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const CodeSpan> train,
-                               const CodeSpan& query, size_t window_length, const ScoreBasis& basis,
-                               const Monitor& monitor);
+std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
+                               const DescriptorSpan& query, size_t window_length,
+                               const ScoreBasis& basis, const Monitor& monitor);
 
 }  // namespace vpr

@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "base/step_parts.h"
-#include "matching/fastable_standardized.h"
+#include "matching/fastable_batch.h"
+#include "matching/standardized_frames.h"
 #include "recognition/elsewhere.h"
 
 namespace vpr {
@@ -14,43 +15,39 @@ namespace {
 constexpr double kSpread = 5.5;
 
 // One sequence as the query, against all others.
-void compare_with_others(std::span<const CodeSpan> sequences, size_t own, const ScoreBasis& basis,
-                         const MatchSettings& settings, const Monitor& monitor,
-                         ClosestTable& table) {
-  std::vector<CodeSpan> others(sequences.begin(), sequences.end());
+void compare_with_others(std::span<const DescriptorSpan> sequences, size_t own,
+                         const ScoreBasis& basis, const MatchSettings& settings,
+                         const Monitor& monitor, ClosestTable& table) {
+  std::vector<DescriptorSpan> others(sequences.begin(), sequences.end());
   std::vector<uint8_t> keep(sequences.size(), 1);
   others[own] = {};
   keep[own] = 0;
-  ScoreBasis rest = basis_of(basis, sequences, keep);
-  rest.bits = without(basis.bits, count_bits(sequences.subspan(own, 1)));
-  const HammingKernels& kernels = settings.kernels;
-  match_standardized(
-      make_train_codes(others), make_query_codes(sequences[own]), {&settings.window_length, 1},
-      rest, settings, monitor, [&](size_t, const DistanceRow& row) {
-        const uint32_t* scores = row.distances.data();
-        const size_t count = row.distances.size();
-        const uint32_t least = kernels.minimum(scores, count);
-        const size_t first = kernels.find_below(scores, 0, count, least + 1);
-        keep_closer(table[row.sequence], {least, row.train_window + first, own, row.query_window});
-      });
+  const FrameDistances others_scored = standardized(frame_distances(others, sequences[own]),
+                                                    basis_of(basis, sequences, keep), monitor);
+  const RowKernels& kernels = settings.kernels;
+  match_fastable(others_scored, settings, monitor, [&](const DistanceRow& row) {
+    const uint32_t* scores = row.distances.data();
+    const size_t count = row.distances.size();
+    const uint32_t least = kernels.minimum(scores, count);
+    const size_t first = kernels.find_below(scores, 0, count, least + 1);
+    keep_closer(table[row.sequence], {least, row.train_window + first, own, row.query_window});
+  });
 }
 
-std::optional<ClosestWindows> closest_of_own(const CodeSpan& walk, const ScoreBasis& basis,
+std::optional<ClosestWindows> closest_of_own(const DescriptorSpan& walk, const ScoreBasis& basis,
                                              const MatchSettings& settings,
                                              const Monitor& monitor) {
-  const TrainCodes train = make_train_codes({&walk, 1});
   return closest_elsewhere(
       walk, settings.window_length, settings.kernels,
-      [&](const QueryCodes& query, const RowConsumer& consume) {
-        match_standardized(train, query, {&settings.window_length, 1}, basis, settings, monitor,
-                           [&](size_t, const DistanceRow& row) { consume(row); });
+      [&](const FrameDistances& distances, const RowConsumer& consume) {
+        match_fastable(standardized(distances, basis, monitor), settings, monitor, consume);
       },
       monitor);
 }
 
 }  // namespace
 
-ClosestTable find_closest_scores(std::span<const CodeSpan> sequences, const ScoreBasis& basis,
+ClosestTable find_closest_scores(std::span<const DescriptorSpan> sequences, const ScoreBasis& basis,
                                  const MatchSettings& settings, const Monitor& monitor) {
   if (sequences.size() == 1) return {closest_of_own(sequences[0], basis, settings, monitor)};
   ClosestTable table(sequences.size());
@@ -71,14 +68,14 @@ AutomaticThreshold automatic_score_threshold(const std::optional<ClosestWindows>
   return {std::min(found, most) - margin, ThresholdScale::mean_z, !closest || most < found};
 }
 
-ScoreBasis basis_of(const ScoreBasis& all, std::span<const CodeSpan> sequences,
+ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
                     const std::vector<uint8_t>& keep) {
   ScoreBasis basis = all;
   basis.bias.clear();
   basis.variance.clear();
   ptrdiff_t first = 0;
   for (size_t s = 0; s < sequences.size(); ++s) {
-    const auto end = first + static_cast<ptrdiff_t>(sequences[s].codes.size());
+    const auto end = first + static_cast<ptrdiff_t>(sequences[s].rows.size());
     if (keep[s] != 0) {
       basis.bias.insert(basis.bias.end(), all.bias.begin() + first, all.bias.begin() + end);
       basis.variance.insert(basis.variance.end(), all.variance.begin() + first,

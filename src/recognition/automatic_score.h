@@ -14,11 +14,10 @@ namespace vpr {
 /// data count. Of a single sequence: closest_elsewhere, itself being the query.
 /// ClosestWindows::distance is a biased sum (matching/score_kernels.h). `basis`: of all sequences
 /// together. Ties: smallest own window, then sequence, then window. One entry a sequence, none
-/// where there are no such windows. Throws what match_standardized throws.
-std::vector<std::optional<ClosestWindows>> find_closest_scores(std::span<const CodeSpan> sequences,
-                                                               const ScoreBasis& basis,
-                                                               const MatchSettings& settings,
-                                                               const Monitor& monitor);
+/// where there are no such windows. Throws what match_in_order throws.
+std::vector<std::optional<ClosestWindows>> find_closest_scores(
+    std::span<const DescriptorSpan> sequences, const ScoreBasis& basis,
+    const MatchSettings& settings, const Monitor& monitor);
 
 /// What no automatic t_r is above, as a mean z: -5.5 / sqrt(c_l).
 double largest_score_threshold(size_t window_length);
@@ -28,9 +27,8 @@ double largest_score_threshold(size_t window_length);
 AutomaticThreshold automatic_score_threshold(const std::optional<ClosestWindows>& closest,
                                              size_t window_length, double margin);
 
-/// The basis for the sequences that are left when those whose `keep` is false have no codes. Rows
-/// are still centred over what basis.bits counted.
-ScoreBasis basis_of(const ScoreBasis& all, std::span<const CodeSpan> sequences,
+/// The basis for the sequences that are left when those whose `keep` is false have no frames.
+ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
                     const std::vector<uint8_t>& keep);
 
 }  // namespace vpr

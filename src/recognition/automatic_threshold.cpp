@@ -23,13 +23,12 @@ constexpr double kMeanSpread = 0.8;
 constexpr uint64_t kTypicalSamples = 1000;
 
 // One sequence against all later ones: every pair of sequences is met once.
-void compare_with_later(std::span<const CodeSpan> sequences, size_t own,
+void compare_with_later(std::span<const DescriptorSpan> sequences, size_t own,
                         const MatchSettings& settings, const Monitor& monitor,
                         ClosestTable& table) {
-  const TrainCodes later = make_train_codes(sequences.subspan(own + 1));
-  const QueryCodes query = make_query_codes(sequences[own]);
+  const FrameDistances later = frame_distances(sequences.subspan(own + 1), sequences[own]);
   oneapi::tbb::enumerable_thread_specific<ClosestTable> locals(ClosestTable(sequences.size()));
-  match_fastable(later, query, settings, monitor, [&](const DistanceRow& row) {
+  match_fastable(later, settings, monitor, [&](const DistanceRow& row) {
     const size_t other = own + 1 + row.sequence;
     const uint32_t* distances = row.distances.data();
     const size_t count = row.distances.size();
@@ -48,13 +47,13 @@ void compare_with_later(std::span<const CodeSpan> sequences, size_t own,
       if (local[s]) keep_closer(table[s], *local[s]);
 }
 
-std::optional<ClosestWindows> closest_of_own(const CodeSpan& walk, const MatchSettings& settings,
+std::optional<ClosestWindows> closest_of_own(const DescriptorSpan& walk,
+                                             const MatchSettings& settings,
                                              const Monitor& monitor) {
-  const TrainCodes train = make_train_codes({&walk, 1});
   return closest_elsewhere(
       walk, settings.window_length, settings.kernels,
-      [&](const QueryCodes& query, const RowConsumer& consume) {
-        match_fastable(train, query, settings, monitor, consume);
+      [&](const FrameDistances& distances, const RowConsumer& consume) {
+        match_fastable(distances, settings, monitor, consume);
       },
       monitor);
 }
@@ -68,7 +67,7 @@ void keep_closer(std::optional<ClosestWindows>& kept, const ClosestWindows& cand
   if (!kept || key(candidate) < key(*kept)) kept = candidate;
 }
 
-ClosestTable find_closest_windows(std::span<const CodeSpan> sequences,
+ClosestTable find_closest_windows(std::span<const DescriptorSpan> sequences,
                                   const MatchSettings& settings, const Monitor& monitor) {
   if (sequences.size() == 1) return {closest_of_own(sequences[0], settings, monitor)};
   ClosestTable table(sequences.size());
@@ -102,12 +101,10 @@ AutomaticThreshold own_threshold(const std::optional<ClosestWindows>& closest,
   return {std::min(found, most) * safety_factor, ThresholdScale::mean, !closest || most < found};
 }
 
-double typical_distance(const CodeSpan& sequence, const HammingKernels& kernels,
-                        const Monitor& monitor) {
+double typical_distance(const DescriptorSpan& sequence, const Monitor& monitor) {
   StatisticsSettings settings;
   settings.samples = kTypicalSamples;
-  return compute_statistics(make_train_codes({&sequence, 1}), settings, kernels, monitor)
-      .typical_distance;
+  return compute_statistics({&sequence, 1}, settings, monitor).typical_distance;
 }
 
 }  // namespace vpr

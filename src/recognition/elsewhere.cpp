@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <tuple>
 
-#include "matching/bit_counts.h"
-#include "matching/standardization.h"
 #include "recognition/row_scan.h"
 
 namespace vpr {
@@ -45,7 +43,7 @@ void hand_on_far(const DistanceRow& row, size_t gap, const RowConsumer& consume)
   hand_on(from, end);
 }
 
-std::vector<size_t> unreadable_within(const CodeSpan& walk, const Stretch& stretch) {
+std::vector<size_t> unreadable_within(const DescriptorSpan& walk, const Stretch& stretch) {
   std::vector<size_t> frames;
   for (const size_t frame : walk.unreadable)
     if (frame >= stretch.first && frame < stretch.first + stretch.count)
@@ -53,18 +51,12 @@ std::vector<size_t> unreadable_within(const CodeSpan& walk, const Stretch& stret
   return frames;
 }
 
-std::vector<uint8_t> readable_flags(const CodeSpan& walk) {
-  std::vector<uint8_t> readable(walk.codes.size(), 1);
-  for (const size_t frame : walk.unreadable) readable[frame] = 0;
-  return readable;
-}
-
 }  // namespace
 
-size_t half_width(const CodeSpan& walk, const Monitor& monitor) {
-  const size_t frames = walk.codes.size();
-  const double half = mean_distance_within(count_bits({&walk, 1})) / 2;
-  const std::vector<uint8_t> readable = readable_flags(walk);
+size_t half_width(const DescriptorSpan& walk, const Monitor& monitor) {
+  const size_t frames = walk.rows.size();
+  const double half = mean_distance_within(frame_distances({&walk, 1}, walk)) / 2;
+  const std::vector<uint8_t> readable = readable_flags(readable_runs(walk), frames);
   const size_t step = std::max<size_t>(1, frames / kSampledFrames);
   for (size_t apart = 1; apart < frames; ++apart) {
     check_stop(monitor);
@@ -72,7 +64,7 @@ size_t half_width(const CodeSpan& walk, const Monitor& monitor) {
     uint64_t count = 0;
     for (size_t i = 0; i + apart < frames; i += step) {
       if (readable[i] == 0 || readable[i + apart] == 0) continue;
-      sum += code_distance(code_words(walk.codes[i]), code_words(walk.codes[i + apart]));
+      sum += frame_distance(walk.rows, i, i + apart);
       ++count;
     }
     if (count > 0 && static_cast<double>(sum) >= half * static_cast<double>(count)) return apart;
@@ -80,21 +72,20 @@ size_t half_width(const CodeSpan& walk, const Monitor& monitor) {
   return std::max<size_t>(frames, 1);
 }
 
-std::optional<ClosestWindows> closest_elsewhere(const CodeSpan& walk, size_t window_length,
-                                                const HammingKernels& kernels,
-                                                const WalkMatcher& match, const Monitor& monitor,
-                                                size_t most_pairs) {
-  const size_t frames = walk.codes.size();
+std::optional<ClosestWindows> closest_elsewhere(const DescriptorSpan& walk, size_t window_length,
+                                                const RowKernels& kernels, const WalkMatcher& match,
+                                                const Monitor& monitor, size_t most_pairs) {
+  const size_t frames = walk.rows.size();
   if (frames < window_length) return std::nullopt;
   const size_t windows = frames - window_length + 1;
   const size_t gap = half_width(walk, monitor) + window_length;
   if (gap >= windows) return std::nullopt;
+  const FrameDistances own = frame_distances({&walk, 1}, {walk.rows.first(0), {}});
   HitScan scan({{0}, windows, 0, kernels});  // no hits: only what is closest to each window
   for (const Stretch& stretch : choose_stretches(frames, window_length, most_pairs)) {
     const std::vector<size_t> unreadable = unreadable_within(walk, stretch);
-    const QueryCodes query =
-        make_query_codes({walk.codes.subspan(stretch.first, stretch.count), unreadable});
-    match(query, [&](DistanceRow row) {
+    const DescriptorSpan query{walk.rows.subspan(stretch.first, stretch.count), unreadable};
+    match(own.of_query(query), [&](DistanceRow row) {
       row.query_window += stretch.first;
       hand_on_far(row, gap, std::ref(scan));
     });

@@ -13,10 +13,11 @@ namespace vpr {
 /// After how many frames a walk shows another place: the smallest k for which frames k apart differ
 /// by at least half of what two of its frames differ by on average. From every frame, or 10 000
 /// spread over a longer walk. The number of frames where no k is large enough; at least 1.
-size_t half_width(const CodeSpan& walk, const Monitor& monitor = {});
+size_t half_width(const DescriptorSpan& walk, const Monitor& monitor = {});
 
-/// Gives the rows of a query against the whole walk, as RowConsumer says.
-using WalkMatcher = std::function<void(const QueryCodes& query, const RowConsumer& consume)>;
+/// Matches frames of the walk with the whole of it, as RowConsumer says.
+using WalkMatcher =
+    std::function<void(const FrameDistances& distances, const RowConsumer& consume)>;
 
 /// Window pairs of longer walks are compared for stretches of it only, evenly spread.
 inline constexpr size_t kMostOwnPairs = size_t{1} << 31;
@@ -27,9 +28,9 @@ inline constexpr size_t kMostOwnPairs = size_t{1} << 31;
 /// where no two windows are that far apart. ClosestWindows::other_sequence is 0. Nothing of size
 /// n x n is kept; a walk of more than most_pairs window pairs is compared in stretches of 1000
 /// frames, or two windows, each a query of its own.
-std::optional<ClosestWindows> closest_elsewhere(const CodeSpan& walk, size_t window_length,
-                                                const HammingKernels& kernels,
-                                                const WalkMatcher& match, const Monitor& monitor,
+std::optional<ClosestWindows> closest_elsewhere(const DescriptorSpan& walk, size_t window_length,
+                                                const RowKernels& kernels, const WalkMatcher& match,
+                                                const Monitor& monitor,
                                                 size_t most_pairs = kMostOwnPairs);
 
 }  // namespace vpr

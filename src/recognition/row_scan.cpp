@@ -38,7 +38,7 @@ struct MaximumScan::Threads {
   oneapi::tbb::enumerable_thread_specific<std::vector<uint32_t>> maxima;
 };
 
-MaximumScan::MaximumScan(size_t sequences, const HammingKernels& kernels)
+MaximumScan::MaximumScan(size_t sequences, const RowKernels& kernels)
     : sequences_(sequences),
       kernels_(kernels),
       threads_(new Threads{decltype(Threads::maxima)(std::vector<uint32_t>(sequences, 0))}) {}
@@ -86,7 +86,7 @@ void HitScan::operator()(const DistanceRow& row) {
   }
   const uint32_t* distances = row.distances.data();
   const size_t count = row.distances.size();
-  const HammingKernels& kernels = settings_.kernels;
+  const RowKernels& kernels = settings_.kernels;
   const uint32_t least = kernels.minimum(distances, count);
   Cell& best = local.best[row.query_window];
   if (least <= best.distance) {

@@ -23,7 +23,7 @@ struct Cell {
 /// The largest distance of each training sequence; 0 for one without windows, or if no row came.
 class MaximumScan {
  public:
-  MaximumScan(size_t sequences, const HammingKernels& kernels);
+  MaximumScan(size_t sequences, const RowKernels& kernels);
   ~MaximumScan();
   void operator()(const DistanceRow& row);
   std::vector<uint32_t> result() const;
@@ -31,7 +31,7 @@ class MaximumScan {
  private:
   struct Threads;
   size_t sequences_;
-  HammingKernels kernels_;
+  RowKernels kernels_;
   std::unique_ptr<Threads> threads_;
 };
 
@@ -39,7 +39,7 @@ struct HitScanSettings {
   std::vector<uint32_t> limits;  ///< per sequence: a cell with distance < limit is a hit
   size_t query_windows = 0;
   size_t max_hits = 0;  ///< more throw Error(usage)
-  HammingKernels kernels;
+  RowKernels kernels;
   /// By sequence; of those that are not empty, one for each query window instead of `limits`.
   std::vector<std::vector<uint32_t>> window_limits = {};
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "base/counted.h"
-#include "matching/bit_counts.h"
 
 namespace vpr {
 namespace {
@@ -72,9 +71,7 @@ bool is_same_place(double bits_a_frame, double mean_distance, size_t window_leng
 
 std::optional<std::string> overlap_warning(const ThresholdTable& table,
                                            std::span<const TrainSequence> sequences,
-                                           std::span<const CodeSpan> spans) {
-  std::vector<BitCounts> counts;
-  for (const CodeSpan& span : spans) counts.push_back(count_bits({&span, 1}));
+                                           std::span<const DescriptorSpan> spans) {
   std::vector<Overlap> overlaps;
   std::set<std::pair<size_t, size_t>> named;
   for (size_t s = 0; s < table.closest.size(); ++s) {
@@ -82,8 +79,8 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
     const size_t other = table.closest[s]->other_sequence;
     const double bits =
         static_cast<double>(table.closest[s]->distance) / static_cast<double>(table.window_length);
-    const double mean = s == other ? mean_distance_within(counts[s])
-                                   : mean_distance_between(counts[s], counts[other]);
+    const FrameDistances between = frame_distances(spans.subspan(s, 1), spans[other]);
+    const double mean = s == other ? mean_distance_within(between) : mean_distance_between(between);
     if (!is_same_place(bits, mean, table.window_length, s == other ? kOwnDepth : kPairDepth))
       continue;
     if (named.insert(std::minmax(s, other)).second) overlaps.push_back({s, bits, mean});

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "database/sequence_database.h"
-#include "matching/codes.h"
+#include "matching/frame_distances.h"
 
 namespace vpr {
 
@@ -27,6 +27,6 @@ bool is_same_place(double bits_a_frame, double mean_distance, size_t window_leng
 /// each window.
 std::optional<std::string> overlap_warning(const ThresholdTable& table,
                                            std::span<const TrainSequence> sequences,
-                                           std::span<const CodeSpan> spans);
+                                           std::span<const DescriptorSpan> spans);
 
 }  // namespace vpr

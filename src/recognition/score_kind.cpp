@@ -84,12 +84,12 @@ double bits_a_frame(uint32_t sum, size_t window_length) {
   return static_cast<double>(sum) / static_cast<double>(window_length);
 }
 
-ClosestTable closest_distances(std::span<const CodeSpan> sequences, const ScoreBasis*,
+ClosestTable closest_distances(std::span<const DescriptorSpan> sequences, const ScoreBasis*,
                                const MatchSettings& match, const Monitor& monitor) {
   return find_closest_windows(sequences, match, monitor);
 }
 
-ClosestTable closest_scores(std::span<const CodeSpan> sequences, const ScoreBasis* basis,
+ClosestTable closest_scores(std::span<const DescriptorSpan> sequences, const ScoreBasis* basis,
                             const MatchSettings& match, const Monitor& monitor) {
   return find_closest_scores(sequences, *basis, match, monitor);
 }

@@ -42,7 +42,7 @@ struct ScoreKind {
 
   /// How close training sequences come to each other, by this score. `basis` is there where
   /// needs_statistics is true. ClosestWindows::distance is a sum as rows hold it.
-  ClosestTable (*closest)(std::span<const CodeSpan> sequences, const ScoreBasis* basis,
+  ClosestTable (*closest)(std::span<const DescriptorSpan> sequences, const ScoreBasis* basis,
                           const MatchSettings& match, const Monitor& monitor);
 
   /// The automatic t_r of a sequence that has a window, from the closest windows of all. settings:

@@ -58,7 +58,7 @@ TEST_CASE("a window that does not fit is left out, and said") {
 
 TEST_CASE("nothing is timed where a distance is wrong") {
   const auto train = generate_walk(100, 1);
-  HammingKernels broken = select_kernels();
+  RowKernels broken = select_kernels();
   broken.slide = [](const uint32_t* before, const uint16_t* entering, const uint16_t*,
                     uint32_t* after, size_t count) {
     for (size_t i = count; i-- > 0;) after[i] = before[i] + entering[i];  // nothing leaves

@@ -62,13 +62,13 @@ TEST_CASE("Hamming distances of the corridor are those of two independent progra
   const auto matrix = file.values<uint16_t>(2);
   const std::vector<LdbCode> query = describe_folder(*corridor / "query");
   const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
-  const CodeSpan span{train, {}};
-  const TrainCodes codes = make_train_codes(std::span(&span, 1));
-  std::vector<uint16_t> row(codes.blocks.size() * kBlockFrames);
-  for (const HammingKernels& kernels : test::all_kernels()) {
-    for (size_t q = 0; q < query.size(); ++q) {
-      kernels.row_distances(code_words(query[q]), codes.blocks.data(), codes.blocks.size(),
-                            row.data());
+  const DescriptorSpan span{train, {}};
+  std::vector<uint16_t> row(train.size() + kStretchFrames);
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    const FrameDistances distances = frame_distances({&span, 1}, {query, {}});
+    for (uint32_t q = 0; q < query.size(); ++q) {
+      distances.tile({&q, 1}, 0, train.size(), row.data(), 0);
       for (size_t t = 0; t < train.size(); ++t) REQUIRE(row[t] == matrix[q * train.size() + t]);
     }
   }

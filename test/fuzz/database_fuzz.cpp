@@ -38,7 +38,7 @@ void query_sequences(const std::filesystem::path& folder) {
   query.frames.names.resize(query.codes.size());
   QueryResources resources;
   resources.kernels = select_kernels();
-  ensure_statistics(database, resources.kernels, {});
+  ensure_statistics(database, {});
   for (const Score score : {Score::raw, Score::standardized}) {
     SequenceQuerySettings settings;
     settings.window_length = 2;

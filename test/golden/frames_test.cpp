@@ -64,7 +64,7 @@ SequenceDatabase make_database() {
     const std::vector<LdbCode> codes = describe(walk);
     database.codes.owned.insert(database.codes.owned.end(), codes.begin(), codes.end());
   }
-  ensure_statistics(database, select_kernels(), {});
+  ensure_statistics(database, {});
   return database;
 }
 

@@ -3,8 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "base/simd.h"
-#include "matching/hamming_kernels.h"
+#include "matching/frame_distances.h"
 #include "matching/plain.h"
 #include "support.h"
 
@@ -29,18 +28,18 @@ TEST_CASE("every SIMD target counts as the plain distance does") {
   queries.push_back(train[13]);
   queries.emplace_back().fill(0xff);  // padding bits set: counted too
   queries.emplace_back().fill(0);
-  const CodeSpan span{train, {}};
-  const TrainCodes codes = make_train_codes(std::span(&span, 1));
-  REQUIRE(codes.blocks.size() == 4);
-  const QueryCodes query = make_query_codes({queries, {}});
-  for (const HammingKernels& kernels : test::all_kernels()) {
-    INFO(kernels.target);
+  const DescriptorSpan span{train, {}};
+  const std::vector<uint32_t> all = {0, 1, 2, 3, 4, 5, 6, 7};
+  REQUIRE(queries.size() == all.size());
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    INFO(target);
+    const FrameDistances distances = frame_distances({&span, 1}, {queries, {}});
     std::vector<uint16_t> tile(queries.size() * 40, 0xffff);
-    kernels.tile_distances(query.words.data(), queries.size(), codes.blocks.data(), 4, tile.data(),
-                           40);
-    for (size_t q = 0; q < queries.size(); ++q) {
+    distances.tile(all, 0, 29, tile.data(), 40);
+    for (const uint32_t q : all) {
       std::vector<uint16_t> row(32, 0xffff);
-      kernels.row_distances(query.words[q], codes.blocks.data(), 4, row.data());
+      distances.tile({&q, 1}, 0, 29, row.data(), 0);
       for (size_t i = 0; i < train.size(); ++i) {
         REQUIRE(row[i] == plain_hamming(train[i], queries[q]));
         REQUIRE(tile[q * 40 + i] == row[i]);
@@ -52,7 +51,9 @@ TEST_CASE("every SIMD target counts as the plain distance does") {
 
 TEST_CASE("every SIMD target slides, adds and searches as a loop does, for any count") {
   RandomEngine engine(3);
-  for (const HammingKernels& kernels : test::all_kernels()) {
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    const RowKernels kernels = select_kernels();
     INFO(kernels.target);
     for (size_t count = 0; count < 70; ++count) {
       std::vector<uint32_t> before(count);
@@ -91,7 +92,9 @@ TEST_CASE("every SIMD target slides, adds and searches as a loop does, for any c
 
 TEST_CASE("comparisons are unsigned") {
   const std::vector<uint32_t> values(20, 0x80000001U);
-  for (const HammingKernels& kernels : test::all_kernels()) {
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    const RowKernels kernels = select_kernels();
     CHECK(kernels.find_below(values.data(), 0, 20, 0x80000001U) == 20);
     CHECK(kernels.find_below(values.data(), 0, 20, 0x80000002U) == 0);
     CHECK(kernels.find_below(values.data(), 0, 20, 5) == 20);
@@ -103,4 +106,51 @@ TEST_CASE("an unknown SIMD target is refused with the choices") {
   const std::string text = test::error_text([] { use_simd_target("AVX9"); });
   for (const std::string& target : simd_targets()) CHECK(text.find(target) != std::string::npos);
   CHECK(select_kernels().target == simd_targets().front());
+}
+
+TEST_CASE("codes of any length count as the plain distance does, in any stretch and order") {
+  RandomEngine engine(4);
+  for (const size_t bits : {1, 63, 64, 65, 256, 1344, 1408, 1409, 8191, 65472}) {
+    const DescriptorShape shape{ElementType::bits, bits};
+    const auto codes_of = [&](size_t count) {
+      std::vector<uint8_t> bytes(count * shape.row_bytes(), 0);
+      for (size_t i = 0; i < count; ++i)
+        for (size_t bit = 0; bit < bits; ++bit)
+          if ((engine() & 1) != 0)
+            bytes[i * shape.row_bytes() + bit / 8] |= static_cast<uint8_t>(1 << bit % 8);
+      return bytes;
+    };
+    const std::vector<uint8_t> train = codes_of(21);
+    std::vector<uint8_t> query = codes_of(4);
+    std::copy_n(train.begin(), shape.row_bytes(), query.begin());
+    const DescriptorSpan span{{shape, train}, {}};
+    const DescriptorSpan asked{{shape, query}, {}};
+    CHECK(largest_distance(shape) == bits);
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << bits << " bits");
+      const FrameDistances distances = frame_distances({&span, 1}, asked);
+      const std::vector<uint32_t> order = {3, 0, 2};
+      std::vector<uint16_t> tile(order.size() * 16, 0xffff);
+      distances.tile(order, 8, 21, tile.data(), 16);
+      for (size_t t = 0; t < order.size(); ++t) {
+        for (size_t i = 8; i < 21; ++i) {
+          const uint32_t expected = plain_hamming(span.rows[i], asked.rows[order[t]]);
+          REQUIRE(tile[t * 16 + i - 8] == expected);
+          REQUIRE(hamming_distance(span.rows[i], asked.rows[order[t]]) == expected);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("descriptors that can't be compared are refused") {
+  const std::vector<uint8_t> bytes(8192, 0);
+  const DescriptorSpan train{{{ElementType::bits, 64}, std::span(bytes).first(16)}, {}};
+  const DescriptorSpan other{{{ElementType::bits, 128}, std::span(bytes).first(16)}, {}};
+  CHECK(test::error_text([&] {
+          frame_distances({&train, 1}, other);
+        }) == "descriptors of 64 and of 128 elements can't be compared");
+  const DescriptorSpan longest{{{ElementType::bits, 65473}, bytes}, {}};
+  CHECK(test::error_kind([&] { frame_distances({&longest, 1}, longest); }) == ErrorKind::data);
 }

@@ -46,14 +46,14 @@ Cells by_definition(const Example& example, size_t length) {
 
 Cells by_method(const Example& example, const SequenceMethod& method,
                 const MatchSettings& settings) {
-  std::vector<CodeSpan> spans;
+  std::vector<DescriptorSpan> spans;
   for (size_t s = 0; s < example.train.size(); ++s)
     spans.push_back({example.train[s], example.train_unreadable[s]});
   Cells cells;
   std::mutex mutex;
   method.match(
-      make_train_codes(spans), make_query_codes({example.query, example.query_unreadable}),
-      settings, {}, [&](const DistanceRow& row) {
+      frame_distances(spans, {example.query, example.query_unreadable}), settings, {},
+      [&](const DistanceRow& row) {
         const std::lock_guard lock(mutex);
         for (size_t x = 0; x < row.distances.size(); ++x)
           REQUIRE(cells
@@ -74,7 +74,7 @@ Example make_example(const std::vector<size_t>& train_frames, size_t query_frame
   return example;
 }
 
-void check_all_methods(const Example& example, size_t length, const HammingKernels& kernels) {
+void check_all_methods(const Example& example, size_t length, const RowKernels& kernels) {
   const Cells expected = by_definition(example, length);
   for (const SequenceMethod& method : sequence_methods()) {
     if (!method.is_exact) continue;
@@ -124,8 +124,11 @@ TEST_CASE("subtracting the window's own first term, as the published program doe
 
 TEST_CASE("every method gives the definition for every window length, on every SIMD target") {
   const Example example = make_example({37}, 29, 1);
-  for (const HammingKernels& kernels : test::all_kernels())
-    for (size_t length = 1; length <= 38; ++length) check_all_methods(example, length, kernels);
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    for (size_t length = 1; length <= 38; ++length)
+      check_all_methods(example, length, select_kernels());
+  }
 }
 
 TEST_CASE("windows never cross the end of a sequence, nor an unreadable frame") {
@@ -133,8 +136,11 @@ TEST_CASE("windows never cross the end of a sequence, nor an unreadable frame") 
   example.train_unreadable[2] = {0, 7, 8, 19};
   example.train_unreadable[5] = {15};
   example.query_unreadable = {4, 22};
-  for (const HammingKernels& kernels : test::all_kernels())
-    for (size_t length = 1; length <= 21; ++length) check_all_methods(example, length, kernels);
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    for (size_t length = 1; length <= 21; ++length)
+      check_all_methods(example, length, select_kernels());
+  }
 }
 
 TEST_CASE("one frame against one frame") {
@@ -162,9 +168,8 @@ TEST_CASE("a database that is shared between threads online gives the definition
   // More than the 65536 frames from which two threads share a row.
   const std::vector<LdbCode> train = test::walk_codes(70'001, 5);
   const std::vector<LdbCode> query = test::walk_codes(40, 6);
-  const CodeSpan span{train, {}};
-  const TrainCodes codes = make_train_codes(std::span(&span, 1));
-  const QueryCodes query_codes = make_query_codes({query, {}});
+  const DescriptorSpan span{train, {}};
+  const FrameDistances distances = frame_distances({&span, 1}, {query, {}});
   for (const size_t length : {1, 3, 30}) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       size_t cells = 0;
@@ -177,7 +182,7 @@ TEST_CASE("a database that is shared between threads online gives the definition
                                                              row.query_window, length));
       };
       find_sequence_method("fastable-online")
-          .match(codes, query_codes, {length, memory, select_kernels()}, {}, check);
+          .match(distances, {length, memory, select_kernels()}, {}, check);
       CHECK(cells > 0);
     }
   }
@@ -188,15 +193,15 @@ TEST_CASE("several window lengths in one pass give the rows of each alone") {
   example.train_unreadable[0] = {100};
   example.query_unreadable = {70};
   const std::vector<size_t> lengths = {5, 1, 40, 12, 40, 149};
-  std::vector<CodeSpan> spans;
+  std::vector<DescriptorSpan> spans;
   for (size_t s = 0; s < example.train.size(); ++s)
     spans.push_back({example.train[s], example.train_unreadable[s]});
   for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
     std::vector<Cells> cells(lengths.size());
     std::mutex mutex;
     match_fastable_lengths(
-        make_train_codes(spans), make_query_codes({example.query, example.query_unreadable}),
-        lengths, {1, memory, select_kernels()}, {}, [&](size_t l, const DistanceRow& row) {
+        frame_distances(spans, {example.query, example.query_unreadable}), lengths,
+        {1, memory, select_kernels()}, {}, [&](size_t l, const DistanceRow& row) {
           const std::lock_guard lock(mutex);
           for (size_t x = 0; x < row.distances.size(); ++x)
             REQUIRE(cells[l]

@@ -12,9 +12,10 @@
 #include "base/random.h"
 #include "base/simd.h"
 #include "matching/distance_statistics.h"
-#include "matching/fastable_standardized.h"
+#include "matching/fastable_batch.h"
 #include "matching/plain.h"
 #include "matching/plain_standardized.h"
+#include "matching/standardized_frames.h"
 #include "support.h"
 
 using namespace vpr;
@@ -30,8 +31,8 @@ struct Example {
   std::vector<LdbCode> query;
   std::vector<size_t> query_unreadable;
 
-  std::vector<CodeSpan> spans() const {
-    std::vector<CodeSpan> all;
+  std::vector<DescriptorSpan> spans() const {
+    std::vector<DescriptorSpan> all;
     for (size_t s = 0; s < train.size(); ++s) all.push_back({train[s], train_unreadable[s]});
     return all;
   }
@@ -49,21 +50,21 @@ Example make_example(const std::vector<size_t>& train_frames, size_t query_frame
 
 ScoreBasis make_basis(const Example& example, const StandardizationSettings& settings = {},
                       bool offline = false) {
-  const std::vector<CodeSpan> spans = example.spans();
-  const TrainStatistics statistics =
-      compute_statistics(make_train_codes(spans), {}, select_kernels(), {});
-  return {
-      settings,         offline, statistics.typical_distance, statistics.bias, statistics.variance,
-      count_bits(spans)};
+  const std::vector<DescriptorSpan> spans = example.spans();
+  const TrainStatistics statistics = compute_statistics(spans, {}, {});
+  return {settings, offline, statistics.typical_distance, statistics.bias, statistics.variance};
+}
+
+FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
+  return standardized(frame_distances(example.spans(), {example.query, example.query_unreadable}),
+                      basis, {});
 }
 
 Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length) {
-  const std::vector<CodeSpan> spans = example.spans();
   Cells cells;
-  match_standardized(
-      make_train_codes(spans), make_query_codes({example.query, example.query_unreadable}),
-      {&length, 1}, basis, {length, size_t{1} << 30, select_kernels()}, {},
-      [&](size_t, const DistanceRow& row) {
+  match_fastable(
+      scores_of(example, basis), {length, size_t{1} << 30, select_kernels()}, {},
+      [&](const DistanceRow& row) {
         for (size_t x = 0; x < row.distances.size(); ++x)
           REQUIRE(cells
                       .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
@@ -79,7 +80,7 @@ double score(uint32_t biased, size_t length) {
 
 // Every fast cell against the oracle. Returns how far the worst is off, in units a frame.
 double check_against_oracle(const Example& example, const ScoreBasis& basis, size_t length) {
-  const std::vector<CodeSpan> spans = example.spans();
+  const std::vector<DescriptorSpan> spans = example.spans();
   const PlainLessons lessons =
       plain_lessons(spans, {example.query, example.query_unreadable}, basis, {});
   std::vector<std::vector<std::vector<double>>> plain(example.train.size());
@@ -103,8 +104,8 @@ double check_against_oracle(const Example& example, const ScoreBasis& basis, siz
 }
 
 size_t window_pairs(const Example& example, size_t length) {
-  return count_windows(make_train_codes(example.spans()).runs, length) *
-         count_windows(make_query_codes({example.query, example.query_unreadable}).runs, length);
+  return count_windows(readable_runs(example.spans()), length) *
+         count_windows(readable_runs({example.query, example.query_unreadable}), length);
 }
 
 std::vector<LdbCode> slow_walk(size_t count, uint64_t seed) {
@@ -216,13 +217,12 @@ TEST_CASE("a database that is shared between threads gives the same scores") {
       own.offline = offline;
       Cells sampled;
       const size_t length = 6;
-      match_standardized(make_train_codes(example.spans()), make_query_codes({example.query, {}}),
-                         {&length, 1}, own, {length, size_t{1} << 30, select_kernels()}, {},
-                         [&](size_t, const DistanceRow& row) {
-                           for (size_t x = 0; x < row.distances.size(); x += 97)
-                             sampled[{row.query_window + (offline ? 1000 : 0), row.sequence,
-                                      row.train_window + x}] = row.distances[x];
-                         });
+      match_fastable(scores_of(example, own), {length, size_t{1} << 30, select_kernels()}, {},
+                     [&](const DistanceRow& row) {
+                       for (size_t x = 0; x < row.distances.size(); x += 97)
+                         sampled[{row.query_window + (offline ? 1000 : 0), row.sequence,
+                                  row.train_window + x}] = row.distances[x];
+                     });
       if (threads == 1)
         expected.merge(sampled);
       else
@@ -253,10 +253,9 @@ TEST_CASE("several window lengths in one pass give the scores of each alone") {
   const std::vector<size_t> lengths = {5, 1, 40, 5, 149};
   const ScoreBasis basis = make_basis(example);
   std::vector<Cells> cells(lengths.size());
-  match_standardized(
-      make_train_codes(example.spans()),
-      make_query_codes({example.query, example.query_unreadable}), lengths, basis,
-      {1, size_t{1} << 30, select_kernels()}, {}, [&](size_t l, const DistanceRow& row) {
+  match_fastable_lengths(
+      scores_of(example, basis), lengths, {1, size_t{1} << 30, select_kernels()}, {},
+      [&](size_t l, const DistanceRow& row) {
         for (size_t x = 0; x < row.distances.size(); ++x)
           cells[l][{row.query_window, row.sequence, row.train_window + x}] = row.distances[x];
       });
@@ -268,7 +267,7 @@ TEST_CASE("one training sequence of three frames, and a query of one frame") {
   for (const size_t query_frames : {1, 2, 30}) {
     const Example example = make_example({3}, query_frames, 7);
     const ScoreBasis basis = make_basis(example);
-    CHECK(basis.typical_distance == kUnknownDistance);
+    CHECK(basis.typical_distance == 400);
     for (const bool offline : {false, true}) {
       const ScoreBasis own = make_basis(example, {}, offline);
       for (const size_t length : {1, 3}) {
@@ -343,9 +342,8 @@ TEST_CASE("a memory limit that has no room for the ring is said") {
   const Example example = make_example({100}, 20, 1);
   const size_t length = 5;
   const auto match = [&](size_t memory, size_t c_l) {
-    match_standardized(make_train_codes(example.spans()), make_query_codes({example.query, {}}),
-                       {&c_l, 1}, make_basis(example), {c_l, memory, select_kernels()}, {},
-                       [](size_t, const DistanceRow&) {});
+    match_fastable(scores_of(example, make_basis(example)), {c_l, memory, select_kernels()}, {},
+                   [](const DistanceRow&) {});
   };
   CHECK_FALSE(test::error_kind([&] { match(2 * 104 * (length + 1), length); }));
   CHECK(test::error_kind([&] { match(2 * 104 * (length + 1) - 1, length); }) == ErrorKind::usage);
@@ -372,8 +370,8 @@ TEST_CASE("settings of standardized scores out of range are refused") {
 TEST_CASE("learning a whole query says how far it is, and stops when asked to") {
   const Example example = make_example({40, 30}, 50, 3);
   const ScoreBasis basis = make_basis(example, {}, true);
-  const TrainCodes train = make_train_codes(example.spans());
-  const QueryCodes query = make_query_codes({example.query, {}});
+  const std::vector<DescriptorSpan> spans = example.spans();
+  const FrameDistances distances = frame_distances(spans, {example.query, {}});
   size_t learned = 0;
   Monitor monitor;
   monitor.progress = [&](const std::string& step, size_t done, size_t total) {
@@ -381,11 +379,10 @@ TEST_CASE("learning a whole query says how far it is, and stops when asked to") 
     CHECK(total == 50);
     learned = std::max(learned, done);
   };
-  start_standardized(train, query, basis, select_kernels(), monitor);
+  start_standardized(distances, basis, monitor);
   CHECK(learned == 50);
   const std::atomic<bool> stop{true};
   monitor.stop = &stop;
-  CHECK(test::error_kind([&] {
-          start_standardized(train, query, basis, select_kernels(), monitor);
-        }) == ErrorKind::interrupted);
+  CHECK(test::error_kind([&] { start_standardized(distances, basis, monitor); }) ==
+        ErrorKind::interrupted);
 }

@@ -211,11 +211,11 @@ TEST_CASE("long walks are left to the queries that ask") {
   const auto walks = [&](size_t frames) {
     static std::vector<LdbCode> many;
     many.assign(frames, codes[0]);
-    return std::vector<CodeSpan>(3, CodeSpan{many, {}});
+    return std::vector<DescriptorSpan>(3, DescriptorSpan{many, {}});
   };
   CHECK_FALSE(is_left_to_queries(walks(30'000)));  // 2.7 billion pairs
   CHECK(is_left_to_queries(walks(40'000)));
-  CHECK_FALSE(is_left_to_queries(std::vector<CodeSpan>(1, walks(100'000)[0])));
+  CHECK_FALSE(is_left_to_queries(std::vector<DescriptorSpan>(1, walks(100'000)[0])));
 }
 
 TEST_CASE("a search can be limited to sequences, whose indices stay those of the database") {
@@ -289,7 +289,7 @@ TEST_CASE("chosen cells are different, valid, and the same for a seed") {
 TEST_CASE("a wrong cell is found") {
   const std::vector<LdbCode> train = test::random_codes(10, 1);
   const std::vector<LdbCode> query = test::random_codes(10, 2);
-  const CodeSpan span{train, {}};
+  const DescriptorSpan span{train, {}};
   const uint32_t right = plain_window_distance(train, 3, query, 2, 4);
   const std::vector<Cell> cells = {{2, 0, 3, right}, {2, 0, 4, 1}};
   const auto wrong = wrong_cells(cells, std::span(&span, 1), query, 4, {});

@@ -28,7 +28,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
     database.codes.owned.insert(database.codes.owned.end(), sequences[s].begin(),
                                 sequences[s].end());
   }
-  ensure_statistics(database, select_kernels(), {});
+  ensure_statistics(database, {});
   return database;
 }
 
@@ -180,14 +180,14 @@ TEST_CASE("statistics that a database lacks are computed, and said") {
   std::vector<std::string> warnings;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
-  ensure_statistics(database, select_kernels(), monitor);
+  ensure_statistics(database, monitor);
   CHECK(warnings.empty());
   database.statistics.reset();
   SequenceQuerySettings settings = scored_settings(4);
   settings.distance_threshold = 0;
   const SequenceCodes query = make_query(test::walk_codes(40, 4));
   CHECK(test::error_kind([&] { query_all(database, query, settings); }) == ErrorKind::usage);
-  ensure_statistics(database, select_kernels(), monitor);
+  ensure_statistics(database, monitor);
   CHECK(warnings.size() == 1);
   CHECK(database.statistics == stored);
 }

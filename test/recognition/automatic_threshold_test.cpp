@@ -12,8 +12,8 @@ namespace {
 
 using Sequences = std::vector<std::vector<LdbCode>>;
 
-std::vector<CodeSpan> spans_of(const Sequences& sequences) {
-  std::vector<CodeSpan> spans;
+std::vector<DescriptorSpan> spans_of(const Sequences& sequences) {
+  std::vector<DescriptorSpan> spans;
   for (const auto& codes : sequences) spans.push_back({codes, {}});
   return spans;
 }
@@ -44,7 +44,9 @@ TEST_CASE("the closest windows are those of all against all others") {
   std::copy_n(sequences[0].begin() + 4, 8, sequences[3].begin() + 20);  // ties at distance 0
   for (const size_t threads : {1, 3}) {
     const ThreadLimit limit(threads);
-    for (const HammingKernels& kernels : test::all_kernels()) {
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      const RowKernels kernels = select_kernels();
       for (const size_t length : {1, 4, 8, 26, 41}) {
         const auto found =
             find_closest_windows(spans_of(sequences), {length, size_t{1} << 30, kernels}, {});
@@ -100,5 +102,5 @@ TEST_CASE("the typical distance is that of frames of one sequence that are no ne
       }
     mean += sum / static_cast<double>(count) / static_cast<double>(walk.size());
   }
-  CHECK(typical_distance({walk, {}}, select_kernels(), {}) == Approx(mean));
+  CHECK(typical_distance({walk, {}}, {}) == Approx(mean));
 }

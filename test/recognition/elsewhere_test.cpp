@@ -15,20 +15,20 @@ using namespace vpr;
 
 namespace {
 
-bool can_read(const CodeSpan& walk, size_t frame) {
+bool can_read(const DescriptorSpan& walk, size_t frame) {
   return !std::binary_search(walk.unreadable.begin(), walk.unreadable.end(), frame);
 }
 
 // Means over all pairs of readable frames, and over those k apart.
-size_t slow_half_width(const CodeSpan& walk) {
-  const size_t frames = walk.codes.size();
+size_t slow_half_width(const DescriptorSpan& walk) {
+  const size_t frames = walk.rows.size();
   const auto mean = [&](const auto& is_pair) {
     double sum = 0;
     double count = 0;
     for (size_t i = 0; i < frames; ++i)
       for (size_t j = i + 1; j < frames; ++j) {
         if (!can_read(walk, i) || !can_read(walk, j) || !is_pair(i, j)) continue;
-        sum += plain_hamming(walk.codes[i], walk.codes[j]);
+        sum += plain_hamming(walk.rows[i], walk.rows[j]);
         ++count;
       }
     return count == 0 ? -1 : sum / count;
@@ -39,8 +39,8 @@ size_t slow_half_width(const CodeSpan& walk) {
   return frames;
 }
 
-std::optional<ClosestWindows> slow_elsewhere(const CodeSpan& walk, size_t length) {
-  const size_t windows = walk.codes.size() < length ? 0 : walk.codes.size() - length + 1;
+std::optional<ClosestWindows> slow_elsewhere(const DescriptorSpan& walk, size_t length) {
+  const size_t windows = walk.rows.size() < length ? 0 : walk.rows.size() - length + 1;
   const size_t gap = slow_half_width(walk) + length;
   const auto fits = [&](size_t window) {
     for (size_t f = window; f < window + length; ++f)
@@ -52,7 +52,7 @@ std::optional<ClosestWindows> slow_elsewhere(const CodeSpan& walk, size_t length
     std::optional<ClosestWindows> own;
     for (size_t i = 0; i < windows; ++i) {
       if (!fits(j) || !fits(i) || std::max(i, j) - std::min(i, j) < gap) continue;
-      const uint32_t d = plain_window_distance(walk.codes, i, walk.codes, j, length);
+      const uint32_t d = plain_window_distance(walk.rows, i, walk.rows, j, length);
       if (!own || d < own->distance) own = ClosestWindows{d, j, 0, i};
     }
     if (own) closest.push_back(*own);
@@ -63,14 +63,13 @@ std::optional<ClosestWindows> slow_elsewhere(const CodeSpan& walk, size_t length
   return closest[(closest.size() - 1) / 5];
 }
 
-std::optional<ClosestWindows> find_elsewhere(const CodeSpan& walk, size_t length,
+std::optional<ClosestWindows> find_elsewhere(const DescriptorSpan& walk, size_t length,
                                              size_t most_pairs = kMostOwnPairs) {
   const MatchSettings settings{length, size_t{1} << 30, select_kernels()};
-  const TrainCodes train = make_train_codes({&walk, 1});
   return closest_elsewhere(
       walk, length, settings.kernels,
-      [&](const QueryCodes& query, const RowConsumer& consume) {
-        match_fastable(train, query, settings, {}, consume);
+      [&](const FrameDistances& distances, const RowConsumer& consume) {
+        match_fastable(distances, settings, {}, consume);
       },
       {}, most_pairs);
 }
@@ -123,7 +122,7 @@ TEST_CASE("stretches that cover a walk give what the whole walk gives") {
 
 TEST_CASE("a single sequence has the automatic threshold of its own windows") {
   const std::vector<LdbCode> walk = test::walk_codes(60, 1, 120);
-  const CodeSpan span{walk, {}};
+  const DescriptorSpan span{walk, {}};
   const auto found = find_closest_windows({&span, 1}, {6, size_t{1} << 30, select_kernels()}, {});
   REQUIRE(found.size() == 1);
   CHECK(same(found[0], slow_elsewhere(span, 6)));

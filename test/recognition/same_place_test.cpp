@@ -5,7 +5,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "matching/bit_counts.h"
 #include "recognition/automatic_threshold.h"
 #include "support.h"
 
@@ -21,7 +20,7 @@ TrainSequence named(const std::string& name, size_t frames) {
 }
 
 std::string warning_of(const std::vector<std::vector<LdbCode>>& walks, size_t length) {
-  std::vector<CodeSpan> spans;
+  std::vector<DescriptorSpan> spans;
   std::vector<TrainSequence> sequences;
   for (const auto& walk : walks) {
     spans.push_back({walk, {}});
@@ -39,17 +38,18 @@ TEST_CASE("mean distances of sets of codes come from counted bits") {
   std::vector<LdbCode> codes(3, LdbCode{});
   codes[0][0] = 3;
   codes[1][0] = 1;
-  const CodeSpan first{std::span(codes).first(1), {}};
-  const CodeSpan rest{std::span(codes).subspan(1), {}};
-  CHECK(mean_distance_between(count_bits({&first, 1}), count_bits({&rest, 1})) == 1.5);
-  const CodeSpan all{codes, {}};
-  CHECK(mean_distance_within(count_bits({&all, 1})) == Approx(4 / 3.0));
-  CHECK(mean_distance_within(count_bits({&first, 1})) == 0);
+  const DescriptorSpan all{codes, {}};
+  const DescriptorSpan first{all.rows.first(1), {}};
+  const DescriptorSpan rest{all.rows.subspan(1, 2), {}};
+  CHECK(mean_distance_between(frame_distances({&first, 1}, rest)) == 1.5);
+  CHECK(mean_distance_between(frame_distances({&first, 1}, {})) == 0);
+  const FrameDistances within = frame_distances({&all, 1}, all);
+  CHECK(mean_distance_within(within) == Approx(4 / 3.0));
+  CHECK(mean_distance_within(frame_distances({&first, 1}, first)) == 0);
   // The codes differ from all three by 3, 2 and 3 bits together.
-  CHECK(mean_window_distances(count_bits({&all, 1}), codes, 2) ==
-        std::vector<double>{(3 + 2) / 3.0, (2 + 3) / 3.0});
-  CHECK(mean_window_distances(count_bits({}), codes, 3) == std::vector<double>{0});
-  CHECK(mean_window_distances(count_bits({&all, 1}), codes, 4).empty());
+  CHECK(mean_window_distances(within, 2) == std::vector<double>{(3 + 2) / 3.0, (2 + 3) / 3.0});
+  CHECK(mean_window_distances(frame_distances({}, all), 3) == std::vector<double>{0});
+  CHECK(mean_window_distances(within, 4).empty());
 }
 
 TEST_CASE("a diagonal is too close for chance the sooner the longer it is") {

@@ -1,0 +1,66 @@
+// Frame descriptors of any kind as rows of bytes, the way they are stored and compared.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "descriptors/ldb.h"
+
+namespace vpr {
+
+/// What a descriptor is made of: bits, or signed whole numbers of 8 bits.
+enum class ElementType { bits, whole_numbers };
+
+/// Of what, and of how many, every descriptor of a kind consists.
+struct DescriptorShape {
+  ElementType element = ElementType::bits;
+  size_t length = kLdbBits;  ///< bits or whole numbers; at least 1
+
+  bool operator==(const DescriptorShape&) const = default;
+
+  /// Bytes of a row. Bit b is in byte b / 8, least significant first, and bits are padded with
+  /// zeros to whole words of 64; a whole number is a byte.
+  constexpr size_t row_bytes() const {
+    return element == ElementType::bits ? (length + 63) / 64 * 8 : length;
+  }
+};
+
+inline constexpr DescriptorShape kLdbShape = {ElementType::bits, kLdbBits};
+static_assert(kLdbShape.row_bytes() == kLdbBytes && sizeof(LdbCode) == kLdbBytes);
+
+/// The descriptor of one frame: row_bytes() bytes.
+using DescriptorRow = std::span<const uint8_t>;
+
+/// The descriptors of frames in a row, one after the other. The bytes are somebody else's.
+struct DescriptorRows {
+  DescriptorShape shape = kLdbShape;
+  std::span<const uint8_t> bytes;  ///< size() * shape.row_bytes()
+
+  DescriptorRows() = default;
+  DescriptorRows(const DescriptorShape& of, std::span<const uint8_t> all) : shape(of), bytes(all) {}
+  /// LDB codes are rows of bits.
+  DescriptorRows(std::span<const LdbCode> codes)
+      : bytes(reinterpret_cast<const uint8_t*>(codes.data()), codes.size_bytes()) {}
+  DescriptorRows(const std::vector<LdbCode>& codes) : DescriptorRows(std::span(codes)) {}
+
+  size_t size() const { return bytes.size() / shape.row_bytes(); }
+  bool empty() const { return bytes.empty(); }
+  DescriptorRow operator[](size_t frame) const {
+    return bytes.subspan(frame * shape.row_bytes(), shape.row_bytes());
+  }
+  DescriptorRows subspan(size_t first, size_t count) const {
+    return {shape, bytes.subspan(first * shape.row_bytes(), count * shape.row_bytes())};
+  }
+  DescriptorRows first(size_t count) const { return subspan(0, count); }
+};
+
+/// The frames of one sequence as matchers take them: their descriptors, and which of them could not
+/// be read. Both are somebody else's.
+struct DescriptorSpan {
+  DescriptorRows rows;
+  std::span<const size_t> unreadable;  ///< rising
+};
+
+}  // namespace vpr

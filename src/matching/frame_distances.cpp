@@ -1,0 +1,123 @@
+#include "matching/frame_distances.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "matching/plain.h"
+
+namespace vpr {
+namespace {
+
+constexpr std::array<DistanceKind, 1> kKinds = {{
+    {"hamming",
+     ElementType::bits,
+     {"bits", 1},
+     largest_hamming,
+     hamming_distance,
+     plain_hamming,
+     hamming_distances},
+}};
+
+void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorShape& shape) {
+  for (const DescriptorSpan& sequence : sequences)
+    if (!sequence.rows.empty() && sequence.rows.shape != shape)
+      throw Error(ErrorKind::data,
+                  fmt::format("descriptors of {} and of {} elements can't be compared",
+                              sequence.rows.shape.length, shape.length));
+}
+
+// Summed over all pairs; below 2^64 for sets of less than 100 million frames of 1386 bits.
+uint64_t total_of_pairs(const FrameDistances& distances) {
+  uint64_t sum = 0;
+  for (const FrameRun& run : distances.query_runs)
+    for (size_t frame = run.first; frame < run.first + run.count; ++frame)
+      sum += distances.row_total(frame);
+  return sum;
+}
+
+}  // namespace
+
+std::span<const DistanceKind> distance_kinds() { return kKinds; }
+
+const DistanceKind& distance_of(ElementType element) {
+  const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
+                                 [&](const DistanceKind& row) { return row.element == element; });
+  assert(kind != kKinds.end());
+  return *kind;
+}
+
+FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
+  return frame_distances(train, query, train);
+}
+
+FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                               std::span<const DescriptorSpan> centred_over) {
+  check_shapes(train, query.rows.shape);
+  check_shapes(centred_over, query.rows.shape);
+  return distance_of(query.rows.shape.element).make(train, query, centred_over);
+}
+
+FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                                 std::span<const DescriptorSpan> centred_over) {
+  FrameDistances distances;
+  distances.largest = largest_distance(query.rows.shape);
+  distances.unit = distance_of(query.rows.shape.element).unit;
+  distances.train.assign(train.begin(), train.end());
+  distances.query = query;
+  distances.train_frames = count_frames(train);
+  distances.query_frames = query.rows.size();
+  distances.train_runs = readable_runs(train);
+  distances.query_runs = readable_runs(query);
+  distances.centred_frames = count_windows(readable_runs(centred_over), 1);
+  return distances;
+}
+
+uint16_t largest_distance(const DescriptorShape& shape) {
+  return distance_of(shape.element).largest(shape);
+}
+
+uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b) {
+  return distance_of(rows.shape.element).pair(rows[a], rows[b]);
+}
+
+double row_mean(const FrameDistances& distances, size_t query) {
+  if (distances.centred_frames == 0) return 0;
+  return static_cast<double>(distances.row_total(query)) /
+         static_cast<double>(distances.centred_frames);
+}
+
+std::vector<double> mean_window_distances(const FrameDistances& distances, size_t window_length) {
+  if (distances.query_frames < window_length) return {};
+  std::vector<double> means(distances.query_frames - window_length + 1, 0);
+  if (distances.centred_frames == 0) return means;
+  std::vector<uint64_t> totals(distances.query_frames);
+  for (size_t frame = 0; frame < totals.size(); ++frame) totals[frame] = distances.row_total(frame);
+  uint64_t sum = std::accumulate(
+      totals.begin(), totals.begin() + static_cast<ptrdiff_t>(window_length - 1), uint64_t{0});
+  for (size_t window = 0; window < means.size(); ++window) {
+    sum += totals[window + window_length - 1];
+    means[window] = static_cast<double>(sum) / static_cast<double>(distances.centred_frames);
+    sum -= totals[window];
+  }
+  return means;
+}
+
+double mean_distance_between(const FrameDistances& distances) {
+  const size_t queries = count_windows(distances.query_runs, 1);
+  if (queries == 0 || distances.centred_frames == 0) return 0;
+  return static_cast<double>(total_of_pairs(distances)) /
+         (static_cast<double>(distances.centred_frames) * static_cast<double>(queries));
+}
+
+double mean_distance_within(const FrameDistances& own) {
+  const auto frames = static_cast<double>(own.centred_frames);
+  if (own.centred_frames < 2) return 0;
+  return static_cast<double>(total_of_pairs(own)) / (frames * (frames - 1));
+}
+
+}  // namespace vpr

@@ -1,0 +1,124 @@
+// How far query frames are from training frames: whole numbers, whatever frames are described by.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "matching/frame_runs.h"
+
+namespace vpr {
+
+/// Stretches of training frames begin at multiples of this many frames, and are written in whole.
+inline constexpr size_t kStretchFrames = 8;
+
+/// What a distance of 1 is, as in "2/65535 of a cosine distance".
+struct DistanceUnit {
+  std::string_view name;
+  double size = 1;
+};
+
+/// Frame distances, from 0 to `largest`, between any frame of a query and any stretch of training
+/// frames; smaller is closer. They come tile by tile, with one indirect call a tile. Descriptors
+/// must outlive them. Makers fill all members; what decorates distances replaces those that it
+/// changes.
+struct FrameDistances {
+  std::vector<DescriptorSpan> train;  ///< the training sequences, as given
+  DescriptorSpan query;
+  size_t train_frames = 0;  ///< of all sequences, one after the other
+  size_t query_frames = 0;
+  std::vector<FrameRun> train_runs;  ///< where windows may lie, rising
+  std::vector<FrameRun> query_runs;
+  uint16_t largest = 0;
+  DistanceUnit unit;
+
+  /// Writes the distances of queries[t] to training frames [first, last) to out[t * stride] and on.
+  /// `first` is a multiple of kStretchFrames; up to kStretchFrames - 1 more values may be written
+  /// behind each row, and `out` has room for them. May be called from several threads at once.
+  std::function<void(std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
+                     size_t stride)>
+      tile;
+
+  /// The sum of a query frame's distances to the readable frames that rows are centred over. Exact
+  /// for bits; of cosine distances, rounded once.
+  std::function<uint64_t(size_t query)> row_total;
+  size_t centred_frames = 0;  ///< how many those frames are
+
+  /// Distances that depend on the frames before: called with a query frame before its row, whose
+  /// stretches are then asked for once each. Query frames come in order. Not set where any tile can
+  /// be asked for at any time.
+  std::function<void(size_t query)> start_row;
+
+  /// The distances of another query to the same training frames, which are not prepared again. Not
+  /// set where they come in order.
+  std::function<FrameDistances(const DescriptorSpan& query)> of_query;
+
+  bool is_in_order() const { return static_cast<bool>(start_row); }
+};
+
+/// A row of the table of distances: what two descriptors of an element type are compared by.
+struct DistanceKind {
+  std::string_view name;
+  ElementType element;
+  DistanceUnit unit;
+  uint16_t (*largest)(const DescriptorShape& shape);
+  uint32_t (*pair)(DescriptorRow a, DescriptorRow b);   ///< for few pairs; as the tiles say
+  uint32_t (*plain)(DescriptorRow a, DescriptorRow b);  ///< the oracle: as the method is stated
+  /// `centred_over`: what row_total is over.
+  FrameDistances (*make)(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                         std::span<const DescriptorSpan> centred_over);
+};
+
+/// One row for every element type.
+std::span<const DistanceKind> distance_kinds();
+const DistanceKind& distance_of(ElementType element);
+
+/// The distances of a query to training sequences, by the kind of their descriptors, which is the
+/// same for all. Rows are centred over the training frames, or over those of `centred_over`. Throws
+/// Error(data) for descriptors of different shapes, and for a length that the distance can't take.
+FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
+FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                               std::span<const DescriptorSpan> centred_over);
+
+/// Differing bits, for codes of up to 65472 bits; bits of the padding count like any other. Codes
+/// of 22 words (LDB) have a kernel of their own.
+FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                                 std::span<const DescriptorSpan> centred_over);
+uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
+uint16_t largest_hamming(const DescriptorShape& shape);
+
+/// What makers of distances begin with: all members but those that give distances.
+FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                                 std::span<const DescriptorSpan> centred_over);
+
+/// The largest distance between descriptors of a shape.
+uint16_t largest_distance(const DescriptorShape& shape);
+
+/// The distance of two frames of one sequence.
+uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b);
+
+/// Mean distance of a query frame to the frames that rows are centred over: their sum, divided
+/// once. 0 where there are none.
+double row_mean(const FrameDistances& distances, size_t query);
+
+/// For every window of the query, named by its first frame: the row means of its frames, summed. A
+/// frame that can't be read counts like any other. Zeros where rows are centred over no frame;
+/// empty where the query is shorter than a window.
+std::vector<double> mean_window_distances(const FrameDistances& distances, size_t window_length);
+
+/// Mean distance of a readable query frame to the frames that rows are centred over, over all
+/// pairs. 0 where either is empty.
+double mean_distance_between(const FrameDistances& distances);
+
+/// Mean distance of two different readable frames of a sequence, over all pairs, from the distances
+/// of the sequence to itself. 0 of fewer than two.
+double mean_distance_within(const FrameDistances& own);
+
+/// What was measured with LDB, whose largest distance is 1386 bits, as a share of another largest
+/// distance: so many of its units are one bit of LDB. Exactly 1 for LDB.
+constexpr double reference_bit(uint16_t largest) { return largest / double{kLdbBits}; }
+
+}  // namespace vpr
