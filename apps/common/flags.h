@@ -60,7 +60,7 @@ class Command {
   Flag add_option(const std::string& flag, std::optional<double>& value,
                   const std::string& help) const;
   /// `read` gets the text as it was given; what it throws ends the program.
-  Flag add_option(const std::string& flag, std::function<void(const std::string&)> read,
+  Flag add_option(const std::string& flag, const std::function<void(const std::string&)>& read,
                   const std::string& help) const;
   Flag add_flag(const std::string& flag, bool& value, const std::string& help) const;
   /// A flag that may be given several times; each value stands as it is.

@@ -176,9 +176,10 @@ Flag Command::add_option(const std::string& flag, std::optional<double>& value,
   return Flag(*app_->add_option(flag, value, help));
 }
 
-Flag Command::add_option(const std::string& flag, std::function<void(const std::string&)> read,
+Flag Command::add_option(const std::string& flag,
+                         const std::function<void(const std::string&)>& read,
                          const std::string& help) const {
-  return Flag(*app_->add_option_function<std::string>(flag, std::move(read), help));
+  return Flag(*app_->add_option_function<std::string>(flag, read, help));
 }
 
 Flag Command::add_flag(const std::string& flag, bool& value, const std::string& help) const {

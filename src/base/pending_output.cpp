@@ -54,15 +54,11 @@ void exchange(const fs::path& temporary, const fs::path& target) {
   if (!lacks_flags(errno)) fail_to_write(target, errno);
   const fs::path old = name_aside(temporary);
   if (!set_aside(target, old)) fail_to_write(target, errno);
-  if (::rename(temporary.c_str(), target.c_str()) != 0) {
-    const int error_number = errno;
-    put_back(old, target);
-    fail_to_write(target, error_number);
-  }
-  if (::rename(old.c_str(), temporary.c_str()) == 0) return;
+  const bool is_placed = ::rename(temporary.c_str(), target.c_str()) == 0;
+  if (is_placed && ::rename(old.c_str(), temporary.c_str()) == 0) return;
   std::string sentence =
       fmt::format("{}: can't be written: {}", target.string(), system_error_text(errno));
-  if (::rename(target.c_str(), temporary.c_str()) != 0)
+  if (is_placed && ::rename(target.c_str(), temporary.c_str()) != 0)
     sentence += fmt::format("; {} is new, and what it was is {}", target.string(), old.string());
   else if (!put_back(old, target))
     sentence += fmt::format("; what it was is {}", old.string());

@@ -38,6 +38,11 @@ bool has_extension(const fs::path& path, const std::array<std::string_view, N>& 
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
 bool by_natural_name(const fs::path& a, const fs::path& b) {
   return natural_less(a.filename().string(), b.filename().string());
 }
@@ -244,6 +249,11 @@ Sequence open_sequence(const SequenceArgument& argument) {
     files = read_list(path);
     if (files.empty())
       throw Error(ErrorKind::input, fmt::format("{}: the list names no images", path.string()));
+    if (std::none_of(files.begin(), files.end(), is_there))
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: a list has one image path a line, and no line of this one names "
+                              "a file that is there (the first is {})",
+                              path.string(), files.front().string()));
   } else if (has_extension(path, kImageExtensions)) {
     throw Error(
         ErrorKind::input,

@@ -130,6 +130,11 @@ WRITERS = [
                    "out/best.json"),)),
     Writer("tune threshold", "vpr-tune threshold in/s.vprdb --c-l {length} -o out/t.json",
            "t.json", {"length": ("3", "2")}),
+    Writer("tune threshold --write", "vpr-tune threshold out/d.vprdb --c-l 2 --write -o out/t.json",
+           "t.json", {}, INFO, (("d.vprdb", "in/s.vprdb"),)),
+    Writer("tune fastable, two buildings", "vpr-tune fastable in/s.vprdb --dataset "
+           "in/walks/dataset.json --dataset in/walks/dataset.json --c-l {lengths} "
+           "--t-r 0.3:0.6:0.1 -o out/s.json", "s.json", {"lengths": ("3", "2")}),
     Writer("eval", "vpr-eval {result} --dataset in/walks/dataset.json --query back -o out/e.json "
            "--html out/e.html --plot out/plots --map out/map --outcomes-csv out/o.csv "
            "--recognitions-csv out/r.csv", "e.json", {"result": ("in/r2.json", "in/r.json")},

@@ -73,6 +73,8 @@ TEST_CASE("a step beyond the end gives one frame") {
 TEST_CASE("a list gives its files in its own order, relative to itself") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
+  fs::create_directory(folder / "a");
+  test::write_text(folder / "a/1.png", "");
   const Sequence sequence = open_sequence({folder / "list.txt", {}});
   CHECK(sequence.files == std::vector<fs::path>{folder / "b/2.png", folder / "a/1.png"});
 }
@@ -80,6 +82,7 @@ TEST_CASE("a list gives its files in its own order, relative to itself") {
 TEST_CASE("a byte order mark in front of a list is no part of a name") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
+  test::write_text(folder / "1.png", "");
   const Sequence sequence = open_sequence({folder / "list.txt", {}});
   CHECK(sequence.files == std::vector<fs::path>{folder / "1.png", folder / "2.png"});
 }
@@ -87,10 +90,12 @@ TEST_CASE("a byte order mark in front of a list is no part of a name") {
 TEST_CASE("what is no sequence is an input error that names it") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "empty.txt", "\n#\n");
+  test::write_text(folder / "pairs.csv", "query,reference\n1,2\n");
   test::write_text(folder / "binary.txt", std::string("a\0b", 3));
   test::write_text(folder / "one.png", "");
   fs::create_directory(folder / "empty");
-  const std::string name = GENERATE("empty.txt", "binary.txt", "one.png", "empty", "missing");
+  const std::string name =
+      GENERATE("empty.txt", "pairs.csv", "binary.txt", "one.png", "empty", "missing");
   const std::string text = test::error_text([&] { open_sequence({folder / name, {}}); });
   CHECK(text.find(name) != std::string::npos);
   CHECK(test::error_kind([&] { open_sequence({folder / name, {}}); }) == ErrorKind::input);
