@@ -132,6 +132,100 @@ void export_openfabmap(Session& session, const std::string& path) {
       fabmap_json(database, session.run));
 }
 
+/// What `vpr-train fastable` is told.
+struct FastableCommand {
+  TrainInputs inputs;
+  SequenceTrainSettings settings;
+};
+
+void add_fastable_command(Program& program, FastableCommand& given) {
+  const Command fastable = program.add_command(
+      "fastable", "A database for FastABLE and OpenABLE: one LDB code a frame.",
+      "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
+      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb",
+      [&](Session& session) {
+        claim_database(session);
+        store(session, train_sequences(named_arguments(given.inputs), given.settings,
+                                       session.kernels, session.monitor));
+      });
+  program.add_config(fastable, given.settings);
+  add_inputs(fastable, given.inputs);
+  fastable.add_option("--dataset", given.inputs.dataset,
+                      "data set description, instead of sequences");
+  add_setting(fastable, "--c-l", given.settings.window_length,
+              "window length c_l of the automatic thresholds (default 40)");
+  add_setting(fastable, "--safety-factor", given.settings.safety_factor,
+              "multiplies the automatic thresholds (default 1)");
+  fastable.add_flag("--illumination-invariant", given.settings.descriptor.illumination_invariant,
+                    "decode in colour and remove the light's colour first");
+  fastable.add_flag("--skip-unreadable", given.settings.skip_unreadable,
+                    "frames that can't be decoded keep their index and never match");
+}
+
+/// What the commands that start from a database are told.
+struct DatabaseCommands {
+  std::string path;
+  AddInputs added;
+  bool as_openfabmap = false;
+  NoSettings settings;
+};
+
+void print_info(Session& session, const std::string& path) {
+  const std::string verified = "All checksums are right.\n";
+  if (database_method(path) == "fabmap") {
+    const FabmapDatabase database = read_fabmap_database(path);
+    session.print_result(fabmap_summary(database, path) + verified,
+                         fabmap_json(database, session.run));
+  } else {
+    const SequenceDatabase database = read_sequence_database(path);
+    session.print_result(summary(database, path, session) + verified,
+                         database_json(database, session));
+  }
+}
+
+void add_info_command(Program& program, DatabaseCommands& given) {
+  const Command info = program.add_command(
+      "info", "List a database, and verify its checksums.", "  vpr-train info corridor.vprdb",
+      [&](Session& session) { print_info(session, given.path); });
+  program.add_config(info, given.settings);
+  info.add_option("DB", given.path, "database").required();
+}
+
+void add_add_command(Program& program, DatabaseCommands& given) {
+  const Command add = program.add_command(
+      "add", "A new database with more sequences; the old ones are not described again.",
+      "  vpr-train add building.vprdb --train wednesday -o building2.vprdb\n"
+      "  vpr-train add places.vprdb --place lift=lift -o places2.vprdb",
+      [&](Session& session) {
+        session.outputs.release(given.path);  // it is extended in place, once it was read
+        claim_database(session);
+        if (database_method(given.path) == "fabmap")
+          add_to_fabmap(session, given.path, given.added);
+        else
+          add_to_sequences(session, given.path, given.added);
+      });
+  program.add_config(add, given.settings);
+  add.add_option("DB", given.path, "database to start from").required();
+  add_inputs(add, given.added.train);
+  add_place_option(add, given.added.places);
+  add.add_flag("--skip-unreadable", given.added.skip_unreadable,
+               "frames that can't be decoded keep their index and never match");
+}
+
+void add_export_command(Program& program, DatabaseCommands& given) {
+  const Command command = program.add_command(
+      "export", "Write a FAB-MAP database as the files of another program.",
+      "  vpr-train export fabmap.vprdb --openfabmap -o openfabmap-files", [&](Session& session) {
+        if (!given.as_openfabmap)
+          throw Error(ErrorKind::usage, "say what to export, as in --openfabmap");
+        export_openfabmap(session, given.path);
+      });
+  program.add_config(command, given.settings);
+  command.add_option("DB", given.path, "FAB-MAP database").required();
+  command.add_flag("--openfabmap", given.as_openfabmap,
+                   "OpenFABMAP's vocabulary, tree and BOW matrices (OpenCV YAML)");
+}
+
 }  // namespace
 }  // namespace vpr
 
@@ -139,82 +233,13 @@ int main(int argc, char** argv) {
   using namespace vpr;
   Program program("vpr-train", "Build, list and extend databases for visual place recognition.",
                   "  vpr-train fastable --train monday --train tuesday -o building.vprdb");
-
-  TrainInputs inputs;
-  SequenceTrainSettings settings;
-  const Command fastable = program.add_command(
-      "fastable", "A database for FastABLE and OpenABLE: one LDB code a frame.",
-      "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
-      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb",
-      [&](Session& session) {
-        claim_database(session);
-        store(session,
-              train_sequences(named_arguments(inputs), settings, session.kernels, session.monitor));
-      });
-  program.add_config(fastable, settings);
-  add_inputs(fastable, inputs);
-  fastable.add_option("--dataset", inputs.dataset, "data set description, instead of sequences");
-  add_setting(fastable, "--c-l", settings.window_length,
-              "window length c_l of the automatic thresholds (default 40)");
-  add_setting(fastable, "--safety-factor", settings.safety_factor,
-              "multiplies the automatic thresholds (default 1)");
-  fastable.add_flag("--illumination-invariant", settings.descriptor.illumination_invariant,
-                    "decode in colour and remove the light's colour first");
-  fastable.add_flag("--skip-unreadable", settings.skip_unreadable,
-                    "frames that can't be decoded keep their index and never match");
-
+  FastableCommand fastable;
+  add_fastable_command(program, fastable);
   FabmapCommand fabmap;
   add_fabmap_command(program, fabmap);
-
-  std::string database_path;
-  const Command info = program.add_command(
-      "info", "List a database, and verify its checksums.", "  vpr-train info corridor.vprdb",
-      [&](Session& session) {
-        const std::string verified = "All checksums are right.\n";
-        if (database_method(database_path) == "fabmap") {
-          const FabmapDatabase database = read_fabmap_database(database_path);
-          session.print_result(fabmap_summary(database, database_path) + verified,
-                               fabmap_json(database, session.run));
-        } else {
-          const SequenceDatabase database = read_sequence_database(database_path);
-          session.print_result(summary(database, database_path, session) + verified,
-                               database_json(database, session));
-        }
-      });
-  NoSettings none;
-  program.add_config(info, none);
-  info.add_option("DB", database_path, "database").required();
-
-  AddInputs added;
-  const Command add = program.add_command(
-      "add", "A new database with more sequences; the old ones are not described again.",
-      "  vpr-train add building.vprdb --train wednesday -o building2.vprdb\n"
-      "  vpr-train add places.vprdb --place lift=lift -o places2.vprdb",
-      [&](Session& session) {
-        session.outputs.release(database_path);  // it is extended in place, once it was read
-        claim_database(session);
-        if (database_method(database_path) == "fabmap")
-          add_to_fabmap(session, database_path, added);
-        else
-          add_to_sequences(session, database_path, added);
-      });
-  program.add_config(add, none);
-  add.add_option("DB", database_path, "database to start from").required();
-  add_inputs(add, added.train);
-  add_place_option(add, added.places);
-  add.add_flag("--skip-unreadable", added.skip_unreadable,
-               "frames that can't be decoded keep their index and never match");
-
-  bool as_openfabmap = false;
-  const Command export_command = program.add_command(
-      "export", "Write a FAB-MAP database as the files of another program.",
-      "  vpr-train export fabmap.vprdb --openfabmap -o openfabmap-files", [&](Session& session) {
-        if (!as_openfabmap) throw Error(ErrorKind::usage, "say what to export, as in --openfabmap");
-        export_openfabmap(session, database_path);
-      });
-  program.add_config(export_command, none);
-  export_command.add_option("DB", database_path, "FAB-MAP database").required();
-  export_command.add_flag("--openfabmap", as_openfabmap,
-                          "OpenFABMAP's vocabulary, tree and BOW matrices (OpenCV YAML)");
+  DatabaseCommands database;
+  add_info_command(program, database);
+  add_add_command(program, database);
+  add_export_command(program, database);
   return program.main(argc, argv);
 }

@@ -73,7 +73,7 @@ void check_output_file(const fs::path& path, Existing existing) {
                 fmt::format("{}: is not replaced, because it is no regular file", path.string()));
 }
 
-OutputFile::OutputFile(fs::path path, Existing existing)
+OutputFile::OutputFile(const fs::path& path, Existing existing)
     : pending_(path, existing, Temporary::Kind::file,
                [path, existing] { check_output_file(path, existing); }) {}
 

@@ -25,7 +25,7 @@ void check_output_file(const std::filesystem::path& path, Existing existing);
 /// One file. Throws Error(output) on any failure, a full disk included.
 class OutputFile {
  public:
-  OutputFile(std::filesystem::path path, Existing existing);
+  OutputFile(const std::filesystem::path& path, Existing existing);
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
