@@ -78,7 +78,7 @@ class GroundTruthBuilder {
   const GroundTruthArgument& argument_;
   GroundTruthScope scope_;
   OddPairs odd_;
-  const Monitor& monitor_;
+  Monitor monitor_;
   std::string query_hint_;
   FrameCount query_;
   std::vector<FrameCount> train_;

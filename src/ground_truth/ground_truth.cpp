@@ -34,8 +34,9 @@ InspectedGroundTruth read(GroundTruthArgument argument, const GroundTruthScope& 
 }  // namespace
 
 std::span<const GroundTruth::Pair> GroundTruth::pairs_of(size_t query, size_t sequence) const {
-  const auto [begin, end] = std::ranges::equal_range(pairs[query], sequence, {}, &Pair::sequence);
-  return {begin, end};
+  const auto& row = pairs[query];
+  return {std::ranges::lower_bound(row, sequence, {}, &Pair::sequence),
+          std::ranges::upper_bound(row, sequence, {}, &Pair::sequence)};
 }
 
 PlaceLabel GroundTruth::label(size_t query, size_t sequence, size_t reference) const {

@@ -157,7 +157,7 @@ SequenceName make_name(const SequenceArgument& argument) {
 std::string name_text(const SequenceName& name) {
   std::string text =
       name.with_extension ? as_utf8(name.path.filename().string()) : name.parts.front();
-  for (size_t k = 1; k < name.used; ++k) text = name.parts[k] + "/" + text;
+  for (size_t k = 1; k < name.used; ++k) text = fmt::format("{}/{}", name.parts[k], text);
   return name.with_range ? text + name.range : text;
 }
 
