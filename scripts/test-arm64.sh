@@ -38,7 +38,7 @@ programs=(vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth)
 tests=(base synth descriptors database matching recognition)
 cmake --preset arm64 >/dev/null
 cmake --build --preset arm64 --target "${programs[@]}" "${tests[@]/#/test_}" test_real_data
-ctest --preset arm64 --timeout 7200 -R "^($(IFS='|'; echo "${tests[*]}"))\$"
+ctest --preset arm64 -R "^($(IFS='|'; echo "${tests[*]}"))\$"
 # Says what it skips where the images are missing, and ends with 77.
 qemu-aarch64-static -L "$root" build/arm64/bin/test_real_data "*corridor*,*the loop*" || [[ $? == 77 ]]
 build/arm64/emulated/vpr-bench matching --databases 500 --c-l 20 --json | grep -o '"simd": "NEON"'
