@@ -13,7 +13,7 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<DistanceKind, 1> kKinds = {{
+constexpr std::array<DistanceKind, 2> kKinds = {{
     {"hamming",
      ElementType::bits,
      {"bits", 1},
@@ -21,6 +21,13 @@ constexpr std::array<DistanceKind, 1> kKinds = {{
      hamming_distance,
      plain_hamming,
      hamming_distances},
+    {"cosine",
+     ElementType::whole_numbers,
+     {"of a cosine distance", 2.0 / 65535},
+     largest_cosine,
+     cosine_distance,
+     plain_cosine,
+     cosine_distances},
 }};
 
 void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorShape& shape) {

@@ -90,6 +90,14 @@ FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const De
 uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
 uint16_t largest_hamming(const DescriptorShape& shape);
 
+/// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to the nearest, a half up; of vectors of
+/// up to 131071 numbers. A vector of zeros is at right angles to all. Scalar products and squared
+/// lengths are exact integers, so that every machine gives the same numbers.
+FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                                std::span<const DescriptorSpan> centred_over);
+uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
+uint16_t largest_cosine(const DescriptorShape& shape);
+
 /// What makers of distances begin with: all members but those that give distances.
 FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                                  std::span<const DescriptorSpan> centred_over);

@@ -1,7 +1,9 @@
 #include "matching/plain.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 
 #include "matching/frame_distances.h"
 
@@ -27,6 +29,23 @@ uint32_t plain_hamming(DescriptorRow a, DescriptorRow b) {
   uint32_t distance = 0;
   for (size_t i = 0; i < a.size(); ++i) distance += kBitCounts[a[i] ^ b[i]];
   return distance;
+}
+
+uint32_t plain_cosine(DescriptorRow a, DescriptorRow b) {
+  int64_t product = 0;
+  int64_t square_a = 0;
+  int64_t square_b = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const int64_t x = static_cast<int8_t>(a[i]);
+    const int64_t y = static_cast<int8_t>(b[i]);
+    product += x * y;
+    square_a += x * x;
+    square_b += y * y;
+  }
+  const double lengths =
+      std::sqrt(static_cast<double>(square_a)) * std::sqrt(static_cast<double>(square_b));
+  const double cosine = lengths > 0 ? static_cast<double>(product) / lengths : 0;
+  return static_cast<uint32_t>(std::clamp((1 - cosine) * 65535 / 2 + 0.5, 0.0, 65535.0));
 }
 
 uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,

@@ -12,6 +12,10 @@ namespace vpr {
 /// Differing bits, counted byte by byte with a table of 256 entries.
 uint32_t plain_hamming(DescriptorRow a, DescriptorRow b);
 
+/// (1 - cos) * 65535 / 2 of two vectors of signed 8-bit numbers, rounded to the nearest, a half up;
+/// with cos 0 for a vector of zeros.
+uint32_t plain_cosine(DescriptorRow a, DescriptorRow b);
+
 /// The plain distance of two frames, by the element type of their descriptors.
 uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
                         size_t frame_b);

@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "matching/distance_statistics.h"
+#include "matching/fastable_batch.h"
+#include "matching/methods.h"
+#include "matching/plain.h"
+#include "matching/plain_standardized.h"
+#include "matching/standardized_frames.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Vectors of whole numbers, one after the other.
+struct Vectors {
+  DescriptorShape shape;
+  std::vector<uint8_t> bytes;
+
+  DescriptorSpan span(std::span<const size_t> unreadable = {}) const {
+    return {{shape, bytes}, unreadable};
+  }
+};
+
+Vectors make_vectors(const std::vector<std::vector<int>>& rows) {
+  Vectors vectors{{ElementType::whole_numbers, rows.front().size()}, {}};
+  for (const auto& row : rows)
+    for (const int number : row) vectors.bytes.push_back(static_cast<uint8_t>(number));
+  return vectors;
+}
+
+// A walk: every frame's numbers are near those of the one before.
+Vectors walk_vectors(size_t count, size_t length, uint64_t seed) {
+  RandomEngine engine(seed);
+  const auto below = [&](uint64_t bound) { return static_cast<int>(uniform_below(engine, bound)); };
+  std::vector<std::vector<int>> rows;
+  std::vector<int> row(length);
+  for (int& number : row) number = below(255) - 127;
+  for (size_t i = 0; i < count; ++i) {
+    for (int& number : row) number = std::clamp(number + below(61) - 30, -128, 127);
+    rows.push_back(row);
+  }
+  return make_vectors(rows);
+}
+
+uint32_t distance(const std::vector<int>& a, const std::vector<int>& b) {
+  const Vectors both = make_vectors({a, b});
+  const uint32_t found = frame_distance(both.span().rows, 0, 1);
+  CHECK(plain_distance(both.span().rows, 0, both.span().rows, 1) == found);
+  CHECK(frame_distance(both.span().rows, 1, 0) == found);
+  return found;
+}
+
+using Cells = std::map<std::tuple<size_t, size_t, size_t>, uint32_t>;
+
+RowConsumer collecting(Cells& cells, std::mutex& mutex) {
+  return [&](const DistanceRow& row) {
+    const std::lock_guard lock(mutex);
+    for (size_t x = 0; x < row.distances.size(); ++x)
+      cells[{row.query_window, row.sequence, row.train_window + x}] = row.distances[x];
+  };
+}
+
+}  // namespace
+
+TEST_CASE("cosine distances worked out by hand") {
+  CHECK(distance({3, 4}, {6, 8}) == 0);              // the same direction
+  CHECK(distance({3, 4}, {-3, -4}) == 65535);        // the opposite one
+  CHECK(distance({1, 0}, {0, 127}) == 32768);        // a right angle: 32767.5, rounded up
+  CHECK(distance({1, 0}, {1, 1}) == 9597);           // 32767.5 * (1 - sqrt(1/2)) = 9597.4
+  CHECK(distance({3, 4, 0}, {4, 3, 0}) == 1311);     // 32767.5 * (1 - 24/25) = 1310.7
+  CHECK(distance({0, 0}, {5, 5}) == 32768);          // no direction at all
+  CHECK(distance({-128, -128}, {-128, -128}) == 0);  // the largest numbers
+  CHECK(distance({-128}, {127}) == 65535);
+}
+
+TEST_CASE("cosine distances are those of the oracle, for any length, on every SIMD target") {
+  for (const size_t length : {1, 2, 15, 16, 17, 31, 33, 64, 127, 256, 1001}) {
+    const Vectors one = walk_vectors(77, length, 1);
+    const Vectors two = walk_vectors(9, length, 2);
+    Vectors query = walk_vectors(5, length, 3);
+    std::copy_n(one.bytes.begin(), length, query.bytes.begin());
+    std::fill_n(query.bytes.begin() + static_cast<ptrdiff_t>(length), length, uint8_t{0});
+    const std::vector<DescriptorSpan> train = {one.span(), two.span()};
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << length << " numbers");
+      const FrameDistances distances = frame_distances(train, query.span());
+      CHECK(distances.largest == 65535);
+      const std::vector<uint32_t> order = {4, 0, 1, 3};
+      std::vector<uint16_t> tile(order.size() * 100, 7);
+      distances.tile(order, 8, 86, tile.data(), 100);
+      for (size_t t = 0; t < order.size(); ++t)
+        for (size_t i = 8; i < 86; ++i) {
+          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
+          REQUIRE(tile[t * 100 + i - 8] == plain_cosine(row, query.span().rows[order[t]]));
+          REQUIRE(cosine_distance(row, query.span().rows[order[t]]) == tile[t * 100 + i - 8]);
+        }
+    }
+  }
+}
+
+TEST_CASE("the mean distance to all vectors is that of their distances, but for rounding") {
+  const Vectors one = walk_vectors(200, 40, 4);
+  const Vectors query = walk_vectors(20, 40, 5);
+  const std::vector<size_t> unreadable = {3, 99};
+  const DescriptorSpan train = one.span(unreadable);
+  const FrameDistances distances = frame_distances({&train, 1}, query.span());
+  CHECK(distances.centred_frames == 198);
+  for (size_t j = 0; j < 20; ++j) {
+    double sum = 0;
+    for (size_t i = 0; i < 200; ++i)
+      if (i != 3 && i != 99) sum += plain_distance(train.rows, i, query.span().rows, j);
+    CHECK(row_mean(distances, j) == Approx(sum / 198).margin(0.5));
+  }
+}
+
+TEST_CASE("windows of vectors are compared by every exact method as the definition says") {
+  const Vectors one = walk_vectors(60, 24, 6);
+  const Vectors two = walk_vectors(37, 24, 7);
+  const Vectors query = walk_vectors(45, 24, 8);
+  const std::vector<size_t> unreadable = {20};
+  const std::vector<DescriptorSpan> train = {one.span(unreadable), two.span()};
+  const FrameDistances distances = frame_distances(train, query.span());
+  for (const size_t length : {1, 7, 20}) {
+    Cells expected;
+    for (size_t s = 0; s < 2; ++s)
+      for (size_t j = 0; j + length <= 45; ++j)
+        for (size_t i = 0; i + length <= train[s].rows.size(); ++i)
+          if (s == 1 || i + length <= 20 || i > 20)
+            expected[{j, s, i}] =
+                plain_window_distance(train[s].rows, i, query.span().rows, j, length);
+    for (const SequenceMethod& method : sequence_methods()) {
+      const MatchSettings settings{length, size_t{1} << 30, select_kernels()};
+      Cells cells;
+      std::mutex mutex;
+      const auto match = [&] { method.match(distances, settings, {}, collecting(cells, mutex)); };
+      if (method.is_exact) {
+        match();
+        CHECK(cells == expected);
+      } else {
+        CHECK(test::error_text(match) ==
+              "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
+      }
+    }
+  }
+}
+
+TEST_CASE("standardized scores of vectors are those of the oracle") {
+  const Vectors one = walk_vectors(80, 32, 9);
+  const Vectors query = walk_vectors(50, 32, 10);
+  const DescriptorSpan train = one.span();
+  const TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
+  const size_t length = 5;
+  for (const bool offline : {false, true}) {
+    const ScoreBasis basis{
+        {}, offline, statistics.typical_distance, statistics.bias, statistics.variance};
+    Cells cells;
+    std::mutex mutex;
+    match_fastable(standardized(frame_distances({&train, 1}, query.span()), basis, {}),
+                   {length, size_t{1} << 30, select_kernels()}, {}, collecting(cells, mutex));
+    CHECK(cells.size() == 76 * 46);
+    const PlainLessons lessons = plain_lessons({&train, 1}, query.span(), basis, {});
+    std::vector<std::vector<double>> plain;
+    for (size_t i = 0; i < 80; ++i)
+      plain.push_back(plain_frame_scores(train.rows[i], basis.bias[i], basis.variance[i],
+                                         query.span().rows, lessons, basis));
+    for (const auto& [cell, biased] : cells) {
+      const auto& [j, s, i] = cell;
+      double expected = 0;
+      for (size_t k = 0; k < length; ++k) expected += plain[i + k][j + k];
+      const double found = (static_cast<double>(biased) - length * kScoreBias) / kScoreUnit;
+      REQUIRE(std::abs(found - expected) <= score_tolerance(length));
+    }
+  }
+}
+
+TEST_CASE("vectors and codes are not compared, nor vectors that are too long") {
+  const Vectors vectors = walk_vectors(3, 176, 11);
+  const std::vector<LdbCode> codes = test::random_codes(3, 1);
+  const DescriptorSpan train{codes, {}};
+  CHECK(test::error_kind([&] { frame_distances({&train, 1}, vectors.span()); }) == ErrorKind::data);
+  const Vectors longest{{ElementType::whole_numbers, 131'072}, {}};
+  const Vectors allowed{{ElementType::whole_numbers, 131'071}, {}};
+  CHECK(test::error_kind([&] { frame_distances({}, longest.span()); }) == ErrorKind::data);
+  CHECK_FALSE(test::error_kind([&] { frame_distances({}, allowed.span()); }));
+}
