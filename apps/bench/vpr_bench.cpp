@@ -12,7 +12,7 @@
 #include "bench/nordland_bench.h"
 #include "bench/realtime_bench.h"
 #include "common/command.h"
-#include "descriptors/describe.h"
+#include "descriptors/frame_descriptors.h"
 #include "pipeline/train.h"
 
 namespace vpr {
@@ -94,9 +94,8 @@ Command add_bench(Program& program, Bench<Settings>& bench, const std::string& n
 }
 
 std::vector<LdbCode> describe(const std::string& path, const Monitor& monitor) {
-  return describe_sequence(open_sequence(parse_sequence_argument(path)), {}, Unreadable::fail,
-                           monitor)
-      .codes;
+  return ldb_codes(descriptor_kind("ldb").describe(open_sequence(parse_sequence_argument(path)), {},
+                                                   Unreadable::fail, monitor));
 }
 
 void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {

@@ -28,8 +28,8 @@ constexpr size_t kMatrixPictureSide = 2000;  // pixels
 
 constexpr size_t kTableRows = 20;
 
-std::string query_fingerprint(const SequenceCodes& query) {
-  return checksum(std::as_bytes(std::span(query.codes)));
+std::string query_fingerprint(const DescriptorSet& query) {
+  return checksum(std::as_bytes(query.rows().bytes));
 }
 
 Table places_table(const SequenceResult& result) {
@@ -130,7 +130,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   SequenceDatabase database = read_sequence_database(inputs.database);
   check_score(settings);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
-  const SequenceCodes query = describe_sequence(
+  const DescriptorSet query = database.descriptors.kind->describe(
       open_sequence(source.sequence.sequence), database.descriptor,
       settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);
   const double describe_s = watch.elapsed_s();

@@ -19,16 +19,16 @@ struct FastableTuner {
   SequenceDatabase database;
   QueryResources resources;
 
-  SequenceCodes describe(const Source& source) const {
-    return describe_sequence(open_sequence(source.sequence.sequence), database.descriptor,
-                             command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail,
-                             session.monitor);
+  DescriptorSet describe(const Source& source) const {
+    return database.descriptors.kind->describe(
+        open_sequence(source.sequence.sequence), database.descriptor,
+        command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);
   }
-  SequenceGrid grid(const SequenceCodes& query) const {
+  SequenceGrid grid(const DescriptorSet& query) const {
     return sequence_grid(command.inputs.grid, command.settings, database, query);
   }
   static SequenceGrid grid_of(std::span<const Cell> cells) { return sequence_grid_of(cells); }
-  std::vector<Cell> sweep(const SequenceCodes& query, const std::string& name,
+  std::vector<Cell> sweep(const DescriptorSet& query, const std::string& name,
                           const SequenceGrid& grid, const TruthReader& reader) const {
     std::vector<Cell> cells = sweep_sequences(database, query, name, command.settings, grid, reader,
                                               resources, session.monitor);
@@ -52,7 +52,7 @@ struct FastableTuner {
     return settings;
   }
   Json settings_json(const Cell& cell) const { return settings_in_force(settings_of(cell)); }
-  SweepIntervals intervals(const SequenceCodes& query, const Cell& cell,
+  SweepIntervals intervals(const DescriptorSet& query, const Cell& cell,
                            const TruthReader& reader) const {
     return sequence_intervals(database, query, settings_of(cell), reader, resources,
                               session.monitor);

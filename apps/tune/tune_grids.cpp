@@ -25,10 +25,9 @@ std::string given_or(const std::string& given, const char* otherwise) {
 
 // Those that are no usage error for this query.
 std::vector<uint64_t> fitting_windows(const SequenceDatabase& database,
-                                      const SequenceCodes& query) {
+                                      const DescriptorSet& query) {
   const std::vector<DescriptorSpan> spans = code_spans(database);
-  const std::vector<FrameRun> query_runs =
-      readable_runs(DescriptorSpan{query.codes, query.frames.unreadable});
+  const std::vector<FrameRun> query_runs = readable_runs(query.span());
   std::vector<uint64_t> lengths = parse_counts(kWindowLengths, "--c-l");
   const uint64_t shortest = lengths.front();
   std::erase_if(lengths, [&](uint64_t length) {
@@ -48,7 +47,7 @@ void add_once(std::vector<T>& values, const T& value) {
 }  // namespace
 
 SequenceGrid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
-                           const SequenceDatabase& database, const SequenceCodes& query) {
+                           const SequenceDatabase& database, const DescriptorSet& query) {
   const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];
   return {flags.windows.empty() ? fitting_windows(database, query)
                                 : parse_counts(flags.windows, "--c-l"),

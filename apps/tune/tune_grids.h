@@ -18,7 +18,7 @@ struct GridFlags {
 /// where none does); the default t_r go from strict to loose on the scale of the settings. Throws
 /// Error(usage) as the lists do.
 SequenceGrid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
-                           const SequenceDatabase& database, const SequenceCodes& query);
+                           const SequenceDatabase& database, const DescriptorSet& query);
 FabmapGrid fabmap_grid(const GridFlags& flags);
 
 /// The grid of a sweep that is finished: further queries get the same, whatever fits them.

@@ -12,7 +12,7 @@
 #include "base/json.h"
 #include "bench/generated.h"
 #include "bench/paper_times.h"
-#include "descriptors/describe.h"
+#include "descriptors/frame_descriptors.h"
 #include "descriptors/ldb.h"
 #include "images/decode.h"
 #include "images/frames.h"
@@ -93,7 +93,8 @@ void add_whole_sequence(BenchResult& result, const Sequence& images,
   add("decode all", [&] {
     for_each_frame(images, PixelFormat::grey, Unreadable::fail, {}, [](size_t, const cv::Mat&) {});
   });
-  add("decode and describe all", [&] { describe_sequence(images, {}, Unreadable::fail, {}); });
+  add("decode and describe all",
+      [&] { descriptor_kinds().front().describe(images, {}, Unreadable::fail, {}); });
 }
 
 }  // namespace

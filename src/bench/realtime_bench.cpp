@@ -77,6 +77,10 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
     FastableState state;
     size_t best = 0;  // kept, so that the search for it is not left out
   };
+  const std::string_view name = database.descriptors.kind->name;
+  if (name != "ldb")
+    throw Error(ErrorKind::usage,
+                fmt::format("a replay describes frames by ldb, but the database by {}", name));
   if (database.descriptor.illumination_invariant)
     throw Error(ErrorKind::usage,
                 "a replay decodes in grey; train the database without --illumination-invariant");

@@ -26,12 +26,20 @@ Json sequence_to_json(const TrainSequence& sequence) {
   return json;
 }
 
-// A mean Hamming distance.
-double read_typical_distance(const Archive& archive, const Json& json) {
+// No distance of descriptors as they are stored is larger.
+double most_distance(const DescriptorShape& shape) {
+  constexpr size_t kMost = 65535;
+  return static_cast<double>(
+      shape.element == ElementType::bits ? std::min(8 * shape.row_bytes(), kMost) : kMost);
+}
+
+// A mean frame distance.
+double read_typical_distance(const Archive& archive, const Json& json,
+                             const DescriptorShape& shape) {
   const auto found = json.find("typical_distance");
   if (found == json.end() || !found->is_number()) archive.fail("\"typical_distance\" is no number");
   const auto typical = found->get<double>();
-  if (!(typical >= 0 && typical <= 8 * kLdbBytes))
+  if (!(typical >= 0 && typical <= most_distance(shape)))
     archive.fail("\"typical_distance\" is out of range");
   return typical;
 }
@@ -87,7 +95,8 @@ std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, si
 }
 
 std::vector<TrainSequence> read_sequences(const Archive& archive,
-                                          const std::vector<std::string>& frame_names) {
+                                          const std::vector<std::string>& frame_names,
+                                          const DescriptorShape& shape) {
   std::vector<TrainSequence> sequences;
   size_t first = 0;
   for (const Json& json : manifest_list(archive, archive.manifest(), "sequences")) {
@@ -100,7 +109,7 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
       if (sequences[s].name == sequence.name) archive.fail("two sequences have the same name");
     sequence.unreadable = read_unreadable(archive, json, count);
     if (json.contains("typical_distance"))
-      sequence.typical_distance = read_typical_distance(archive, json);
+      sequence.typical_distance = read_typical_distance(archive, json, shape);
     sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
                                 frame_names.begin() + ptrdiff_t(first + count));
     first += count;
@@ -148,11 +157,23 @@ std::vector<ThresholdTable> read_thresholds(const Archive& archive,
   return tables;
 }
 
-NpyArray read_codes(const Archive& archive, size_t frame_count) {
+const DescriptorKind& read_kind(const Archive& archive) {
+  if (!archive.manifest().contains("descriptor")) return descriptor_kinds().front();
+  const std::string name = manifest_text(archive, archive.manifest(), "descriptor");
+  const DescriptorKind* kind = find_descriptor_kind(name);
+  if (kind == nullptr)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its frames are described by {}, which this version does not know",
+                            archive.name(), name));
+  return *kind;
+}
+
+NpyArray read_codes(const Archive& archive, size_t frame_count, const DescriptorShape& shape) {
   NpyArray codes = archive.array(kCodesFile);
   codes.values<uint8_t>(2);
-  if (codes.shape()[0] != frame_count || codes.shape()[1] != kLdbBytes)
-    archive.fail("codes.npy does not have one row of 176 bytes a frame");
+  if (codes.shape()[0] != frame_count || codes.shape()[1] != shape.row_bytes())
+    archive.fail(
+        fmt::format("codes.npy does not have one row of {} bytes a frame", shape.row_bytes()));
   return codes;
 }
 
@@ -170,23 +191,23 @@ std::vector<float> statistics_rows(const TrainStatistics& statistics) {
   return values;
 }
 
-std::optional<TrainStatistics> read_statistics(const Archive& archive, size_t frame_count) {
+std::optional<TrainStatistics> read_statistics(const Archive& archive, size_t frame_count,
+                                               const DescriptorShape& shape) {
   const auto found = archive.manifest().find("statistics");
   if (found == archive.manifest().end()) return std::nullopt;
   if (!found->is_object()) archive.fail("\"statistics\" is no object");
   Json json = *found;
   TrainStatistics statistics;
-  statistics.typical_distance = read_typical_distance(archive, json);
+  statistics.typical_distance = read_typical_distance(archive, json, shape);
   json.erase("typical_distance");
   stored_settings_from_json({{"settings", json}}, statistics.settings, archive.name());
   const NpyArray rows = archive.array(kStatisticsFile);
   const auto values = rows.values<float>(2);
   if (rows.shape()[0] != frame_count || rows.shape()[1] != 2)
     archive.fail("statistics.npy does not have one row of 2 numbers a frame");
-  constexpr float kMostBits = 8 * kLdbBytes;
+  const auto most = static_cast<float>(most_distance(shape));
   for (size_t i = 0; i < values.size(); i += 2) {
-    if (!(std::abs(values[i]) <= kMostBits) ||
-        !(values[i + 1] >= 0 && values[i + 1] <= kMostBits * kMostBits))
+    if (!(std::abs(values[i]) <= most) || !(values[i + 1] >= 0 && values[i + 1] <= most * most))
       archive.fail("statistics.npy holds a number out of range");
     statistics.bias.push_back(values[i]);
     statistics.variance.push_back(values[i + 1]);
@@ -195,13 +216,6 @@ std::optional<TrainStatistics> read_statistics(const Archive& archive, size_t fr
 }
 
 }  // namespace
-
-std::span<const LdbCode> CodeStore::view() const {
-  if (!owned.empty() || mapped.shape().empty()) return owned;
-  static_assert(sizeof(LdbCode) == kLdbBytes && alignof(LdbCode) == 1);
-  const auto bytes = mapped.values<uint8_t>(2);
-  return {reinterpret_cast<const LdbCode*>(bytes.data()), bytes.size() / kLdbBytes};
-}
 
 SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const Archive archive(path);
@@ -214,27 +228,28 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   SequenceDatabase database;
   database.fingerprint = archive.fingerprint();
   stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
-  database.sequences = read_sequences(archive, split_lines(archive.text(kFramesFile)));
+  const DescriptorKind& kind = read_kind(archive);
+  database.sequences = read_sequences(archive, split_lines(archive.text(kFramesFile)), kind.shape);
   database.thresholds = read_thresholds(archive, database.sequences);
   size_t frames = 0;
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
-  database.codes.mapped = read_codes(archive, frames);
-  database.statistics = read_statistics(archive, frames);
+  database.descriptors = {&kind, {}, read_codes(archive, frames, kind.shape)};
+  database.statistics = read_statistics(archive, frames, kind.shape);
   return database;
 }
 
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
                              OutputTransaction& outputs) {
-  const std::span<const LdbCode> codes = database.codes.view();
+  const DescriptorRows rows = database.descriptors.rows();
   ArchiveWriter writer(outputs.folder(path, is_database_folder));
-  writer.add_array(kCodesFile,
-                   std::span(reinterpret_cast<const uint8_t*>(codes.data()), codes.size_bytes()),
-                   {codes.size(), kLdbBytes});
+  writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
   writer.add_text(kFramesFile, frame_lines(database));
   if (database.statistics)
     writer.add_array(kStatisticsFile, std::span<const float>(statistics_rows(*database.statistics)),
-                     {codes.size(), 2});
-  Json manifest = {{"schema", "vpr.database/1"}, {"method", kMethod}};
+                     {rows.size(), 2});
+  Json manifest = {{"schema", "vpr.database/1"},
+                   {"method", kMethod},
+                   {"descriptor", database.descriptors.kind->name}};
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = Json::array();
   for (const TrainSequence& sequence : database.sequences)

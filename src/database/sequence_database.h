@@ -1,4 +1,5 @@
-// The database of the sequence methods (OpenABLE, FastABLE, LSH): codes of training sequences.
+// The database of the sequence methods (OpenABLE, FastABLE, LSH): descriptors of training
+// sequences.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +12,7 @@
 #include "base/npy.h"
 #include "base/output_transaction.h"
 #include "database/train_statistics.h"
-#include "descriptors/describe.h"
+#include "descriptors/frame_descriptors.h"
 
 namespace vpr {
 
@@ -19,7 +20,7 @@ struct TrainSequence {
   std::string name;
   std::vector<std::string> frame_names;
   std::vector<size_t> unreadable;  ///< rising
-  /// Mean Hamming distance of its frames that are no neighbours, in bits; none in databases of
+  /// Mean frame distance of its frames that are no neighbours; none in databases of
   /// older date.
   std::optional<double> typical_distance = std::nullopt;
   size_t frame_count() const { return frame_names.size(); }
@@ -43,25 +44,17 @@ struct ThresholdTable {
   std::vector<std::optional<ClosestWindows>> closest;
 };
 
-/// Codes of a fresh training, or the memory-mapped ones of a stored database.
-struct CodeStore {
-  std::vector<LdbCode> owned;
-  NpyArray mapped;
-
-  std::span<const LdbCode> view() const;
-};
-
 struct SequenceDatabase {
-  LdbSettings descriptor;
+  DescriptorSettings descriptor;
   std::vector<TrainSequence> sequences;
-  CodeStore codes;  ///< of all sequences, one after the other
+  DescriptorStore descriptors;  ///< of all sequences, one after the other
   std::vector<ThresholdTable> thresholds;
   std::optional<TrainStatistics> statistics;  ///< none in databases of older date
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 
 /// Every file is verified. Throws Error(input) if it is missing, Error(data) if it is damaged, of
-/// another method or of a newer version.
+/// another method, of unknown descriptors or of a newer version.
 SequenceDatabase read_sequence_database(const std::filesystem::path& path);
 
 /// Writes a folder that is byte-identical for the same content: no time, host or path in it. The

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,6 +39,23 @@ void check_names(const SequenceDatabase& database, const SequenceQuerySettings& 
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
                                                 name, fmt::join(names, ", ")));
+}
+
+// Files hold sums over a window as signed numbers of 32 bits.
+void check_descriptors(const SequenceDatabase& database, const DescriptorSet& query,
+                       const SequenceQuerySettings& settings) {
+  const DescriptorKind& trained = *database.descriptors.kind;
+  const DescriptorKind& asked = *query.descriptors.kind;
+  if (trained.name != asked.name)
+    throw Error(ErrorKind::data,
+                fmt::format("frames of the database are described by {}, those of the query by {}; "
+                            "describe both by the same",
+                            trained.name, asked.name));
+  const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape);
+  if (settings.window_length > longest)
+    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for frames described by {}, "
+                                              "found {}",
+                                              longest, trained.name, settings.window_length));
 }
 
 // Of an approximate method, the largest distance is not known.
@@ -124,7 +142,7 @@ void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& d
 
 // Limits that need no distances: automatic thresholds, and numbers that are not relative.
 void plan_limits(SequenceResult& result, const SequenceDatabase& database,
-                 const SequenceCodes& query) {
+                 const DescriptorSet& query) {
   const uint64_t length = result.settings.window_length;
   const std::vector<DescriptorSpan> spans = code_spans(database);
   for (size_t s = 0; s < spans.size(); ++s) {
@@ -132,7 +150,7 @@ void plan_limits(SequenceResult& result, const SequenceDatabase& database,
     if (!sequence.threshold) continue;
     if (sequence.scale == ThresholdScale::mean && sequence.searched)
       set_mean_limits(sequence, mean_window_distances(
-                                    frame_distances({&spans[s], 1}, {query.codes, {}}), length));
+                                    frame_distances({&spans[s], 1}, {query.rows(), {}}), length));
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
@@ -159,15 +177,14 @@ SearchRecall measure_recall(const SequenceResult& result, const FrameDistances& 
 }
 
 void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& database,
-                 const SequenceCodes& query, const SequenceQuerySettings& settings,
+                 const DescriptorSet& query, const SequenceQuerySettings& settings,
                  const Monitor& monitor) {
   if (cells.empty()) return;
   const std::optional<ScoreBasis> basis = score_basis(database, settings);
-  const std::vector<Cell> wrong =
-      basis
-          ? wrong_scores(cells, code_spans(database), {query.codes, query.frames.unreadable},
-                         settings.window_length, *basis, monitor)
-          : wrong_cells(cells, code_spans(database), query.codes, settings.window_length, monitor);
+  const std::vector<Cell> wrong = basis ? wrong_scores(cells, code_spans(database), query.span(),
+                                                       settings.window_length, *basis, monitor)
+                                        : wrong_cells(cells, code_spans(database), query.rows(),
+                                                      settings.window_length, monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
@@ -179,10 +196,10 @@ void check_cells(const std::vector<Cell>& cells, const SequenceDatabase& databas
 }
 
 std::optional<ResultViews> find_views(const SequenceDatabase& database,
-                                      const SequenceCodes& query) {
+                                      const DescriptorSet& query) {
   if (!database.statistics) return std::nullopt;
   const double typical = database.statistics->typical_distance;
-  ResultViews views{view_starts({query.codes, query.frames.unreadable}, typical), {}};
+  ResultViews views{view_starts(query.span(), typical), {}};
   for (const DescriptorSpan& sequence : code_spans(database))
     views.train.push_back(view_starts(sequence, typical));
   return views;
@@ -190,20 +207,20 @@ std::optional<ResultViews> find_views(const SequenceDatabase& database,
 
 }  // namespace
 
-SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes& query,
+SequenceResult plan_query(const SequenceDatabase& database, const DescriptorSet& query,
                           const std::string& query_name, const SequenceQuerySettings& settings,
                           const QueryResources& resources, const Monitor& monitor) {
   check_settings(settings);
   check_exactness(settings);
   check_names(database, settings);
+  check_descriptors(database, query, settings);
   SequenceResult result;
   result.settings = settings;
   result.settings.threshold_scale = scale_of(settings);
   result.query_name = query_name;
   result.query_frames = query.frames.count();
   result.query_unreadable = query.frames.unreadable;
-  if (count_windows(readable_runs({query.codes, query.frames.unreadable}),
-                    settings.window_length) == 0)
+  if (count_windows(readable_runs(query.span()), settings.window_length) == 0)
     throw Error(
         ErrorKind::usage,
         fmt::format("the query {} has {}, and no {} readable ones in a row (c_l); "
@@ -230,7 +247,7 @@ SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes&
 }
 
 QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
-                   const SequenceCodes& query, const QueryResources& resources,
+                   const DescriptorSet& query, const QueryResources& resources,
                    const std::vector<RowConsumer>& observers, const Monitor& monitor) {
   QueryRun run{std::move(planned), {}, 0};
   SequenceResult& result = run.result;

@@ -27,15 +27,16 @@ struct QueryRun {
 
 /// Thresholds and the shape of a result, before any distance is known. Throws Error(usage) for
 /// settings out of range, an unknown sequence name, and a query or training sequences that are all
-/// shorter than a window. Computes automatic thresholds that the database lacks.
-SequenceResult plan_query(const SequenceDatabase& database, const SequenceCodes& query,
+/// shorter than a window, and Error(data) for descriptors of different kinds. Computes automatic
+/// thresholds that the database lacks.
+SequenceResult plan_query(const SequenceDatabase& database, const DescriptorSet& query,
                           const std::string& query_name, const SequenceQuerySettings& settings,
                           const QueryResources& resources, const Monitor& monitor);
 
 /// Distances, hits, best matches and places for a planned result. Every row also goes to
 /// `observers`, once. Throws Error(expectation) if a verified cell differs.
 QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
-                   const SequenceCodes& query, const QueryResources& resources,
+                   const DescriptorSet& query, const QueryResources& resources,
                    const std::vector<RowConsumer>& observers, const Monitor& monitor);
 
 }  // namespace vpr

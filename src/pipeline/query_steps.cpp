@@ -20,12 +20,12 @@ std::vector<uint32_t> window_limits(const SequenceThreshold& sequence) {
 }  // namespace
 
 FrameDistances searched_distances(const SequenceDatabase& database, const SequenceResult& result,
-                                  const SequenceCodes& query) {
+                                  const DescriptorSet& query) {
   const std::vector<DescriptorSpan> all = code_spans(database);
   std::vector<DescriptorSpan> searched = all;
   for (size_t s = 0; s < searched.size(); ++s)
     if (!result.sequences[s].searched) searched[s] = {};
-  return frame_distances(searched, {query.codes, query.frames.unreadable}, all);
+  return frame_distances(searched, query.span(), all);
 }
 
 bool needs_maxima(const SequenceResult& result) {

@@ -10,7 +10,7 @@ namespace vpr {
 /// The frame distances of the query to the database. A sequence that is not searched has no frames,
 /// so that indices stay the same; rows are centred over all sequences.
 FrameDistances searched_distances(const SequenceDatabase& database, const SequenceResult& result,
-                                  const SequenceCodes& query);
+                                  const DescriptorSet& query);
 
 /// Whether limits depend on the largest distances.
 bool needs_maxima(const SequenceResult& result);

@@ -24,7 +24,7 @@ struct LengthSweep {
   HitScanResult found;
 };
 
-std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const SequenceCodes& query,
+std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
                                     const std::string& query_name,
                                     const SequenceQuerySettings& base, const SequenceGrid& grid,
                                     const QueryResources& resources, const Monitor& monitor) {
@@ -105,7 +105,7 @@ SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,
 }  // namespace
 
 std::vector<SequenceCellCounts> sweep_sequences(
-    const SequenceDatabase& database, const SequenceCodes& query, const std::string& query_name,
+    const SequenceDatabase& database, const DescriptorSet& query, const std::string& query_name,
     const SequenceQuerySettings& base, const SequenceGrid& grid, const TruthReader& read_truth,
     const QueryResources& resources, const Monitor& monitor) {
   std::vector<LengthSweep> sweeps =
@@ -145,7 +145,7 @@ std::vector<SequenceCellCounts> sweep_sequences(
   return cells;
 }
 
-SweepIntervals sequence_intervals(const SequenceDatabase& database, const SequenceCodes& query,
+SweepIntervals sequence_intervals(const SequenceDatabase& database, const DescriptorSet& query,
                                   const SequenceQuerySettings& settings,
                                   const TruthReader& read_truth, const QueryResources& resources,
                                   const Monitor& monitor) {

@@ -26,13 +26,13 @@ using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
 /// the other settings. Each warning is said once. Throws as plan_query does, and Error(usage) where
 /// the hits of all lengths do not fit into the memory together.
 std::vector<SequenceCellCounts> sweep_sequences(
-    const SequenceDatabase& database, const SequenceCodes& query, const std::string& query_name,
+    const SequenceDatabase& database, const DescriptorSet& query, const std::string& query_name,
     const SequenceQuerySettings& base, const SequenceGrid& grid, const TruthReader& read_truth,
     const QueryResources& resources, const Monitor& monitor);
 
 /// 95 % intervals of the hits of one cell, by the block bootstrap over query windows: blocks of c_l
 /// windows, for neighbours share most of their frames.
-SweepIntervals sequence_intervals(const SequenceDatabase& database, const SequenceCodes& query,
+SweepIntervals sequence_intervals(const SequenceDatabase& database, const DescriptorSet& query,
                                   const SequenceQuerySettings& settings,
                                   const TruthReader& read_truth, const QueryResources& resources,
                                   const Monitor& monitor);

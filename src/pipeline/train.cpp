@@ -20,14 +20,13 @@ constexpr uint64_t kMostPairs = uint64_t{1} << 32;  // a few seconds
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Monitor& monitor) {
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
-  SequenceCodes described =
-      describe_sequence(open_sequence(argument.sequence), database.descriptor, unreadable, monitor);
+  DescriptorSet described = database.descriptors.kind->describe(
+      open_sequence(argument.sequence), database.descriptor, unreadable, monitor);
   if (!described.frames.unreadable.empty())
     warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,
                               described.frames.unreadable.size(),
                               counted(described.frames.count(), "frame")));
-  std::vector<LdbCode>& codes = database.codes.owned;
-  codes.insert(codes.end(), described.codes.begin(), described.codes.end());
+  database.descriptors.append(described.rows());
   database.sequences.push_back(
       {argument.name, std::move(described.frames.names), std::move(described.frames.unreadable)});
 }
@@ -91,10 +90,11 @@ void check_safety_factor(double factor) {
 
 std::vector<DescriptorSpan> code_spans(const SequenceDatabase& database) {
   std::vector<DescriptorSpan> spans;
-  std::span<const LdbCode> rest = database.codes.view();
+  const DescriptorRows rows = database.descriptors.rows();
+  size_t first = 0;
   for (const TrainSequence& sequence : database.sequences) {
-    spans.push_back({rest.first(sequence.frame_count()), sequence.unreadable});
-    rest = rest.subspan(sequence.frame_count());
+    spans.push_back({rows.subspan(first, sequence.frame_count()), sequence.unreadable});
+    first += sequence.frame_count();
   }
   return spans;
 }
@@ -159,6 +159,7 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   check_window_length(settings.window_length);
   check_safety_factor(settings.safety_factor);
   SequenceDatabase database;
+  database.descriptors.kind = &descriptor_kind(settings.descriptor_kind);
   database.descriptor = settings.descriptor;
   append_sequences(database, sequences, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
@@ -174,7 +175,8 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   SequenceDatabase extended;
   extended.descriptor = database.descriptor;
   extended.sequences = database.sequences;
-  extended.codes.owned.assign(database.codes.view().begin(), database.codes.view().end());
+  extended.descriptors.kind = database.descriptors.kind;
+  extended.descriptors.append(database.descriptors.rows());
   append_sequences(extended, sequences, skip_unreadable, monitor);
   add_typical_distances(extended, monitor);
   for (const ThresholdTable& table : database.thresholds) {

@@ -14,7 +14,8 @@
 namespace vpr {
 
 struct SequenceTrainSettings {
-  LdbSettings descriptor;
+  std::string descriptor_kind = "ldb";  ///< of descriptor_kinds()
+  DescriptorSettings descriptor;
   uint64_t window_length = 40;  ///< c_l of the automatic thresholds
   double safety_factor = 1;     ///< multiplies them
   bool skip_unreadable = false;
@@ -23,6 +24,7 @@ struct SequenceTrainSettings {
 
 template <class Visitor>
 void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
+  visit("descriptor", settings.descriptor_kind);
   visit_fields(settings.descriptor, visit);
   visit("c_l", settings.window_length);
   visit("safety_factor", settings.safety_factor);
@@ -37,15 +39,15 @@ struct NamedArgument {
 
 /// Describes each sequence and computes the thresholds for settings.window_length (unless
 /// is_left_to_queries, which is said) and the training statistics. Names must differ. Throws
-/// Error(usage) for settings out of range, and what describe_sequence throws. Warns of overlapping
-/// sequences, and of those shorter than a window.
+/// Error(usage) for settings out of range, and what DescriptorKind::describe throws. Warns of
+/// overlapping sequences, and of those shorter than a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const RowKernels& kernels,
                                  const Monitor& monitor);
 
 /// The database with more sequences; what it has is not described again. Thresholds are computed
 /// again for every window length that it has them for, and statistics with the settings that it
-/// has. The descriptor is the database's.
+/// has. Descriptors are of the database's kind.
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
                                const RowKernels& kernels, const Monitor& monitor);
@@ -80,8 +82,8 @@ ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t windo
                                   double safety_factor, const RowKernels& kernels,
                                   const Monitor& monitor);
 
-/// Codes and unreadable frames of every sequence, as the matchers take them. They point into the
-/// database.
+/// Descriptors and unreadable frames of every sequence, as the matchers take them. They point into
+/// the database.
 std::vector<DescriptorSpan> code_spans(const SequenceDatabase& database);
 
 /// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.

@@ -6,7 +6,7 @@
 
 #include "base/json.h"
 #include "base/npy.h"
-#include "descriptors/describe.h"
+#include "descriptors/frame_descriptors.h"
 #include "matching/plain.h"
 #include "support.h"
 
@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 std::vector<LdbCode> describe_folder(const fs::path& folder) {
-  return describe_sequence(open_sequence({folder, {}}), {}, Unreadable::fail, {}).codes;
+  return ldb_codes(
+      descriptor_kind("ldb").describe(open_sequence({folder, {}}), {}, Unreadable::fail, {}));
 }
 
 Json evaluate(const test::TemporaryFolder& out, const fs::path& corridor,

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "database/archive.h"
 #include "support.h"
 
 using namespace vpr;
@@ -18,7 +19,7 @@ SequenceDatabase example() {
   SequenceDatabase database;
   database.descriptor.illumination_invariant = true;
   database.sequences = {{"one", {"1.png", "2.png", "3.png"}, {1}}, {"t/two", {"#0", "#1"}, {}}};
-  database.codes.owned = test::random_codes(5, 1);
+  database.descriptors.append(test::random_codes(5, 1));
   database.thresholds = {{2, 0.9, {ClosestWindows{700, 1, 1, 0}, std::nullopt}}};
   database.statistics = {
       {3, 0.25, 77, 9}, 301.25, {-1.5F, 0, 2, 3.25F, 1e-3F}, {100, 0, 4096, 1, 2}};
@@ -47,8 +48,9 @@ TEST_CASE("a database that was written is read back") {
   CHECK(database.sequences[1].name == "t/two");
   CHECK(database.sequences[1].frame_names == std::vector<std::string>{"#0", "#1"});
   const std::vector<LdbCode> codes = test::random_codes(5, 1);
-  CHECK(std::equal(codes.begin(), codes.end(), database.codes.view().begin()));
-  CHECK(database.codes.view()[4] == codes[4]);
+  CHECK(std::ranges::equal(database.descriptors.rows().bytes, DescriptorRows(codes).bytes));
+  CHECK(std::ranges::equal(database.descriptors.rows()[4], codes[4]));
+  CHECK(database.descriptors.kind->name == "ldb");
   const ThresholdTable* table = find_thresholds(database.thresholds, 2);
   REQUIRE(table != nullptr);
   CHECK(table->safety_factor == 0.9);
@@ -135,4 +137,31 @@ TEST_CASE("the same content gives the same bytes") {
   const fs::path second = write_example(b);
   for (const char* name : {"manifest.json", "codes.npy", "frames.txt"})
     CHECK(test::read_text(first / name) == test::read_text(second / name));
+}
+
+TEST_CASE("the manifest names what frames are described by; without it, LDB") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  const auto rewrite = [&](auto change) {
+    Json manifest = Json::parse(test::read_text(path / "manifest.json"));
+    manifest.erase("checksum");
+    change(manifest);
+    test::write_text(path / "manifest.json", sealed_manifest(manifest));
+  };
+  CHECK(Json::parse(test::read_text(path / "manifest.json"))["descriptor"] == "ldb");
+  rewrite([](Json& manifest) { manifest.erase("descriptor"); });
+  CHECK(read_sequence_database(path).descriptors.kind->name == "ldb");
+  rewrite([](Json& manifest) { manifest["descriptor"] = "netvlad"; });
+  CHECK(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+  CHECK(test::error_text([&] { read_sequence_database(path); }) ==
+        path.string() + ": its frames are described by netvlad, which this version does not know");
+  rewrite([](Json& manifest) { manifest["descriptor"] = 7; });
+  CHECK(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+}
+
+TEST_CASE("an unknown descriptor is refused with the choices") {
+  CHECK(test::error_text([] { descriptor_kind("surf"); }) ==
+        "unknown descriptor \"surf\"; choose one of ldb");
+  CHECK(&descriptor_kind("ldb") == &descriptor_kinds().front());
+  CHECK(find_descriptor_kind("") == nullptr);
 }

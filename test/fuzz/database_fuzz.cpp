@@ -31,11 +31,11 @@ void seal(std::vector<fuzz::Part>& parts) {
 
 void query_sequences(const std::filesystem::path& folder) {
   SequenceDatabase database = read_sequence_database(folder);
-  const auto codes = database.codes.view();
-  SequenceCodes query;
-  query.codes.assign(codes.begin(),
-                     codes.begin() + static_cast<ptrdiff_t>(std::min(kQueryFrames, codes.size())));
-  query.frames.names.resize(query.codes.size());
+  const DescriptorRows rows = database.descriptors.rows();
+  DescriptorSet query;
+  query.descriptors.kind = database.descriptors.kind;
+  query.descriptors.append(rows.first(std::min(kQueryFrames, rows.size())));
+  query.frames.names.resize(query.rows().size());
   QueryResources resources;
   resources.kernels = select_kernels();
   ensure_statistics(database, {});

@@ -62,22 +62,22 @@ SequenceDatabase make_database() {
   for (const Walk& walk : test::kTrain) {
     database.sequences.push_back({walk.name, frame_names(walk), {}});
     const std::vector<LdbCode> codes = describe(walk);
-    database.codes.owned.insert(database.codes.owned.end(), codes.begin(), codes.end());
+    database.descriptors.append(codes);
   }
   ensure_statistics(database, {});
   return database;
 }
 
-SequenceCodes make_query() {
-  SequenceCodes query{describe(test::kQuery), {frame_names(test::kQuery), {kUnreadable}}};
-  query.codes[kUnreadable] = {};
-  return query;
+DescriptorSet make_query() {
+  std::vector<LdbCode> codes = describe(test::kQuery);
+  codes[kUnreadable] = {};
+  return ldb_set(codes, {frame_names(test::kQuery), {kUnreadable}});
 }
 
 // Every row of distances or biased scores, by query window.
 std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
   const SequenceDatabase database = make_database();
-  const SequenceCodes query = make_query();
+  const DescriptorSet query = make_query();
   QueryResources resources;
   resources.kernels = select_kernels();
   std::mutex mutex;

@@ -25,16 +25,15 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
     sequence.name = std::string(1, static_cast<char>('a' + s));
     for (size_t i = 0; i < sequences[s].size(); ++i)
       sequence.frame_names.push_back(std::to_string(i));
-    database.codes.owned.insert(database.codes.owned.end(), sequences[s].begin(),
-                                sequences[s].end());
+    database.descriptors.append(sequences[s]);
   }
   database.thresholds.push_back(
       compute_thresholds(database, window_length, 1, select_kernels(), {}));
   return database;
 }
 
-SequenceCodes make_query(const std::vector<LdbCode>& codes) {
-  SequenceCodes query{codes, {}};
+DescriptorSet make_query(const std::vector<LdbCode>& codes) {
+  DescriptorSet query = ldb_set(codes, {});
   for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
   return query;
 }
@@ -46,7 +45,7 @@ QueryResources resources(size_t verify = 0) {
   return r;
 }
 
-QueryRun query_all(const SequenceDatabase& database, const SequenceCodes& query,
+QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, const Monitor& monitor = {}) {
   return run_query(plan_query(database, query, "q", settings, resources(), monitor), database,
                    query, resources(50), {}, monitor);
@@ -105,7 +104,7 @@ TEST_CASE("automatic thresholds find a revisit and nothing between the training 
   REQUIRE_FALSE(result.places.empty());
   for (const Recognition& place : result.places) CHECK(place.sequence == 1);
   // The threshold is strict: the closest windows of the training sequences are no hits.
-  const SequenceCodes first = make_query(train[0]);
+  const DescriptorSet first = make_query(train[0]);
   settings.only_sequences = {"b"};
   CHECK(query_all(database, first, settings).result.hits.empty());
 }
@@ -243,7 +242,7 @@ TEST_CASE("identical training and query windows only: the maximum is 0 and so is
 
 TEST_CASE("settings that can't be meant are usage errors that say what to do") {
   const SequenceDatabase one = make_database({test::walk_codes(30, 1)}, 5);
-  const SequenceCodes query = make_query(test::walk_codes(20, 2));
+  const DescriptorSet query = make_query(test::walk_codes(20, 2));
   const auto kind = [&](auto change) {
     SequenceQuerySettings settings;
     settings.window_length = 5;
@@ -315,4 +314,39 @@ TEST_CASE("of an approximate method the cells that it found are verified") {
   CHECK(choose_found(found, 2, 1).size() == 2);
   CHECK(choose_found(found, 0, 1).empty());
   CHECK(choose_found({{}, {std::nullopt}}, 5, 1).empty());
+}
+
+TEST_CASE("a query that is described otherwise than the database is refused in one sentence") {
+  const SequenceDatabase database = make_database({test::walk_codes(30, 1)}, 4);
+  const DescriptorKind other{"other", "", kLdbShape, nullptr};
+  DescriptorSet query = make_query(test::walk_codes(20, 2));
+  query.descriptors.kind = &other;
+  SequenceQuerySettings settings;
+  settings.window_length = 4;
+  const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
+  CHECK(test::error_kind(plan) == ErrorKind::data);
+  CHECK(test::error_text(plan) ==
+        "frames of the database are described by ldb, those of the query by other; describe both "
+        "by the same");
+}
+
+TEST_CASE("windows whose sums do not fit the files are refused") {
+  DescriptorKind vectors{"vectors", "", {ElementType::whole_numbers, 2}, nullptr};
+  const std::vector<uint8_t> bytes(200, 1);
+  SequenceDatabase database;
+  database.sequences = {{"a", std::vector<std::string>(100), {}}};
+  database.descriptors.kind = &vectors;
+  database.descriptors.owned = bytes;
+  DescriptorSet query;
+  query.descriptors.kind = &vectors;
+  query.descriptors.owned = bytes;
+  query.frames.names.resize(100);
+  SequenceQuerySettings settings;
+  settings.distance_threshold = 0.5;
+  settings.window_length = 32769;
+  const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
+  CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for frames described by"));
+  settings.window_length = 5;
+  const SequenceResult result = query_all(database, query, settings).result;
+  CHECK(result.hits.size() == 96 * 96);  // all vectors are the same
 }

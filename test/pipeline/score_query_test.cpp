@@ -25,15 +25,14 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
     sequence.name = std::string(1, static_cast<char>('a' + s));
     for (size_t i = 0; i < sequences[s].size(); ++i)
       sequence.frame_names.push_back(std::to_string(i));
-    database.codes.owned.insert(database.codes.owned.end(), sequences[s].begin(),
-                                sequences[s].end());
+    database.descriptors.append(sequences[s]);
   }
   ensure_statistics(database, {});
   return database;
 }
 
-SequenceCodes make_query(const std::vector<LdbCode>& codes) {
-  SequenceCodes query{codes, {}};
+DescriptorSet make_query(const std::vector<LdbCode>& codes) {
+  DescriptorSet query = ldb_set(codes, {});
   for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
   return query;
 }
@@ -45,7 +44,7 @@ SequenceQuerySettings scored_settings(uint64_t length) {
   return settings;
 }
 
-QueryRun query_all(const SequenceDatabase& database, const SequenceCodes& query,
+QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, size_t verify = 50) {
   QueryResources resources;
   resources.kernels = select_kernels();
@@ -125,7 +124,7 @@ TEST_CASE("rows are centred over all training frames, whichever sequences are se
   const SequenceDatabase database = make_database(train);
   SequenceQuerySettings settings = scored_settings(5);
   settings.distance_threshold = 0;
-  const SequenceCodes query = make_query(test::walk_codes(40, 4));
+  const DescriptorSet query = make_query(test::walk_codes(40, 4));
   const SequenceResult all = query_all(database, query, settings).result;
   settings.only_sequences = {"b"};
   const SequenceResult one = query_all(database, query, settings).result;
@@ -159,14 +158,14 @@ TEST_CASE("a wrong score is found, and a right one is not") {
   const SequenceDatabase database = make_database(train);
   SequenceQuerySettings settings = scored_settings(4);
   settings.distance_threshold = 0;
-  const SequenceCodes query = make_query(test::walk_codes(40, 4));
+  const DescriptorSet query = make_query(test::walk_codes(40, 4));
   for (const Score score : {Score::standardized, Score::standardized_offline}) {
     settings.score = score;
     const QueryRun run = query_all(database, query, settings, 100'000);
     CHECK(run.verified_cells == 2 * 27 * 37);  // every one
     std::vector<Cell> cells = {run.result.hits[100], run.result.hits[300]};
     cells[1].distance += 10;  // two units a frame
-    const auto wrong = wrong_scores(cells, code_spans(database), {query.codes, {}}, 4,
+    const auto wrong = wrong_scores(cells, code_spans(database), {query.rows(), {}}, 4,
                                     *score_basis(database, settings), {});
     REQUIRE(wrong.size() == 1);
     CHECK(wrong[0].train_window == cells[1].train_window);
@@ -185,7 +184,7 @@ TEST_CASE("statistics that a database lacks are computed, and said") {
   database.statistics.reset();
   SequenceQuerySettings settings = scored_settings(4);
   settings.distance_threshold = 0;
-  const SequenceCodes query = make_query(test::walk_codes(40, 4));
+  const DescriptorSet query = make_query(test::walk_codes(40, 4));
   CHECK(test::error_kind([&] { query_all(database, query, settings); }) == ErrorKind::usage);
   ensure_statistics(database, monitor);
   CHECK(warnings.size() == 1);
@@ -195,7 +194,7 @@ TEST_CASE("statistics that a database lacks are computed, and said") {
 TEST_CASE("settings that do not fit the score are usage errors") {
   const SequenceDatabase database =
       make_database({test::walk_codes(30, 1), test::walk_codes(30, 2)});
-  const SequenceCodes query = make_query(test::walk_codes(20, 2));
+  const DescriptorSet query = make_query(test::walk_codes(20, 2));
   const auto kind = [&](Score score, auto change) {
     SequenceQuerySettings settings;
     settings.score = score;
@@ -235,7 +234,7 @@ TEST_CASE("a sweep of scores counts what single queries find") {
   std::vector<LdbCode> codes = test::walk_codes(50, 3);
   std::copy_n(train[0].begin() + 10, 20, codes.begin() + 10);
   const SequenceDatabase database = make_database(train);
-  const SequenceCodes query = make_query(codes);
+  const DescriptorSet query = make_query(codes);
   const TruthReader truth = [](const GroundTruthScope& scope) {
     GroundTruth all;
     all.pairs.resize(scope.query_frames);

@@ -23,7 +23,7 @@ SequenceDatabase make_database() {
     sequence.name = std::string(1, static_cast<char>('a' + s));
     const auto codes = test::walk_codes(90, 10 + s, 40);
     for (size_t i = 0; i < codes.size(); ++i) sequence.frame_names.push_back(std::to_string(i));
-    database.codes.owned.insert(database.codes.owned.end(), codes.begin(), codes.end());
+    database.descriptors.append(codes);
   }
   database.sequences[1].unreadable = {40};
   return database;
@@ -42,15 +42,16 @@ GroundTruth make_truth(const GroundTruthScope& scope) {
 
 TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
   const SequenceDatabase database = make_database();
-  SequenceCodes query{test::walk_codes(90, 10, 40), {}};
-  query.codes.erase(query.codes.begin(), query.codes.begin() + 10);
+  std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
+  codes.erase(codes.begin(), codes.begin() + 10);
   RandomEngine engine(5);
-  for (LdbCode& code : query.codes)
+  for (LdbCode& code : codes)
     for (int i = 0; i < 200; ++i) {
       uint8_t& byte = code[uniform_below(engine, 173)];
       byte = static_cast<uint8_t>(byte ^ 1U << uniform_below(engine, 8));
     }
-  for (size_t i = 0; i < query.codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  DescriptorSet query = ldb_set(codes, {});
+  for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
   query.frames.unreadable = {30};
   QueryResources resources;
   resources.kernels = select_kernels();
@@ -90,7 +91,7 @@ TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
 
 TEST_CASE("an empty grid is refused") {
   const SequenceDatabase database = make_database();
-  const SequenceCodes query{test::walk_codes(90, 10, 40), {}};
+  const DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
   CHECK(test::error_kind([&] {
           sweep_sequences(database, query, "q", {}, {{}, {0.3}}, make_truth, {}, {});
         }) == ErrorKind::usage);
@@ -98,8 +99,8 @@ TEST_CASE("an empty grid is refused") {
 
 TEST_CASE("a sweep warns of everything that its settings would be warned of, and once") {
   SequenceDatabase database = make_database();
-  SequenceCodes query{test::walk_codes(90, 10, 40), {}};
-  for (size_t i = 0; i < query.codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
+  for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
   query.frames.unreadable = {30};
   QueryResources resources;
   resources.kernels = select_kernels();
@@ -123,8 +124,8 @@ TEST_CASE("a sweep warns of everything that its settings would be warned of, and
 
 TEST_CASE("the hits of all window lengths share the memory") {
   const SequenceDatabase database = make_database();
-  SequenceCodes query{test::walk_codes(90, 10, 40), {}};
-  for (size_t i = 0; i < query.codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
+  for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
   QueryResources resources;
   resources.kernels = select_kernels();
   SequenceQuerySettings bits;

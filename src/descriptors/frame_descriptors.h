@@ -1,0 +1,72 @@
+// The table of frame descriptors, and what a sequence or a database holds of them.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/monitor.h"
+#include "base/npy.h"
+#include "descriptors/descriptor_rows.h"
+#include "images/frames.h"
+#include "images/sequence.h"
+
+namespace vpr {
+
+/// Settings of all kinds; each reads its own.
+struct DescriptorSettings {
+  bool illumination_invariant = false;  ///< decode in colour and remove the light's colour first
+};
+
+template <class Visitor>
+void visit_fields(DescriptorSettings& settings, Visitor&& visit) {
+  visit("illumination_invariant", settings.illumination_invariant);
+}
+
+struct DescriptorSet;
+
+/// A row of the table: how frames are described.
+struct DescriptorKind {
+  std::string_view name;  ///< in flags and manifests
+  std::string_view summary;
+  DescriptorShape shape;
+  /// Decodes and describes in parallel, no frame kept. Same result for any number of threads; all
+  /// zero for an unreadable frame. Throws what for_each_frame throws.
+  DescriptorSet (*describe)(const Sequence& sequence, const DescriptorSettings& settings,
+                            Unreadable unreadable, const Monitor& monitor);
+};
+
+/// The kinds, LDB first: what a manifest without a name holds.
+std::span<const DescriptorKind> descriptor_kinds();
+
+/// The row of that name, or null.
+const DescriptorKind* find_descriptor_kind(std::string_view name);
+
+/// The same; throws Error(usage) listing the names for an unknown one.
+const DescriptorKind& descriptor_kind(std::string_view name);
+
+/// Descriptors of one kind: of a fresh description, or the memory-mapped ones of a stored database.
+struct DescriptorStore {
+  const DescriptorKind* kind = &descriptor_kinds().front();
+  std::vector<uint8_t> owned;
+  NpyArray mapped;
+
+  DescriptorRows rows() const;
+  /// Only where nothing is mapped, and of the same shape.
+  void append(const DescriptorRows& more);
+};
+
+/// The frames of one sequence and their descriptors.
+struct DescriptorSet {
+  DescriptorStore descriptors;
+  FrameList frames;
+
+  DescriptorRows rows() const { return descriptors.rows(); }
+  DescriptorSpan span() const { return {rows(), frames.unreadable}; }
+};
+
+/// LDB codes as a set, and back.
+DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames);
+std::vector<LdbCode> ldb_codes(const DescriptorSet& set);
+
+}  // namespace vpr
