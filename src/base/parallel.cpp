@@ -6,13 +6,18 @@
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "base/thread_order.h"
+
 namespace vpr {
 
 void parallel_for(size_t count, const Monitor& monitor, const std::function<void(size_t)>& body) {
-  oneapi::tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+  const auto part_of = [&](size_t i) {
+    const ThreadOrder::Part part;
     check_stop(monitor);
     body(i);
-  });
+  };
+  const ThreadOrder order;
+  oneapi::tbb::parallel_for(size_t{0}, count, part_of);
 }
 
 size_t thread_count() {

@@ -15,6 +15,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/thread_order.h"
 #include "images/codec_scope.h"
 
 namespace vpr {
@@ -172,23 +173,31 @@ class VideoReader {
 FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                                const Monitor& monitor, const FrameBody& body) {
   namespace tbb = oneapi::tbb;
+  using FramePointer = std::shared_ptr<IndexedFrame>;
   VideoReader reader(sequence.argument, format);
   StepCounter counter(monitor, "describe", reader.expected_frames());
-  tbb::parallel_pipeline(
-      2 * thread_count(),
-      tbb::make_filter<void, std::shared_ptr<IndexedFrame>>(tbb::filter_mode::serial_in_order,
-                                                            [&](tbb::flow_control& control) {
-                                                              auto frame =
-                                                                  std::make_shared<IndexedFrame>();
-                                                              if (!reader.next(*frame, monitor))
-                                                                control.stop();
-                                                              return frame;
-                                                            }) &
-          tbb::make_filter<std::shared_ptr<IndexedFrame>, void>(
-              tbb::filter_mode::parallel, [&](const std::shared_ptr<IndexedFrame>& frame) {
-                if (!frame->image.empty()) body(frame->index, frame->image);
-                counter.add();
-              }));
+  const auto read = [&](tbb::flow_control& control) {
+    const ThreadOrder::Part part;
+    take_over(&reader);
+    auto frame = std::make_shared<IndexedFrame>();
+    if (!reader.next(*frame, monitor)) control.stop();
+    hand_over(&reader);
+    hand_over(frame.get());
+    return frame;
+  };
+  const auto describe = [&](const FramePointer& frame) {
+    const ThreadOrder::Part part;
+    take_over(frame.get());
+    if (!frame->image.empty()) body(frame->index, frame->image);
+    counter.add();
+  };
+  {
+    const ThreadOrder order;
+    tbb::parallel_pipeline(
+        2 * thread_count(),
+        tbb::make_filter<void, FramePointer>(tbb::filter_mode::serial_in_order, read) &
+            tbb::make_filter<FramePointer, void>(tbb::filter_mode::parallel, describe));
+  }
   return reader.finish(unreadable, monitor);
 }
 
