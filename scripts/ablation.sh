@@ -37,7 +37,7 @@ variant() { # NAME SCORE [SETTING...]: one row
     for length in ${lengths//,/ }; do
       "$bin/vpr-query" "$out/$name.vprdb" --query "$query" --config "$out/config.json" \
         --score "$score" --t-r 0 --c-l "$length" -o "$out/r.json" --force --quiet
-      python3 "$here/recognised_early.py" "$out/r.best.npy" "$tolerance"
+      python3 "$here/recognised_early.py" "$out/r" "$tolerance"
     done
   done <<<"$sets"
   echo ' |'

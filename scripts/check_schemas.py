@@ -36,7 +36,7 @@ for file in sorted(docs.glob("*.schema.json")):
         bad = 1
 for name in sys.argv[1:]:
     instance = json.loads(pathlib.Path(name).read_text())
-    kind = instance["schema"].removeprefix("vpr.").removesuffix("/1")
+    kind = instance["schema"].removeprefix("vpr.").rsplit("/", 1)[0]
     schema = json.loads((docs / f"{kind}.schema.json").read_text())
     for error in jsonschema.Draft202012Validator(schema).iter_errors(instance):
         print(f"{name}: {'/'.join(map(str, error.path))}: {error.message[:200]}")

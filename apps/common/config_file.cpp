@@ -19,12 +19,17 @@ Json settings_of_result(const std::string& path) {
   return json;
 }
 
+bool is_result(const Json& json) {
+  return json["schema"].is_string() &&
+         json["schema"].get_ref<const std::string&>().starts_with("vpr.result/");
+}
+
 }  // namespace
 
 Json read_config(const std::string& path) {
   Json json = read_json(path, ErrorKind::usage);
   if (!json.is_object() || !json.contains("schema")) return json;
-  if (json["schema"] == "vpr.result/1") return settings_of_result(path);
+  if (is_result(json)) return settings_of_result(path);
   if (json["schema"] == "vpr.sweep/1")
     throw Error(ErrorKind::usage,
                 fmt::format("{}: is a sweep, of many settings; let vpr-tune write those that it "

@@ -17,9 +17,6 @@ constexpr std::array kOutputs = {
     "output", "save-matrix", "save-posteriors", "html",         "plot",
     "map",    "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv"};
 
-constexpr std::array kCompanions = {"hits.npy",        "hit_scores.npy", "best.npy",
-                                    "best_scores.npy", "new_place.npy",  "views.npy"};
-
 bool has_name(const GivenFlag& flag, const char* name) {
   return std::find(flag.names.begin(), flag.names.end(), name) != flag.names.end();
 }
@@ -101,7 +98,7 @@ struct Inputs {
     }
     add_sequence(argument);
     if (argument.path.extension() == ".json")
-      for (const char* kind : kCompanions) add(companion_path(argument.path, kind));
+      for (const char* kind : kResultArrays) add(companion_path(argument.path, kind));
   }
 };
 

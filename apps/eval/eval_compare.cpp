@@ -55,6 +55,12 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
                                 "older versions do not say (make them again); {}",
                                 words));
       return;
+    case GroundTruths::of_places_and_frames:
+      warn(monitor,
+           fmt::format("places and frames have ground truths of their own: queries of which "
+                       "only one has a match are left out; {}",
+                       words));
+      return;
     case GroundTruths::different:
       if (!inputs.allow_different)
         throw Error(ErrorKind::data,
@@ -77,9 +83,11 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   check_ground_truths(session.monitor, inputs, reports);
   std::vector<NamedOutcomes> methods;
   for (size_t r = 0; r < reports.size(); ++r) methods.push_back({names[r], reports[r].outcomes});
-  const Comparison comparison = compare_outcomes(
-      methods, block_of(inputs, reports), kResamples, options.seed, session.monitor,
-      inputs.allow_different ? Disputed::leave_out : Disputed::refuse);
+  const bool may_dispute = inputs.allow_different ||
+                           compare_ground_truths(reports) == GroundTruths::of_places_and_frames;
+  const Comparison comparison =
+      compare_outcomes(methods, block_of(inputs, reports), kResamples, options.seed,
+                       session.monitor, may_dispute ? Disputed::leave_out : Disputed::refuse);
   Json json = comparison_json(comparison, reports, names, kResamples, session.run);
   RunInfo info = session.run;
   for (size_t r = 0; r < reports.size(); ++r)

@@ -137,20 +137,14 @@ Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const st
 }
 
 Judgement judge_result(Session& session, const ScoreInputs& inputs,
-                       const std::optional<ScoreMatrix>& matrix, const SequenceResult& result,
+                       const std::optional<ScoreMatrix>& matrix, const Result& result,
                        const GroundTruth& truth) {
+  if (matrix && result.places)
+    throw Error(ErrorKind::usage,
+                "a FAB-MAP result takes no --scores; evaluate the matrix without the result");
   const std::vector<double> travelled = travelled_way(inputs, result.query_frames, session.monitor);
   if (matrix) return judge(result, *matrix, truth, travelled, session.monitor);
   return judge(result, truth, travelled, session.monitor);
-}
-
-Judgement judge_result(Session& session, const ScoreInputs& inputs,
-                       const std::optional<ScoreMatrix>& matrix, const FabmapResult& result,
-                       const GroundTruth& truth) {
-  if (matrix)
-    throw Error(ErrorKind::usage,
-                "a FAB-MAP result takes no --scores; evaluate the matrix without the result");
-  return judge(result, truth, travelled_way(inputs, result.query_frames, session.monitor));
 }
 
 }  // namespace vpr

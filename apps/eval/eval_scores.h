@@ -59,10 +59,7 @@ Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const st
 
 /// A result's judgement, with --scores if there are any: the matrix that was saved with it.
 Judgement judge_result(Session& session, const ScoreInputs& inputs,
-                       const std::optional<ScoreMatrix>& matrix, const SequenceResult& result,
-                       const GroundTruth& truth);
-Judgement judge_result(Session& session, const ScoreInputs& inputs,
-                       const std::optional<ScoreMatrix>& matrix, const FabmapResult& result,
+                       const std::optional<ScoreMatrix>& matrix, const Result& result,
                        const GroundTruth& truth);
 
 }  // namespace vpr

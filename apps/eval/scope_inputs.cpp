@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "evaluation/counts.h"
 #include "images/frames.h"
-#include "report/fabmap_result_file.h"
 #include "report/result_file.h"
 
 namespace vpr {
@@ -58,10 +57,7 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
         ErrorKind::usage,
         "give the numbers of frames once: --result, --query with --train, or --query-frames "
         "with --train-frames");
-  if (!inputs.result.empty())
-    return result_method(inputs.result) == "fabmap"
-               ? scope_of(read_fabmap_result(inputs.result).result)
-               : scope_of(read_result(inputs.result, monitor).result);
+  if (!inputs.result.empty()) return scope_of(read_result(inputs.result, monitor).result);
   if (has_sequences) {
     if (inputs.query.empty() || inputs.train.empty())
       throw Error(ErrorKind::usage, "give both --query and --train");

@@ -22,7 +22,6 @@
 #include "evaluation/expectation.h"
 #include "ground_truth/dataset.h"
 #include "report/evaluation_report.h"
-#include "report/fabmap_result_file.h"
 #include "report/matrix_file.h"
 #include "report/outcome_csv.h"
 #include "report/result_file.h"
@@ -98,12 +97,6 @@ ScoreInputs with_poses(const EvalInputs& inputs, const std::string& query_name) 
   return scores;
 }
 
-/// What vpr-query --save-matrix writes where there is no distance.
-double missing_score(const SequenceResult& result) {
-  return score_kind(result.settings.score).missing;
-}
-double missing_score(const FabmapResult&) { return -1; }
-
 /// Throws Error(data) if the matrix is not the one that was saved with the result.
 void check_matrix(const Session& session, const StoredResult& stored, const ScoreMatrix& matrix,
                   const EvalInputs& inputs) {
@@ -119,34 +112,28 @@ void check_matrix(const Session& session, const StoredResult& stored, const Scor
                             inputs.scores.path, inputs.result));
 }
 
-template <class Stored>
-Evaluation evaluate(Session& session, const Stored& stored, const EvalInputs& inputs) {
-  constexpr bool kIsFabmap = std::is_same_v<Stored, StoredFabmapResult>;
+Evaluation evaluate(Session& session, const StoredResult& stored, const EvalInputs& inputs) {
+  const Result& result = stored.result;
   Evaluation evaluation;
-  const auto named = find_ground_truth(inputs, stored.result.query_name, kIsFabmap);
+  const auto named = find_ground_truth(inputs, result.query_name, result.places.has_value());
   if (!named && !only_looks(session, inputs)) refuse_without_truth(inputs);
-  const GroundTruthScope scope = scope_of(stored.result);
+  const GroundTruthScope scope = scope_of(result);
   evaluation.ground_truth = named.value_or(GroundTruthArgument{});
   evaluation.truth =
       named ? read_ground_truth(*named, scope, session.monitor) : unknown_ground_truth(scope);
   if (!inputs.scores.path.empty())
-    evaluation.matrix = open_saved_scores(inputs.scores, missing_score(stored.result));
-  if constexpr (!kIsFabmap)
-    if (evaluation.matrix) check_matrix(session, stored, *evaluation.matrix, inputs);
-  evaluation.judgement = judge_result(session, with_poses(inputs, stored.result.query_name),
-                                      evaluation.matrix, stored.result, evaluation.truth);
-  if constexpr (kIsFabmap)
-    evaluation.report =
-        report_json(stored.result, count_recognitions(stored.result, evaluation.truth),
-                    evaluation.judgement, evaluation.truth, stored.fingerprint, session.run);
-  else
-    evaluation.report = report_json(
-        stored.result, count_recognitions(stored.result, evaluation.truth, session.monitor),
-        count_by_view(stored.result, evaluation.truth, session.monitor), evaluation.judgement,
-        evaluation.truth, stored.fingerprint, session.run, session.monitor);
+    evaluation.matrix = open_saved_scores(inputs.scores, result.score().missing);
+  if (evaluation.matrix && !result.places)
+    check_matrix(session, stored, *evaluation.matrix, inputs);
+  evaluation.judgement = judge_result(session, with_poses(inputs, result.query_name),
+                                      evaluation.matrix, result, evaluation.truth);
+  evaluation.report =
+      report_json(result, count_recognitions(result, evaluation.truth, session.monitor),
+                  count_by_view(result, evaluation.truth, session.monitor), evaluation.judgement,
+                  evaluation.truth, stored.fingerprint, session.run, session.monitor);
   if (!inputs.csv.recognitions.empty())
     evaluation.recognitions =
-        recognitions_csv(stored.result, evaluation.truth, inputs.row_name, session.monitor);
+        recognitions_csv(result, evaluation.truth, inputs.row_name, session.monitor);
   return evaluation;
 }
 
@@ -167,8 +154,6 @@ Evaluation evaluate_unnamed(Session& session, const EvalInputs& inputs) {
     if (!named) refuse_without_truth(inputs);
     return evaluate_scores(session, inputs.scores, query_name(inputs), *named);
   }
-  if (result_method(inputs.result) == "fabmap")
-    return evaluate(session, read_fabmap_result(inputs.result), inputs);
   return evaluate(session, read_result(inputs.result, session.monitor), inputs);
 }
 

@@ -33,7 +33,7 @@ void add_rows(Table& table, const std::string& side, const std::vector<WordEvide
 
 std::string place_title(const PlaceExplanation& place) {
   return fmt::format("{} (view {}), probability {:.4f}, log-odds {:+.2f}", place.place, place.view,
-                     place.match.probability, place.log_odds);
+                     place.match.score, place.log_odds);
 }
 
 MarkedImage mark_words(const FrameFeatures& features, const PlaceExplanation& place,
@@ -73,7 +73,7 @@ Json explanation_json(const Explanation& explanation) {
   for (const PlaceExplanation& place : explanation.places)
     json["places"].push_back({{"place", place.place},
                               {"view", place.view},
-                              {"probability", place.match.probability},
+                              {"probability", place.match.score},
                               {"log_odds", place.log_odds},
                               {"for", evidence_json(place.for_it)},
                               {"against", evidence_json(place.against)}});
@@ -121,7 +121,7 @@ void write_explanation_picture(const Explanation& explanation, const QueryInputs
     ImagePair& pair = pairs.emplace_back();
     pair.query = mark_words(frame, place, fmt::format("query frame {}", explanation.frame));
     pair.view.title = fmt::format("{}, probability {:.4f}, log-odds {:+.2f}", place.place,
-                                  place.match.probability, place.log_odds);
+                                  place.match.score, place.log_odds);
     const ViewOrigin origin = searched.origin(place.match.view);
     const auto source = images.find(origin.group);
     if (source == images.end()) {

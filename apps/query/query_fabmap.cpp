@@ -17,7 +17,7 @@
 #include "query_inputs.h"
 #include "recognition/place_runs.h"
 #include "repeated_command.h"
-#include "report/fabmap_result_file.h"
+#include "report/result_file.h"
 #include "report/table.h"
 
 namespace vpr {
@@ -88,16 +88,16 @@ class PosteriorFile {
 };
 
 // Where nothing was recognised: how far from it the query was, and what to run instead.
-std::string advice(const FabmapResult& result, const Session& session) {
+std::string advice(const Result& result, const Session& session) {
   const auto lower = lower_place_threshold(result);
+  const auto& settings = std::get<FabmapQuerySettings>(result.settings);
   if (!result.hits.empty() || !lower) return "";
-  const std::string in_a_row = result.settings.window == 1
-                                   ? ""
-                                   : fmt::format(" in {} frames in a row", result.settings.window);
+  const std::string in_a_row =
+      settings.window == 1 ? "" : fmt::format(" in {} frames in a row", settings.window);
   std::string text = fmt::format(
       "Nothing is likelier than t_p {}{}. The likeliest place is {} in frame {}, with {:.4f}.\n",
-      result.settings.place_threshold, in_a_row, result.places[lower->best.place],
-      lower->best.frame, lower->best.probability);
+      settings.place_threshold, in_a_row, result.places->names[lower->best.train],
+      lower->best.query, lower->best.score);
   if (!lower->place_threshold)
     return text + (in_a_row.empty() ? ""
                                     : "No lower t_p changes that: no view is the likeliest so many "
@@ -110,27 +110,28 @@ std::string advice(const FabmapResult& result, const Session& session) {
   return text;
 }
 
-std::string summary(const FabmapResult& result) {
+std::string summary(const Result& result) {
+  const ResultPlaces& places = *result.places;
   std::set<uint32_t> recognised;
-  for (const PlaceMatch& hit : result.hits) recognised.insert(hit.place);
+  for (const Match& hit : result.hits) recognised.insert(hit.train);
   Table table;
   table.title =
       fmt::format("{}: {}, {} of {} of {}", result.query_name,
                   counted(result.query_frames, "frame"), counted(result.hits.size(), "recognition"),
-                  recognised.size(), counted(result.places.size(), "place"));
-  if (result.query_featureless > 0)
-    table.title += fmt::format("; {} without features", counted(result.query_featureless, "frame"));
+                  recognised.size(), counted(places.names.size(), "place"));
+  if (places.featureless > 0)
+    table.title += fmt::format("; {} without features", counted(places.featureless, "frame"));
   table.columns = {"query frames", "places", "recognitions", "probability"};
   const auto stretch = [](const std::string& first, const std::string& last) {
     return first == last ? first : fmt::format("{} to {}", first, last);
   };
-  const bool is_frame_a_place = result.places.size() == result.views;
+  const bool is_frame_a_place = places.names.size() == places.views;
   const std::vector<PlaceRun> runs =
       is_frame_a_place ? place_runs(result.hits, 2, 2) : place_runs(result.hits, 1, 0);
   for (const PlaceRun& run : runs) {
     if (table.rows.size() == kTableRows) break;
     table.rows.push_back({stretch(std::to_string(run.first_frame), std::to_string(run.last_frame)),
-                          stretch(result.places[run.first_place], result.places[run.last_place]),
+                          stretch(places.names[run.first_place], places.names[run.last_place]),
                           std::to_string(run.hits), fmt::format("{:.4f}", run.probability)});
   }
   std::string text = render_table(table, TableFormat::text);
@@ -143,7 +144,7 @@ std::string summary(const FabmapResult& result) {
 void run_fabmap_query(Session& session, const QueryInputs& inputs,
                       const FabmapQuerySettings& settings) {
   const CommonOptions& options = session.options;
-  if (!options.output.empty()) claim_fabmap_result(options.output, session.outputs);
+  if (!options.output.empty()) claim_result(options.output, session.outputs);
   if (inputs.explained_frame && !options.output.empty())
     session.outputs.claim_file(explanation_picture_path(options.output));
   if (!inputs.posteriors.empty()) session.outputs.claim_file(inputs.posteriors);
@@ -193,8 +194,8 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   }
   if (posteriors) context.files["posteriors"] = posteriors->entry(session.monitor);
   const Json json = options.output.empty()
-                        ? fabmap_result_json(run.result, context)
-                        : write_fabmap_result(options.output, run.result, context, session.outputs);
+                        ? result_json(run.result, context)
+                        : write_result(options.output, run.result, context, session.outputs);
   session.print_result(text, json);
 }
 

@@ -7,8 +7,7 @@
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "ground_truth/dataset.h"
-#include "recognition/fabmap_result.h"
-#include "recognition/sequence_result.h"
+#include "recognition/query_settings.h"
 
 namespace vpr {
 

@@ -32,22 +32,22 @@ std::string query_fingerprint(const DescriptorSet& query) {
   return checksum(std::as_bytes(query.rows().bytes));
 }
 
-Table places_table(const SequenceResult& result) {
+Table places_table(const Result& result) {
   Table table;
   table.title =
       fmt::format("{}: {} in {}, {} of {} recognised", result.query_name,
-                  counted(result.hits.size(), "hit"), counted(result.places.size(), "place"),
+                  counted(result.hits.size(), "hit"), counted(result.clusters->all.size(), "place"),
                   recognised_windows(result), counted(result.query_windows, "window"));
-  const ScoreKind& kind = score_kind(result.settings.score);
+  const ScoreKind& kind = result.score();
+  const size_t length = result.window_length();
   table.columns = {"sequence", "query frame", "train frame", "hits", std::string(kind.frame_unit)};
-  for (const Recognition& place : result.places) {
+  for (const Cluster& cluster : result.clusters->all) {
     if (table.rows.size() == kTableRows) break;
     table.rows.push_back(
-        {result.sequences[place.sequence].name, std::to_string(result.anchor(place.query_window)),
-         std::to_string(result.anchor(place.train_window)), std::to_string(place.hits),
-         fmt::format("{:.{}f}",
-                     kind.frame_value(place.best_distance, result.settings.window_length),
-                     kind.frame_digits)});
+        {result.targets[cluster.target].name,
+         std::to_string(anchor_of(cluster.query_window, length)),
+         std::to_string(anchor_of(cluster.train_window, length)), std::to_string(cluster.hits),
+         fmt::format("{:.{}f}", kind.frame_value(cluster.best_score, length), kind.frame_digits)});
   }
   return table;
 }
@@ -62,7 +62,7 @@ std::string suggested_command(const Session& session, const SuggestedThreshold& 
 }
 
 // Nothing where the threshold tells places apart; a warning, too, where it accepts too much.
-std::string advice_text(const Session& session, const SequenceResult& result) {
+std::string advice_text(const Session& session, const Result& result) {
   const auto advice = threshold_advice(result);
   if (!advice) return "";
   if (advice->is_too_large) warn(session.monitor, advice->sentence);
@@ -75,10 +75,10 @@ std::string advice_text(const Session& session, const SequenceResult& result) {
 }
 
 std::string summary(const QueryRun& run) {
-  const SequenceResult& result = run.result;
+  const Result& result = run.result;
   std::string text = render_table(places_table(result), TableFormat::text);
-  if (result.places.size() > kTableRows)
-    text += fmt::format("... and {} more\n", result.places.size() - kTableRows);
+  const size_t clusters = result.clusters->all.size();
+  if (clusters > kTableRows) text += fmt::format("... and {} more\n", clusters - kTableRows);
   if (run.verified_cells > 0) text += counted(run.verified_cells, "cell") + ", 0 differences\n";
   if (result.recall)
     text +=
@@ -88,8 +88,8 @@ std::string summary(const QueryRun& run) {
   return text;
 }
 
-bool has_gaps(const SequenceResult& result, const SequenceDatabase& database) {
-  return !result.query_unreadable.empty() ||
+bool has_gaps(const QueryPlan& plan, const SequenceDatabase& database) {
+  return !plan.query_unreadable.empty() ||
          std::any_of(database.sequences.begin(), database.sequences.end(),
                      [](const TrainSequence& sequence) { return !sequence.unreadable.empty(); });
 }
@@ -134,18 +134,19 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
       open_sequence(source.sequence.sequence), database.descriptor,
       settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);
   const double describe_s = watch.elapsed_s();
-  SequenceResult planned =
+  QueryPlan planned =
       plan_query(database, query, source.sequence.name, settings, resources, session.monitor);
+  const Result shape = make_result(planned);  // of which nothing is found yet
   std::optional<GroundTruth> truth;
   if (source.ground_truth && inputs.matrix.ends_with(".png"))
-    truth = read_ground_truth(*source.ground_truth, scope_of(planned), session.monitor);
+    truth = read_ground_truth(*source.ground_truth, scope_of(shape), session.monitor);
 
-  const ScoreLayout layout = layout_of(planned);
+  const ScoreLayout layout = layout_of(shape);
   std::optional<MatrixFile> matrix;
   std::optional<RowPixels> pixels;
   std::vector<RowConsumer> observers;
   if (inputs.matrix.ends_with(".npy"))
-    observers.emplace_back(std::ref(matrix.emplace(session.outputs.file(inputs.matrix), planned,
+    observers.emplace_back(std::ref(matrix.emplace(session.outputs.file(inputs.matrix), shape,
                                                    has_gaps(planned, database), session.monitor)));
   if (inputs.matrix.ends_with(".png"))
     observers.emplace_back(std::ref(pixels.emplace(layout, kMatrixPictureSide)));

@@ -19,14 +19,14 @@ constexpr const char* kSequenceGroup = "FastABLE and OpenABLE";
 constexpr const char* kFabmapGroup = "FAB-MAP";
 
 /// Settings of either family; the database decides which of them count.
-struct QuerySettings {
+struct GivenSettings {
   SequenceQuerySettings sequence;
   FabmapQuerySettings fabmap;
   std::string method;  ///< empty: the database's
 };
 
 template <class Visitor>
-void visit_fields(QuerySettings& settings, Visitor&& visit) {
+void visit_fields(GivenSettings& settings, Visitor&& visit) {
   visit_fields(settings.sequence, visit);
   visit_fields(settings.fabmap, visit);
   visit("method", settings.method);
@@ -169,9 +169,9 @@ void refuse_keys(const CommonOptions& options, bool is_fabmap, const std::string
                                                 options.config, key, method));
 }
 
-void run(Session& session, const QueryInputs& inputs, const QuerySettings& given,
+void run(Session& session, const QueryInputs& inputs, const GivenSettings& given,
          const Command& app) {
-  QuerySettings settings = given;
+  GivenSettings settings = given;
   const std::string kind = database_method(inputs.database);
   const bool is_fabmap = kind == "fabmap";
   const std::string method = settings.method.empty() ? kind : settings.method;
@@ -201,7 +201,7 @@ int main(int argc, char** argv) {
                   "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
                   "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;
-  QuerySettings settings;
+  GivenSettings settings;
   const Command app = program.command();
   add_inputs(app, inputs);
   program.add_config(app, settings);

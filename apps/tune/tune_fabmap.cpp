@@ -7,7 +7,6 @@ namespace vpr {
 namespace {
 
 struct FabmapTuner {
-  using Cell = FabmapCellCounts;
   static constexpr const char* kMethod = "fabmap";
 
   Session& session;
@@ -18,26 +17,24 @@ struct FabmapTuner {
     return describe_words(open_sequence(source.sequence.sequence), database,
                           command.settings.skip_unreadable, session.monitor);
   }
-  FabmapGrid grid(const SequenceWords&) const { return fabmap_grid(command.inputs.grid); }
-  static FabmapGrid grid_of(std::span<const Cell> cells) { return fabmap_grid_of(cells); }
-  std::vector<Cell> sweep(const SequenceWords& query, const std::string& name,
-                          const FabmapGrid& grid, const TruthReader& reader) const {
+  const ScoreKind& score() const { return probability_kind(); }
+  Grid grid(const SequenceWords&) const { return fabmap_grid(command.inputs.grid); }
+  std::vector<CellCounts> sweep(const SequenceWords& query, const std::string& name,
+                                const Grid& grid, const TruthReader& reader) const {
     return sweep_fabmap(database, query, name, command.settings, grid, reader, session.options.seed,
                         session.monitor);
   }
-  FabmapQuerySettings settings_of(const Cell& cell) const {
+  FabmapQuerySettings settings_of(const CellCounts& cell) const {
     FabmapQuerySettings settings = command.settings;
     settings.window = cell.window;
-    settings.place_threshold = cell.place_threshold;
+    settings.place_threshold = *cell.threshold;
     return settings;
   }
-  Json settings_json(const Cell& cell) const { return value_to_json(settings_of(cell)); }
-  SweepIntervals intervals(const SequenceWords& query, const Cell& cell,
-                           const TruthReader& reader) const {
-    return fabmap_intervals(database, query, settings_of(cell), reader, session.options.seed,
-                            session.monitor);
+  Result query(const SequenceWords& query, const CellCounts& cell) const {
+    return query_fabmap(database, query, "", settings_of(cell), session.options.seed, {},
+                        session.monitor)
+        .result;
   }
-  static std::vector<Cell>& cells_of(Sweep& sweep) { return sweep.fabmap_cells; }
 };
 
 void tune_fabmap(Session& session, const FabmapTune& command) {

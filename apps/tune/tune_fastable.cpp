@@ -11,7 +11,6 @@ namespace vpr {
 namespace {
 
 struct FastableTuner {
-  using Cell = SequenceCellCounts;
   static constexpr const char* kMethod = "fastable";
 
   Session& session;
@@ -24,40 +23,40 @@ struct FastableTuner {
         open_sequence(source.sequence.sequence), database.descriptor,
         command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);
   }
-  SequenceGrid grid(const DescriptorSet& query) const {
+  const ScoreKind& score() const { return score_kind(command.settings.score); }
+  Grid grid(const DescriptorSet& query) const {
     return sequence_grid(command.inputs.grid, command.settings, database, query);
   }
-  static SequenceGrid grid_of(std::span<const Cell> cells) { return sequence_grid_of(cells); }
-  std::vector<Cell> sweep(const DescriptorSet& query, const std::string& name,
-                          const SequenceGrid& grid, const TruthReader& reader) const {
-    std::vector<Cell> cells = sweep_sequences(database, query, name, command.settings, grid, reader,
-                                              resources, session.monitor);
+  std::vector<CellCounts> sweep(const DescriptorSet& query, const std::string& name,
+                                const Grid& grid, const TruthReader& reader) const {
+    std::vector<CellCounts> cells = sweep_sequences(database, query, name, command.settings, grid,
+                                                    reader, resources, session.monitor);
     explain_automatic(cells);
     return cells;
   }
   // Of several windows whose automatic threshold gives no hits, the longest tells most.
-  void explain_automatic(const std::vector<Cell>& cells) const {
+  void explain_automatic(const std::vector<CellCounts>& cells) const {
     uint64_t longest = 0;
-    for (const Cell& cell : cells) {
+    for (const CellCounts& cell : cells) {
       const LabelCounts& hits = cell.counts.hits;
-      if (!cell.distance_threshold && hits.correct + hits.incorrect + hits.ignored == 0)
-        longest = std::max(longest, cell.window_length);
+      if (!cell.threshold && hits.correct + hits.incorrect + hits.ignored == 0)
+        longest = std::max(longest, cell.window);
     }
     if (longest > 0) explain_no_hits(database, longest, session.kernels, session.monitor);
   }
-  SequenceQuerySettings settings_of(const Cell& cell) const {
+  SequenceQuerySettings settings_of(const CellCounts& cell) const {
     SequenceQuerySettings settings = command.settings;
-    settings.window_length = cell.window_length;
-    settings.distance_threshold = cell.distance_threshold;
+    settings.window_length = cell.window;
+    settings.distance_threshold = cell.threshold;
     return settings;
   }
-  Json settings_json(const Cell& cell) const { return settings_in_force(settings_of(cell)); }
-  SweepIntervals intervals(const DescriptorSet& query, const Cell& cell,
-                           const TruthReader& reader) const {
-    return sequence_intervals(database, query, settings_of(cell), reader, resources,
-                              session.monitor);
+  Result query(const DescriptorSet& query, const CellCounts& cell) const {
+    Monitor quiet = session.monitor;  // the sweep has said what there is to say
+    quiet.warn = nullptr;
+    return run_query(plan_query(database, query, "", settings_of(cell), resources, quiet), database,
+                     query, resources, {}, quiet)
+        .result;
   }
-  static std::vector<Cell>& cells_of(Sweep& sweep) { return sweep.sequence_cells; }
 };
 
 void tune_fastable(Session& session, const FastableTune& command) {

@@ -39,41 +39,20 @@ std::vector<uint64_t> fitting_windows(const SequenceDatabase& database,
   return lengths.empty() ? std::vector{shortest} : lengths;
 }
 
-template <class T>
-void add_once(std::vector<T>& values, const T& value) {
-  if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
-}
-
 }  // namespace
 
-SequenceGrid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
-                           const SequenceDatabase& database, const DescriptorSet& query) {
+Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
+                   const SequenceDatabase& database, const DescriptorSet& query) {
   const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];
   return {flags.windows.empty() ? fitting_windows(database, query)
                                 : parse_counts(flags.windows, "--c-l"),
           parse_thresholds(given_or(flags.thresholds, thresholds), "--t-r")};
 }
 
-FabmapGrid fabmap_grid(const GridFlags& flags) {
-  return {parse_counts(given_or(flags.windows, kFabmapWindows), "--c-w"),
-          parse_numbers(given_or(flags.thresholds, kPlaceThresholds), "--t-p")};
-}
-
-SequenceGrid sequence_grid_of(std::span<const SequenceCellCounts> cells) {
-  SequenceGrid grid;
-  for (const SequenceCellCounts& cell : cells) {
-    add_once(grid.window_lengths, cell.window_length);
-    add_once(grid.distance_thresholds, cell.distance_threshold);
-  }
-  return grid;
-}
-
-FabmapGrid fabmap_grid_of(std::span<const FabmapCellCounts> cells) {
-  FabmapGrid grid;
-  for (const FabmapCellCounts& cell : cells) {
-    add_once(grid.windows, cell.window);
-    add_once(grid.place_thresholds, cell.place_threshold);
-  }
+Grid fabmap_grid(const GridFlags& flags) {
+  Grid grid{parse_counts(given_or(flags.windows, kFabmapWindows), "--c-w"), {}};
+  for (const double t_p : parse_numbers(given_or(flags.thresholds, kPlaceThresholds), "--t-p"))
+    grid.thresholds.emplace_back(t_p);
   return grid;
 }
 

@@ -17,13 +17,9 @@ struct GridFlags {
 /// The default c_l are those of 5, 10, 20, 40 and 80 that fit the query and a training sequence (5
 /// where none does); the default t_r go from strict to loose on the scale of the settings. Throws
 /// Error(usage) as the lists do.
-SequenceGrid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
-                           const SequenceDatabase& database, const DescriptorSet& query);
-FabmapGrid fabmap_grid(const GridFlags& flags);
-
-/// The grid of a sweep that is finished: further queries get the same, whatever fits them.
-SequenceGrid sequence_grid_of(std::span<const SequenceCellCounts> cells);
-FabmapGrid fabmap_grid_of(std::span<const FabmapCellCounts> cells);
+Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
+                   const SequenceDatabase& database, const DescriptorSet& query);
+Grid fabmap_grid(const GridFlags& flags);
 
 /// For help: "windows ..., default ...".
 std::string window_length_help();

@@ -58,13 +58,6 @@ void claim_outputs(const TuneInputs& inputs, const Session& session);
 void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps,
              const std::string& method, const Json& settings, double seconds);
 
-template <class Cell>
-Recommendation recommend_cell(const std::vector<Cell>& cells) {
-  std::vector<SweepScore> scores;
-  for (const Cell& cell : cells) scores.push_back(score_of(cell));
-  return recommend(scores);
-}
-
 /// vpr-tune fastable: what it sets beside the grid. `tune` must live as long as the program.
 struct FastableTune {
   TuneInputs inputs;

@@ -9,25 +9,25 @@ namespace vpr {
 
 /// What is counted on the query of --validate, as JSON.
 template <class Tuner>
-Json validation_json(const Tuner& tuner, const Source& source,
-                     const typename Tuner::Cell& recommended, const Monitor& monitor) {
+Json validation_json(const Tuner& tuner, const Source& source, const CellCounts& recommended,
+                     const Monitor& monitor) {
   Sweep sweep;
   sweep.query_name = source.sequence.name;
-  Tuner::cells_of(sweep) =
-      tuner.sweep(tuner.describe(source), sweep.query_name, Tuner::grid_of({&recommended, 1}),
-                  reader_of(source.ground_truth, sweep.protocol, monitor));
+  sweep.score = &tuner.score();
+  sweep.cells = tuner.sweep(tuner.describe(source), sweep.query_name, grid_of({&recommended, 1}),
+                            reader_of(source.ground_truth, sweep.protocol, monitor));
   Json json;
   add_sweeps(json, {sweep});
   return json["cells"][0];
 }
 
-/// A Tuner has the types Cell (of a sweep) and Grid, and
+/// A Tuner has
+///   score()                             what thresholds are of
 ///   describe(source)                    frames to what is matched
-///   grid(query), grid_of(cells)         what to count; the same as an earlier sweep
+///   grid(query)                         what to count
 ///   sweep(query, name, grid, reader)    the cells
-///   intervals(query, cell, reader)      of one of them
-///   settings_json(cell)                 everything that vpr-query would be set to
-///   cells_of(sweep)                     where the family's cells are
+///   query(query, cell)                  the result at one of them
+///   settings_of(cell)                   everything that vpr-query would be set to
 ///   kMethod                             for the file
 /// `settings`: what stays the same for all cells.
 template <class Tuner>
@@ -41,15 +41,15 @@ void tune(Session& session, const TuneInputs& inputs, const Tuner& tuner,
     sweep.query_name = source.sequence.name;
     const auto query = tuner.describe(source);
     const TruthReader reader = reader_of(source.ground_truth, sweep.protocol, session.monitor);
-    const auto grid =
-        sweeps.empty() ? tuner.grid(query) : Tuner::grid_of(Tuner::cells_of(sweeps.front()));
-    auto& cells = Tuner::cells_of(sweep);
-    cells = tuner.sweep(query, sweep.query_name, grid, reader);
-    sweep.recommendation = recommend_cell(cells);
+    const Grid grid = sweeps.empty() ? tuner.grid(query) : grid_of(sweeps.front().cells);
+    sweep.score = &tuner.score();
+    sweep.cells = tuner.sweep(query, sweep.query_name, grid, reader);
+    sweep.recommendation = recommend(sweep.cells, sweep.score->order);
     if (sweep.recommendation.cell) {
-      const auto& recommended = cells[*sweep.recommendation.cell];
-      sweep.recommended_settings = tuner.settings_json(recommended);
-      sweep.intervals = tuner.intervals(query, recommended, reader);
+      const CellCounts& recommended = sweep.cells[*sweep.recommendation.cell];
+      sweep.recommended_settings = settings_in_force(tuner.settings_of(recommended));
+      const Result result = tuner.query(query, recommended);
+      sweep.intervals = count_intervals(result, reader(scope_of(result)), session.options.seed);
       if (validation)
         sweep.validation = validation_json(tuner, *validation, recommended, session.monitor);
     }

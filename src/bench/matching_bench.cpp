@@ -51,14 +51,14 @@ void add_rates(BenchRow& row) {
 BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
                          const Monitor& monitor) {
   RandomEngine engine(seed);
-  std::vector<Cell> hits;
+  std::vector<Match> hits;
   for (uint32_t query = 0; hits.size() < count; ++query)
     for (uint32_t train = 0; train < 400 && hits.size() < count; ++train)
-      if (uniform_below(engine, 4) == 0) hits.push_back({query, 0, train, 1});
+      if (uniform_below(engine, 4) == 0) hits.push_back({query, 0, train, 0, 1});
   BenchRow row{"cluster", {{"hits", static_cast<double>(count)}}, "set of hits", {}, {}, ""};
   size_t places = 0;
   row.time = summarise(time_repeatedly(
-      effort, [&] { places = cluster_hits(hits, {}).places.size(); }, monitor));
+      effort, [&] { places = cluster_hits(hits, {}).all.size(); }, monitor));
   row.values.emplace_back("places", static_cast<double>(places));
   return row;
 }

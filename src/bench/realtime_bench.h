@@ -8,7 +8,7 @@
 #include "database/sequence_database.h"
 #include "images/sequence.h"
 #include "matching/rows.h"
-#include "recognition/fabmap_result.h"
+#include "recognition/query_settings.h"
 
 namespace vpr {
 

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "ground_truth/ground_truth.h"
-#include "recognition/fabmap_result.h"
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
@@ -30,47 +29,46 @@ struct BestMatchCounts {
   std::optional<double> rate() const;
 };
 
-struct SequenceCounts {
-  LabelCounts hits;           ///< window pairs below the threshold, judged at both anchors
-  LabelCounts places;         ///< clusters, judged at their representative's anchors
-  uint64_t mixed_places = 0;  ///< correct places of whose hits some are incorrect
-  uint64_t distinct = 0;      ///< correct places
-  BestMatchCounts best_match;
-};
-
-struct FabmapCounts {
-  LabelCounts hits;       ///< (frame, place) pairs recognised
-  uint64_t distinct = 0;  ///< places recognised correctly at least once
+struct Counts {
+  LabelCounts hits;                     ///< judged at both anchors; of FAB-MAP frame and place
+  std::optional<LabelCounts> clusters;  ///< judged at their representative's anchors
+  uint64_t mixed_clusters = 0;          ///< correct ones of whose hits some are incorrect
+  uint64_t distinct = 0;  ///< correct clusters; without any, places recognised correctly at least
+                          ///< once
   BestMatchCounts best_match;
 };
 
 /// A cluster as the ground truth sees it: its representative may lie at a correct pair although
 /// many, or most, of its hits do not.
-struct JudgedPlace {
+struct JudgedCluster {
   PlaceLabel label = PlaceLabel::different;  ///< at its representative's anchors
   LabelCounts hits;
 
   bool is_mixed() const { return label == PlaceLabel::same && hits.incorrect > 0; }
 };
 
-/// One for each of the result's places, in its order.
-std::vector<JudgedPlace> judge_places(const SequenceResult& result, const GroundTruth& truth,
-                                      const Monitor& monitor = {});
+/// The clusters of a result, or, of one without clusters, every hit as one of its own.
+Clusters clusters_of(const Result& result);
+
+/// One for each of the clusters, in their order.
+std::vector<JudgedCluster> judge_clusters(const Result& result, const Clusters& clusters,
+                                          const GroundTruth& truth, const Monitor& monitor = {});
+
+/// What the ground truth says of a match, at the anchors of its windows.
+PlaceLabel label_of(const GroundTruth& truth, const Match& match, size_t window_length);
+/// The same of a cluster's representative.
+PlaceLabel label_of(const GroundTruth& truth, const Cluster& cluster, size_t window_length);
 
 /// Whether a query window has an unreadable frame.
-bool shows_unreadable(const SequenceResult& result, size_t window);
+bool shows_unreadable(const Result& result, size_t window);
 
-/// The scope in which a result's indices are to be read.
-GroundTruthScope scope_of(const SequenceResult& result);
+/// The scope in which a result's indices are to be read. The ground truth of places counts them as
+/// that of sequences counts frames.
+GroundTruthScope scope_of(const Result& result);
 
-/// For FAB-MAP a ground truth's references are indices of places: the scope has one "sequence".
-GroundTruthScope scope_of(const FabmapResult& result);
-
-/// A frame without words is a query that is wrong.
-FabmapCounts count_recognitions(const FabmapResult& result, const GroundTruth& truth);
-
-/// Windows are judged at their anchor, their last frame.
-SequenceCounts count_recognitions(const SequenceResult& result, const GroundTruth& truth,
-                                  const Monitor& monitor = {});
+/// Windows are judged at their anchor, their last frame. A frame without words is a query that is
+/// wrong.
+Counts count_recognitions(const Result& result, const GroundTruth& truth,
+                          const Monitor& monitor = {});
 
 }  // namespace vpr

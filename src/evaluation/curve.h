@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "evaluation/score_order.h"
+#include "recognition/score_order.h"
 
 namespace vpr {
 

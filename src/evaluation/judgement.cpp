@@ -37,29 +37,16 @@ bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
   return false;
 }
 
-Judgement judge(const SequenceResult& result, const GroundTruth& truth,
-                std::span<const double> travelled_m, const Monitor& monitor) {
+Judgement judge(const Result& result, const GroundTruth& truth, std::span<const double> travelled_m,
+                const Monitor& monitor) {
   Judgement judgement;
   judgement.layout = layout_of(result);
   judgement.outcomes = outcomes_of(result, truth);
   judgement.single_best = single_best_curve(judgement.outcomes);
-  for (const Cell& hit : result.hits) {
+  for (const Match& hit : result.hits) {
     check_stop(monitor);
-    judgement.recognised.push_back(
-        {hit.query_window, column_of(judgement.layout, hit.sequence, hit.train_window)});
+    judgement.recognised.push_back({hit.query, column_of(judgement.layout, hit.target, hit.train)});
   }
-  judgement.fixes = fixes_of(result, truth);
-  judgement.localisation = localise(judgement.fixes, travelled_m);
-  return judgement;
-}
-
-Judgement judge(const FabmapResult& result, const GroundTruth& truth,
-                std::span<const double> travelled_m) {
-  Judgement judgement;
-  judgement.layout = {scope_of(result), 1, {{0, 0, result.places.size()}}};
-  judgement.outcomes = outcomes_of(result, truth);
-  judgement.single_best = single_best_curve(judgement.outcomes);
-  for (const PlaceMatch& hit : result.hits) judgement.recognised.push_back({hit.frame, hit.place});
   judgement.fixes = fixes_of(result, truth);
   judgement.localisation = localise(judgement.fixes, travelled_m);
   return judgement;
@@ -87,7 +74,7 @@ Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Grou
   return judgement;
 }
 
-Judgement judge(const SequenceResult& result, const ScoreMatrix& matrix, const GroundTruth& truth,
+Judgement judge(const Result& result, const ScoreMatrix& matrix, const GroundTruth& truth,
                 std::span<const double> travelled_m, const Monitor& monitor) {
   Judgement judgement = judge(result, truth, travelled_m, monitor);
   require_fit(matrix, judgement.layout);

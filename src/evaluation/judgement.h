@@ -40,10 +40,8 @@ struct Judgement {
 bool is_recognised(const Judgement& judgement, const QueryOutcome& query);
 
 /// `travelled_m` is what localise takes: one value a query frame, or none.
-Judgement judge(const SequenceResult& result, const GroundTruth& truth,
-                std::span<const double> travelled_m, const Monitor& monitor = {});
-Judgement judge(const FabmapResult& result, const GroundTruth& truth,
-                std::span<const double> travelled_m);
+Judgement judge(const Result& result, const GroundTruth& truth, std::span<const double> travelled_m,
+                const Monitor& monitor = {});
 
 /// A matrix of any program. Best matches that score at least as good as `threshold` are accepted;
 /// without one, the threshold is that of recall at 100 % precision.
@@ -54,7 +52,7 @@ Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Grou
 /// A result with the matrix that was saved with it: outcomes and curves are the matrix's, and what
 /// is recognised is the result's; where the ground truth is not known, outcomes are the result's,
 /// too. Throws Error(data) if the two do not fit.
-Judgement judge(const SequenceResult& result, const ScoreMatrix& matrix, const GroundTruth& truth,
+Judgement judge(const Result& result, const ScoreMatrix& matrix, const GroundTruth& truth,
                 std::span<const double> travelled_m, const Monitor& monitor);
 
 }  // namespace vpr

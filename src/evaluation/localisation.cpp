@@ -49,27 +49,16 @@ Localisation localise(std::span<const Fix> fixes, std::span<const double> travel
   return found;
 }
 
-std::vector<Fix> fixes_of(const SequenceResult& result, const GroundTruth& truth) {
+std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth) {
+  const size_t length = result.window_length();
+  const ScoreOrder order = result.score().order;
   std::vector<Fix> fixes(result.query_frames, Fix::none);
-  const Cell* closest = nullptr;
-  for (const Cell& hit : result.hits) {  // in the order of query windows
-    const bool is_next = closest == nullptr || hit.query_window != closest->query_window;
-    if (!is_next && hit.distance >= closest->distance) continue;
-    closest = &hit;
-    const size_t frame = result.anchor(hit.query_window);
-    fixes[frame] = fix_of(truth.label(frame, hit.sequence, result.anchor(hit.train_window)));
-  }
-  return fixes;
-}
-
-std::vector<Fix> fixes_of(const FabmapResult& result, const GroundTruth& truth) {
-  std::vector<Fix> fixes(result.query_frames, Fix::none);
-  const PlaceMatch* likeliest = nullptr;
-  for (const PlaceMatch& hit : result.hits) {  // in the order of frames
-    const bool is_next = likeliest == nullptr || hit.frame != likeliest->frame;
-    if (!is_next && hit.probability <= likeliest->probability) continue;
-    likeliest = &hit;
-    fixes[hit.frame] = fix_of(truth.label(hit.frame, 0, hit.place));
+  const Match* best = nullptr;
+  for (const Match& hit : result.hits) {  // in the order of query windows
+    const bool is_next = best == nullptr || hit.query != best->query;
+    if (!is_next && !is_better(hit.score, best->score, order)) continue;
+    best = &hit;
+    fixes[anchor_of(hit.query, length)] = fix_of(label_of(truth, hit, length));
   }
   return fixes;
 }

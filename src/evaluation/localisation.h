@@ -31,11 +31,9 @@ struct Localisation {
 /// `travelled_m`: way from the start to each frame, or empty. As long as `fixes` otherwise.
 Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m);
 
-/// One fix a frame: the hit of the window that ends there; of several the closest, ties to the
-/// first.
-std::vector<Fix> fixes_of(const SequenceResult& result, const GroundTruth& truth);
-/// The likeliest recognised place of the frame, ties to the first.
-std::vector<Fix> fixes_of(const FabmapResult& result, const GroundTruth& truth);
+/// One fix a frame: the hit of the window that ends there; of several the one with the best score,
+/// ties to the first.
+std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth);
 /// Best matches whose key is at most `accepted`; none: no fix.
 std::vector<Fix> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
 

@@ -1,7 +1,6 @@
 #include "evaluation/outcomes.h"
 
 #include <algorithm>
-#include <set>
 
 namespace vpr {
 namespace {
@@ -29,42 +28,21 @@ void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLay
   query.is_unreachable = !query.has_match && truth.has_match(query.frame);
 }
 
-Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth) {
+Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
   const ScoreLayout layout = layout_of(result);
-  Outcomes outcomes{
-      ScoreOrder::distance, result.query_frames, result.settings.window_length, false, {}};
+  const size_t length = result.window_length();
+  Outcomes outcomes{result.score().order, result.query_frames, length, false, {}};
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = outcomes.queries.emplace_back();
-    query.frame = result.anchor(window);
+    query.frame = anchor_of(window, length);
     look_up_match(query, truth, layout);
     const auto& best = result.best[window];
     if (best) {
-      query.best = FrameMatch{best->sequence, result.anchor(best->train_window)};
-      // As a saved matrix has it: a distance, or a sum of standardized scores.
-      query.key = score_key(static_cast<double>(int64_t{best->distance} - result.score_offset()),
-                            outcomes.kind);
-      query.verdict = verdict_of(truth.label(query.frame, best->sequence, query.best->reference));
+      query.best = FrameMatch{best->target, anchor_of(best->train, length)};
+      query.key = score_key(best->score, outcomes.kind);
+      query.verdict = verdict_of(label_of(truth, *best, length));
     } else if (shows_unreadable(result, window)) {
       query.verdict = Verdict::unreadable;
-    }
-  }
-  return outcomes;
-}
-
-Outcomes outcomes_of(const FabmapResult& result, const GroundTruth& truth) {
-  Outcomes outcomes{ScoreOrder::similarity, result.query_frames, 1, false, {}};
-  const std::set<size_t> unreadable(result.query_unreadable.begin(), result.query_unreadable.end());
-  for (size_t frame = 0; frame < result.best.size(); ++frame) {
-    QueryOutcome& query = outcomes.queries.emplace_back();
-    query.frame = frame;
-    query.has_match = truth.has_match(frame);
-    const auto& best = result.best[frame];
-    if (unreadable.contains(frame)) {
-      query.verdict = Verdict::unreadable;
-    } else if (best) {
-      query.best = FrameMatch{0, best->place};
-      query.key = score_key(best->probability, outcomes.kind);
-      query.verdict = verdict_of(truth.label(frame, 0, best->place));
     }
   }
   return outcomes;

@@ -42,10 +42,8 @@ struct Outcomes {
 void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout);
 
 /// Best matches of a result, judged at anchors; a best match that is labelled ignore is `ignored`
-/// (what would have come next is not known).
-Outcomes outcomes_of(const SequenceResult& result, const GroundTruth& truth);
-/// The likeliest place of every frame. A frame without words is incorrect.
-Outcomes outcomes_of(const FabmapResult& result, const GroundTruth& truth);
+/// (what would have come next is not known). A readable window without one is incorrect.
+Outcomes outcomes_of(const Result& result, const GroundTruth& truth);
 
 /// Queries that have a match and are judged: neither unreadable nor ignored.
 uint64_t judged_queries(const Outcomes& outcomes);

@@ -34,15 +34,15 @@ ScoreLayout layout_of(const ScoreMatrix& matrix, size_t window_length) {
   return layout;
 }
 
-ScoreLayout layout_of(const SequenceResult& result) {
+ScoreLayout layout_of(const Result& result) {
   ScoreLayout layout;
-  layout.window_length = result.settings.window_length;
+  layout.window_length = result.window_length();
   layout.scope = scope_of(result);
-  for (size_t s = 0; s < result.sequences.size(); ++s) {
-    const SequenceThreshold& sequence = result.sequences[s];
-    if (!sequence.searched || sequence.frames < layout.window_length) continue;
-    layout.columns.push_back({static_cast<uint32_t>(s), column_count(layout),
-                              sequence.frames - layout.window_length + 1});
+  for (size_t t = 0; t < result.targets.size(); ++t) {
+    const Target& target = result.targets[t];
+    if (!target.searched || target.frames < layout.window_length) continue;
+    layout.columns.push_back(
+        {static_cast<uint32_t>(t), column_count(layout), target.frames - layout.window_length + 1});
   }
   return layout;
 }

@@ -5,7 +5,7 @@
 
 #include "evaluation/score_matrix.h"
 #include "ground_truth/ground_truth.h"
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
@@ -31,7 +31,7 @@ struct ScoreLayout {
 ScoreLayout layout_of(const ScoreMatrix& matrix, size_t window_length);
 
 /// The matrix of a result, as vpr-query saves it.
-ScoreLayout layout_of(const SequenceResult& result);
+ScoreLayout layout_of(const Result& result);
 
 /// Rows and columns of the whole matrix.
 size_t row_count(const ScoreLayout& layout);

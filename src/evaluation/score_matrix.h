@@ -9,7 +9,7 @@
 
 #include "base/monitor.h"
 #include "base/npy.h"
-#include "evaluation/score_order.h"
+#include "recognition/score_order.h"
 
 namespace vpr {
 

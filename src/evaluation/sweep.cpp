@@ -60,13 +60,17 @@ Advice missing_advice(std::span<const SweepScore> scores) {
 
 }  // namespace
 
-SweepScore score_of(const SequenceCellCounts& cell) {
-  return {cell.counts.hits.correct, cell.counts.hits.incorrect, cell.window_length,
-          cell.distance_threshold};
+SweepScore score_of(const CellCounts& cell, ScoreOrder order) {
+  SweepScore score{cell.counts.hits.correct, cell.counts.hits.incorrect, cell.window, {}};
+  if (cell.threshold)
+    score.looseness = order == ScoreOrder::distance ? *cell.threshold : -*cell.threshold;
+  return score;
 }
 
-SweepScore score_of(const FabmapCellCounts& cell) {
-  return {cell.counts.hits.correct, cell.counts.hits.incorrect, cell.window, -cell.place_threshold};
+Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order) {
+  std::vector<SweepScore> scores;
+  for (const CellCounts& cell : cells) scores.push_back(score_of(cell, order));
+  return recommend(scores);
 }
 
 Recommendation recommend(std::span<const SweepScore> scores) {

@@ -13,17 +13,12 @@
 
 namespace vpr {
 
-struct SequenceCellCounts {
-  uint64_t window_length = 0;
-  std::optional<double> distance_threshold;
-  ThresholdScale scale = ThresholdScale::bits;
-  SequenceCounts counts;
-};
-
-struct FabmapCellCounts {
-  uint64_t window = 0;
-  double place_threshold = 0;
-  FabmapCounts counts;
+/// One setting of a grid, and what it gives.
+struct CellCounts {
+  uint64_t window = 0;                  ///< c_l or c_w
+  std::optional<double> threshold;      ///< t_r or t_p; none: automatic
+  std::optional<ThresholdScale> scale;  ///< of t_r; none of a probability
+  Counts counts;
 };
 
 /// What a choice looks at: hits, never clusters of them. As a threshold is loosened, hits only
@@ -37,8 +32,7 @@ struct SweepScore {
                                     ///< none: automatic
 };
 
-SweepScore score_of(const SequenceCellCounts& cell);
-SweepScore score_of(const FabmapCellCounts& cell);
+SweepScore score_of(const CellCounts& cell, ScoreOrder order);
 
 /// What a grid allows to say.
 enum class Advice {
@@ -74,5 +68,7 @@ struct Recommendation {
 };
 
 Recommendation recommend(std::span<const SweepScore> scores);
+/// The same for the cells of a sweep.
+Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order);
 
 }  // namespace vpr

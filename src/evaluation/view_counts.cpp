@@ -38,29 +38,29 @@ size_t view_of(const std::vector<uint32_t>& starts, size_t frame) {
          1;
 }
 
-void count_hits(CountsByView& counts, const SequenceResult& result, const GroundTruth& truth,
+void count_hits(CountsByView& counts, const Result& result, const GroundTruth& truth,
                 const Monitor& monitor) {
   std::map<std::pair<uint32_t, size_t>, Tally> pairs;  // of one query view
   const auto finish_view = [&] {
     for (const auto& [pair, tally] : pairs) count(counts.hits, tally);
     pairs.clear();
   };
+  const size_t length = result.window_length();
   size_t present = 0;
-  for (const Cell& hit : result.hits) {  // in the order of query windows
+  for (const Match& hit : result.hits) {  // in the order of query windows
     check_stop(monitor);
-    const size_t anchor = result.anchor(hit.query_window);
+    const size_t anchor = anchor_of(hit.query, length);
     const size_t view = view_of(result.views->query, anchor);
     if (view != present) finish_view();
     present = view;
-    const size_t reference = result.anchor(hit.train_window);
-    add(pairs[{hit.sequence, view_of(result.views->train[hit.sequence], reference)}],
-        truth.label(anchor, hit.sequence, reference));
+    const size_t reference = anchor_of(hit.train, length);
+    add(pairs[{hit.target, view_of(result.views->train[hit.target], reference)}],
+        truth.label(anchor, hit.target, reference));
   }
   finish_view();
 }
 
-void count_best_matches(CountsByView& counts, const SequenceResult& result,
-                        const GroundTruth& truth) {
+void count_best_matches(CountsByView& counts, const Result& result, const GroundTruth& truth) {
   Tally tally;
   bool any = false;  // window of the present view that has a match
   const auto finish_view = [&] {
@@ -92,13 +92,13 @@ std::optional<double> CountsByView::best_match_rate() const {
   return correct_share / static_cast<double>(views);
 }
 
-std::optional<CountsByView> count_by_view(const SequenceResult& result, const GroundTruth& truth,
+std::optional<CountsByView> count_by_view(const Result& result, const GroundTruth& truth,
                                           const Monitor& monitor) {
   if (!result.views) return std::nullopt;
   CountsByView counts;
   counts.query_views = result.views->query.size();
-  for (size_t s = 0; s < result.sequences.size(); ++s)
-    if (result.sequences[s].searched) counts.train_views += result.views->train[s].size();
+  for (size_t s = 0; s < result.targets.size(); ++s)
+    if (result.targets[s].searched) counts.train_views += result.views->train[s].size();
   count_hits(counts, result, truth, monitor);
   count_best_matches(counts, result, truth);
   return counts;

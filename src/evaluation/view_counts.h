@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "ground_truth/ground_truth.h"
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
@@ -31,7 +31,7 @@ struct CountsByView {
 
 /// Windows belong to the views of their anchors, and are judged there. Nothing for a result that
 /// does not say where its views begin.
-std::optional<CountsByView> count_by_view(const SequenceResult& result, const GroundTruth& truth,
+std::optional<CountsByView> count_by_view(const Result& result, const GroundTruth& truth,
                                           const Monitor& monitor = {});
 
 }  // namespace vpr

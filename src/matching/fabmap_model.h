@@ -4,23 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
-#include "base/enum_names.h"
 #include "database/chow_liu.h"
 #include "database/view_words.h"
+#include "matching/word_model.h"
 
 namespace vpr {
-
-enum class WordModel { tree, naive_bayes };
-template <>
-inline constexpr std::array<std::string_view, 2> kEnumNames<WordModel> = {"tree", "naive-bayes"};
-
-enum class NewPlaceModel { mean_field, pretrain };
-template <>
-inline constexpr std::array<std::string_view, 2> kEnumNames<NewPlaceModel> = {"mean-field",
-                                                                              "pretrain"};
 
 struct DetectorModel {
   double p_seen_if_there = 0.39;  ///< P(z = 1 | e = 1)

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
@@ -25,9 +25,6 @@ struct ThresholdAdvice {
 /// For a result without a hit, or one in which more than a fifth of all window pairs are hits;
 /// nothing for others, and for one whose windows have no best match. The suggestion is on the scale
 /// of the result, rounded up to a number that people can read.
-std::optional<ThresholdAdvice> threshold_advice(const SequenceResult& result);
-
-/// Query windows with at least one hit.
-size_t recognised_windows(const SequenceResult& result);
+std::optional<ThresholdAdvice> threshold_advice(const Result& result);
 
 }  // namespace vpr

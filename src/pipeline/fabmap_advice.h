@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <optional>
 
-#include "recognition/fabmap_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
 struct LowerThreshold {
-  PlaceMatch best;                        ///< the likeliest match of all frames
+  Match best;                             ///< the likeliest match of all frames
   std::optional<double> place_threshold;  ///< the first t_p below the result's, of 0.9, 0.8 ...
                                           ///< 0.1, 0.09 ... 0.01, that recognises something; none
                                           ///< if none of them does
@@ -17,6 +17,6 @@ struct LowerThreshold {
 };
 
 /// Nothing where no frame has a best match. The c_w of the result holds for the lower t_p, too.
-std::optional<LowerThreshold> lower_place_threshold(const FabmapResult& result);
+std::optional<LowerThreshold> lower_place_threshold(const Result& result);
 
 }  // namespace vpr

@@ -49,7 +49,7 @@ Explanation explain_frame(const FabmapDatabase& searched, const WordSet& words, 
   const std::vector<std::string> names = searched.place_names();
   for (const size_t view : best_views(posterior, place_of)) {
     PlaceExplanation& place = explanation.places.emplace_back();
-    place.match = {static_cast<uint32_t>(frame), place_of[view], static_cast<uint32_t>(view),
+    place.match = {static_cast<uint32_t>(frame), 0, place_of[view], static_cast<uint32_t>(view),
                    posterior[view + 1]};
     place.place = names[place_of[view]];
     place.view = view_name(searched, view);

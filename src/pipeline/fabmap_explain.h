@@ -12,7 +12,7 @@
 namespace vpr {
 
 struct PlaceExplanation {
-  PlaceMatch match;
+  Match match;
   std::string place;
   std::string view;                   ///< "<group>: <name of the frame>"
   double log_odds = 0;                ///< of the view against a new place by mean field

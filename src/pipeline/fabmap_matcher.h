@@ -5,7 +5,7 @@
 
 #include "database/fabmap_database.h"
 #include "matching/fabmap.h"
-#include "recognition/fabmap_result.h"
+#include "recognition/query_settings.h"
 
 namespace vpr {
 

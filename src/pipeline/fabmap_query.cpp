@@ -22,11 +22,11 @@ void check_share(std::string_view name, double value) {
     throw Error(ErrorKind::usage, fmt::format("{} must be from 0 to 1, found {}", name, value));
 }
 
-PlaceMatch likeliest_view(size_t frame, std::span<const double> posterior,
-                          const std::vector<uint32_t>& place_of) {
+Match likeliest_view(size_t frame, std::span<const double> posterior,
+                     const std::vector<uint32_t>& place_of) {
   const auto best = std::max_element(posterior.begin() + 1, posterior.end());
   const auto view = static_cast<uint32_t>(best - posterior.begin() - 1);
-  return {static_cast<uint32_t>(frame), place_of[view], view, *best};
+  return {static_cast<uint32_t>(frame), 0, place_of[view], view, *best};
 }
 
 // Views that frame `frame` may be at: with `loop`, of the recording only what lies more than the
@@ -61,15 +61,15 @@ void check_query_settings(const FabmapQuerySettings& settings) {
   find_fabmap_variant(settings.variant);
 }
 
-void append_hits(std::vector<PlaceMatch>& hits, size_t frame, std::span<const double> posterior,
+void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double> posterior,
                  const ViewWindow& window, uint64_t frames_in_a_row,
                  const std::vector<uint32_t>& place_of) {
-  std::map<uint32_t, PlaceMatch> found;
+  std::map<uint32_t, Match> found;
   for (uint32_t view = 0; view + 1 < posterior.size(); ++view) {
     if (window.run[view] < frames_in_a_row) continue;
-    const PlaceMatch match{static_cast<uint32_t>(frame), place_of[view], view, posterior[view + 1]};
-    const auto [entry, is_new] = found.emplace(match.place, match);
-    if (!is_new && match.probability > entry->second.probability) entry->second = match;
+    const Match match{static_cast<uint32_t>(frame), 0, place_of[view], view, posterior[view + 1]};
+    const auto [entry, is_new] = found.emplace(match.train, match);
+    if (!is_new && match.score > entry->second.score) entry->second = match;
   }
   for (const auto& [place, match] : found) hits.push_back(match);
 }
@@ -98,14 +98,18 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
                 "the query's own");
   const size_t frames = query.frames.size();
   FabmapRun run;
-  FabmapResult& result = run.result;
+  Result& result = run.result;
   result.settings = settings;
   result.query_name = query_name;
-  result.query_frames = frames;
+  result.query_frames = result.query_windows = frames;
   result.query_unreadable = query.unreadable;
-  result.query_featureless = featureless_frames(query);
-  result.places = searched.place_names();
-  result.views = place_of.size();
+  ResultPlaces& places = result.places.emplace();
+  places.names = searched.place_names();
+  places.views = place_of.size();
+  places.featureless = featureless_frames(query);
+  Target& target = result.targets.emplace_back();
+  target.name = "places";
+  target.frames = target.windows = places.names.size();
 
   Stopwatch watch;
   const FabmapMatcher matcher(searched, settings, seed);
@@ -137,11 +141,11 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
       }
       if (observe) observe(frame, posterior);
       window.add(posterior, settings.place_threshold, views[i].size());
-      result.new_place.push_back(unreadable ? 0 : posterior[0]);
+      places.new_place.push_back(unreadable ? 0 : posterior[0]);
       result.best.emplace_back();
       if (unreadable) continue;
       if (!query.frames[frame].empty() && !views[i].empty()) {
-        const PlaceMatch best = likeliest_view(frame, posterior, place_of);
+        const Match best = likeliest_view(frame, posterior, place_of);
         if (std::isfinite(views[i][best.view])) result.best.back() = best;
       }
       append_hits(result.hits, frame, posterior, window, settings.window, place_of);

@@ -8,12 +8,12 @@
 
 #include "base/monitor.h"
 #include "pipeline/fabmap_train.h"
-#include "recognition/fabmap_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
 struct FabmapRun {
-  FabmapResult result;
+  Result result;
   std::map<std::string, double> seconds;  ///< by step
 };
 
@@ -27,7 +27,7 @@ void check_query_settings(const FabmapQuerySettings& settings);
 
 /// Appends the places whose views have been above t_p for so many frames in a row, each by its
 /// likeliest such view. `posterior`: new place first.
-void append_hits(std::vector<PlaceMatch>& hits, size_t frame, std::span<const double> posterior,
+void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double> posterior,
                  const ViewWindow& window, uint64_t frames_in_a_row,
                  const std::vector<uint32_t>& place_of);
 

@@ -73,14 +73,13 @@ bool is_searched(const SequenceQuerySettings& settings, const std::string& name)
   return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
 }
 
-std::vector<SequenceThreshold> plan_sequences(const SequenceDatabase& database,
-                                              const SequenceQuerySettings& settings,
-                                              const Monitor& monitor) {
-  std::vector<SequenceThreshold> planned;
+std::vector<Target> plan_sequences(const SequenceDatabase& database,
+                                   const SequenceQuerySettings& settings, const Monitor& monitor) {
+  std::vector<Target> planned;
   bool any = false;
   const std::vector<DescriptorSpan> spans = code_spans(database);
   for (size_t s = 0; s < spans.size(); ++s) {
-    SequenceThreshold& sequence = planned.emplace_back();
+    Target& sequence = planned.emplace_back();
     sequence.name = database.sequences[s].name;
     sequence.frames = spans[s].rows.size();
     sequence.windows = count_windows(readable_runs(spans[s]), settings.window_length);
@@ -126,13 +125,13 @@ ThresholdTable automatic_table(const SequenceDatabase& database,
   return table;
 }
 
-void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& database,
+void plan_automatic_thresholds(QueryPlan& result, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
   SequenceQuerySettings settings = result.settings;
   const ThresholdTable table = automatic_table(database, settings, resources, monitor);
   if (!settings.safety_factor) settings.safety_factor = table.safety_factor;
   for (size_t s = 0; s < result.sequences.size(); ++s) {
-    SequenceThreshold& sequence = result.sequences[s];
+    Target& sequence = result.sequences[s];
     sequence.scale = automatic_scale(database, settings);
     if (!sequence.searched) continue;
     const auto automatic = sequence_threshold(database, table, s, settings, monitor);
@@ -141,12 +140,11 @@ void plan_automatic_thresholds(SequenceResult& result, const SequenceDatabase& d
 }
 
 // Limits that need no distances: automatic thresholds, and numbers that are not relative.
-void plan_limits(SequenceResult& result, const SequenceDatabase& database,
-                 const DescriptorSet& query) {
+void plan_limits(QueryPlan& result, const SequenceDatabase& database, const DescriptorSet& query) {
   const uint64_t length = result.settings.window_length;
   const std::vector<DescriptorSpan> spans = code_spans(database);
   for (size_t s = 0; s < spans.size(); ++s) {
-    SequenceThreshold& sequence = result.sequences[s];
+    Target& sequence = result.sequences[s];
     if (!sequence.threshold) continue;
     if (sequence.scale == ThresholdScale::mean && sequence.searched)
       set_mean_limits(sequence, mean_window_distances(
@@ -159,10 +157,10 @@ void plan_limits(SequenceResult& result, const SequenceDatabase& database,
 }
 
 // Compares with an exact search of everything.
-SearchRecall measure_recall(const SequenceResult& result, const FrameDistances& distances,
-                            const MatchSettings& match, const QueryResources& resources,
-                            const Monitor& monitor) {
-  HitScan scan(scan_settings(result, resources));
+SearchRecall measure_recall(const QueryPlan& plan, const HitScanResult& approximate,
+                            const FrameDistances& distances, const MatchSettings& match,
+                            const QueryResources& resources, const Monitor& monitor) {
+  HitScan scan(scan_settings(plan, resources));
   match_fastable(distances, match, monitor, std::ref(scan));
   const HitScanResult exact = scan.result();
   SearchRecall recall;
@@ -170,7 +168,7 @@ SearchRecall measure_recall(const SequenceResult& result, const FrameDistances& 
   for (size_t window = 0; window < exact.best.size(); ++window) {
     if (!exact.best[window]) continue;
     ++recall.windows;
-    const auto& found = result.best[window];
+    const auto& found = approximate.best[window];
     if (found && found->distance == exact.best[window]->distance) ++recall.found_best;
   }
   return recall;
@@ -207,14 +205,14 @@ std::optional<ResultViews> find_views(const SequenceDatabase& database,
 
 }  // namespace
 
-SequenceResult plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                          const std::string& query_name, const SequenceQuerySettings& settings,
-                          const QueryResources& resources, const Monitor& monitor) {
+QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const QueryResources& resources, const Monitor& monitor) {
   check_settings(settings);
   check_exactness(settings);
   check_names(database, settings);
   check_descriptors(database, query, settings);
-  SequenceResult result;
+  QueryPlan result;
   result.settings = settings;
   result.settings.threshold_scale = scale_of(settings);
   result.query_name = query_name;
@@ -233,7 +231,7 @@ SequenceResult plan_query(const SequenceDatabase& database, const DescriptorSet&
                      result.query_unreadable.size(), counted(result.query_frames, "frame")));
   result.sequences = plan_sequences(database, settings, monitor);
   if (settings.distance_threshold) {
-    for (SequenceThreshold& sequence : result.sequences) {
+    for (Target& sequence : result.sequences) {
       sequence.threshold = settings.distance_threshold;
       sequence.scale = scale_of(settings);
     }
@@ -246,32 +244,31 @@ SequenceResult plan_query(const SequenceDatabase& database, const DescriptorSet&
   return result;
 }
 
-QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
-                   const DescriptorSet& query, const QueryResources& resources,
-                   const std::vector<RowConsumer>& observers, const Monitor& monitor) {
-  QueryRun run{std::move(planned), {}, 0};
-  SequenceResult& result = run.result;
-  const SequenceMethod& method = find_sequence_method(result.settings.method);
-  const MatchSettings match{result.settings.window_length, resources.memory_limit,
-                            resources.kernels, result.settings.lsh, resources.seed};
-  FrameDistances distances = searched_distances(database, result, query);
+QueryRun run_query(QueryPlan planned, const SequenceDatabase& database, const DescriptorSet& query,
+                   const QueryResources& resources, const std::vector<RowConsumer>& observers,
+                   const Monitor& monitor) {
+  QueryRun run;
+  const SequenceMethod& method = find_sequence_method(planned.settings.method);
+  const MatchSettings match{planned.settings.window_length, resources.memory_limit,
+                            resources.kernels, planned.settings.lsh, resources.seed};
+  FrameDistances distances = searched_distances(database, planned, query);
 
   // A relative threshold is known only after all distances were seen once.
-  const bool has_two_passes = needs_maxima(result);
+  const bool has_two_passes = needs_maxima(planned);
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   Stopwatch watch;
   if (has_two_passes) {
-    MaximumScan scan(result.sequences.size(), resources.kernels);
+    MaximumScan scan(planned.sequences.size(), resources.kernels);
     method.match(distances, match, part_of(monitor, "pass", 0, 2), std::ref(scan));
-    set_relative_limits(result, scan.result());
+    set_relative_limits(planned, scan.result());
     run.seconds["maximum"] = watch.elapsed_s();
   }
 
   watch = {};
-  HitScan scan(scan_settings(result, resources));
+  HitScan scan(scan_settings(planned, resources));
   CellScan cells(choose_cells(distances.train_runs, distances.query_runs, match.window_length,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
-  distances = scored(std::move(distances), result, database, last_pass);
+  distances = scored(std::move(distances), planned, database, last_pass);
   method.match(distances, match, last_pass, [&](const DistanceRow& row) {
     scan(row);
     cells(row);
@@ -281,27 +278,27 @@ QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
   const std::vector<Cell> verified =
       method.is_exact ? cells.result()
                       : choose_found(found, resources.verify_cells, resources.seed);
-  result.hits = std::move(found.hits);
-  result.best = std::move(found.best);
+  run.result = make_result(planned, found);
   run.seconds["match"] = watch.elapsed_s();
 
   if (!method.is_exact) {
     watch = {};
-    result.recall = measure_recall(result, distances, match, resources, monitor);
+    run.result.recall = measure_recall(planned, found, distances, match, resources, monitor);
     run.seconds["recall"] = watch.elapsed_s();
   }
 
   watch = {};
   if (resources.verify_cells > 0 && verified.empty())
     warn(monitor, fmt::format("{} found no cell that could be verified", method.name));
-  check_cells(verified, database, query, result.settings, monitor);
+  check_cells(verified, database, query, planned.settings, monitor);
   run.verified_cells = verified.size();
   if (resources.verify_cells > 0) run.seconds["verify"] = watch.elapsed_s();
 
   watch = {};
-  cluster(result, monitor);
+  found = {};  // clustering needs the memory
+  cluster(run.result, monitor);
   run.seconds["cluster"] = watch.elapsed_s();
-  result.views = find_views(database, query);
+  run.result.views = find_views(database, query);
   return run;
 }
 

@@ -7,7 +7,7 @@
 
 #include "database/sequence_database.h"
 #include "matching/methods.h"
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
@@ -20,23 +20,23 @@ struct QueryResources {
 };
 
 struct QueryRun {
-  SequenceResult result;
+  Result result;
   std::map<std::string, double> seconds;  ///< by step
   size_t verified_cells = 0;
 };
 
-/// Thresholds and the shape of a result, before any distance is known. Throws Error(usage) for
+/// Thresholds and the shape of a query, before any distance is known. Throws Error(usage) for
 /// settings out of range, an unknown sequence name, and a query or training sequences that are all
 /// shorter than a window, and Error(data) for descriptors of different kinds. Computes automatic
 /// thresholds that the database lacks.
-SequenceResult plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                          const std::string& query_name, const SequenceQuerySettings& settings,
-                          const QueryResources& resources, const Monitor& monitor);
+QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const QueryResources& resources, const Monitor& monitor);
 
-/// Distances, hits, best matches and places for a planned result. Every row also goes to
+/// Distances, hits, best matches and clusters of a planned query. Every row also goes to
 /// `observers`, once. Throws Error(expectation) if a verified cell differs.
-QueryRun run_query(SequenceResult planned, const SequenceDatabase& database,
-                   const DescriptorSet& query, const QueryResources& resources,
-                   const std::vector<RowConsumer>& observers, const Monitor& monitor);
+QueryRun run_query(QueryPlan planned, const SequenceDatabase& database, const DescriptorSet& query,
+                   const QueryResources& resources, const std::vector<RowConsumer>& observers,
+                   const Monitor& monitor);
 
 }  // namespace vpr

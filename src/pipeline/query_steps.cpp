@@ -10,7 +10,7 @@ namespace {
 constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
 constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
 
-std::vector<uint32_t> window_limits(const SequenceThreshold& sequence) {
+std::vector<uint32_t> window_limits(const Target& sequence) {
   std::vector<uint32_t> limits;
   for (const double mean : sequence.window_means)
     limits.push_back(distance_limit(*sequence.threshold, mean));
@@ -19,7 +19,7 @@ std::vector<uint32_t> window_limits(const SequenceThreshold& sequence) {
 
 }  // namespace
 
-FrameDistances searched_distances(const SequenceDatabase& database, const SequenceResult& result,
+FrameDistances searched_distances(const SequenceDatabase& database, const QueryPlan& result,
                                   const DescriptorSet& query) {
   const std::vector<DescriptorSpan> all = code_spans(database);
   std::vector<DescriptorSpan> searched = all;
@@ -28,30 +28,30 @@ FrameDistances searched_distances(const SequenceDatabase& database, const Sequen
   return frame_distances(searched, query.span(), all);
 }
 
-bool needs_maxima(const SequenceResult& result) {
+bool needs_maxima(const QueryPlan& result) {
   return result.settings.distance_threshold &&
          scale_of(result.settings) == ThresholdScale::relative;
 }
 
-void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& maxima) {
+void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima) {
   for (size_t s = 0; s < result.sequences.size(); ++s) {
-    SequenceThreshold& sequence = result.sequences[s];
+    Target& sequence = result.sequences[s];
     if (!sequence.searched || sequence.windows == 0) continue;
     sequence.max_distance = maxima[s];
     sequence.distance_limit = distance_limit(*sequence.threshold, maxima[s]);
   }
 }
 
-void set_mean_limits(SequenceThreshold& sequence, std::vector<double> window_means) {
+void set_mean_limits(Target& sequence, std::vector<double> window_means) {
   sequence.window_means = std::move(window_means);
   sequence.distance_limit = 0;
   for (const uint32_t limit : window_limits(sequence))
     sequence.distance_limit = std::max(sequence.distance_limit, limit);
 }
 
-HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources) {
+HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {
   HitScanSettings settings;
-  for (const SequenceThreshold& sequence : result.sequences) {
+  for (const Target& sequence : result.sequences) {
     settings.limits.push_back(sequence.distance_limit);
     settings.window_limits.push_back(window_limits(sequence));
   }

@@ -9,19 +9,19 @@ namespace vpr {
 
 /// The frame distances of the query to the database. A sequence that is not searched has no frames,
 /// so that indices stay the same; rows are centred over all sequences.
-FrameDistances searched_distances(const SequenceDatabase& database, const SequenceResult& result,
+FrameDistances searched_distances(const SequenceDatabase& database, const QueryPlan& result,
                                   const DescriptorSet& query);
 
 /// Whether limits depend on the largest distances.
-bool needs_maxima(const SequenceResult& result);
+bool needs_maxima(const QueryPlan& result);
 
 /// The limits of thresholds relative to max(D), by sequence.
-void set_relative_limits(SequenceResult& result, const std::vector<uint32_t>& maxima);
+void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima);
 
 /// The limits of a threshold on the scale mean: one for every query window.
-void set_mean_limits(SequenceThreshold& sequence, std::vector<double> window_means);
+void set_mean_limits(Target& sequence, std::vector<double> window_means);
 
 /// A scan for hits below the result's limits.
-HitScanSettings scan_settings(const SequenceResult& result, const QueryResources& resources);
+HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources);
 
 }  // namespace vpr

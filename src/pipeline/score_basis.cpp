@@ -38,12 +38,12 @@ ThresholdTable closest_windows(const SequenceDatabase& database,
               .closest(code_spans(database), basis ? &*basis : nullptr, match, monitor)};
 }
 
-FrameDistances scored(FrameDistances distances, const SequenceResult& result,
+FrameDistances scored(FrameDistances distances, const QueryPlan& result,
                       const SequenceDatabase& database, const Monitor& monitor) {
   const std::optional<ScoreBasis> all = score_basis(database, result.settings);
   if (!all) return distances;
   std::vector<uint8_t> searched;
-  for (const SequenceThreshold& sequence : result.sequences) searched.push_back(sequence.searched);
+  for (const Target& sequence : result.sequences) searched.push_back(sequence.searched);
   return standardized(std::move(distances), basis_of(*all, code_spans(database), searched),
                       monitor);
 }

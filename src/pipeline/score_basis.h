@@ -23,7 +23,7 @@ ThresholdTable closest_windows(const SequenceDatabase& database,
 
 /// The distances of the searched sequences as a planned result scores them: standardized, or as
 /// they are. Throws what score_basis and start_standardized throw.
-FrameDistances scored(FrameDistances distances, const SequenceResult& result,
+FrameDistances scored(FrameDistances distances, const QueryPlan& result,
                       const SequenceDatabase& database, const Monitor& monitor);
 
 }  // namespace vpr

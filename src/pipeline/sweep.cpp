@@ -18,7 +18,7 @@ namespace {
 
 /// One window length: a planned result for each threshold, and what the passes find.
 struct LengthSweep {
-  std::vector<SequenceResult> planned;  // as many as thresholds
+  std::vector<QueryPlan> planned;  // as many as thresholds
   std::unique_ptr<MaximumScan> maxima;
   std::unique_ptr<HitScan> hits;
   HitScanResult found;
@@ -26,9 +26,9 @@ struct LengthSweep {
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
                                     const std::string& query_name,
-                                    const SequenceQuerySettings& base, const SequenceGrid& grid,
+                                    const SequenceQuerySettings& base, const Grid& grid,
                                     const QueryResources& resources, const Monitor& monitor) {
-  if (grid.window_lengths.empty() || grid.distance_thresholds.empty())
+  if (grid.windows.empty() || grid.thresholds.empty())
     throw Error(ErrorKind::usage, "give at least one c_l and one t_r");
   if (!find_sequence_method(base.method).is_exact)
     throw Error(
@@ -41,9 +41,9 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
     if (said.insert(sentence).second) warn(monitor, sentence);
   };
   std::vector<LengthSweep> sweeps;
-  for (const uint64_t length : grid.window_lengths) {
+  for (const uint64_t length : grid.windows) {
     LengthSweep& sweep = sweeps.emplace_back();
-    for (const auto& threshold : grid.distance_thresholds) {
+    for (const auto& threshold : grid.thresholds) {
       SequenceQuerySettings settings = base;
       settings.window_length = length;
       settings.distance_threshold = threshold;
@@ -77,43 +77,84 @@ void widen(HitScanSettings& widest, const HitScanSettings& other, size_t sequenc
 // Hits below the largest limit of any threshold, sequence by sequence.
 HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
   HitScanSettings widest = scan_settings(sweep.planned.front(), resources);
-  for (const SequenceResult& result : sweep.planned) {
-    const HitScanSettings settings = scan_settings(result, resources);
+  for (const QueryPlan& plan : sweep.planned) {
+    const HitScanSettings settings = scan_settings(plan, resources);
     for (size_t s = 0; s < widest.limits.size(); ++s) widen(widest, settings, s);
   }
   return widest;
 }
 
-ThresholdScale automatic_scale(const SequenceResult& result) {
-  for (const SequenceThreshold& sequence : result.sequences)
+// Of t_r as it was planned.
+ThresholdScale scale_of(const QueryPlan& plan) {
+  if (plan.settings.distance_threshold) return scale_of(plan.settings);
+  for (const Target& sequence : plan.sequences)
     if (sequence.threshold) return sequence.scale;
-  return score_kind(result.settings.score).automatic_scale;
+  return score_kind(plan.settings.score).automatic_scale;
 }
 
-SequenceCellCounts count_cell(const LengthSweep& sweep, SequenceResult result,
-                              const GroundTruth& truth, const Monitor& monitor) {
-  const HitScanSettings limits = scan_settings(result, {});
+CellCounts count_cell(const LengthSweep& sweep, const QueryPlan& plan, const GroundTruth& truth,
+                      const Monitor& monitor) {
+  const HitScanSettings limits = scan_settings(plan, {});
+  HitScanResult found{{}, sweep.found.best};
   for (const Cell& hit : sweep.found.hits)
-    if (hit.distance < limits.limit(hit.sequence, hit.query_window)) result.hits.push_back(hit);
-  result.best = sweep.found.best;
+    if (hit.distance < limits.limit(hit.sequence, hit.query_window)) found.hits.push_back(hit);
+  Result result = make_result(plan, found);
   cluster(result, monitor);
-  return {result.settings.window_length, result.settings.distance_threshold,
-          result.settings.distance_threshold ? scale_of(result.settings) : automatic_scale(result),
+  return {plan.settings.window_length, plan.settings.distance_threshold, scale_of(plan),
           count_recognitions(result, truth, monitor)};
+}
+
+void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
+  if (grid.windows.empty() || grid.thresholds.empty())
+    throw Error(ErrorKind::usage, "give at least one c_w and one t_p");
+  if (base.loop)
+    throw Error(ErrorKind::usage, "a sweep has no loop mode; leave \"loop\" out of the settings");
+  for (const uint64_t window : grid.windows)
+    for (const auto& threshold : grid.thresholds) {
+      if (!threshold) throw Error(ErrorKind::usage, "t_p is a number, and never automatic");
+      FabmapQuerySettings settings = base;
+      settings.window = window;
+      settings.place_threshold = *threshold;
+      check_query_settings(settings);
+    }
+}
+
+// Windows that are drawn together.
+size_t block_of(const Result& result) {
+  constexpr size_t kFewestFrames = 8;  // about a second of walking
+  const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings);
+  const size_t block =
+      fabmap == nullptr ? result.window_length() : std::max<size_t>(fabmap->window, kFewestFrames);
+  return std::min(block, result.query_windows);
+}
+
+template <class T>
+void add_once(std::vector<T>& values, const T& value) {
+  if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
 }
 
 }  // namespace
 
-std::vector<SequenceCellCounts> sweep_sequences(
-    const SequenceDatabase& database, const DescriptorSet& query, const std::string& query_name,
-    const SequenceQuerySettings& base, const SequenceGrid& grid, const TruthReader& read_truth,
-    const QueryResources& resources, const Monitor& monitor) {
+Grid grid_of(std::span<const CellCounts> cells) {
+  Grid grid;
+  for (const CellCounts& cell : cells) {
+    add_once(grid.windows, cell.window);
+    add_once(grid.thresholds, cell.threshold);
+  }
+  return grid;
+}
+
+std::vector<CellCounts> sweep_sequences(const SequenceDatabase& database,
+                                        const DescriptorSet& query, const std::string& query_name,
+                                        const SequenceQuerySettings& base, const Grid& grid,
+                                        const TruthReader& read_truth,
+                                        const QueryResources& resources, const Monitor& monitor) {
   std::vector<LengthSweep> sweeps =
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
-  const GroundTruth truth = read_truth(scope_of(sweeps.front().planned.front()));
+  const GroundTruth truth = read_truth(scope_of(make_result(sweeps.front().planned.front())));
   const FrameDistances distances =
       searched_distances(database, sweeps.front().planned.front(), query);
-  const std::vector<size_t> lengths(grid.window_lengths.begin(), grid.window_lengths.end());
+  const std::vector<size_t> lengths(grid.windows.begin(), grid.windows.end());
   const MatchSettings match{1, resources.memory_limit, resources.kernels};
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
     match_fastable_lengths(scored(distances, sweeps.front().planned.front(), database, monitor),
@@ -124,8 +165,8 @@ std::vector<SequenceCellCounts> sweep_sequences(
       sweep.maxima = std::make_unique<MaximumScan>(database.sequences.size(), resources.kernels);
     match_lengths([&](size_t l, const DistanceRow& row) { (*sweeps[l].maxima)(row); });
     for (LengthSweep& sweep : sweeps)
-      for (SequenceResult& result : sweep.planned)
-        if (needs_maxima(result)) set_relative_limits(result, sweep.maxima->result());
+      for (QueryPlan& plan : sweep.planned)
+        if (needs_maxima(plan)) set_relative_limits(plan, sweep.maxima->result());
   }
   for (LengthSweep& sweep : sweeps)
     sweep.hits = std::make_unique<HitScan>(widest_scan(sweep, share_of(resources, sweeps.size())));
@@ -134,8 +175,8 @@ std::vector<SequenceCellCounts> sweep_sequences(
     sweep.found = sweep.hits->result();
     sweep.hits.reset();
   }
-  const size_t thresholds = grid.distance_thresholds.size();
-  std::vector<SequenceCellCounts> cells(sweeps.size() * thresholds);
+  const size_t thresholds = grid.thresholds.size();
+  std::vector<CellCounts> cells(sweeps.size() * thresholds);
   StepCounter counter(monitor, "count", cells.size());
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const LengthSweep& sweep = sweeps[c / thresholds];
@@ -145,93 +186,53 @@ std::vector<SequenceCellCounts> sweep_sequences(
   return cells;
 }
 
-SweepIntervals sequence_intervals(const SequenceDatabase& database, const DescriptorSet& query,
-                                  const SequenceQuerySettings& settings,
-                                  const TruthReader& read_truth, const QueryResources& resources,
-                                  const Monitor& monitor) {
-  Monitor quiet = monitor;  // the sweep has said what there is to say
-  quiet.warn = nullptr;
-  const SequenceResult result =
-      run_query(plan_query(database, query, "", settings, resources, quiet), database, query,
-                resources, {}, quiet)
-          .result;
-  const GroundTruth truth = read_truth(scope_of(result));
-  const auto interval = [&](const auto& pairs, PlaceLabel wanted) {
-    std::vector<double> counts(result.query_windows, 0);
-    for (const auto& pair : pairs)
-      if (truth.label(result.anchor(pair.query_window), pair.sequence,
-                      result.anchor(pair.train_window)) == wanted)
-        counts[pair.query_window] += 1;
-    return bootstrap_sum(counts, std::min<size_t>(settings.window_length, counts.size()),
-                         resources.seed);
-  };
-  return {std::min<size_t>(settings.window_length, result.query_windows),
-          interval(result.hits, PlaceLabel::same), interval(result.hits, PlaceLabel::different),
-          interval(result.places, PlaceLabel::same),
-          interval(result.places, PlaceLabel::different)};
-}
-
-std::vector<FabmapCellCounts> sweep_fabmap(const FabmapDatabase& database,
-                                           const SequenceWords& query,
-                                           const std::string& query_name,
-                                           const FabmapQuerySettings& base, const FabmapGrid& grid,
-                                           const TruthReader& read_truth, uint64_t seed,
-                                           const Monitor& monitor) {
-  if (grid.windows.empty() || grid.place_thresholds.empty())
-    throw Error(ErrorKind::usage, "give at least one c_w and one t_p");
-  if (base.loop)
-    throw Error(ErrorKind::usage, "a sweep has no loop mode; leave \"loop\" out of the settings");
-  for (const uint64_t window : grid.windows)
-    for (const double threshold : grid.place_thresholds) {
-      FabmapQuerySettings settings = base;
-      settings.window = window;
-      settings.place_threshold = threshold;
-      check_query_settings(settings);
-    }
+std::vector<CellCounts> sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                                     const std::string& query_name, const FabmapQuerySettings& base,
+                                     const Grid& grid, const TruthReader& read_truth, uint64_t seed,
+                                     const Monitor& monitor) {
+  check_grid(grid, base);
   const std::vector<uint32_t> place_of = database.places();
-  const size_t thresholds = grid.place_thresholds.size();
-  std::vector<std::vector<PlaceMatch>> hits(grid.windows.size() * thresholds);
+  const size_t thresholds = grid.thresholds.size();
+  std::vector<std::vector<Match>> hits(grid.windows.size() * thresholds);
   std::vector<ViewWindow> windows(thresholds);
   const auto observe = [&](size_t frame, std::span<const double> posterior) {
     for (size_t t = 0; t < thresholds; ++t) {
-      windows[t].add(posterior, grid.place_thresholds[t], place_of.size());
+      windows[t].add(posterior, *grid.thresholds[t], place_of.size());
       if (posterior.empty()) continue;
       for (size_t w = 0; w < grid.windows.size(); ++w)
         append_hits(hits[w * thresholds + t], frame, posterior, windows[t], grid.windows[w],
                     place_of);
     }
   };
-  FabmapResult result =
-      query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
+  Result result = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
   const GroundTruth truth = read_truth(scope_of(result));
-  std::vector<FabmapCellCounts> cells;
-  for (size_t w = 0; w < grid.windows.size(); ++w) {
-    for (size_t t = 0; t < thresholds; ++t) {
-      result.hits = std::move(hits[w * thresholds + t]);
-      cells.push_back(
-          {grid.windows[w], grid.place_thresholds[t], count_recognitions(result, truth)});
-    }
+  std::vector<CellCounts> cells;
+  for (size_t c = 0; c < hits.size(); ++c) {
+    result.hits = std::move(hits[c]);
+    cells.push_back({grid.windows[c / thresholds], grid.thresholds[c % thresholds], std::nullopt,
+                     count_recognitions(result, truth)});
   }
   return cells;
 }
 
-SweepIntervals fabmap_intervals(const FabmapDatabase& database, const SequenceWords& query,
-                                const FabmapQuerySettings& settings, const TruthReader& read_truth,
-                                uint64_t seed, const Monitor& monitor) {
-  constexpr size_t kFewestFrames = 8;  // about a second of walking
-  const FabmapResult result = query_fabmap(database, query, "", settings, seed, {}, monitor).result;
-  const GroundTruth truth = read_truth(scope_of(result));
-  std::vector<double> correct(result.query_frames, 0);
-  std::vector<double> incorrect(result.query_frames, 0);
-  for (const PlaceMatch& hit : result.hits) {
-    const PlaceLabel label = truth.label(hit.frame, 0, hit.place);
-    if (label == PlaceLabel::same) correct[hit.frame] += 1;
-    if (label == PlaceLabel::different) incorrect[hit.frame] += 1;
-  }
-  const size_t block =
-      std::min(std::max<size_t>(settings.window, kFewestFrames), result.query_frames);
-  return {
-      block, bootstrap_sum(correct, block, seed), bootstrap_sum(incorrect, block, seed), {}, {}};
+SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {
+  const size_t length = result.window_length();
+  const size_t block = block_of(result);
+  const auto interval = [&](const auto& matches, auto query_of, PlaceLabel wanted) {
+    std::vector<double> counts(result.query_windows, 0);
+    for (const auto& match : matches)
+      if (label_of(truth, match, length) == wanted) counts[query_of(match)] += 1;
+    return bootstrap_sum(counts, block, seed);
+  };
+  const auto of_hit = [](const Match& hit) { return hit.query; };
+  const auto of_cluster = [](const Cluster& cluster) { return cluster.query_window; };
+  SweepIntervals intervals{block, interval(result.hits, of_hit, PlaceLabel::same),
+                           interval(result.hits, of_hit, PlaceLabel::different)};
+  if (!result.clusters) return intervals;
+  const std::vector<Cluster>& clusters = result.clusters->all;
+  intervals.correct_places = interval(clusters, of_cluster, PlaceLabel::same);
+  intervals.incorrect_places = interval(clusters, of_cluster, PlaceLabel::different);
+  return intervals;
 }
 
 }  // namespace vpr

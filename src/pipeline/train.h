@@ -9,7 +9,7 @@
 #include "descriptors/descriptor_rows.h"
 #include "images/sequence.h"
 #include "matching/row_kernels.h"
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 

@@ -14,11 +14,10 @@ struct Row {
   size_t end = 0;
 };
 
-std::vector<Row> find_rows(std::span<const Cell> hits) {
+std::vector<Row> find_rows(std::span<const Match> hits) {
   std::vector<Row> rows;
   for (size_t i = 0; i < hits.size(); ++i) {
-    if (rows.empty() || rows.back().query != hits[i].query_window)
-      rows.push_back({hits[i].query_window, i, i});
+    if (rows.empty() || rows.back().query != hits[i].query) rows.push_back({hits[i].query, i, i});
     rows.back().end = i + 1;
   }
   return rows;
@@ -66,14 +65,14 @@ class DisjointSets {
 
 // Joins every hit of `row` with those of `earlier` (or of itself) at most `reach` columns away.
 // Both are sorted, so the first candidate only moves to the right.
-void join_rows(DisjointSets& sets, std::span<const Cell> hits, const Row& row, const Row& earlier,
+void join_rows(DisjointSets& sets, std::span<const Match> hits, const Row& row, const Row& earlier,
                int64_t reach) {
   size_t first = earlier.begin;
   for (size_t i = row.begin; i < row.end; ++i) {
-    const int64_t column = hits[i].train_window;
-    while (first < earlier.end && int64_t{hits[first].train_window} < column - reach) ++first;
+    const int64_t column = hits[i].train;
+    while (first < earlier.end && int64_t{hits[first].train} < column - reach) ++first;
     const size_t end = std::min(earlier.end, i);
-    for (size_t k = first; k < end && int64_t{hits[k].train_window} <= column + reach; ++k)
+    for (size_t k = first; k < end && int64_t{hits[k].train} <= column + reach; ++k)
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
   }
 }
@@ -87,25 +86,25 @@ uint32_t rounded_mean(uint64_t sum, uint64_t count) {
   return static_cast<uint32_t>((2 * sum + count) / (2 * count));
 }
 
-void add_hit(Recognition& place, Sums& sums, const Cell& hit) {
-  if (place.hits == 0) {
-    place.sequence = hit.sequence;
-    place.query_first = hit.query_window;
-    place.train_first = place.train_last = hit.train_window;
-    place.best_distance = hit.distance;
+void add_hit(Cluster& cluster, Sums& sums, const Match& hit) {
+  if (cluster.hits == 0) {
+    cluster.target = hit.target;
+    cluster.query_first = hit.query;
+    cluster.train_first = cluster.train_last = hit.train;
+    cluster.best_score = hit.score;
   }
-  place.query_last = hit.query_window;
-  place.train_first = std::min(place.train_first, hit.train_window);
-  place.train_last = std::max(place.train_last, hit.train_window);
-  place.best_distance = std::min(place.best_distance, hit.distance);
-  ++place.hits;
-  sums.query += hit.query_window;
-  sums.train += hit.train_window;
+  cluster.query_last = hit.query;
+  cluster.train_first = std::min(cluster.train_first, hit.train);
+  cluster.train_last = std::max(cluster.train_last, hit.train);
+  cluster.best_score = std::min(cluster.best_score, hit.score);
+  ++cluster.hits;
+  sums.query += hit.query;
+  sums.train += hit.train;
 }
 
 }  // namespace
 
-Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings,
+Clusters cluster_hits(std::span<const Match> hits, const ClusterSettings& settings,
                       const Monitor& monitor) {
   assert(settings.eps >= 0 && settings.eps <= kMaxEps);
   assert(hits.size() < std::numeric_limits<uint32_t>::max());
@@ -121,42 +120,42 @@ Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& setting
     }
   }
   Clusters clusters;
-  auto& [places, place_of] = clusters;
-  place_of.resize(hits.size());
+  auto& [all, of_hit] = clusters;
+  of_hit.resize(hits.size());
   std::vector<Sums> sums;
   for (size_t i = 0; i < hits.size(); ++i) {
     const uint32_t root = sets.root(static_cast<uint32_t>(i));
     if (root == i) {
-      place_of[i] = static_cast<uint32_t>(places.size());
-      places.emplace_back();
+      of_hit[i] = static_cast<uint32_t>(all.size());
+      all.emplace_back();
       sums.emplace_back();
     }
-    place_of[i] = place_of[root];
-    add_hit(places[place_of[i]], sums[place_of[i]], hits[i]);
+    of_hit[i] = of_hit[root];
+    add_hit(all[of_hit[i]], sums[of_hit[i]], hits[i]);
   }
-  for (size_t p = 0; p < places.size(); ++p) {
-    places[p].query_window = rounded_mean(sums[p].query, places[p].hits);
-    places[p].train_window = rounded_mean(sums[p].train, places[p].hits);
+  for (size_t c = 0; c < all.size(); ++c) {
+    all[c].query_window = rounded_mean(sums[c].query, all[c].hits);
+    all[c].train_window = rounded_mean(sums[c].train, all[c].hits);
   }
   return clusters;
 }
 
-Clusters cluster_by_sequence(std::span<const Cell> hits, size_t sequences,
-                             const ClusterSettings& settings, const Monitor& monitor) {
-  std::vector<std::vector<Cell>> by_sequence(sequences);
-  for (const Cell& hit : hits) by_sequence[hit.sequence].push_back(hit);
+Clusters cluster_by_target(std::span<const Match> hits, size_t targets,
+                           const ClusterSettings& settings, const Monitor& monitor) {
+  std::vector<std::vector<Match>> by_target(targets);
+  for (const Match& hit : hits) by_target[hit.target].push_back(hit);
   Clusters all;
-  std::vector<std::vector<uint32_t>> place_of;  // by sequence
-  for (std::vector<Cell>& own : by_sequence) {
+  std::vector<std::vector<uint32_t>> of_hit;  // by target
+  for (std::vector<Match>& own : by_target) {
     Clusters found = cluster_hits(own, settings, monitor);
-    for (uint32_t& place : found.place_of) place += static_cast<uint32_t>(all.places.size());
-    all.places.insert(all.places.end(), found.places.begin(), found.places.end());
-    place_of.push_back(std::move(found.place_of));
-    std::vector<Cell>().swap(own);
+    for (uint32_t& cluster : found.of_hit) cluster += static_cast<uint32_t>(all.all.size());
+    all.all.insert(all.all.end(), found.all.begin(), found.all.end());
+    of_hit.push_back(std::move(found.of_hit));
+    std::vector<Match>().swap(own);
   }
-  std::vector<size_t> next(sequences, 0);
-  all.place_of.reserve(hits.size());
-  for (const Cell& hit : hits) all.place_of.push_back(place_of[hit.sequence][next[hit.sequence]++]);
+  std::vector<size_t> next(targets, 0);
+  all.of_hit.reserve(hits.size());
+  for (const Match& hit : hits) all.of_hit.push_back(of_hit[hit.target][next[hit.target]++]);
   return all;
 }
 

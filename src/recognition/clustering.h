@@ -4,7 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "recognition/row_scan.h"
+#include "base/monitor.h"
+#include "recognition/match.h"
 
 namespace vpr {
 
@@ -21,8 +22,8 @@ void visit_fields(ClusterSettings& settings, Visitor&& visit) {
 }
 
 /// A cluster of hits: one recognised place. Windows by their first frame; means rounded half up.
-struct Recognition {
-  uint32_t sequence = 0;
+struct Cluster {
+  uint32_t target = 0;
   uint32_t query_window = 0;  ///< mean over the hits
   uint32_t query_first = 0;
   uint32_t query_last = 0;
@@ -30,26 +31,26 @@ struct Recognition {
   uint32_t train_first = 0;
   uint32_t train_last = 0;
   uint64_t hits = 0;
-  uint32_t best_distance = 0;
+  double best_score = 0;  ///< the smallest
 
-  bool operator==(const Recognition&) const = default;
+  bool operator==(const Cluster&) const = default;
 };
 
 /// What hits become.
 struct Clusters {
-  std::vector<Recognition> places;
-  std::vector<uint32_t> place_of;  ///< one a hit: the index of its place
+  std::vector<Cluster> all;
+  std::vector<uint32_t> of_hit;  ///< one a hit: the index of its cluster
 };
 
-/// `hits`: of one training sequence, sorted by query window then train window, each cell once.
+/// `hits`: of one training sequence, sorted by query window then train window, each pair once.
 /// Clusters in the order of their first hit. Time near-linear in the hits for a given eps.
 /// Throws Error(interrupted) on a stop.
-Clusters cluster_hits(std::span<const Cell> hits, const ClusterSettings& settings,
+Clusters cluster_hits(std::span<const Match> hits, const ClusterSettings& settings,
                       const Monitor& monitor = {});
 
-/// The same for hits of `sequences` training sequences, sorted by query window, sequence, train
-/// window: places of each sequence, one after the other.
-Clusters cluster_by_sequence(std::span<const Cell> hits, size_t sequences,
-                             const ClusterSettings& settings, const Monitor& monitor = {});
+/// The same for hits of `targets` training sequences, sorted by query window, sequence, train
+/// window: clusters of each sequence, one after the other.
+Clusters cluster_by_target(std::span<const Match> hits, size_t targets,
+                           const ClusterSettings& settings, const Monitor& monitor = {});
 
 }  // namespace vpr

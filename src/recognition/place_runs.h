@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "recognition/fabmap_result.h"
+#include "recognition/match.h"
 
 namespace vpr {
 
@@ -24,7 +24,6 @@ struct PlaceRun {
 /// most `reach` (at least 1) frames before it, in a place whose index is at most `reach_places`
 /// away: 0 for places of many views, more where each training frame is a place of its own. Runs are
 /// in the order of their first hits.
-std::vector<PlaceRun> place_runs(std::span<const PlaceMatch> hits, size_t reach,
-                                 size_t reach_places);
+std::vector<PlaceRun> place_runs(std::span<const Match> hits, size_t reach, size_t reach_places);
 
 }  // namespace vpr

@@ -8,9 +8,10 @@
 
 #include "base/error.h"
 #include "matching/methods.h"
+#include "matching/score_kernels.h"
 #include "recognition/automatic_score.h"
 #include "recognition/automatic_threshold.h"
-#include "recognition/sequence_result.h"
+#include "recognition/query_settings.h"
 
 namespace vpr {
 namespace {
@@ -80,8 +81,12 @@ void check_standardized(const SequenceQuerySettings& settings) {
 
 int64_t no_offset(size_t) { return 0; }
 
-double bits_a_frame(uint32_t sum, size_t window_length) {
-  return static_cast<double>(sum) / static_cast<double>(window_length);
+double bits_a_frame(double sum, size_t window_length) {
+  return sum / static_cast<double>(window_length);
+}
+
+double deviations_a_frame(double sum, size_t window_length) {
+  return sum / (kScoreUnit * static_cast<double>(window_length));
 }
 
 ClosestTable closest_distances(std::span<const DescriptorSpan> sequences, const ScoreBasis*,
@@ -118,8 +123,11 @@ std::string standardized_title(const SequenceQuerySettings& settings) {
                      settings.safety_margin);
 }
 
-constexpr ScoreKind kRaw = {.measure = "distance",
+constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
+                            .measure = "distance",
                             .title = "distance (bits, summed)",
+                            .window_symbol = "c_l",
+                            .threshold_symbol = "t_r",
                             .frame_unit = "bits/frame",
                             .frame_digits = 1,
                             .number_scale = ThresholdScale::relative,
@@ -139,8 +147,11 @@ constexpr ScoreKind kRaw = {.measure = "distance",
                             .automatic_title = raw_title};
 
 constexpr ScoreKind standardized_row(bool is_offline) {
-  return {.measure = "standardized score",
+  return {.order = ScoreOrder::distance,
+          .measure = "standardized score",
           .title = "standardized score (1/1024, summed)",
+          .window_symbol = "c_l",
+          .threshold_symbol = "t_r",
           .frame_unit = "mean z",
           .frame_digits = 2,
           .number_scale = ThresholdScale::mean_z,
@@ -153,21 +164,30 @@ constexpr ScoreKind standardized_row(bool is_offline) {
           .is_stored = false,
           .settings = kStandardizedSettings,
           .offset = score_offset,
-          .frame_value = mean_z,
+          .frame_value = deviations_a_frame,
           .check = check_standardized,
           .closest = closest_scores,
           .automatic = automatic_score,
           .automatic_title = standardized_title};
 }
 
-constexpr std::array<ScoreKind, kEnumNames<Score>.size()> kKinds = {kRaw, standardized_row(false),
-                                                                    standardized_row(true)};
+constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,
+                                    .measure = "probability",
+                                    .title = "probability",
+                                    .window_symbol = "c_w",
+                                    .threshold_symbol = "t_p",
+                                    .missing = -1};
+
+constexpr std::array<ScoreKind, kEnumNames<Score>.size() + 1> kKinds = {
+    kRaw, standardized_row(false), standardized_row(true), kProbability};
 
 }  // namespace
 
 std::span<const ScoreKind> score_kinds() { return kKinds; }
 
 const ScoreKind& score_kind(Score score) { return kKinds[static_cast<size_t>(score)]; }
+
+const ScoreKind& probability_kind() { return kKinds.back(); }
 
 void check_score(const SequenceQuerySettings& settings) {
   score_kind(settings.score).check(settings);

@@ -1,4 +1,4 @@
-// The table of scores: what the score of a window is, and all that follows from it.
+// The table of scores: what the score of a match is, and all that follows from it.
 #pragma once
 
 #include <functional>
@@ -10,54 +10,69 @@
 #include "database/sequence_database.h"
 #include "matching/standardization.h"
 #include "recognition/automatic_threshold.h"
+#include "recognition/score_order.h"
 
 namespace vpr {
 
 struct SequenceQuerySettings;
 
-/// One row of the table. Its place is that of its value of Score, whose name is its name.
+/// One row of the table. That of a window's score has the place of its value of Score, whose name
+/// is its name; the last row is FAB-MAP's, which has no windows: what is about them is empty there,
+/// and no function.
 ///
 /// Rows of matchers hold sums of whole numbers that are never negative: a score with a sign is
 /// biased, and `offset` is what is taken from a sum for files and reports.
 struct ScoreKind {
-  std::string_view measure;        ///< in sentences: "distance"
-  std::string_view title;          ///< of a chart's axis, with the unit of sums over a window
-  std::string_view frame_unit;     ///< of frame_value, as the head of a column
-  int frame_digits;                ///< behind the point, where frame_value is printed
-  ThresholdScale number_scale;     ///< of a t_r that is a number, where the user names no scale
-  ThresholdScale automatic_scale;  ///< of automatic t_r
-  ThresholdScale single_scale;     ///< the same where the database has a single sequence
-  size_t longest_window;           ///< in frames: sums of longer ones may not fit into 32 bits
-  int32_t missing;                 ///< in a saved matrix, where there is no score
-  bool needs_statistics;           ///< of the training frames: it is standardized
-  bool is_offline;                 ///< it depends on later frames of the query
-  bool is_stored;                  ///< databases hold its closest windows
-  std::span<const std::string_view> settings;  ///< keys that only some scores have, of this one
-  int64_t (*offset)(size_t window_length);
-  double (*frame_value)(uint32_t sum, size_t window_length);
+  ScoreOrder order = {};                ///< which of two is better
+  std::string_view measure = {};        ///< in sentences: "distance"
+  std::string_view title = {};          ///< of a chart's axis, with the unit of sums over a window
+  std::string_view window_symbol = {};  ///< of the setting that says how many frames: c_l, c_w
+  std::string_view threshold_symbol = {};  ///< t_r, t_p
+  std::string_view frame_unit = {};        ///< of frame_value, as the head of a column
+  int frame_digits = {};                   ///< behind the point, where frame_value is printed
+  ThresholdScale number_scale = {};  ///< of a t_r that is a number, where the user names no scale
+  ThresholdScale automatic_scale = {};  ///< of automatic t_r
+  ThresholdScale single_scale = {};     ///< the same where the database has a single sequence
+  size_t longest_window = {};           ///< in frames: sums of longer ones may not fit into 32 bits
+  int32_t missing = {};                 ///< in a saved matrix, where there is no score
+  bool needs_statistics = {};           ///< of the training frames: it is standardized
+  bool is_offline = {};                 ///< it depends on later frames of the query
+  bool is_stored = {};                  ///< databases hold its closest windows
+  std::span<const std::string_view> settings =
+      {};  ///< keys that only some scores have, of this one
+  int64_t (*offset)(size_t window_length) = nullptr;
+  /// Of the score of a window, as files hold it.
+  double (*frame_value)(double score, size_t window_length) = nullptr;
 
   /// Throws Error(usage) where t_r, its scale, the method, c_l or the settings of another score do
   /// not fit this one.
-  void (*check)(const SequenceQuerySettings& settings);
+  void (*check)(const SequenceQuerySettings& settings) = nullptr;
 
   /// How close training sequences come to each other, by this score. `basis` is there where
   /// needs_statistics is true. ClosestWindows::distance is a sum as rows hold it.
   ClosestTable (*closest)(std::span<const DescriptorSpan> sequences, const ScoreBasis* basis,
-                          const MatchSettings& match, const Monitor& monitor);
+                          const MatchSettings& match, const Monitor& monitor) = nullptr;
 
   /// The automatic t_r of a sequence that has a window, from the closest windows of all. settings:
   /// safety_factor (none: 1) and safety_margin. typical_distance gives the sequence's, in bits.
   AutomaticThreshold (*automatic)(const ClosestTable& closest, size_t sequence,
                                   const std::function<double()>& typical_distance,
-                                  const SequenceQuerySettings& settings);
+                                  const SequenceQuerySettings& settings) = nullptr;
 
   /// What the automatic t_r was made with, for titles: "t_r, safety factor 1".
-  std::string (*automatic_title)(const SequenceQuerySettings& settings);
+  std::string (*automatic_title)(const SequenceQuerySettings& settings) = nullptr;
 };
 
-/// The rows, in the order of Score.
 std::span<const ScoreKind> score_kinds();
+/// Of windows of a sequence method.
 const ScoreKind& score_kind(Score score);
+/// Of FAB-MAP: how likely a frame shows a place.
+const ScoreKind& probability_kind();
+
+/// Whether score a is better than b; not if they are equal.
+inline bool is_better(double a, double b, ScoreOrder order) {
+  return order == ScoreOrder::distance ? a < b : a > b;
+}
 
 /// As ScoreKind::check, of the score that is set.
 void check_score(const SequenceQuerySettings& settings);

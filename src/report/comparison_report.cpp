@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
+#include "recognition/score_kind.h"
 #include "report/json_fields.h"
 #include "report/scores_report.h"
 
@@ -94,6 +96,11 @@ Outcomes read_outcomes(const Fields& fields) {
   return outcomes;
 }
 
+bool is_of_places(const Json& settings) {
+  return settings.is_object() &&
+         settings.contains(std::string(probability_kind().threshold_symbol));
+}
+
 Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
 
 std::string signed_number(const Json& value) {
@@ -126,20 +133,24 @@ StoredReport read_report(const std::filesystem::path& path) {
   if (provenance.has("ground_truth"))
     report.ground_truth_fingerprint = provenance.text("ground_truth");
   if (fields.has("name")) report.name = fields.text("name");
+  report.has_places = fields.has("settings") && is_of_places(json["settings"]);
   report.fingerprint = provenance.text(provenance.has("result") ? "result" : "scores");
   report.outcomes = read_outcomes(fields);
   return report;
 }
 
 GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports) {
-  std::optional<std::string> first;
   bool is_known = true;
+  std::map<bool, std::string> of_kind;  // places or frames
   for (const StoredReport& report : reports) {
-    is_known = is_known && report.ground_truth_fingerprint;
-    if (!report.ground_truth_fingerprint) continue;
-    if (!first) first = report.ground_truth_fingerprint;
-    if (first != report.ground_truth_fingerprint) return GroundTruths::different;
+    const auto& fingerprint = report.ground_truth_fingerprint;
+    is_known = is_known && fingerprint;
+    if (!fingerprint) continue;
+    const auto found = of_kind.emplace(report.has_places, *fingerprint).first;
+    if (found->second != *fingerprint) return GroundTruths::different;
   }
+  const bool agree = of_kind.size() < 2 || of_kind[true] == of_kind[false];
+  if (!agree) return GroundTruths::of_places_and_frames;
   return is_known ? GroundTruths::same : GroundTruths::unknown;
 }
 

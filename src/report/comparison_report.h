@@ -20,6 +20,7 @@ struct StoredReport {
   std::string ground_truth;  ///< in words
   /// Of the labels of all pairs; reports of older versions have none.
   std::optional<std::string> ground_truth_fingerprint;
+  bool has_places = false;          ///< references are places of FAB-MAP, and not frames
   std::string fingerprint;          ///< of the result or the scores
   std::optional<std::string> name;  ///< that the user gave
   Outcomes outcomes;                ///< without the references of best matches
@@ -28,11 +29,12 @@ struct StoredReport {
 /// Throws Error(input) if the file can't be read, Error(data) if it is no report, or damaged.
 StoredReport read_report(const std::filesystem::path& path);
 
-/// Whether reports are judged by one ground truth.
-enum class GroundTruths { same, different, unknown };
+/// Whether reports are judged by one ground truth. of_places_and_frames: places of some, frames of
+/// others, each kind by one; they say of different things, and can agree by query only.
+enum class GroundTruths { same, different, unknown, of_places_and_frames };
 template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<GroundTruths> = {"same", "different",
-                                                                             "unknown"};
+inline constexpr std::array<std::string_view, 4> kEnumNames<GroundTruths> = {
+    "same", "different", "unknown", "of-places-and-frames"};
 
 /// By fingerprints; unknown where those that are there agree and one is missing.
 GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports);

@@ -188,16 +188,17 @@ Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
   return chart;
 }
 
-Chart result_matrix_chart(const SequenceResult& result, const RowPixels& pixels,
-                          const GroundTruth* truth, const Monitor& monitor) {
+Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
+                          const Monitor& monitor) {
   const GroundTruth known = truth != nullptr ? *truth : unknown_ground_truth(scope_of(result));
   const Judgement judgement = judge(result, known, {}, monitor);
   const ScorePicture picture =
-      draw_scores(judgement, known, pixels.grid(), pixels.scores(result.score_offset()), monitor);
-  Chart chart = matrix_chart(judgement.layout, picture, "training frame",
-                             std::string(score_kind(result.settings.score).title));
-  chart.title = fmt::format("{} on {}, c_l {}", result.settings.method, result.query_name,
-                            result.settings.window_length);
+      draw_scores(judgement, known, pixels.grid(),
+                  pixels.scores(result.score().offset(result.window_length())), monitor);
+  Chart chart =
+      matrix_chart(judgement.layout, picture, "training frame", std::string(result.score().title));
+  chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query_name,
+                            result.window_length());
   return chart;
 }
 

@@ -33,8 +33,8 @@ Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
 
 /// The matrix of a result, in the pixels that its rows gave. Without a ground truth, hits are not
 /// judged.
-Chart result_matrix_chart(const SequenceResult& result, const RowPixels& pixels,
-                          const GroundTruth* truth, const Monitor& monitor);
+Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
+                          const Monitor& monitor);
 
 /// The meanings that a chart shows, for a legend outside it.
 std::vector<Meaning> meanings_of(const Chart& chart);

@@ -18,22 +18,23 @@ Json label_counts_json(const LabelCounts& counts) {
 }
 
 // Every place with what its hits are: the place is judged at its mean, whatever they say.
-Json recognitions_json(const SequenceResult& result, const GroundTruth& truth,
-                       const Monitor& monitor) {
+Json recognitions_json(const Result& result, const GroundTruth& truth, const Monitor& monitor) {
   Json json = Json::array();
-  const std::vector<JudgedPlace> judged = judge_places(result, truth, monitor);
-  for (size_t p = 0; p < judged.size(); ++p) {
-    const Recognition& place = result.places[p];
-    json.push_back({{"sequence", result.sequences[place.sequence].name},
-                    {"query", result.anchor(place.query_window)},
-                    {"train", result.anchor(place.train_window)},
-                    {"label", enum_name(judged[p].label)},
-                    {"hits", label_counts_json(judged[p].hits)}});
+  const size_t length = result.window_length();
+  const std::vector<JudgedCluster> judged =
+      judge_clusters(result, *result.clusters, truth, monitor);
+  for (size_t c = 0; c < judged.size(); ++c) {
+    const Cluster& cluster = result.clusters->all[c];
+    json.push_back({{"sequence", result.targets[cluster.target].name},
+                    {"query", anchor_of(cluster.query_window, length)},
+                    {"train", anchor_of(cluster.train_window, length)},
+                    {"label", enum_name(judged[c].label)},
+                    {"hits", label_counts_json(judged[c].hits)}});
   }
   return json;
 }
 
-void add_sequence_protocol(Json& protocol, std::string_view measure) {
+void add_window_protocol(Json& protocol, std::string_view measure) {
   protocol["anchor"] = "a window is judged at its last frame";
   protocol["hits"] = fmt::format("window pairs with a {} below the threshold", measure);
   protocol["places"] = "clusters of hits, judged at their mean";
@@ -49,7 +50,7 @@ void add_sequence_protocol(Json& protocol, std::string_view measure) {
       "neither is one whose anchor has matches only where no training window ends";
 }
 
-void add_fabmap_protocol(Json& protocol) {
+void add_place_protocol(Json& protocol) {
   protocol["hits"] = "pairs of a frame and a place of which a view is above t_p for c_w frames";
   protocol["distinct"] = "places recognised correctly at least once";
   protocol["best_match"] =
@@ -82,8 +83,10 @@ Json counts_by_view_json(const CountsByView& counts) {
   return json;
 }
 
-// Settings of raw distances name no score.
+// Settings of raw distances name no score, and those of FAB-MAP have another threshold.
 const ScoreKind& score_kind_of(const Json& settings) {
+  if (settings.contains(std::string(probability_kind().threshold_symbol)))
+    return probability_kind();
   const auto named = enum_value<Score>(settings.value("score", std::string()));
   return score_kind(named.value_or(Score::raw));
 }
@@ -101,15 +104,14 @@ std::string verdict_text(const Json& place) {
 
 }  // namespace
 
-Json counts_json(const SequenceCounts& counts) {
-  return {{"hits", label_counts_json(counts.hits)},
-          {"places", label_counts_json(counts.places)},
-          {"mixed_places", counts.mixed_places},
-          {"distinct", counts.distinct}};
-}
-
-Json counts_json(const FabmapCounts& counts) {
-  return {{"hits", label_counts_json(counts.hits)}, {"distinct", counts.distinct}};
+Json counts_json(const Counts& counts) {
+  Json json = {{"hits", label_counts_json(counts.hits)}};
+  if (counts.clusters) {
+    json["places"] = label_counts_json(*counts.clusters);
+    json["mixed_places"] = counts.mixed_clusters;
+  }
+  json["distinct"] = counts.distinct;
+  return json;
 }
 
 Json best_match_json(const BestMatchCounts& counts) {
@@ -126,47 +128,32 @@ Json protocol_json(const GroundTruth& truth) {
   return {{"ground_truth", truth.protocol}, {"tolerance_frames", truth.tolerance_frames}};
 }
 
-Json report_json(const SequenceResult& result, const SequenceCounts& counts,
+Json report_json(const Result& result, const Counts& counts,
                  const std::optional<CountsByView>& by_view, const Judgement& judgement,
                  const GroundTruth& truth, const std::string& result_fingerprint,
                  const RunInfo& run, const Monitor& monitor) {
-  Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
+  Json json = {{"schema", "vpr.report/1"}, {"method", method_of(result.settings)}};
   json["query"] = result.query_name;
   json["settings"] = settings_in_force(result.settings);
-  if (!result.settings.distance_threshold)
-    for (const SequenceThreshold& sequence : result.sequences)
-      if (sequence.threshold) json["automatic_scale"] = enum_name(sequence.scale);
+  if (json["settings"].value("t_r", Json()) == "auto")
+    for (const Target& target : result.targets)
+      if (target.threshold) json["automatic_scale"] = enum_name(target.scale);
   json["counts"] = counts_json(counts);
   json["best_match"] = best_match_json(counts.best_match);
   if (by_view) json["by_view"] = counts_by_view_json(*by_view);
-  json["recognitions"] = recognitions_json(result, truth, monitor);
+  if (result.clusters) json["recognitions"] = recognitions_json(result, truth, monitor);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
-  add_sequence_protocol(json["protocol"], score_kind(result.settings.score).measure);
+  if (result.places)
+    add_place_protocol(json["protocol"]);
+  else
+    add_window_protocol(json["protocol"], result.score().measure);
   if (by_view) json["protocol"]["by_view"] = kViewProtocol;
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
   json["provenance"]["result"] = result_fingerprint;
   json["provenance"]["ground_truth"] =
       ground_truth_fingerprint(truth, judgement.layout.scope, monitor);
-  return json;
-}
-
-Json report_json(const FabmapResult& result, const FabmapCounts& counts, const Judgement& judgement,
-                 const GroundTruth& truth, const std::string& result_fingerprint,
-                 const RunInfo& run) {
-  Json json = {{"schema", "vpr.report/1"}, {"method", result.settings.method}};
-  json["query"] = result.query_name;
-  json["settings"] = value_to_json(result.settings);
-  json["counts"] = counts_json(counts);
-  json["best_match"] = best_match_json(counts.best_match);
-  add_judgement(json, judgement);
-  json["protocol"] = protocol_json(truth);
-  add_fabmap_protocol(json["protocol"]);
-  add_metrics_protocol(json["protocol"], judgement, true);
-  json["provenance"] = provenance_json(run);
-  json["provenance"]["result"] = result_fingerprint;
-  json["provenance"]["ground_truth"] = ground_truth_fingerprint(truth, judgement.layout.scope);
   return json;
 }
 
@@ -187,7 +174,6 @@ std::string reference_word(const Json& report) {
 }
 
 std::string score_words(const Json& report) {
-  if (reference_word(report) == "training place") return "probability";
   if (!report.contains("counts")) return text(report["outcomes"]["scores_are"]);
   return std::string(score_kind_of(report["settings"]).title);
 }
@@ -221,20 +207,17 @@ Table report_table(const Json& report) {
     table.columns.push_back(column);
     row.push_back(value);
   };
-  const bool is_fabmap = settings.contains("t_p");
-  if (is_fabmap) {
-    add("c_w", text(settings["c_w"]));
-    add("t_p", text(settings["t_p"]));
-  } else {
-    add("c_l", text(settings["c_l"]));
-    add("t_r", text(settings["t_r"]));
-    const std::string automatic = report.value(
-        "automatic_scale", std::string(enum_name(score_kind_of(settings).automatic_scale)));
+  const ScoreKind& score = score_kind_of(settings);
+  for (const std::string_view symbol : {score.window_symbol, score.threshold_symbol})
+    add(std::string(symbol), text(settings[std::string(symbol)]));
+  if (settings.contains("t_r_scale")) {
+    const std::string automatic =
+        report.value("automatic_scale", std::string(enum_name(score.automatic_scale)));
     add("scale", settings["t_r"].is_string() ? automatic : text(settings["t_r_scale"]));
   }
   add("hits right", text(counts["hits"]["correct"]));
   add("hits wrong", text(counts["hits"]["incorrect"]));
-  if (!is_fabmap) {
+  if (counts.contains("places")) {
     add("places right", text(counts["places"]["correct"]));
     add("of these mixed", text(counts["mixed_places"]));
     add("places wrong", text(counts["places"]["incorrect"]));

@@ -12,18 +12,13 @@
 namespace vpr {
 
 /// Everything of a report but "machine" and "timing".
-Json report_json(const SequenceResult& result, const SequenceCounts& counts,
+Json report_json(const Result& result, const Counts& counts,
                  const std::optional<CountsByView>& by_view, const Judgement& judgement,
                  const GroundTruth& truth, const std::string& result_fingerprint,
                  const RunInfo& run, const Monitor& monitor = {});
 
-Json report_json(const FabmapResult& result, const FabmapCounts& counts, const Judgement& judgement,
-                 const GroundTruth& truth, const std::string& result_fingerprint,
-                 const RunInfo& run);
-
 /// "counts" of a report, or of a cell of a sweep.
-Json counts_json(const SequenceCounts& counts);
-Json counts_json(const FabmapCounts& counts);
+Json counts_json(const Counts& counts);
 Json best_match_json(const BestMatchCounts& counts);
 /// What the ground truth is, in words.
 Json protocol_json(const GroundTruth& truth);

@@ -20,9 +20,11 @@ Json matrix_layout_json(const ScoreLayout& layout) {
   return {{"rows", row_count(layout)}, {"columns", column}, {"sequences", sequences}};
 }
 
-MatrixFile::MatrixFile(OutputFile& file, const SequenceResult& result, bool has_gaps,
+MatrixFile::MatrixFile(OutputFile& file, const Result& result, bool has_gaps,
                        const Monitor& monitor)
-    : file_(file), layout_(layout_of(result)), score_offset_(result.score_offset()) {
+    : file_(file),
+      layout_(layout_of(result)),
+      score_offset_(result.score().offset(result.window_length())) {
   const size_t rows = row_count(layout_);
   const size_t columns = column_count(layout_);
   const std::string header = npy_header(npy_type<int32_t>(), {rows, columns});
@@ -30,7 +32,7 @@ MatrixFile::MatrixFile(OutputFile& file, const SequenceResult& result, bool has_
   file_.write(header);
   file_.reserve(header_bytes_ + sizeof(int32_t) * rows * columns);
   if (!has_gaps) return;
-  const std::vector<int32_t> missing(columns, score_kind(result.settings.score).missing);
+  const std::vector<int32_t> missing(columns, result.score().missing);
   for (size_t r = 0; r < rows; ++r) {
     check_stop(monitor);
     file_.write(std::as_bytes(std::span(missing)));

@@ -8,7 +8,7 @@
 #include "base/output_file.h"
 #include "evaluation/score_layout.h"
 #include "matching/rows.h"
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
@@ -20,7 +20,7 @@ Json matrix_layout_json(const ScoreLayout& layout);
 class MatrixFile {
  public:
   /// `has_gaps`: some window has an unreadable frame, so that not every cell will arrive.
-  MatrixFile(OutputFile& file, const SequenceResult& result, bool has_gaps, const Monitor& monitor);
+  MatrixFile(OutputFile& file, const Result& result, bool has_gaps, const Monitor& monitor);
   /// Takes part of a row, from any thread.
   void operator()(const DistanceRow& row);
   /// Its object in a result: rows and checksum. Reads the whole file.

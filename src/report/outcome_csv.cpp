@@ -4,7 +4,6 @@
 
 #include "base/csv.h"
 #include "evaluation/judgement.h"
-#include "recognition/fabmap_result.h"
 
 namespace vpr {
 namespace {
@@ -80,38 +79,24 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
   return text;
 }
 
-std::string recognitions_csv(const SequenceResult& result, const GroundTruth& truth,
+std::string recognitions_csv(const Result& result, const GroundTruth& truth,
                              const std::string& name, const Monitor& monitor) {
   const std::string start = prefix(name, result.query_name);
+  const size_t length = result.window_length();
+  const Clusters clusters = clusters_of(result);
+  const std::vector<JudgedCluster> judged = judge_clusters(result, clusters, truth, monitor);
   std::string text;
-  const std::vector<JudgedPlace> judged = judge_places(result, truth, monitor);
-  for (size_t p = 0; p < judged.size(); ++p) {
-    const Recognition& place = result.places[p];
-    const LabelCounts& hits = judged[p].hits;
-    const bool is_mixed = judged[p].label == PlaceLabel::same && hits.incorrect > 0;
-    const size_t frame = result.anchor(place.query_window);
-    const size_t train = result.anchor(place.train_window);
-    text += fmt::format("{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start,
-                        csv_field(result.sequences[place.sequence].name), place.query_first, frame,
-                        result.anchor(place.query_last), place.train_first, train,
-                        result.anchor(place.train_last), place.hits, hits.correct, hits.incorrect,
-                        int64_t{place.best_distance} - result.score_offset(),
-                        is_mixed ? "mixed" : word_of(judged[p].label));
-  }
-  return text;
-}
-
-std::string recognitions_csv(const FabmapResult& result, const GroundTruth& truth,
-                             const std::string& name, const Monitor& monitor) {
-  const std::string start = prefix(name, result.query_name);
-  std::string text;
-  for (const PlaceMatch& hit : result.hits) {
-    check_stop(monitor);
-    const PlaceLabel label = truth.label(hit.frame, 0, hit.place);
-    text += fmt::format("{0}{1},{2},{2},{2},{3},{3},{3},1,{4},{5},{6},{7}\n", start,
-                        csv_field(result.places[hit.place]), hit.frame, hit.place,
-                        label == PlaceLabel::same ? 1 : 0, label == PlaceLabel::different ? 1 : 0,
-                        hit.probability, word_of(label));
+  for (size_t c = 0; c < judged.size(); ++c) {
+    const Cluster& cluster = clusters.all[c];
+    const LabelCounts& hits = judged[c].hits;
+    const std::string& target = result.places ? result.places->names[cluster.train_window]
+                                              : result.targets[cluster.target].name;
+    text += fmt::format(
+        "{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target), cluster.query_first,
+        anchor_of(cluster.query_window, length), anchor_of(cluster.query_last, length),
+        cluster.train_first, anchor_of(cluster.train_window, length),
+        anchor_of(cluster.train_last, length), cluster.hits, hits.correct, hits.incorrect,
+        cluster.best_score, judged[c].is_mixed() ? "mixed" : word_of(judged[c].label));
   }
   return text;
 }

@@ -5,11 +5,10 @@
 
 namespace vpr {
 
-struct FabmapResult;
 struct GroundTruth;
 struct Judgement;
 struct Monitor;
-struct SequenceResult;
+struct Result;
 
 /// Header lines, with their line feeds.
 std::string outcomes_csv_header();
@@ -20,12 +19,10 @@ std::string recognitions_csv_header();
 std::string outcomes_csv(const Judgement& judgement, const std::string& name,
                          const std::string& query);
 
-/// One row a place (a cluster of hits): the frames that its windows cover, and the frames at which
-/// it is judged.
-std::string recognitions_csv(const SequenceResult& result, const GroundTruth& truth,
-                             const std::string& name, const Monitor& monitor);
-/// One row a hit: a frame and a place; "train" columns are indices of places.
-std::string recognitions_csv(const FabmapResult& result, const GroundTruth& truth,
+/// One row a cluster of hits: the frames that its windows cover, and the frames at which it is
+/// judged. Of a result without clusters one row a hit: a frame and a place, whose index the "train"
+/// columns hold.
+std::string recognitions_csv(const Result& result, const GroundTruth& truth,
                              const std::string& name, const Monitor& monitor);
 
 }  // namespace vpr

@@ -1,95 +1,146 @@
 #include "report/result_file.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <utility>
+#include <span>
 #include <vector>
 
-#include <fmt/format.h>
-
+#include "base/checksum.h"
 #include "base/json.h"
 #include "base/mapped_file.h"
+#include "base/npy.h"
 
 namespace vpr {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kColumns = 4;                   // query window, sequence, train window, distance
 constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file that are in memory at once
-using CellRow = std::array<int32_t, kColumns>;
 
-CellRow cell_row(const Cell& cell, int64_t offset) {
-  return {static_cast<int32_t>(cell.query_window), static_cast<int32_t>(cell.sequence),
-          static_cast<int32_t>(cell.train_window), static_cast<int32_t>(cell.distance - offset)};
+/// Matches as they stand in two arrays: query, target and train, of places the view, too; and
+/// scores. A query without a best match has -1 for all others, and no number as its score.
+struct MatchColumns {
+  size_t columns = 3;
+  std::vector<int32_t> indices;
+  std::vector<double> scores;
+
+  void add(const Match& match) {
+    const std::array<uint32_t, 4> row = {match.query, match.target, match.train, match.view};
+    for (size_t c = 0; c < columns; ++c) indices.push_back(static_cast<int32_t>(row[c]));
+    scores.push_back(match.score);
+  }
+  void add_none(size_t query) {
+    indices.push_back(static_cast<int32_t>(query));
+    indices.insert(indices.end(), columns - 1, -1);
+    scores.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+};
+
+MatchColumns hit_columns(const Result& result) {
+  MatchColumns columns{result.places ? size_t{4} : size_t{3}, {}, {}};
+  columns.indices.reserve(columns.columns * result.hits.size());
+  for (const Match& hit : result.hits) columns.add(hit);
+  return columns;
 }
 
-std::vector<CellRow> hit_rows(const SequenceResult& result) {
-  std::vector<CellRow> rows;
-  rows.reserve(result.hits.size());
-  for (const Cell& hit : result.hits) rows.push_back(cell_row(hit, result.score_offset()));
-  return rows;
-}
-
-// A window without any cell has -1 for sequence, train window and distance.
-std::vector<CellRow> best_rows(const SequenceResult& result) {
-  std::vector<CellRow> rows;
+MatchColumns best_columns(const Result& result) {
+  MatchColumns columns{result.places ? size_t{4} : size_t{3}, {}, {}};
   for (size_t window = 0; window < result.best.size(); ++window)
-    rows.push_back(result.best[window] ? cell_row(*result.best[window], result.score_offset())
-                                       : CellRow{static_cast<int32_t>(window), -1, -1, -1});
+    result.best[window] ? columns.add(*result.best[window]) : columns.add_none(window);
+  return columns;
+}
+
+// First frames of views: the query's with -1 for the target, then those of each target.
+std::vector<int32_t> view_rows(const ResultViews& views) {
+  std::vector<int32_t> rows;
+  const auto add = [&](int32_t target, const std::vector<uint32_t>& starts) {
+    for (const uint32_t frame : starts) {
+      rows.push_back(target);
+      rows.push_back(static_cast<int32_t>(frame));
+    }
+  };
+  add(-1, views.query);
+  for (size_t t = 0; t < views.train.size(); ++t) add(static_cast<int32_t>(t), views.train[t]);
   return rows;
 }
 
-Json sequence_json(const SequenceThreshold& sequence, int64_t offset) {
-  Json json = {{"name", sequence.name},
-               {"frames", sequence.frames},
-               {"windows", sequence.windows},
-               {"searched", sequence.searched}};
-  if (!sequence.searched) return json;
-  json["t_r"] = sequence.threshold ? Json(*sequence.threshold) : Json();
-  json["t_r_scale"] = enum_name(sequence.scale);
-  json["distance_limit"] = sequence.distance_limit - offset;
-  if (sequence.max_distance) json["max_distance"] = *sequence.max_distance;
+/// Writes arrays beside a result, and notes them in its JSON.
+struct Companions {
+  const fs::path& path;
+  OutputTransaction& outputs;
+  Json& files;
+
+  template <class T>
+  void write(const std::string& name, const std::vector<T>& values, size_t columns = 1) const {
+    std::vector<size_t> shape = {values.size() / columns};
+    if (columns > 1) shape.push_back(columns);
+    const std::string header = npy_header(npy_type<T>(), shape);
+    const auto bytes = std::as_bytes(std::span(values));
+    OutputFile& file = outputs.file(companion_path(path, name + ".npy"));
+    ChecksumStream sum;
+    sum.add(std::as_bytes(std::span(header)));
+    sum.add(bytes);
+    file.write(header);
+    file.write(bytes);
+    files[name] = {{"rows", shape.front()}, {"checksum", sum.text()}};
+  }
+};
+
+// Scores of windows are whole numbers.
+Json score_json(double score) { return static_cast<int64_t>(score); }
+
+Json query_json(const Result& result) {
+  Json json = {{"name", result.query_name},
+               {"frames", result.query_frames},
+               {"windows", result.query_windows},
+               {"unreadable", result.query_unreadable}};
+  if (result.places) json["featureless"] = result.places->featureless;
   return json;
 }
 
-Json recognition_json(const SequenceResult& result, const Recognition& place) {
-  return {{"sequence", place.sequence},
-          {"query",
-           {{"window", place.query_window},
-            {"anchor", result.anchor(place.query_window)},
-            {"first", place.query_first},
-            {"last", place.query_last},
-            {"first_frame", place.query_first},
-            {"last_frame", result.anchor(place.query_last)}}},
-          {"train",
-           {{"window", place.train_window},
-            {"anchor", result.anchor(place.train_window)},
-            {"first", place.train_first},
-            {"last", place.train_last},
-            {"first_frame", place.train_first},
-            {"last_frame", result.anchor(place.train_last)}}},
-          {"hits", place.hits},
-          {"best_distance", place.best_distance - result.score_offset()}};
+Json target_json(const Target& target, const Result& result) {
+  Json json = {{"name", target.name},
+               {"frames", target.frames},
+               {"windows", target.windows},
+               {"searched", target.searched}};
+  if (!target.searched || result.places) return json;
+  json["t_r"] = target.threshold ? Json(*target.threshold) : Json();
+  json["t_r_scale"] = enum_name(target.scale);
+  json["limit"] = target.distance_limit - result.score().offset(result.window_length());
+  if (target.max_distance) json["max_distance"] = *target.max_distance;
+  return json;
 }
 
-// First frames of views: the query's with -1 for the sequence, then those of each sequence.
-std::vector<std::array<int32_t, 2>> view_rows(const ResultViews& views) {
-  std::vector<std::array<int32_t, 2>> rows;
-  const auto add = [&](int32_t sequence, const std::vector<uint32_t>& starts) {
-    for (const uint32_t frame : starts) rows.push_back({sequence, static_cast<int32_t>(frame)});
-  };
-  add(-1, views.query);
-  for (size_t s = 0; s < views.train.size(); ++s) add(static_cast<int32_t>(s), views.train[s]);
-  return rows;
+Json extent_json(uint32_t window, uint32_t first, uint32_t last, size_t length) {
+  return {{"window", window},     {"anchor", anchor_of(window, length)},
+          {"first", first},       {"last", last},
+          {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
 }
 
-template <size_t kRowColumns>
-Json write_rows(OutputFile& file, const std::vector<std::array<int32_t, kRowColumns>>& rows) {
-  const std::span<const int32_t> values(rows.empty() ? nullptr : rows.front().data(),
-                                        rows.size() * kRowColumns);
-  return write_companion(file, values, {rows.size(), kRowColumns});
+Json cluster_json(const Cluster& cluster, size_t length) {
+  return {
+      {"target", cluster.target},
+      {"query", extent_json(cluster.query_window, cluster.query_first, cluster.query_last, length)},
+      {"train", extent_json(cluster.train_window, cluster.train_first, cluster.train_last, length)},
+      {"hits", cluster.hits},
+      {"best_score", score_json(cluster.best_score)}};
+}
+
+// What depends on neither method nor query: provenance, machine and timing.
+void add_context(Json& json, const ResultContext& context) {
+  json["provenance"] = provenance_json(context.run);
+  json["provenance"]["database"] = context.database_fingerprint;
+  json["provenance"]["query"] = context.query_fingerprint;
+  json["machine"] = machine_json(context.run);
+  json["timing"] = timing_json(context.seconds);
+  if (!context.files.empty()) json["files"] = context.files;
+}
+
+void add_clusters(Json& json, const Clusters& clusters, size_t length) {
+  json["totals"]["clusters"] = clusters.all.size();
+  json["clusters"] = Json::array();
+  for (const Cluster& cluster : clusters.all)
+    json["clusters"].push_back(cluster_json(cluster, length));
 }
 
 }  // namespace
@@ -102,8 +153,7 @@ fs::path companion_path(const fs::path& result, const std::string& kind) {
 
 void claim_result(const fs::path& path, OutputTransaction& outputs) {
   outputs.claim_file(path);
-  for (const char* kind : {"hits.npy", "best.npy", "views.npy"})
-    outputs.claim_file(companion_path(path, kind));
+  for (const char* kind : kResultArrays) outputs.claim_file(companion_path(path, kind));
 }
 
 Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
@@ -118,62 +168,52 @@ Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
   return {{"rows", rows}, {"checksum", sum.text()}};
 }
 
-void add_result_checksum(Json& json) { json["checksum"] = result_checksum(json); }
-
 std::string result_checksum(Json json) {
   for (const char* key : {"machine", "timing", "checksum"}) json.erase(key);
   return checksum(to_text(json));
 }
 
-void add_context(Json& json, const ResultContext& context) {
-  json["provenance"] = provenance_json(context.run);
-  json["provenance"]["database"] = context.database_fingerprint;
-  json["provenance"]["query"] = context.query_fingerprint;
-  json["machine"] = machine_json(context.run);
-  json["timing"] = timing_json(context.seconds);
-  if (!context.files.empty()) json["files"] = context.files;
-}
-
-Json result_json(const SequenceResult& result, const ResultContext& context) {
-  Json json = {{"schema", "vpr.result/1"}, {"method", result.settings.method}};
+Json result_json(const Result& result, const ResultContext& context) {
+  Json json = {{"schema", "vpr.result/2"}, {"method", method_of(result.settings)}};
   json["settings"] = settings_in_force(result.settings);
   if (result.statistics) {
     json["statistics"] = value_to_json(result.statistics->settings);
     json["statistics"]["typical_distance"] = result.statistics->typical_distance;
   }
-  json["query"] = {{"name", result.query_name},
-                   {"frames", result.query_frames},
-                   {"windows", result.query_windows},
-                   {"unreadable", result.query_unreadable}};
-  json["sequences"] = Json::array();
-  for (const SequenceThreshold& sequence : result.sequences)
-    json["sequences"].push_back(sequence_json(sequence, result.score_offset()));
-  json["totals"] = {{"hits", result.hits.size()}, {"places", result.places.size()}};
+  json["query"] = query_json(result);
+  json["targets"] = Json::array();
+  for (const Target& target : result.targets)
+    json["targets"].push_back(target_json(target, result));
+  if (result.places)
+    json["places"] = {{"names", result.places->names}, {"views", result.places->views}};
+  json["totals"] = {{"hits", result.hits.size()}};
   if (result.recall)
     json["recall"] = {{"windows", result.recall->windows},
                       {"found_best", result.recall->found_best},
                       {"hits", result.recall->hits},
                       {"found_hits", result.hits.size()}};
-  json["recognitions"] = Json::array();
-  for (const Recognition& place : result.places)
-    json["recognitions"].push_back(recognition_json(result, place));
+  if (result.clusters) add_clusters(json, *result.clusters, result.window_length());
   if (context.verified_cells)
     json["verification"] = {{"cells", *context.verified_cells}, {"differences", 0}};
   if (context.matrix) json["matrix"] = *context.matrix;
+  if (context.explanation) json["explanation"] = *context.explanation;
   add_context(json, context);
   return json;
 }
 
-Json write_result(const fs::path& path, const SequenceResult& result, const ResultContext& context,
+Json write_result(const fs::path& path, const Result& result, const ResultContext& context,
                   OutputTransaction& outputs) {
   Json json = result_json(result, context);
-  Json& files = json["files"];
-  files["hits"] = write_rows(outputs.file(companion_path(path, "hits.npy")), hit_rows(result));
-  files["best"] = write_rows(outputs.file(companion_path(path, "best.npy")), best_rows(result));
-  if (result.views)
-    files["views"] =
-        write_rows(outputs.file(companion_path(path, "views.npy")), view_rows(*result.views));
-  add_result_checksum(json);
+  const Companions companions{path, outputs, json["files"]};
+  const MatchColumns hits = hit_columns(result);
+  companions.write("hits", hits.indices, hits.columns);
+  companions.write("hit_scores", hits.scores);
+  const MatchColumns best = best_columns(result);
+  companions.write("best", best.indices, best.columns);
+  companions.write("best_scores", best.scores);
+  if (result.views) companions.write("views", view_rows(*result.views), 2);
+  if (result.places) companions.write("new_place", result.places->new_place);
+  json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
   return json;
 }

@@ -1,17 +1,16 @@
-// Result files (vpr.result/1): RESULT.json and, named after it, RESULT.hits.npy, RESULT.best.npy
-// and RESULT.views.npy.
+// Result files (vpr.result/2): RESULT.json and, named after it, RESULT.hits.npy, RESULT.best.npy
+// and the other arrays of kResultArrays.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 
-#include "base/checksum.h"
 #include "base/json.h"
-#include "base/npy.h"
 #include "base/output_transaction.h"
-#include "recognition/sequence_result.h"
+#include "recognition/result.h"
 #include "report/run_info.h"
 
 namespace vpr {
@@ -28,21 +27,12 @@ struct ResultContext {
   std::optional<Json> explanation;       ///< of one frame, by FAB-MAP
 };
 
+/// The arrays that a result may have beside it.
+inline constexpr std::array<const char*, 6> kResultArrays = {
+    "hits.npy", "hit_scores.npy", "best.npy", "best_scores.npy", "views.npy", "new_place.npy"};
+
 /// RESULT.hits.npy for RESULT.json.
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
-
-/// Writes an array beside a result. Returns its object in the JSON.
-template <class T>
-Json write_companion(OutputFile& file, std::span<const T> values,
-                     const std::vector<size_t>& shape) {
-  const std::string header = npy_header(npy_type<T>(), shape);
-  ChecksumStream sum;
-  sum.add(std::as_bytes(std::span(header)));
-  sum.add(std::as_bytes(values));
-  file.write(header);
-  file.write(std::as_bytes(values));
-  return {{"rows", shape.front()}, {"checksum", sum.text()}};
-}
 
 /// Claims the result and its companions.
 void claim_result(const std::filesystem::path& path, OutputTransaction& outputs);
@@ -50,38 +40,29 @@ void claim_result(const std::filesystem::path& path, OutputTransaction& outputs)
 /// The object of a whole file in the JSON.
 Json file_entry(const std::filesystem::path& path, size_t rows, const Monitor& monitor);
 
-/// Parts of a result that do not depend on the method: provenance, machine and timing.
-void add_context(Json& json, const ResultContext& context);
-
-/// Of everything but "machine" and "timing".
+/// Of everything but "machine", "timing" and the checksum itself.
 std::string result_checksum(Json json);
 
-/// Adds "checksum", of everything but "machine" and "timing", as the last key.
-void add_result_checksum(Json& json);
-
-/// A result of any method, its checksum verified. Throws as read_result does.
+/// A result file as it stands, its checksum verified. Throws as read_result does.
 Json read_result_json(const std::filesystem::path& path);
 
-/// The method of a result file: "fastable", "openable", "fabmap", ... Throws as read_result does.
-std::string result_method(const std::filesystem::path& path);
-
 /// The JSON without its companions' checksums.
-Json result_json(const SequenceResult& result, const ResultContext& context);
+Json result_json(const Result& result, const ResultContext& context);
 
 /// Writes the companions and the JSON, which it returns; the caller commits.
-Json write_result(const std::filesystem::path& path, const SequenceResult& result,
+Json write_result(const std::filesystem::path& path, const Result& result,
                   const ResultContext& context, OutputTransaction& outputs);
 
 struct StoredResult {
-  SequenceResult result;
+  Result result;
   std::string fingerprint;  ///< of everything but "machine" and "timing"
   /// Of the matrix that was saved with it; none in a result without, or of older date.
   std::optional<std::string> matrix_checksum = {};
 };
 
-/// Throws Error(input) if a file is missing, Error(data) if one is damaged, of another method or a
-/// newer version, if a companion is not the one that the JSON was written with, or an index is out
-/// of range.
+/// A result of any method, of this version or of version 1. Throws Error(input) if a file is
+/// missing, Error(data) if one is damaged or of a newer version, if a companion is not the one that
+/// the JSON was written with, or an index is out of range.
 StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
 
 }  // namespace vpr

@@ -1,5 +1,4 @@
 // Reading of result files: nothing that they say is trusted.
-#include <array>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -12,20 +11,20 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "report/json_fields.h"
+#include "report/result_arrays.h"
 #include "report/result_file.h"
+#include "report/result_versions.h"
 
 namespace vpr {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kColumns = 4;  // query window, sequence, train window, distance
-using CellRow = std::array<int32_t, kColumns>;
-
+constexpr int kVersion = 2;
 constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
 
-// A distance, or the score that is `offset` below the biased sum of a window.
-uint32_t read_distance(const Fields& item, const std::string& key, int64_t offset) {
+// The sum of a row that a score is: `offset` above it.
+uint32_t read_sum(const Fields& item, const std::string& key, int64_t offset) {
   constexpr int64_t kMost = int64_t{1} << 33;  // more than any sum: adding the offset is safe
   const Json& value = item[key];
   const auto number = value.is_number_integer() ? value.get<int64_t>() : kMost;
@@ -34,144 +33,105 @@ uint32_t read_distance(const Fields& item, const std::string& key, int64_t offse
   return static_cast<uint32_t>(number + offset);
 }
 
-// Windows that fit in `frames` frames.
-uint64_t window_count(uint64_t frames, uint64_t window_length) {
-  return frames < window_length ? 0 : frames - window_length + 1;
+void read_settings(const Json& json, const ResultSource& source, Result& result) {
+  const auto read = [&](auto settings) {
+    stored_settings_from_json(json, settings, source.where);
+    result.settings = std::move(settings);
+  };
+  if (source.fields.text("method") == FabmapQuerySettings{}.method)
+    read(FabmapQuerySettings{});
+  else
+    read(SequenceQuerySettings{});
+  const size_t length = result.window_length();
+  const size_t longest = result.score().longest_window;
+  if (length == 0 || (longest > 0 && length > longest))
+    source.fields.fail("its c_l is out of range");
 }
 
-std::vector<SequenceThreshold> read_sequences(const Fields& fields, const std::string& where,
-                                              const SequenceResult& result) {
-  std::vector<SequenceThreshold> sequences;
-  for (const Json& json : fields.list("sequences")) {
-    const Fields item(json, where);
-    SequenceThreshold& sequence = sequences.emplace_back();
-    sequence.name = item.text("name");
-    sequence.frames = item.count("frames", kMostFrames);
-    sequence.windows =
-        item.count("windows", window_count(sequence.frames, result.settings.window_length));
+void read_query(const ResultSource& source, Result& result) {
+  const Fields query = source.fields.object("query");
+  result.query_name = query.text("name");
+  result.query_frames = query.count("frames", kMostFrames);
+  result.query_windows = query.count("windows", result.query_frames);
+  if (result.query_windows != window_count(result.query_frames, result.window_length()))
+    source.fields.fail("its numbers of windows and frames do not fit");
+  result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
+}
+
+void read_threshold(const Fields& item, const Json& json, const Result& result, Target& target) {
+  if (item["t_r"].is_number()) target.threshold = item["t_r"].get<double>();
+  const auto scale = enum_value<ThresholdScale>(item.text("t_r_scale"));
+  if (!scale) item.fail("\"t_r_scale\" is no scale");
+  target.scale = *scale;
+  target.distance_limit = read_sum(item, "limit", offset_of(result));
+  if (json.contains("max_distance")) target.max_distance = read_sum(item, "max_distance", 0);
+}
+
+void read_targets(const ResultSource& source, Result& result) {
+  for (const Json& json : source.fields.list("targets")) {
+    const Fields item(json, source.where);
+    Target& target = result.targets.emplace_back();
+    target.name = item.text("name");
+    target.frames = item.count("frames", kMostFrames);
+    target.windows = item.count("windows", window_count(target.frames, result.window_length()));
     if (!item["searched"].is_boolean()) item.fail("\"searched\" is neither true nor false");
-    sequence.searched = item["searched"].get<bool>();
-    if (!sequence.searched) continue;
-    if (item["t_r"].is_number()) sequence.threshold = item["t_r"].get<double>();
-    const auto scale = enum_value<ThresholdScale>(item.text("t_r_scale"));
-    if (!scale) item.fail("\"t_r_scale\" is no scale");
-    sequence.scale = *scale;
-    sequence.distance_limit = read_distance(item, "distance_limit", result.score_offset());
-    if (json.contains("max_distance"))
-      sequence.max_distance = read_distance(item, "max_distance", 0);
+    target.searched = item["searched"].get<bool>();
+    if (target.searched && !result.places) read_threshold(item, json, result, target);
   }
-  return sequences;
+}
+
+void read_places(const ResultSource& source, Result& result) {
+  const Fields places = source.fields.object("places");
+  result.places.emplace();
+  result.places->views = places.count("views", kMostFrames);
+  for (const Json& name : places.list("names")) {
+    if (!name.is_string()) places.fail("the name of a place is no text");
+    result.places->names.push_back(name.get<std::string>());
+  }
+  const Fields query = source.fields.object("query");
+  if (query.has("featureless"))
+    result.places->featureless = query.count("featureless", result.query_frames);
+}
+
+void check_places(const ResultSource& source, const Result& result) {
+  if (result.targets.size() != 1 || result.targets[0].frames != result.places->names.size())
+    source.fields.fail("its places and its target do not fit");
 }
 
 uint32_t read_window(const Fields& extent, const std::string& key, uint64_t windows) {
-  if (windows == 0) extent.fail("a recognition lies in a sequence without windows");
+  if (windows == 0) extent.fail("a cluster lies in a sequence without windows");
   return static_cast<uint32_t>(extent.count(key, windows - 1));
 }
 
-Recognition read_recognition(const Fields& item, const SequenceResult& result) {
-  Recognition place;
-  place.sequence = static_cast<uint32_t>(item.count("sequence", kMostFrames));
-  if (place.sequence >= result.sequences.size())
-    item.fail("a recognition's sequence is out of range");
+Cluster read_cluster(const Fields& item, const Result& result) {
+  Cluster cluster;
+  cluster.target = static_cast<uint32_t>(item.count("target", kMostFrames));
+  if (cluster.target >= result.targets.size()) item.fail("a cluster's target is out of range");
   const Fields query = item.object("query");
   const Fields train = item.object("train");
-  const uint64_t train_windows =
-      window_count(result.sequences[place.sequence].frames, result.settings.window_length);
-  place.query_window = read_window(query, "window", result.query_windows);
-  place.query_first = read_window(query, "first", result.query_windows);
-  place.query_last = read_window(query, "last", result.query_windows);
-  place.train_window = read_window(train, "window", train_windows);
-  place.train_first = read_window(train, "first", train_windows);
-  place.train_last = read_window(train, "last", train_windows);
-  place.hits = item.count("hits", std::numeric_limits<uint64_t>::max());
-  place.best_distance = read_distance(item, "best_distance", result.score_offset());
-  return place;
+  const uint64_t windows =
+      window_count(result.targets[cluster.target].frames, result.window_length());
+  cluster.query_window = read_window(query, "window", result.query_windows);
+  cluster.query_first = read_window(query, "first", result.query_windows);
+  cluster.query_last = read_window(query, "last", result.query_windows);
+  cluster.train_window = read_window(train, "window", windows);
+  cluster.train_first = read_window(train, "first", windows);
+  cluster.train_last = read_window(train, "last", windows);
+  cluster.hits = item.count("hits", std::numeric_limits<uint64_t>::max());
+  const int64_t offset = offset_of(result);
+  cluster.best_score = static_cast<double>(read_sum(item, "best_score", offset) - offset);
+  return cluster;
 }
 
-std::vector<CellRow> read_rows(const fs::path& path, const Fields& entry) {
-  const NpyArray array = read_companion(path, entry);
-  const auto values = array.values<int32_t>(2);
-  if (array.shape()[1] != kColumns) entry.fail(path.filename().string() + " has other columns");
-  std::vector<CellRow> rows(array.shape()[0]);
-  for (size_t i = 0; i < rows.size(); ++i)
-    std::copy_n(values.begin() + static_cast<ptrdiff_t>(i * kColumns), kColumns, rows[i].begin());
-  return rows;
-}
-
-Cell checked_cell(const CellRow& row, const SequenceResult& result, const fs::path& path) {
-  const auto inside = [](int32_t value, uint64_t count) {
-    return value >= 0 && static_cast<uint64_t>(value) < count;
-  };
-  const bool fits =
-      inside(row[0], result.query_windows) && inside(row[1], result.sequences.size()) &&
-      inside(row[2], window_count(result.sequences[static_cast<size_t>(row[1])].frames,
-                                  result.settings.window_length)) &&
-      std::in_range<uint32_t>(int64_t{row[3]} + result.score_offset());
-  if (!fits)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: an index or a distance is out of range; run vpr-query again",
-                            path.string()));
-  return {static_cast<uint32_t>(row[0]), static_cast<uint32_t>(row[1]),
-          static_cast<uint32_t>(row[2]), static_cast<uint32_t>(row[3] + result.score_offset())};
-}
-
-void read_cells(const fs::path& path, const Fields& fields, SequenceResult& result) {
-  const Fields files = fields.object("files");
-  const fs::path hits_path = companion_path(path, "hits.npy");
-  for (const CellRow& row : read_rows(hits_path, files.object("hits")))
-    result.hits.push_back(checked_cell(row, result, hits_path));
-  const fs::path best_path = companion_path(path, "best.npy");
-  for (const CellRow& row : read_rows(best_path, files.object("best"))) {
-    if (row[1] == -1)
-      result.best.emplace_back();
-    else
-      result.best.emplace_back(checked_cell(row, result, best_path));
-  }
-  if (result.best.size() != result.query_windows) fields.fail("best matches do not fit the query");
-}
-
-// Clustering asks for settings in range, and hits in order.
-void check_clusterable(const Fields& fields, const SequenceResult& result) {
-  const int64_t eps = result.settings.clustering.eps;
-  if (eps < 0 || eps > kMaxEps) fields.fail("its clustering.eps is out of range");
-  const auto position = [](const Cell& hit) {
-    return std::tie(hit.query_window, hit.sequence, hit.train_window);
-  };
-  for (size_t h = 1; h < result.hits.size(); ++h)
-    if (position(result.hits[h - 1]) >= position(result.hits[h]))
-      fields.fail("its hits are not in order");
-}
-
-// The first frames of one sequence's views: rows from `row` on.
-std::vector<uint32_t> take_views(std::span<const int32_t> rows, size_t& row, int32_t sequence,
-                                 uint64_t frames, const Fields& files) {
-  std::vector<uint32_t> starts;
-  for (; 2 * row < rows.size() && rows[2 * row] == sequence; ++row) {
-    const int32_t frame = rows[2 * row + 1];
-    const bool follows =
-        starts.empty() ? frame == 0 : frame > 0 && static_cast<uint32_t>(frame) > starts.back();
-    if (!follows || static_cast<uint64_t>(frame) >= frames)
-      files.fail("views.npy holds a frame that is out of range or order");
-    starts.push_back(static_cast<uint32_t>(frame));
-  }
-  if (starts.empty() != (frames == 0)) files.fail("views.npy does not fit the sequences");
-  return starts;
-}
-
-// Results of older versions have none.
-void read_views(const fs::path& path, const Fields& fields, SequenceResult& result) {
-  const Fields files = fields.object("files");
-  if (!files.has("views")) return;
-  const NpyArray array = read_companion(companion_path(path, "views.npy"), files.object("views"));
-  const auto rows = array.values<int32_t>(2);
-  if (array.shape()[1] != 2) files.fail("views.npy has other columns");
-  size_t row = 0;
-  ResultViews& views = result.views.emplace();
-  views.query = take_views(rows, row, -1, result.query_frames, files);
-  for (size_t s = 0; s < result.sequences.size(); ++s)
-    views.train.push_back(
-        take_views(rows, row, static_cast<int32_t>(s), result.sequences[s].frames, files));
-  if (2 * row != rows.size()) files.fail("views.npy does not fit the sequences");
+// The clusters that the file claims are those of its hits.
+void read_clusters(const ResultSource& source, Result& result, const Monitor& monitor) {
+  const int64_t eps = std::get<SequenceQuerySettings>(result.settings).clustering.eps;
+  if (eps < 0 || eps > kMaxEps) source.fields.fail("its clustering.eps is out of range");
+  std::vector<Cluster> claimed;
+  for (const Json& item : source.fields.list("clusters"))
+    claimed.push_back(read_cluster(Fields(item, source.where), result));
+  cluster(result, monitor);
+  if (result.clusters->all != claimed) source.fields.fail("its clusters are not those of its hits");
 }
 
 }  // namespace
@@ -179,7 +139,7 @@ void read_views(const fs::path& path, const Fields& fields, SequenceResult& resu
 Json read_result_json(const fs::path& path) {
   const std::string where = path.string();
   Json json = read_json(path, ErrorKind::data);
-  require_schema(json, "result", where, ErrorKind::data);
+  require_schema(json, "result", where, ErrorKind::data, kVersion);
   const Fields fields(json, where);
   if (!fields.has("checksum"))
     throw Error(ErrorKind::data,
@@ -190,39 +150,28 @@ Json read_result_json(const fs::path& path) {
   return json;
 }
 
-std::string result_method(const fs::path& path) {
-  const std::string where = path.string();
-  const Json json = read_result_json(path);
-  return Fields(json, where).text("method");
-}
-
 StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   const std::string where = path.string();
-  const Json json = read_result_json(path);
+  Json json = read_result_json(path);
   const Fields fields(json, where);
+  const ResultSource source{path, where, fields,
+                            require_schema(json, "result", where, ErrorKind::data, kVersion)};
+  if (source.version == 1) upgrade_result(json, fields);
   StoredResult stored;
   stored.fingerprint = fields.text("checksum");
-  SequenceResult& result = stored.result;
-  stored_settings_from_json(json, result.settings, where);
-  if (result.settings.window_length > score_kind(result.settings.score).longest_window)
-    fields.fail("its c_l is out of range");
-  const Fields query = fields.object("query");
-  result.query_name = query.text("name");
-  result.query_frames = query.count("frames", kMostFrames);
-  result.query_windows = query.count("windows", result.query_frames);
-  if (result.settings.window_length == 0 ||
-      result.query_windows != window_count(result.query_frames, result.settings.window_length))
-    fields.fail("its numbers of windows and frames do not fit");
-  result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
-  result.sequences = read_sequences(fields, where, result);
-  std::vector<Recognition> places;
-  for (const Json& item : fields.list("recognitions"))
-    places.push_back(read_recognition(Fields(item, where), result));
-  read_cells(path, fields, result);
-  check_clusterable(fields, result);
-  cluster(result, monitor);
-  if (result.places != places) fields.fail("its recognitions are not the clusters of its hits");
-  read_views(path, fields, result);
+  Result& result = stored.result;
+  read_settings(json, source, result);
+  read_query(source, result);
+  const bool has_places = std::holds_alternative<FabmapQuerySettings>(result.settings);
+  if (has_places) read_places(source, result);
+  read_targets(source, result);
+  if (has_places) check_places(source, result);
+  read_matches(source, result);
+  if (has_places)
+    read_new_place(source, result);
+  else
+    read_clusters(source, result, monitor);
+  read_views(source, result);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");
   return stored;

@@ -18,19 +18,14 @@ Json best_json(const BestMatchCounts& best) {
   return {{"queries", best.queries}, {"correct", best.correct}, {"ignored", best.ignored}};
 }
 
-Json cell_json(const SequenceCellCounts& cell) {
-  return {{"c_l", cell.window_length},
-          {"t_r", cell.distance_threshold ? Json(*cell.distance_threshold) : Json("auto")},
-          {"t_r_scale", enum_name(cell.scale)},
-          {"counts", counts_json(cell.counts)},
-          {"best_match", best_json(cell.counts.best_match)}};
-}
-
-Json cell_json(const FabmapCellCounts& cell) {
-  return {{"c_w", cell.window},
-          {"t_p", cell.place_threshold},
-          {"counts", counts_json(cell.counts)},
-          {"best_match", best_json(cell.counts.best_match)}};
+Json cell_json(const CellCounts& cell, const ScoreKind& score) {
+  Json json = {
+      {std::string(score.window_symbol), cell.window},
+      {std::string(score.threshold_symbol), cell.threshold ? Json(*cell.threshold) : Json("auto")}};
+  if (cell.scale) json["t_r_scale"] = enum_name(*cell.scale);
+  json["counts"] = counts_json(cell.counts);
+  json["best_match"] = best_json(cell.counts.best_match);
+  return json;
 }
 
 Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
@@ -55,7 +50,7 @@ Json choice_json(const Sweep& sweep, size_t first) {
     json["intervals"] = {{"block", sweep.intervals->block},
                          {"correct_hits", interval_json(sweep.intervals->correct_hits)},
                          {"incorrect_hits", interval_json(sweep.intervals->incorrect_hits)}};
-    if (!sweep.sequence_cells.empty()) {
+    if (sweep.cells.front().counts.clusters) {
       json["intervals"]["correct_places"] = interval_json(sweep.intervals->correct_places);
       json["intervals"]["incorrect_places"] = interval_json(sweep.intervals->incorrect_places);
     }
@@ -71,13 +66,11 @@ void add_sweeps(Json& json, const std::vector<Sweep>& sweeps) {
   json["queries"] = Json::array();
   for (const Sweep& sweep : sweeps) {
     json["queries"].push_back(choice_json(sweep, json["cells"].size()));
-    const auto add = [&](Json cell) {
+    for (const CellCounts& cell : sweep.cells) {
       Json named = {{"query", sweep.query_name}};
-      named.update(cell);
+      named.update(cell_json(cell, *sweep.score));
       json["cells"].push_back(named);
-    };
-    for (const auto& cell : sweep.sequence_cells) add(cell_json(cell));
-    for (const auto& cell : sweep.fabmap_cells) add(cell_json(cell));
+    }
   }
 }
 

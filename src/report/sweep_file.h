@@ -17,11 +17,11 @@ struct SweepIntervals {
   Interval incorrect_places = {};
 };
 
-/// One query's sweep. Exactly one of the two lists has cells.
+/// One query's sweep, which has a cell.
 struct Sweep {
   std::string query_name;
-  std::vector<SequenceCellCounts> sequence_cells;  ///< by c_l, then t_r
-  std::vector<FabmapCellCounts> fabmap_cells;      ///< by c_w, then t_p
+  const ScoreKind* score = &score_kind(Score::raw);  ///< what thresholds are of
+  std::vector<CellCounts> cells;                     ///< by window, then threshold
   Recommendation recommendation;
   std::optional<Json> recommended_settings;  ///< all of them, as vpr-query --config takes them
   std::optional<SweepIntervals> intervals;

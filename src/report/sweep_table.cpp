@@ -12,12 +12,13 @@ namespace {
 
 std::string number(double value) { return fmt::format("{}", value); }
 
-bool is_fabmap(const Sweep& sweep) { return !sweep.fabmap_cells.empty(); }
+bool has_places(const Sweep& sweep) { return sweep.cells.front().counts.clusters.has_value(); }
 
 std::string cell_name(const Sweep& sweep, size_t index) {
   const SweepCell cell = sweep_cells(sweep)[index];
   const SweepSymbols symbols = sweep_symbols(sweep);
-  const std::string scale = is_fabmap(sweep) ? "" : fmt::format(" ({})", cell.scale);
+  const bool has_scale = sweep.cells[index].scale.has_value();
+  const std::string scale = has_scale ? fmt::format(" ({})", cell.scale) : "";
   return fmt::format("{} {}, {} {}{}", symbols.window, cell.window, symbols.threshold,
                      cell.threshold, scale);
 }
@@ -97,22 +98,19 @@ std::string intervals_text(const SweepIntervals& intervals, bool has_places) {
 
 std::vector<SweepCell> sweep_cells(const Sweep& sweep) {
   std::vector<SweepCell> cells;
-  for (const SequenceCellCounts& cell : sweep.sequence_cells)
-    cells.push_back({std::to_string(cell.window_length),
-                     cell.distance_threshold ? number(*cell.distance_threshold) : "auto",
-                     score_of(cell).looseness, std::string(enum_name(cell.scale)), cell.counts.hits,
-                     cell.counts.places, cell.counts.mixed_places, cell.counts.distinct,
-                     cell.counts.best_match});
-  for (const FabmapCellCounts& cell : sweep.fabmap_cells)
-    cells.push_back({std::to_string(cell.window), number(cell.place_threshold),
-                     score_of(cell).looseness, "probability", cell.counts.hits, std::nullopt, 0,
+  for (const CellCounts& cell : sweep.cells)
+    cells.push_back({std::to_string(cell.window), cell.threshold ? number(*cell.threshold) : "auto",
+                     score_of(cell, sweep.score->order).looseness,
+                     std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure),
+                     cell.counts.hits, cell.counts.clusters, cell.counts.mixed_clusters,
                      cell.counts.distinct, cell.counts.best_match});
   return cells;
 }
 
 SweepSymbols sweep_symbols(const Sweep& sweep) {
-  if (is_fabmap(sweep)) return {"c_w", "t_p", "smaller", "larger"};
-  return {"c_l", "t_r", "larger", "smaller"};
+  const bool is_distance = sweep.score->order == ScoreOrder::distance;
+  return {std::string(sweep.score->window_symbol), std::string(sweep.score->threshold_symbol),
+          is_distance ? "larger" : "smaller", is_distance ? "smaller" : "larger"};
 }
 
 std::vector<std::string> distinct_values(const std::vector<SweepCell>& cells,
@@ -126,7 +124,6 @@ std::vector<std::string> distinct_values(const std::vector<SweepCell>& cells,
 
 std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
   const SweepSymbols symbols = sweep_symbols(sweeps.front());
-  const bool fabmap = is_fabmap(sweeps.front());
   const bool any_star = std::any_of(sweeps.begin(), sweeps.end(), [](const Sweep& sweep) {
     return sweep.recommendation.cell.has_value();
   });
@@ -140,7 +137,7 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
     return std::any_of(cells.begin(), cells.end(),
                        [](const SweepCell& cell) { return cell.mixed_places > 0; });
   });
-  if (!fabmap)
+  if (has_places(sweeps.front()))
     tables.push_back(grid_table(
         sweeps,
         any_mixed ? "places, judged at their mean (in brackets: right there, but with wrong hits)"
@@ -253,7 +250,7 @@ std::string recommendation_text(const Sweep& sweep) {
   std::string text = fmt::format("{}: recommended: {}: {}.\n", sweep.query_name,
                                  cell_name(sweep, *choice.cell), reason_text(sweep)) +
                      first_error_text(sweep);
-  if (sweep.intervals) text += intervals_text(*sweep.intervals, !is_fabmap(sweep));
+  if (sweep.intervals) text += intervals_text(*sweep.intervals, has_places(sweep));
   return text;
 }
 

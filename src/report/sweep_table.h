@@ -10,7 +10,7 @@
 
 namespace vpr {
 
-/// One cell of either family, as tables and pictures show it.
+/// One cell, as tables and pictures show it.
 struct SweepCell {
   std::string window;
   std::string threshold;

@@ -149,6 +149,8 @@ TEST_CASE("a saved matrix holds every distance; a picture can be drawn") {
   CHECK(matrix.shape()[1] == result["matrix"]["columns"]);
   const NpyArray hits(out / "r.hits.npy");
   const auto cells = hits.values<int32_t>(2);
+  const NpyArray hit_scores(out / "r.hit_scores.npy");
+  const auto scores = hit_scores.values<double>(1);
   const auto second = result["matrix"]["sequences"][1]["first_column"].get<int>();
   size_t below = 0;
   for (const auto& v : values) {
@@ -156,9 +158,9 @@ TEST_CASE("a saved matrix holds every distance; a picture can be drawn") {
     REQUIRE(v <= 13860);
   }
   for (size_t i = 0; i < hits.shape()[0]; ++i, ++below)
-    REQUIRE(values[size_t(cells[4 * i]) * matrix.shape()[1] +
-                   size_t(cells[4 * i + 1] == 0 ? 0 : second) + size_t(cells[4 * i + 2])] ==
-            cells[4 * i + 3]);
+    REQUIRE(values[size_t(cells[3 * i]) * matrix.shape()[1] +
+                   size_t(cells[3 * i + 1] == 0 ? 0 : second) + size_t(cells[3 * i + 2])] ==
+            scores[i]);
   CHECK(below > 0);
   CHECK(run_program("vpr-query",
                     world().query({"-o", out / "p.json", "--save-matrix", out / "d.png"}))
@@ -185,7 +187,7 @@ TEST_CASE("unreadable frames, if skipped, break windows and are -1 in a matrix")
   const auto values = matrix.values<int32_t>(2);
   for (size_t window = 0; window < best.shape()[0]; ++window) {
     const bool broken = window >= 11 && window <= 20;
-    REQUIRE((rows[4 * window + 1] == -1) == broken);
+    REQUIRE((rows[3 * window + 1] == -1) == broken);
     REQUIRE((values[window * matrix.shape()[1]] == -1) == broken);
   }
 }
@@ -195,7 +197,7 @@ TEST_CASE("a search can be limited to a sequence by name") {
   REQUIRE(run_program("vpr-query", world().query({"--only-sequence", "two", "-o", out / "r.json"}))
               .exit_code == 0);
   const Json result = parse(test::read_text(out / "r.json"));
-  CHECK(result["sequences"][0]["searched"] == false);
+  CHECK(result["targets"][0]["searched"] == false);
   const auto wrong =
       run_program("vpr-query", world().query({"--only-sequence", "three", "--json"}));
   CHECK(wrong.exit_code == 2);

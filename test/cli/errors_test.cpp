@@ -206,7 +206,8 @@ TEST_CASE("numbers are read as people write them, and only in range") {
   const test::TemporaryFolder out;
   CHECK(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}).exit_code == 0);
   CHECK(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}).exit_code == 0);
-  for (const char* kind : {"r.json", "r.hits.npy", "r.best.npy", "r.views.npy"})
+  for (const char* kind : {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy",
+                           "r.best_scores.npy", "r.views.npy"})
     fs::remove(bench().folder / kind);
   check_failure(bench().query({"--threads", "-1"}), 2, "threads");
   check_failure(bench().query({"--seed", "99999999999999999999999"}), 2, "seed");
@@ -396,7 +397,7 @@ TEST_CASE("ground truth that is missing or does not fit") {
   check_failure(eval("nonsense"), 4, "header");
   check_failure(
       run_program("vpr-eval", {bench().database() + "/manifest.json", "--ground-truth", "aligned"}),
-      4, "vpr.result/1");
+      4, "vpr.result/2");
 }
 
 TEST_CASE("an interrupt in the middle of training ends with 130 and leaves nothing behind") {

@@ -152,7 +152,7 @@ TEST_CASE("with --loop, a recording that comes back recognises its own frames, n
   const auto lap = static_cast<int32_t>(names.size());
   size_t right = 0;
   for (int32_t frame = 0; frame < 2 * lap; ++frame) {
-    const int32_t view = rows[static_cast<size_t>(3 * frame + 2)];
+    const int32_t view = rows[static_cast<size_t>(4 * frame + 3)];
     REQUIRE(view < std::max(frame - 20, 0));
     if (frame >= lap && std::abs(view - (frame - lap)) <= 1) ++right;
   }
@@ -272,7 +272,7 @@ TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop")
                                     "--skip-unreadable", "--t-p", "0.5", "-o", out / "l.json"})
               .exit_code == 0);
   const NpyArray hits(out / "l.hits.npy");
-  for (size_t i = 0; i < hits.shape()[0]; ++i) CHECK(hits.values<int32_t>(2)[3 * i + 2] != 3);
+  for (size_t i = 0; i < hits.shape()[0]; ++i) CHECK(hits.values<int32_t>(2)[4 * i + 3] != 3);
 }
 
 TEST_CASE("a FAB-MAP database does not depend on the instruction sets that OpenCV finds") {
@@ -372,6 +372,61 @@ TEST_CASE("every file of a FAB-MAP result is tried broken") {
     }
     test::write_text(out / name, whole);
   }
+}
+
+TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by query") {
+  const test::TemporaryFolder out;
+  const std::string walk = world().walk("one");
+  const std::vector<std::string> files = test::list_folder(walk);
+  const auto frames = static_cast<size_t>(std::count_if(
+      files.begin(), files.end(), [](const std::string& name) { return name.ends_with(".png"); }));
+  const size_t half = frames / 2;
+  REQUIRE(world()
+              .train({"--place", fmt::format("a={}@0:{}", walk, half), "--place",
+                      fmt::format("b={}@{}:{}", walk, half, frames), "-o", out / "p.vprdb"})
+              .exit_code == 0);
+  REQUIRE(
+      run_program("vpr-train", {"fastable", "--train", walk, "--c-l", "4", "-o", out / "s.vprdb"})
+          .exit_code == 0);
+  REQUIRE(run_program("vpr-query", {out / "p.vprdb", "--query", walk, "-o", out / "p.json"})
+              .exit_code == 0);
+  REQUIRE(run_program("vpr-query", {out / "s.vprdb", "--query", walk, "--c-l", "4", "--t-r", "0.3",
+                                    "-o", out / "s.json"})
+              .exit_code == 0);
+  const Json result = parse(test::read_text(out / "p.json"));
+  CHECK(result["targets"][0]["frames"] == 2);
+  CHECK(result["places"]["names"] == Json{"a", "b"});
+  CHECK(result["places"]["views"] == frames);
+  // Frames of the last place that are in no ground truth of places.
+  const auto compare = [&](size_t unknown) {
+    std::string pairs = "query,reference\n";
+    for (size_t frame = 0; frame + unknown < frames; ++frame)
+      pairs += fmt::format("{},{}\n", frame, frame < half ? 0 : 1);
+    test::write_text(out / "places.csv", pairs);
+    const auto evaluate = [&](const std::string& name, const std::string& truth) {
+      REQUIRE(run_program("vpr-eval", {out / (name + ".json"), "--ground-truth", truth, "--force",
+                                       "-o", out / (name + "-report.json")})
+                  .exit_code == 0);
+    };
+    evaluate("p", out / "places.csv");
+    evaluate("s", "aligned");
+    const auto run = run_program(
+        "vpr-eval", {"compare", out / "p-report.json", out / "s-report.json", "--json"});
+    INFO(run.err);
+    REQUIRE(run.exit_code == 0);
+    CHECK(run.err.find("ground truths of their own") != std::string::npos);
+    return parse(run.out);
+  };
+  const Json all = compare(0);
+  CHECK(all["ground_truths"] == "of-places-and-frames");
+  CHECK(all["queries"]["common"] == frames - 3);  // from the first window's last frame on
+  CHECK(all["queries"]["with_match"] == frames - 3);
+  CHECK(all["queries"]["disputed"] == 0);
+  // A walk against itself: both have every query right.
+  CHECK(all["paired"][0]["both_right"] == frames - 3);
+  const Json fewer = compare(5);
+  CHECK(fewer["queries"]["common"] == frames - 3 - 5);
+  CHECK(fewer["queries"]["disputed"] == 5);
 }
 
 TEST_CASE("OpenFABMAP's files, broken") {

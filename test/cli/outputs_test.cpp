@@ -60,8 +60,8 @@ TEST_CASE("a matrix that is not the result's own is refused") {
   check_failure(eval("b.npy"), 4, "is not the matrix that");
   REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("c.json")}).exit_code == 0);
   fs::rename(walks.path("c.json"), walks.path("a.json"));  // which names no matrix
-  fs::rename(walks.path("c.hits.npy"), walks.path("a.hits.npy"));
-  fs::rename(walks.path("c.best.npy"), walks.path("a.best.npy"));
+  for (const std::string kind : {"hits", "hit_scores", "best", "best_scores"})
+    fs::rename(walks.path("c." + kind + ".npy"), walks.path("a." + kind + ".npy"));
   const auto unknown = eval("a.npy");
   CHECK(unknown.exit_code == 0);
   CHECK(unknown.err.find("names no matrix") != std::string::npos);
@@ -71,9 +71,9 @@ TEST_CASE("frames that a result claims and nobody has cost nothing") {
   const Walks walks;
   REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
   Json result = Json::parse(walks.read("r.json"));
-  result["sequences"][0]["frames"] = 2147483647;
+  result["targets"][0]["frames"] = 2147483647;
   result.erase("checksum");
-  add_result_checksum(result);
+  result["checksum"] = result_checksum(result);
   test::write_text(walks.path("r.json"), to_text(result));
   const auto eval = [&](std::vector<std::string> more) {
     more.insert(more.begin(), walks.path("r.json"));

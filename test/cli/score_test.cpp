@@ -59,10 +59,10 @@ TEST_CASE("negative thresholds on the command line, and what the result says of 
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
   CHECK(json["settings"]["standardization"]["forgetting"] == 0.98);
   CHECK(json["statistics"]["neighbour_frames"] == 5);
-  CHECK(json["sequences"][1]["distance_limit"] == -3 * 1536);
+  CHECK(json["targets"][1]["limit"] == -3 * 1536);
   CHECK(json["totals"]["hits"] > 0);
   CHECK(json["verification"]["differences"] == 0);
-  for (const Json& place : json["recognitions"]) CHECK(place["best_distance"] < -3 * 1536);
+  for (const Json& place : json["clusters"]) CHECK(place["best_score"] < -3 * 1536);
   CHECK(walks()
             .query({"--score", "standardized", "--t-r", "-1.5", "--t-r-scale", "mean-z", "--json"})
             .exit_code == 0);
@@ -73,16 +73,16 @@ TEST_CASE("automatic thresholds and offline scores find the revisit") {
     const auto outcome = walks().query({"--score", score, "--json"});
     REQUIRE(outcome.exit_code == 0);
     const Json json = parse(outcome.out);
-    CHECK(json["sequences"][0]["t_r_scale"] == "mean-z");
-    REQUIRE_FALSE(json["recognitions"].empty());
-    const Json* best = &json["recognitions"][0];
-    for (const Json& place : json["recognitions"])
-      if (place["best_distance"] < (*best)["best_distance"]) best = &place;
-    CHECK((*best)["sequence"] == 1);
+    CHECK(json["targets"][0]["t_r_scale"] == "mean-z");
+    REQUIRE_FALSE(json["clusters"].empty());
+    const Json* best = &json["clusters"][0];
+    for (const Json& place : json["clusters"])
+      if (place["best_score"] < (*best)["best_score"]) best = &place;
+    CHECK((*best)["target"] == 1);
     CHECK((*best)["query"]["window"] == (*best)["train"]["window"]);
     const auto margin = walks().query({"--score", score, "--safety-margin", "0.5", "--json"});
-    CHECK(parse(margin.out)["sequences"][0]["t_r"].get<double>() ==
-          Approx(json["sequences"][0]["t_r"].get<double>() - 0.5));
+    CHECK(parse(margin.out)["targets"][0]["t_r"].get<double>() ==
+          Approx(json["targets"][0]["t_r"].get<double>() - 0.5));
   }
 }
 
@@ -137,18 +137,19 @@ TEST_CASE("frames that can't be read have no score, and the matrix says so") {
               .exit_code == 0);
   const NpyArray best(folder / "r.best.npy");
   const auto rows = best.values<int32_t>(2);
+  const NpyArray score_file(folder / "r.best_scores.npy");
+  const auto scores = score_file.values<double>(1);
   const NpyArray matrix(folder / "m.npy");
   const auto cells = matrix.values<int32_t>(2);
   const size_t cols = matrix.shape()[1];
   for (size_t window = 0; window < best.shape()[0]; ++window) {
     const bool broken = window >= 3 && window <= 5;
-    CHECK((rows[4 * window + 1] == -1) == broken);
+    CHECK((rows[3 * window + 1] == -1) == broken);
     for (size_t c = 0; c < cols; ++c)
       CHECK((cells[window * cols + c] == std::numeric_limits<int32_t>::min()) == broken);
     if (!broken)
       CHECK(*std::min_element(cells.begin() + ptrdiff_t(window * cols),
-                              cells.begin() + ptrdiff_t((window + 1) * cols)) ==
-            rows[4 * window + 3]);
+                              cells.begin() + ptrdiff_t((window + 1) * cols)) == scores[window]);
   }
   // The result and its matrix give the same metrics: windows without scores are in neither.
   test::write_text(folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n9,two,9\n");
@@ -187,7 +188,7 @@ TEST_CASE("vpr-tune sweeps scores and lists their automatic thresholds") {
   CHECK(listed["score"] == "standardized");
   const Json query = parse(walks().query({"--score", "standardized", "--json"}).out);
   for (size_t s = 0; s < 2; ++s)
-    CHECK(listed["thresholds"][s]["t_r"] == query["sequences"][s]["t_r"]);
+    CHECK(listed["thresholds"][s]["t_r"] == query["targets"][s]["t_r"]);
   CHECK(run_program("vpr-tune", {"threshold", walks().database(), "--c-l", "3", "--score",
                                  "standardized", "--write"})
             .exit_code == 2);

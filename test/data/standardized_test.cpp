@@ -20,16 +20,18 @@ struct Early {
   double early = 0;  ///< of all windows, those before the first wrong one by score
 };
 
-Early recognised(const fs::path& best_file, int tolerance) {
-  const NpyArray file(best_file);
+Early recognised(const fs::path& folder, int tolerance) {
+  const NpyArray file(folder / "r.best.npy");
   const auto values = file.values<int32_t>(2);
+  const NpyArray score_file(folder / "r.best_scores.npy");
+  const auto scores = score_file.values<double>(1);
   struct Row {
-    int32_t score;
+    double score;
     bool right;
   };
   std::vector<Row> rows;
-  for (size_t i = 0; i < values.size(); i += 4)
-    rows.push_back({values[i + 3], std::abs(values[i] - values[i + 2]) <= tolerance});
+  for (size_t i = 0; i < scores.size(); ++i)
+    rows.push_back({scores[i], std::abs(values[3 * i] - values[3 * i + 2]) <= tolerance});
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Row& a, const Row& b) { return a.score < b.score; });
   const auto count = static_cast<double>(rows.size());
@@ -66,7 +68,7 @@ void check_figures(const DataSet& set, const std::vector<Figure>& figures) {
                          "--t-r", "0", "--c-l", std::to_string(figure.window_length), "--verify",
                          "100", "--force", "-o", out / "r.json"})
                 .exit_code == 0);
-    const Early found = recognised(out / "r.best.npy", set.tolerance);
+    const Early found = recognised(out.path(), set.tolerance);
     CHECK(found.right == Approx(figure.expected.right).margin(0.05));
     CHECK(found.early == Approx(figure.expected.early).margin(0.5));
   }
@@ -111,16 +113,20 @@ TEST_CASE("a minute's stop on the corridor changes no score before or behind it"
                          "--c-l", std::to_string(kLength), "-o", out / (name + ".json")})
                 .exit_code == 0);
     const NpyArray file(out / (name + ".best.npy"));
+    const NpyArray score_file(out / (name + ".best_scores.npy"));
     const auto values = file.values<int32_t>(2);
-    return std::vector<int32_t>(values.begin(), values.end());
+    const auto scores = score_file.values<double>(1);
+    std::vector<std::array<double, 3>> rows;  // target, window and score
+    for (size_t i = 0; i < scores.size(); ++i)
+      rows.push_back({double(values[3 * i + 1]), double(values[3 * i + 2]), scores[i]});
+    return rows;
   };
   const auto moving = best_rows(*corridor / "query", "moving");
   const auto standing = best_rows(out / "stop.txt", "standing");
   for (size_t window = 0; window + kLength <= 111; ++window) {
     if (window <= kStop && window + kLength > kStop + 1) continue;  // lies across the stop
     const size_t later = window > kStop ? window + kStanding : window;
-    for (size_t column = 1; column < 4; ++column)
-      CHECK(standing[4 * later + column] == moving[4 * window + column]);
+    CHECK(standing[later] == moving[window]);
   }
 }
 
@@ -147,7 +153,8 @@ TEST_CASE("real results are the same for every number of threads and every SIMD 
                   .exit_code == 0);
       const std::string own_codes = test::read_text(out / "d.vprdb" / "statistics.npy");
       const std::string own_best =
-          test::read_text(out / "r.best.npy") + test::read_text(out / "r.hits.npy");
+          test::read_text(out / "r.best.npy") + test::read_text(out / "r.best_scores.npy") +
+          test::read_text(out / "r.hits.npy") + test::read_text(out / "r.hit_scores.npy");
       if (best.empty()) {
         codes = own_codes;
         best = own_best;

@@ -77,12 +77,15 @@ TEST_CASE("everywhere localised: no gap") {
 }
 
 TEST_CASE("the closest hit of a window is its fix, at the anchor") {
-  SequenceResult result;
-  result.settings.window_length = 3;
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 3;
+  result.settings = settings;
   result.query_frames = 6;
   result.query_windows = 4;
-  result.sequences = {{"ref", 6, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
-  result.hits = {{0, 0, 0, 9}, {0, 0, 3, 8}, {1, 0, 1, 5}, {1, 0, 2, 5}, {3, 0, 3, 1}};
+  result.targets = {{"ref", 6, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.hits = {
+      {0, 0, 0, 0, 9}, {0, 0, 3, 0, 8}, {1, 0, 1, 0, 5}, {1, 0, 2, 0, 5}, {3, 0, 3, 0, 1}};
   GroundTruth truth;
   truth.pairs.resize(6);
   for (uint32_t frame = 0; frame < 5; ++frame)

@@ -10,17 +10,20 @@ using namespace vpr;
 namespace {
 
 // Ten query frames against twelve training frames, c_l 3.
-SequenceResult random_result(RandomEngine& engine) {
-  SequenceResult result;
-  result.settings.window_length = 3;
+Result random_result(RandomEngine& engine) {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 3;
+  result.settings = settings;
   result.query_frames = 10;
   result.query_windows = 8;
-  result.sequences = {{"ref", 12, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.targets = {{"ref", 12, 10, true, 0.5, ThresholdScale::relative, 10, 100}};
   for (uint32_t window = 0; window < 8; ++window) {
     const bool found = uniform_below(engine, 5) != 0;
-    result.best.push_back(found ? std::optional(Cell{window, 0, uint32_t(uniform_below(engine, 10)),
-                                                     uint32_t(uniform_below(engine, 50))})
-                                : std::nullopt);
+    result.best.push_back(found
+                              ? std::optional(Match{window, 0, uint32_t(uniform_below(engine, 10)),
+                                                    0, double(uniform_below(engine, 50))})
+                              : std::nullopt);
     if (!found && uniform_below(engine, 2) == 0) result.query_unreadable = {window};
   }
   return result;
@@ -41,7 +44,7 @@ GroundTruth random_truth(RandomEngine& engine) {
 TEST_CASE("outcomes count best matches as reports do") {
   RandomEngine engine(2);
   for (int round = 0; round < 300; ++round) {
-    const SequenceResult result = random_result(engine);
+    const Result result = random_result(engine);
     const GroundTruth truth = random_truth(engine);
     const BestMatchCounts expected = count_recognitions(result, truth).best_match;
     const Outcomes outcomes = outcomes_of(result, truth);
@@ -62,10 +65,13 @@ TEST_CASE("ranks behind the first are not known from best matches") {
 }
 
 TEST_CASE("a probability is a similarity, and a frame without words is wrong") {
-  FabmapResult result;
-  result.query_frames = 3;
-  result.places = {"a", "b"};
-  result.best = {PlaceMatch{0, 0, 0, 0.4}, std::nullopt, PlaceMatch{2, 1, 1, 0.9}};
+  Result result;
+  result.settings = FabmapQuerySettings{};
+  result.query_frames = result.query_windows = 3;
+  result.places = ResultPlaces{{"a", "b"}, 2, 0, {}};
+  result.targets.resize(1);
+  result.targets[0].frames = 2;
+  result.best = {Match{0, 0, 0, 0, 0.4}, std::nullopt, Match{2, 0, 1, 1, 0.9}};
   GroundTruth truth;
   truth.pairs = {
       {{0, 0, PlaceLabel::same}}, {{0, 1, PlaceLabel::same}}, {{0, 0, PlaceLabel::same}}};

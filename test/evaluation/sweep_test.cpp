@@ -51,13 +51,13 @@ TEST_CASE("most correct hits win, then the shortest window, then the strictest t
 }
 
 TEST_CASE("stricter is a larger t_p") {
-  FabmapCellCounts cell;
+  CellCounts cell;
   std::vector<SweepScore> scores;
   for (const auto& [t_p, correct, incorrect] : std::vector<std::tuple<double, uint64_t, uint64_t>>{
            {0.5, 30, 8}, {0.9, 20, 0}, {0.99, 12, 0}, {0.6, 25, 3}}) {
-    cell.place_threshold = t_p;
+    cell.threshold = t_p;
     cell.counts.hits = {correct, incorrect, 0};
-    scores.push_back(score_of(cell));
+    scores.push_back(score_of(cell, ScoreOrder::similarity));
   }
   const Recommendation choice = recommend(scores);
   CHECK(choice.cell == 2);

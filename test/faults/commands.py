@@ -76,13 +76,13 @@ class Writer:
 
 
 def result(name, also=()):
-    return tuple(f"{name}.{kind}" for kind in ("json", "hits.npy", "best.npy") + also)
+    return tuple(f"{name}.{kind}" for kind in ("json", "hits.npy", "hit_scores.npy", "best.npy", "best_scores.npy") + also)
 
 
 PAIRS = "--ground-truth in/walks/back.ground_truth.csv"
 ALIGNED = "--ground-truth aligned --tolerance 2"  # of databases with one sequence
 SEQUENCE_RESULT = result("r", ("views.npy",))
-FABMAP_RESULT = result("f", ("hit_scores.npy", "best_scores.npy", "new_place.npy"))
+FABMAP_RESULT = result("f", ("new_place.npy",))
 TRAIN = {"train": ("in/walks/one", "in/walks/two")}
 QUERY = {"query": ("in/walks/two", "in/walks/back")}
 INFO = (Reader(("d.vprdb",), "vpr-train info out/d.vprdb"),)

@@ -1,11 +1,10 @@
-// A result of vpr-query, of either family, with its companions and whatever checksums they need to
-// be looked at; and the report of what can be read.
+// A result of vpr-query, of any method and version, with its companions and whatever checksums they
+// need to be looked at; and the report of what can be read.
 #include "base/checksum.h"
 #include "base/json.h"
 #include "evaluation/view_counts.h"
 #include "fuzz.h"
 #include "report/evaluation_report.h"
-#include "report/fabmap_result_file.h"
 #include "report/result_file.h"
 
 using namespace vpr;
@@ -24,24 +23,18 @@ void seal(std::vector<fuzz::Part>& parts) {
       Json& entry = (*json)["files"][file.name.substr(2, file.name.size() - 6)];
       entry = {{"rows", 0}, {"checksum", checksum(std::string_view(file.bytes))}};
     }
-    add_result_checksum(*json);
+    (*json)["checksum"] = result_checksum(*json);
     part.bytes = to_text(*json);
   }
 }
 
-void report(const SequenceResult& result) {
+void report(const Result& result) {
   size_t frames = result.query_frames;
-  for (const auto& sequence : result.sequences) frames += sequence.frames;
+  for (const auto& sequence : result.targets) frames += sequence.frames;
   if (frames > kMostFrames) return;
   const GroundTruth truth = read_ground_truth({"aligned", {}, 1}, scope_of(result));
   report_json(result, count_recognitions(result, truth), count_by_view(result, truth),
               judge(result, truth, {}), truth, "", {});
-}
-
-void report(const FabmapResult& result) {
-  if (result.query_frames + result.places.size() > kMostFrames) return;
-  const GroundTruth truth = read_ground_truth({"aligned", {}, 1}, scope_of(result));
-  report_json(result, count_recognitions(result, truth), judge(result, truth, {}), truth, "", {});
 }
 
 }  // namespace
@@ -51,5 +44,4 @@ void fuzz::run(std::string_view input) {
   seal(parts);
   const std::filesystem::path path = folder_of(parts) / "r.json";
   refuses([&] { report(read_result(path).result); });
-  refuses([&] { report(read_fabmap_result(path).result); });
 }

@@ -8,27 +8,29 @@ using namespace vpr;
 namespace {
 
 // Twenty query windows against ten training windows; the best match of window j is at 100 + 10 j.
-SequenceResult make_result(ThresholdScale scale, double threshold) {
-  SequenceResult result;
-  result.settings.window_length = 2;
-  result.settings.distance_threshold = threshold;
+Result planned_result(ThresholdScale scale, double threshold) {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 2;
+  settings.distance_threshold = threshold;
+  result.settings = settings;
   result.query_windows = 20;
-  SequenceThreshold& sequence = result.sequences.emplace_back();
+  Target& sequence = result.targets.emplace_back();
   sequence.name = "walk";
   sequence.windows = 10;
   sequence.threshold = threshold;
   sequence.scale = scale;
   if (scale == ThresholdScale::relative) sequence.max_distance = 1000;
-  for (uint32_t j = 0; j < 20; ++j) result.best.emplace_back(Cell{j, 0, 3, 100 + 10 * j});
+  for (uint32_t j = 0; j < 20; ++j) result.best.emplace_back(Match{j, 0, 3, 0, 100 + 10.0 * j});
   return result;
 }
 
 }  // namespace
 
 TEST_CASE("on the scale mean the closest is the one that is closest for its window") {
-  SequenceResult result = make_result(ThresholdScale::mean, 0.1);
-  result.sequences[0].window_means.assign(20, 400);
-  result.sequences[0].window_means[5] = 1000;  // 150 of 1000
+  Result result = planned_result(ThresholdScale::mean, 0.1);
+  result.targets[0].window_means.assign(20, 400);
+  result.targets[0].window_means[5] = 1000;  // 150 of 1000
   const auto advice = threshold_advice(result);
   REQUIRE(advice);
   CHECK(advice->sentence.find("0.150 of what this window differs by on average") !=
@@ -40,7 +42,7 @@ TEST_CASE("on the scale mean the closest is the one that is closest for its wind
 }
 
 TEST_CASE("without a hit, the closest windows and a threshold for a tenth of them are said") {
-  const auto bits = threshold_advice(make_result(ThresholdScale::bits, 10));
+  const auto bits = threshold_advice(planned_result(ThresholdScale::bits, 10));
   REQUIRE(bits);
   CHECK_FALSE(bits->is_too_large);
   CHECK(bits->sentence.find("query frame 1 and walk frame 4: 50.0 bits a frame") !=
@@ -49,7 +51,7 @@ TEST_CASE("without a hit, the closest windows and a threshold for a tenth of the
   CHECK(bits->suggested->threshold == 55.1);  // the second closest has 110 / 2
   CHECK(bits->suggested->scale == ThresholdScale::bits);
   CHECK(bits->suggested->windows == 2);
-  const auto relative = threshold_advice(make_result(ThresholdScale::relative, 0.05));
+  const auto relative = threshold_advice(planned_result(ThresholdScale::relative, 0.05));
   REQUIRE(relative);
   CHECK(relative->sentence.find("0.100 of the largest distance, 50.0 bits a frame") !=
         std::string::npos);
@@ -59,33 +61,33 @@ TEST_CASE("without a hit, the closest windows and a threshold for a tenth of the
 }
 
 TEST_CASE("more than a fifth of all pairs as hits is too much") {
-  SequenceResult result = make_result(ThresholdScale::bits, 200);
+  Result result = planned_result(ThresholdScale::bits, 200);
   for (uint32_t j = 0; j < 20; ++j)
-    for (uint32_t i = 0; i < 2; ++i) result.hits.push_back({j, 0, i, 300});
+    for (uint32_t i = 0; i < 2; ++i) result.hits.push_back({j, 0, i, 0, 300});
   CHECK_FALSE(threshold_advice(result));  // 40 of 200
-  result.hits.push_back({19, 0, 2, 300});
+  result.hits.push_back({19, 0, 2, 0, 300});
   const auto advice = threshold_advice(result);
   REQUIRE(advice);
   CHECK(advice->is_too_large);
   CHECK(advice->sentence.find("20 % of all window pairs are hits") == 0);
   REQUIRE(advice->suggested);
   CHECK(advice->suggested->threshold == 55.1);
-  result.sequences[0].threshold = 55;
+  result.targets[0].threshold = 55;
   CHECK_FALSE(threshold_advice(result)->suggested);  // no help
   CHECK(recognised_windows(result) == 20);
 }
 
 TEST_CASE("mean z is suggested below 0 or not at all") {
-  SequenceResult result = make_result(ThresholdScale::mean_z, -9);
-  result.settings.score = Score::standardized;
-  for (auto& cell : result.best) cell->distance = static_cast<uint32_t>(score_offset(2) - 2 * 1024);
+  Result result = planned_result(ThresholdScale::mean_z, -9);
+  std::get<SequenceQuerySettings>(result.settings).score = Score::standardized;
+  for (auto& match : result.best) match->score = -2 * 1024;
   const auto advice = threshold_advice(result);
   REQUIRE(advice);
   CHECK(advice->sentence.find("mean z -1.00") != std::string::npos);
   REQUIRE(advice->suggested);
   CHECK(advice->suggested->threshold == -0.99);
   CHECK(advice->suggested->windows == 20);
-  for (auto& cell : result.best) cell->distance = static_cast<uint32_t>(score_offset(2) + 2 * 1024);
+  for (auto& match : result.best) match->score = 2 * 1024;
   CHECK_FALSE(threshold_advice(result)->suggested);
   result.best.assign(20, std::nullopt);
   CHECK_FALSE(threshold_advice(result));

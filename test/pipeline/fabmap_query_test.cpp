@@ -54,9 +54,11 @@ FabmapDatabase without_unreadable(const FabmapDatabase& database) {
   return fewer;
 }
 
-FabmapResult result_with(const std::vector<std::optional<PlaceMatch>>& best, uint64_t window) {
-  FabmapResult result;
-  result.settings.window = window;
+Result result_with(const std::vector<std::optional<Match>>& best, uint64_t window) {
+  Result result;
+  FabmapQuerySettings settings;
+  settings.window = window;
+  result.settings = settings;
   result.best = best;
   return result;
 }
@@ -97,10 +99,10 @@ TEST_CASE("frames without a word are counted apart from those that can't be deco
 
 TEST_CASE("the lower t_p to try is the first round one that recognises something") {
   const auto at = [](uint32_t frame, uint32_t view, double probability) {
-    return PlaceMatch{frame, view, view, probability};
+    return Match{frame, 0, view, view, probability};
   };
-  const std::vector<std::optional<PlaceMatch>> best = {at(0, 4, 0.31), std::nullopt, at(2, 4, 0.8),
-                                                       at(3, 4, 0.35), at(4, 5, 0.72)};
+  const std::vector<std::optional<Match>> best = {at(0, 4, 0.31), std::nullopt, at(2, 4, 0.8),
+                                                  at(3, 4, 0.35), at(4, 5, 0.72)};
   const auto once = lower_place_threshold(result_with(best, 1));
   REQUIRE(once);
   CHECK(once->best == at(2, 4, 0.8));

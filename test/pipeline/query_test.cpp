@@ -52,20 +52,20 @@ QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
 }
 
 // Hits by the definition and a division per cell.
-std::vector<Cell> slow_hits(const std::vector<std::vector<LdbCode>>& train,
-                            const std::vector<LdbCode>& query, size_t length, double threshold) {
-  std::vector<Cell> hits;
+std::vector<Match> slow_hits(const std::vector<std::vector<LdbCode>>& train,
+                             const std::vector<LdbCode>& query, size_t length, double threshold) {
+  std::vector<Match> hits;
   for (size_t s = 0; s < train.size(); ++s) {
     const auto distances = plain_openable(train[s], query, length);
     const double most = *std::max_element(distances.begin(), distances.end());
     const size_t cols = train[s].size() - length + 1;
     for (size_t x = 0; x < distances.size(); ++x)
       if (distances[x] / most < threshold)
-        hits.push_back({uint32_t(x / cols), uint32_t(s), uint32_t(x % cols), distances[x]});
+        hits.push_back(
+            {uint32_t(x / cols), uint32_t(s), uint32_t(x % cols), 0, double(distances[x])});
   }
-  std::sort(hits.begin(), hits.end(), [](const Cell& a, const Cell& b) {
-    return std::tie(a.query_window, a.sequence, a.train_window) <
-           std::tie(b.query_window, b.sequence, b.train_window);
+  std::sort(hits.begin(), hits.end(), [](const Match& a, const Match& b) {
+    return std::tie(a.query, a.target, a.train) < std::tie(b.query, b.target, b.train);
   });
   return hits;
 }
@@ -84,7 +84,7 @@ TEST_CASE("relative thresholds use the finished maximum of each training sequenc
     settings.distance_threshold = threshold;
     for (const char* method : {"fastable", "fastable-online", "openable"}) {
       settings.method = method;
-      const SequenceResult result = query_all(database, make_query(query), settings).result;
+      const Result result = query_all(database, make_query(query), settings).result;
       CHECK(result.hits == slow_hits(train, query, 5, threshold));
       CHECK_FALSE(result.hits.empty());
     }
@@ -99,10 +99,10 @@ TEST_CASE("automatic thresholds find a revisit and nothing between the training 
   const SequenceDatabase database = make_database(train, 10);
   SequenceQuerySettings settings;
   settings.window_length = 10;
-  const SequenceResult result = query_all(database, make_query(query), settings).result;
-  CHECK(result.sequences[0].scale == ThresholdScale::bits);
-  REQUIRE_FALSE(result.places.empty());
-  for (const Recognition& place : result.places) CHECK(place.sequence == 1);
+  const Result result = query_all(database, make_query(query), settings).result;
+  CHECK(result.targets[0].scale == ThresholdScale::bits);
+  REQUIRE_FALSE(result.clusters->all.empty());
+  for (const Cluster& cluster : result.clusters->all) CHECK(cluster.target == 1);
   // The threshold is strict: the closest windows of the training sequences are no hits.
   const DescriptorSet first = make_query(train[0]);
   settings.only_sequences = {"b"};
@@ -121,9 +121,9 @@ TEST_CASE("a window length without thresholds is computed") {
   CHECK(warnings.empty());
   const SequenceDatabase other =
       make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 7);
-  CHECK(query_all(other, make_query(test::walk_codes(30, 3)), settings)
-            .result.sequences[1]
-            .threshold == computed.result.sequences[1].threshold);
+  CHECK(
+      query_all(other, make_query(test::walk_codes(30, 3)), settings).result.targets[1].threshold ==
+      computed.result.targets[1].threshold);
 }
 
 TEST_CASE("a window that is close to the training walk itself elsewhere is no hit") {
@@ -133,13 +133,12 @@ TEST_CASE("a window that is close to the training walk itself elsewhere is no hi
   const SequenceDatabase database = make_database({walk}, 10);
   SequenceQuerySettings settings;
   settings.window_length = 10;
-  const SequenceResult result = query_all(database, make_query(query), settings).result;
-  REQUIRE(result.sequences[0].threshold);
-  CHECK(result.sequences[0].scale == ThresholdScale::mean);
+  const Result result = query_all(database, make_query(query), settings).result;
+  REQUIRE(result.targets[0].threshold);
+  CHECK(result.targets[0].scale == ThresholdScale::mean);
   REQUIRE_FALSE(result.hits.empty());
-  CHECK(result.best[18]->train_window == 13);
-  for (const Cell& hit : result.hits)
-    CHECK(std::abs(int(hit.query_window) - 5 - int(hit.train_window)) <= 10);
+  CHECK(result.best[18]->train == 13);
+  for (const Match& hit : result.hits) CHECK(std::abs(int(hit.query) - 5 - int(hit.train)) <= 10);
   SequenceDatabase old = make_database({walk}, 10);  // of the time before such thresholds
   old.thresholds[0].closest[0].reset();
   CHECK(query_all(old, make_query(query), settings).result.hits == result.hits);
@@ -155,14 +154,14 @@ TEST_CASE("the mean scale asks how much closer a window is than it is to the who
   settings.distance_threshold = 0.9;
   settings.threshold_scale = ThresholdScale::mean;
   const auto distances = plain_openable(walk, query, 10);
-  std::vector<Cell> expected;
+  std::vector<Match> expected;
   for (uint32_t j = 0; j < 41; ++j) {
     uint64_t sum = 0;
     for (size_t k = 0; k < 10; ++k)
       for (const LdbCode& frame : walk) sum += plain_hamming(query[j + k], frame);
     for (uint32_t i = 0; i < 81; ++i)
       if (distances[j * 81 + i] / (double(sum) / 90) < 0.9)
-        expected.push_back({j, 0, i, distances[j * 81 + i]});
+        expected.push_back({j, 0, i, 0, double(distances[j * 81 + i])});
   }
   REQUIRE_FALSE(expected.empty());
   for (const char* method : {"fastable", "fastable-online", "openable"}) {
@@ -179,9 +178,9 @@ TEST_CASE("other light makes all distances larger, and a walk is recognised all 
   const SequenceDatabase database = make_database({walk}, 10);
   SequenceQuerySettings settings;
   settings.window_length = 10;
-  const SequenceResult result = query_all(database, make_query(query), settings).result;
+  const Result result = query_all(database, make_query(query), settings).result;
   std::vector<bool> recognised(41);
-  for (const Cell& hit : result.hits) recognised[hit.query_window] = true;
+  for (const Match& hit : result.hits) recognised[hit.query] = true;
   CHECK(std::count(recognised.begin(), recognised.end(), true) > 30);
 }
 
@@ -200,9 +199,9 @@ TEST_CASE("training walks that look different don't make everything a hit") {
   const SequenceDatabase database = make_database(walks, 5);
   SequenceQuerySettings settings;
   settings.window_length = 5;
-  const SequenceResult result = query_all(database, make_query(walks[0]), settings).result;
+  const Result result = query_all(database, make_query(walks[0]), settings).result;
   CHECK(result.hits.size() == 36);  // each window its own; with the closest windows all 1296
-  CHECK(*result.sequences[0].threshold < 180);
+  CHECK(*result.targets[0].threshold < 180);
 }
 
 TEST_CASE("long walks are left to the queries that ask") {
@@ -225,10 +224,10 @@ TEST_CASE("a search can be limited to sequences, whose indices stay those of the
   settings.window_length = 5;
   settings.distance_threshold = 1;
   settings.only_sequences = {"b"};
-  const SequenceResult result = query_all(database, make_query(train[0]), settings).result;
+  const Result result = query_all(database, make_query(train[0]), settings).result;
   CHECK_FALSE(result.hits.empty());
-  for (const Cell& hit : result.hits) CHECK(hit.sequence == 1);
-  CHECK_FALSE(result.sequences[0].searched);
+  for (const Match& hit : result.hits) CHECK(hit.target == 1);
+  CHECK_FALSE(result.targets[0].searched);
 }
 
 TEST_CASE("identical training and query windows only: the maximum is 0 and so is every quotient") {
@@ -347,6 +346,6 @@ TEST_CASE("windows whose sums do not fit the files are refused") {
   const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
   CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for frames described by"));
   settings.window_length = 5;
-  const SequenceResult result = query_all(database, query, settings).result;
+  const Result result = query_all(database, query, settings).result;
   CHECK(result.hits.size() == 96 * 96);  // all vectors are the same
 }

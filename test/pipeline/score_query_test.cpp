@@ -63,14 +63,14 @@ TEST_CASE("standardized scores find a revisit, and every method gives the same")
   const SequenceDatabase database = make_database(train);
   SequenceQuerySettings settings = scored_settings(5);
   settings.distance_threshold = -4;
-  const SequenceResult result = query_all(database, make_query(query), settings).result;
+  const Result result = query_all(database, make_query(query), settings).result;
   REQUIRE_FALSE(result.hits.empty());
-  CHECK(result.sequences[0].scale == ThresholdScale::mean_z);
-  for (const Cell& hit : result.hits) {
-    CHECK(hit.sequence == 0);
-    CHECK(mean_z(hit.distance, 5) < -4);
+  CHECK(result.targets[0].scale == ThresholdScale::mean_z);
+  for (const Match& hit : result.hits) {
+    CHECK(hit.target == 0);
+    CHECK(result.score().frame_value(hit.score, 5) < -4);
   }
-  CHECK(result.best[18]->train_window == 13);
+  CHECK(result.best[18]->train == 13);
   settings.method = "fastable-online";
   CHECK(query_all(database, make_query(query), settings).result.hits == result.hits);
 }
@@ -86,20 +86,20 @@ TEST_CASE("automatic thresholds of scores are those of training sequences as que
     settings.score = score;
     settings.safety_margin = 0;
     settings.distance_threshold.reset();
-    const SequenceResult result = query_all(database, make_query(query), settings).result;
-    CHECK(result.sequences[0].scale == ThresholdScale::mean_z);
-    CHECK_FALSE(result.sequences[2].threshold);  // it has no window, and needs none
+    const Result result = query_all(database, make_query(query), settings).result;
+    CHECK(result.targets[0].scale == ThresholdScale::mean_z);
+    CHECK_FALSE(result.targets[2].threshold);  // it has no window, and needs none
     // The revisit scores far below what different places reach.
     REQUIRE_FALSE(result.hits.empty());
     const auto best =
         std::min_element(result.hits.begin(), result.hits.end(),
-                         [](const Cell& a, const Cell& b) { return a.distance < b.distance; });
-    CHECK(best->sequence == 1);
-    CHECK(best->train_window + 5 == best->query_window);
+                         [](const Match& a, const Match& b) { return a.score < b.score; });
+    CHECK(best->target == 1);
+    CHECK(best->train + 5 == best->query);
     settings.safety_margin = 0.25;
-    const SequenceResult stricter = query_all(database, make_query(query), settings).result;
-    CHECK(*stricter.sequences[0].threshold ==
-          Approx(*result.sequences[0].threshold - 0.25).margin(1e-12));
+    const Result stricter = query_all(database, make_query(query), settings).result;
+    CHECK(*stricter.targets[0].threshold ==
+          Approx(*result.targets[0].threshold - 0.25).margin(1e-12));
     // The first sequence as all the training data, with the statistics that it has among the
     // others; the second one as the query. (The third is no query: it has no window.)
     SequenceDatabase two = make_database({train[0], train[1]});
@@ -108,13 +108,13 @@ TEST_CASE("automatic thresholds of scores are those of training sequences as que
     alone.statistics->bias.resize(60);
     alone.statistics->variance.resize(60);
     settings.safety_margin = 0;
-    const SequenceResult closest = query_all(two, make_query(query), settings).result;
+    const Result closest = query_all(two, make_query(query), settings).result;
     settings.distance_threshold = 0;
-    const SequenceResult against = query_all(alone, make_query(train[1]), settings).result;
-    uint32_t least = ~0U;
-    for (const auto& cell : against.best) least = std::min(least, cell->distance);
-    CHECK(*closest.sequences[0].threshold ==
-          std::min(mean_z(least, 10), largest_score_threshold(10)));
+    const Result against = query_all(alone, make_query(train[1]), settings).result;
+    double least = 0;
+    for (const auto& match : against.best) least = std::min(least, match->score);
+    CHECK(*closest.targets[0].threshold ==
+          std::min(against.score().frame_value(least, 10), largest_score_threshold(10)));
   }
 }
 
@@ -125,12 +125,12 @@ TEST_CASE("rows are centred over all training frames, whichever sequences are se
   SequenceQuerySettings settings = scored_settings(5);
   settings.distance_threshold = 0;
   const DescriptorSet query = make_query(test::walk_codes(40, 4));
-  const SequenceResult all = query_all(database, query, settings).result;
+  const Result all = query_all(database, query, settings).result;
   settings.only_sequences = {"b"};
-  const SequenceResult one = query_all(database, query, settings).result;
-  std::vector<Cell> expected;
-  for (const Cell& hit : all.hits)
-    if (hit.sequence == 1) expected.push_back(hit);
+  const Result one = query_all(database, query, settings).result;
+  std::vector<Match> expected;
+  for (const Match& hit : all.hits)
+    if (hit.target == 1) expected.push_back(hit);
   CHECK(expected.size() > 46 * 9);
   CHECK(one.hits == expected);
 }
@@ -143,12 +143,11 @@ TEST_CASE("scores of a single walk have an automatic threshold, too") {
   SequenceQuerySettings settings = scored_settings(10);
   for (const Score score : {Score::standardized, Score::standardized_offline}) {
     settings.score = score;
-    const SequenceResult result = query_all(database, make_query(query), settings).result;
-    REQUIRE(result.sequences[0].threshold);
-    CHECK(*result.sequences[0].threshold <= largest_score_threshold(10));
+    const Result result = query_all(database, make_query(query), settings).result;
+    REQUIRE(result.targets[0].threshold);
+    CHECK(*result.targets[0].threshold <= largest_score_threshold(10));
     REQUIRE_FALSE(result.hits.empty());
-    for (const Cell& hit : result.hits)
-      CHECK(std::abs(int(hit.query_window) - 5 - int(hit.train_window)) <= 10);
+    for (const Match& hit : result.hits) CHECK(std::abs(int(hit.query) - 5 - int(hit.train)) <= 10);
   }
 }
 
@@ -163,13 +162,17 @@ TEST_CASE("a wrong score is found, and a right one is not") {
     settings.score = score;
     const QueryRun run = query_all(database, query, settings, 100'000);
     CHECK(run.verified_cells == 2 * 27 * 37);  // every one
-    std::vector<Cell> cells = {run.result.hits[100], run.result.hits[300]};
+    const auto cell_of = [&](const Match& hit) {
+      return Cell{hit.query, hit.target, hit.train, uint32_t(hit.score + double(score_offset(4)))};
+    };
+    const Cell right = cell_of(run.result.hits[300]);
+    std::vector<Cell> cells = {cell_of(run.result.hits[100]), right};
     cells[1].distance += 10;  // two units a frame
     const auto wrong = wrong_scores(cells, code_spans(database), {query.rows(), {}}, 4,
                                     *score_basis(database, settings), {});
     REQUIRE(wrong.size() == 1);
     CHECK(wrong[0].train_window == cells[1].train_window);
-    CHECK(std::abs(int64_t{wrong[0].distance} - int64_t{run.result.hits[300].distance}) <= 4);
+    CHECK(std::abs(int64_t{wrong[0].distance} - int64_t{right.distance}) <= 4);
   }
 }
 
@@ -245,15 +248,15 @@ TEST_CASE("a sweep of scores counts what single queries find") {
   QueryResources resources;
   resources.kernels = select_kernels();
   SequenceQuerySettings settings = scored_settings(5);
-  const SequenceGrid grid{{5, 1, 12}, {-1.0, -4.0, std::nullopt}};
+  const Grid grid{{5, 1, 12}, {-1.0, -4.0, std::nullopt}};
   const auto cells = sweep_sequences(database, query, "q", settings, grid, truth, resources, {});
   REQUIRE(cells.size() == 9);
-  for (const SequenceCellCounts& cell : cells) {
+  for (const CellCounts& cell : cells) {
     CHECK(cell.scale == ThresholdScale::mean_z);
-    settings.window_length = cell.window_length;
-    settings.distance_threshold = cell.distance_threshold;
-    const SequenceResult result = query_all(database, query, settings).result;
-    const SequenceCounts counts = count_recognitions(result, truth(scope_of(result)));
+    settings.window_length = cell.window;
+    settings.distance_threshold = cell.threshold;
+    const Result result = query_all(database, query, settings).result;
+    const Counts counts = count_recognitions(result, truth(scope_of(result)));
     CHECK(cell.counts.hits.correct == counts.hits.correct);
     CHECK(cell.counts.hits.incorrect == counts.hits.incorrect);
     CHECK(cell.counts.best_match.correct == counts.best_match.correct);

@@ -60,26 +60,25 @@ TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
     SequenceQuerySettings base;
     if (scale == ThresholdScale::mean) base.only_sequences = {"a"};
     base.threshold_scale = scale;
-    const SequenceGrid grid = scale == ThresholdScale::bits
-                                  ? SequenceGrid{{1, 20, 5}, {250, 400, 650, 0, std::nullopt}}
-                                  : SequenceGrid{{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}};
+    const Grid grid = scale == ThresholdScale::bits
+                          ? Grid{{1, 20, 5}, {250, 400, 650, 0, std::nullopt}}
+                          : Grid{{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}};
     const auto cells = sweep_sequences(database, query, "q", base, grid, make_truth, resources, {});
     REQUIRE(cells.size() == 15);
     size_t hits = 0;
     for (size_t c = 0; c < cells.size(); ++c) {
       SequenceQuerySettings settings = base;
-      settings.window_length = grid.window_lengths[c / 5];
-      settings.distance_threshold = grid.distance_thresholds[c % 5];
-      const SequenceResult result =
-          run_query(plan_query(database, query, "q", settings, resources, {}), database, query,
-                    resources, {}, {})
-              .result;
-      const SequenceCounts alone = count_recognitions(result, make_truth(scope_of(result)));
+      settings.window_length = grid.windows[c / 5];
+      settings.distance_threshold = grid.thresholds[c % 5];
+      const Result result = run_query(plan_query(database, query, "q", settings, resources, {}),
+                                      database, query, resources, {}, {})
+                                .result;
+      const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
       INFO("c_l " << settings.window_length << ", cell " << c);
-      CHECK(cells[c].window_length == settings.window_length);
-      CHECK(cells[c].distance_threshold == settings.distance_threshold);
+      CHECK(cells[c].window == settings.window_length);
+      CHECK(cells[c].threshold == settings.distance_threshold);
       CHECK(numbers(cells[c].counts.hits) == numbers(alone.hits));
-      CHECK(numbers(cells[c].counts.places) == numbers(alone.places));
+      CHECK(numbers(*cells[c].counts.clusters) == numbers(*alone.clusters));
       CHECK(cells[c].counts.distinct == alone.distinct);
       CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
       CHECK(cells[c].counts.best_match.queries == alone.best_match.queries);
@@ -141,4 +140,52 @@ TEST_CASE("the hits of all window lengths share the memory") {
   CHECK(!run({1}, enough));
   CHECK(run({1, 2}, enough) == ErrorKind::usage);
   CHECK(!run({1, 2}, 2 * enough));
+}
+
+TEST_CASE("intervals of counts that are the same everywhere are the counts") {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 3;
+  result.settings = settings;
+  result.query_frames = 12;
+  result.query_windows = 10;
+  result.targets = {{"ref", 30, 28, true, {}, ThresholdScale::bits, 0, {}}};
+  GroundTruth truth;
+  truth.pairs.resize(12);
+  for (uint32_t frame = 0; frame < 12; ++frame)
+    truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
+  // Every window has a right hit, and two wrong ones.
+  for (uint32_t window = 0; window < 10; ++window)
+    for (const uint32_t train : {window, window + 5, window + 9})
+      result.hits.push_back({window, 0, train, 0, 1});
+  result.clusters.emplace();
+  result.clusters->all = {{0, 3, 0, 9, 3, 0, 9, 10, 1}};
+  const SweepIntervals found = count_intervals(result, truth, 7);
+  CHECK(found.block == 3);
+  CHECK((found.correct_hits.low == 10 && found.correct_hits.high == 10));
+  CHECK((found.incorrect_hits.low == 20 && found.incorrect_hits.high == 20));
+  CHECK(found.correct_places.high >= 1);
+  CHECK((found.incorrect_places.low == 0 && found.incorrect_places.high == 0));
+  // Of frames that are compared one by one, blocks are of c_w frames, but at least 8.
+  FabmapQuerySettings fabmap;
+  result.clusters.reset();
+  result.settings = fabmap;
+  result.query_windows = result.query_frames;
+  CHECK(count_intervals(result, truth, 7).block == 8);
+  fabmap.window = 9;
+  result.settings = fabmap;
+  CHECK(count_intervals(result, truth, 7).block == 9);
+  fabmap.window = 100;
+  result.settings = fabmap;
+  CHECK(count_intervals(result, truth, 7).block == 12);
+}
+
+TEST_CASE("a threshold of FAB-MAP is a number") {
+  FabmapDatabase database;
+  CHECK(test::error_kind([&] {
+          sweep_fabmap(database, {}, "q", {}, {{1}, {std::nullopt}}, make_truth, 1, {});
+        }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] {
+          sweep_fabmap(database, {}, "q", {}, {{1}, {1.5}}, make_truth, 1, {});
+        }) == ErrorKind::usage);
 }

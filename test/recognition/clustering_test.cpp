@@ -14,25 +14,26 @@ using namespace vpr;
 namespace {
 
 // Pairs of (query, train), in order.
-std::vector<Cell> cells(const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
-  std::vector<Cell> hits;
-  for (const auto& [query, train] : pairs) hits.push_back({query, 0, train, query + train});
+std::vector<Match> cells(const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  std::vector<Match> hits;
+  for (const auto& [query, train] : pairs)
+    hits.push_back({query, 0, train, 0, double(query + train)});
   return hits;
 }
 
 // Textbook DBSCAN with min_points 1: breadth-first over all pairs.
-std::vector<size_t> slow_labels(const std::vector<Cell>& hits, const ClusterSettings& settings) {
+std::vector<size_t> slow_labels(const std::vector<Match>& hits, const ClusterSettings& settings) {
   std::vector<size_t> label(hits.size(), hits.size());
   for (size_t start = 0; start < hits.size(); ++start) {
     if (label[start] != hits.size()) continue;
     std::vector<size_t> open = {start};
     label[start] = start;
     while (!open.empty()) {
-      const Cell a = hits[open.back()];
+      const Match a = hits[open.back()];
       open.pop_back();
       for (size_t k = 0; k < hits.size(); ++k) {
-        const int64_t dq = int64_t{a.query_window} - hits[k].query_window;
-        const int64_t dt = int64_t{a.train_window} - hits[k].train_window;
+        const int64_t dq = int64_t{a.query} - hits[k].query;
+        const int64_t dt = int64_t{a.train} - hits[k].train;
         const int64_t squared = dq * dq + dt * dt;
         const int64_t bound = settings.eps * settings.eps;
         const bool near = settings.eps_inclusive ? squared <= bound : squared < bound;
@@ -56,35 +57,35 @@ TEST_CASE("clustering can be stopped") {
 }
 
 TEST_CASE("no hits give no places, one hit gives itself") {
-  CHECK(cluster_hits({}, {}).places.empty());
-  const auto places = cluster_hits(cells({{7, 9}}), {}).places;
+  CHECK(cluster_hits({}, {}).all.empty());
+  const auto places = cluster_hits(cells({{7, 9}}), {}).all;
   REQUIRE(places.size() == 1);
-  CHECK(places[0] == Recognition{0, 7, 7, 7, 9, 9, 9, 1, 16});
+  CHECK(places[0] == Cluster{0, 7, 7, 7, 9, 9, 9, 1, 16});
 }
 
 TEST_CASE("a distance of exactly eps is inside, unless the published program's rule is chosen") {
   const auto straight = cells({{0, 0}, {0, 2}});
-  CHECK(cluster_hits(straight, {}).places.size() == 1);
-  CHECK(cluster_hits(straight, {2, false}).places.size() == 2);
-  CHECK(cluster_hits(cells({{0, 0}, {0, 3}}), {}).places.size() == 2);
-  CHECK(cluster_hits(cells({{0, 0}, {2, 0}}), {}).places.size() == 1);
-  CHECK(cluster_hits(cells({{0, 0}, {2, 1}}), {}).places.size() == 2);  // sqrt 5
-  CHECK(cluster_hits(cells({{0, 1}, {1, 0}}), {}).places.size() == 1);  // backwards in train
+  CHECK(cluster_hits(straight, {}).all.size() == 1);
+  CHECK(cluster_hits(straight, {2, false}).all.size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {0, 3}}), {}).all.size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {2, 0}}), {}).all.size() == 1);
+  CHECK(cluster_hits(cells({{0, 0}, {2, 1}}), {}).all.size() == 2);  // sqrt 5
+  CHECK(cluster_hits(cells({{0, 1}, {1, 0}}), {}).all.size() == 1);  // backwards in train
 }
 
 TEST_CASE("indices 0 and 1 do not wrap around") {
-  CHECK(cluster_hits(cells({{0, 0}, {1, 1}, {2, 4294967295U}}), {}).places.size() == 2);
+  CHECK(cluster_hits(cells({{0, 0}, {1, 1}, {2, 4294967295U}}), {}).all.size() == 2);
 }
 
 TEST_CASE("means are rounded half up, extents and best distance are kept") {
-  const auto places = cluster_hits(cells({{10, 20}, {11, 21}, {11, 22}, {12, 22}}), {}).places;
+  const auto places = cluster_hits(cells({{10, 20}, {11, 21}, {11, 22}, {12, 22}}), {}).all;
   REQUIRE(places.size() == 1);
   CHECK(places[0].query_window == 11);
   CHECK(places[0].train_window == 21);  // 21.25
   CHECK((places[0].query_first == 10 && places[0].query_last == 12));
   CHECK((places[0].train_first == 20 && places[0].train_last == 22));
-  CHECK((places[0].hits == 4 && places[0].best_distance == 30));
-  CHECK(cluster_hits(cells({{0, 0}, {1, 0}}), {}).places[0].query_window == 1);  // 0.5
+  CHECK((places[0].hits == 4 && places[0].best_score == 30));
+  CHECK(cluster_hits(cells({{0, 0}, {1, 0}}), {}).all[0].query_window == 1);  // 0.5
 }
 
 TEST_CASE("clusters are those of textbook DBSCAN") {
@@ -94,18 +95,18 @@ TEST_CASE("clusters are those of textbook DBSCAN") {
     std::set<std::pair<uint32_t, uint32_t>> pairs;
     for (uint64_t i = 0; i < side * side / 6; ++i)
       pairs.emplace(uniform_below(engine, side), uniform_below(engine, side));
-    const std::vector<Cell> hits = cells({pairs.begin(), pairs.end()});
+    const std::vector<Match> hits = cells({pairs.begin(), pairs.end()});
     const ClusterSettings settings{static_cast<int64_t>(uniform_below(engine, 5)), round % 2 == 0};
     const std::vector<size_t> label = slow_labels(hits, settings);
-    const auto [places, place_of] = cluster_hits(hits, settings);
+    const auto [places, of_hit] = cluster_hits(hits, settings);
     const std::set<size_t> roots(label.begin(), label.end());
     REQUIRE(places.size() == roots.size());
     for (size_t h = 0; h < hits.size(); ++h)
-      REQUIRE(place_of[h] == size_t(std::distance(roots.begin(), roots.find(label[h]))));
+      REQUIRE(of_hit[h] == size_t(std::distance(roots.begin(), roots.find(label[h]))));
     size_t place = 0;
     for (const size_t root : roots) {  // in the order of first hits, as the places are
       REQUIRE(places[place].hits == size_t(std::count(label.begin(), label.end(), root)));
-      REQUIRE(places[place].query_first == hits[root].query_window);
+      REQUIRE(places[place].query_first == hits[root].query);
       ++place;
     }
   }
@@ -113,12 +114,12 @@ TEST_CASE("clusters are those of textbook DBSCAN") {
 
 TEST_CASE("places of several sequences come one after the other, and every hit knows its own") {
   // By query window, sequence, train window.
-  const std::vector<Cell> hits = {
+  const std::vector<Match> hits = {
       {0, 0, 0, 1}, {0, 2, 0, 1}, {1, 0, 1, 1}, {1, 2, 30, 1}, {9, 0, 9, 1}};
-  const Clusters clusters = cluster_by_sequence(hits, 3, {});
-  REQUIRE(clusters.places.size() == 4);
-  CHECK((clusters.places[0].sequence == 0 && clusters.places[0].hits == 2));
-  CHECK((clusters.places[2].sequence == 2 && clusters.places[3].train_window == 30));
-  CHECK(clusters.place_of == std::vector<uint32_t>{0, 2, 0, 3, 1});
-  CHECK(cluster_by_sequence({}, 3, {}).places.empty());
+  const Clusters clusters = cluster_by_target(hits, 3, {});
+  REQUIRE(clusters.all.size() == 4);
+  CHECK((clusters.all[0].target == 0 && clusters.all[0].hits == 2));
+  CHECK((clusters.all[2].target == 2 && clusters.all[3].train_window == 30));
+  CHECK(clusters.of_hit == std::vector<uint32_t>{0, 2, 0, 3, 1});
+  CHECK(cluster_by_target({}, 3, {}).all.empty());
 }

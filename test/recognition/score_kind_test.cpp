@@ -5,13 +5,15 @@
 
 #include "base/json.h"
 #include "matching/score_kernels.h"
-#include "recognition/sequence_result.h"
+#include "recognition/query_settings.h"
 #include "support.h"
 
 using namespace vpr;
 
 TEST_CASE("each score has its row") {
-  REQUIRE(score_kinds().size() == kEnumNames<Score>.size());
+  REQUIRE(score_kinds().size() == kEnumNames<Score>.size() + 1);
+  CHECK(&score_kinds().back() == &probability_kind());
+  CHECK(probability_kind().order == ScoreOrder::similarity);
   CHECK_FALSE(score_kind(Score::raw).needs_statistics);
   CHECK(score_kind(Score::standardized).needs_statistics);
   CHECK_FALSE(score_kind(Score::standardized).is_offline);
@@ -26,12 +28,13 @@ TEST_CASE("a sum of frame scores is given back a frame, whatever it is biased by
     // Three frames, each 1.5 deviations closer than usual.
     const auto sum = static_cast<uint32_t>(3 * kScoreBias - 3 * 1536);
     CHECK(sum - kind.offset(3) == -3 * 1536);
-    CHECK(kind.frame_value(sum, 3) == -1.5);
+    CHECK(kind.frame_value(-3 * 1536, 3) == -1.5);
   }
 }
 
 TEST_CASE("sums of the longest windows fit, and none is lower than what stands for a missing one") {
-  for (const ScoreKind& kind : score_kinds()) {
+  for (const Score score : {Score::raw, Score::standardized, Score::standardized_offline}) {
+    const ScoreKind& kind = score_kind(score);
     CHECK(-kind.offset(kind.longest_window) >= int64_t{kind.missing});
     // A sum of the largest frame scores fits into 32 bits.
     const uint64_t most = kind.needs_statistics ? 65535 : 1386;
@@ -83,4 +86,16 @@ TEST_CASE("an automatic threshold is the closest windows', with what the score t
   const auto sum = static_cast<uint32_t>(100 * (kScoreBias - 2 * 1024));
   const ClosestTable scores = {ClosestWindows{sum, 0, 1, 0}, std::nullopt};
   CHECK(score_kind(Score::standardized).automatic(scores, 0, typical, settings).value == -2.25);
+}
+
+TEST_CASE("FAB-MAP's settings are those that a file holds, and its windows are frames") {
+  FabmapQuerySettings settings;
+  settings.window = 5;
+  CHECK(settings_in_force(settings) == value_to_json(settings));
+  CHECK(window_length_of(settings) == 1);
+  CHECK(method_of(settings) == "fabmap");
+  CHECK(&score_of(settings) == &probability_kind());
+  CHECK(is_better(0.9, 0.8, probability_kind().order));
+  CHECK_FALSE(is_better(0.8, 0.8, probability_kind().order));
+  CHECK(is_better(-2, 1, score_kind(Score::raw).order));
 }

@@ -235,17 +235,17 @@ TEST_CASE("correct against incorrect starts at zero and names thresholds") {
   Sweep sweep;
   sweep.query_name = "walk";
   for (const double threshold : {0.4, 0.5, 0.6}) {
-    SequenceCellCounts cell;
-    cell.window_length = 10;
-    cell.distance_threshold = threshold;
-    cell.counts.hits.correct = cell.counts.places.correct = static_cast<uint64_t>(threshold * 100);
-    cell.counts.hits.incorrect = cell.counts.places.incorrect = threshold > 0.55 ? 9 : 0;
-    sweep.sequence_cells.push_back(cell);
+    CellCounts cell;
+    cell.window = 10;
+    cell.threshold = threshold;
+    cell.counts.hits.correct = static_cast<uint64_t>(threshold * 100);
+    cell.counts.hits.incorrect = threshold > 0.55 ? 9 : 0;
+    sweep.cells.push_back(cell);
   }
-  SequenceCellCounts automatic;
-  automatic.window_length = 10;
+  CellCounts automatic;
+  automatic.window = 10;
   automatic.counts.hits = {45, 3, 0};
-  sweep.sequence_cells.insert(sweep.sequence_cells.begin(), automatic);
+  sweep.cells.insert(sweep.cells.begin(), automatic);
   const Chart chart = sweep_chart(sweep);
   REQUIRE(chart.series.size() == 1);
   std::vector<std::string> order;  // a gap has no label
@@ -263,12 +263,12 @@ TEST_CASE("a heat map has a cell for every setting, the darker the more hits") {
   Sweep sweep;
   sweep.query_name = "walk";
   for (const double threshold : {0.4, 0.5}) {
-    SequenceCellCounts cell;
-    cell.window_length = 10;
-    cell.distance_threshold = threshold;
+    CellCounts cell;
+    cell.window = 10;
+    cell.threshold = threshold;
     cell.counts.hits.correct = threshold > 0.45 ? 100 : 25;
     cell.counts.hits.incorrect = threshold > 0.45 ? 4 : 0;
-    sweep.sequence_cells.push_back(cell);
+    sweep.cells.push_back(cell);
   }
   const cv::Mat image = pixels_of(heat_map_png({sweep}));
   CHECK(count_of(image, Meaning::right) > 1000);

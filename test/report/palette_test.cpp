@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include "report/summary.h"
 

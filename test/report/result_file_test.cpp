@@ -1,5 +1,7 @@
 #include "report/result_file.h"
 
+#include <cmath>
+
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -12,23 +14,40 @@ namespace fs = std::filesystem;
 
 namespace {
 
-SequenceResult example() {
-  SequenceResult result;
-  result.settings.window_length = 2;
-  result.settings.distance_threshold = 0.4;
+Result example() {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 2;
+  settings.distance_threshold = 0.4;
+  result.settings = settings;
   result.query_name = "walk";
   result.query_frames = 5;
   result.query_unreadable = {4};
   result.query_windows = 4;
-  result.sequences = {{"a", 6, 5, true, 0.4, ThresholdScale::relative, 12, 30},
-                      {"b", 3, 2, false, {}, ThresholdScale::bits, 0, {}}};
-  result.hits = {{0, 0, 1, 11}, {1, 0, 2, 9}};
-  result.best = {Cell{0, 0, 1, 11}, Cell{1, 0, 2, 9}, Cell{2, 0, 0, 20}, std::nullopt};
-  result.places = {{0, 1, 0, 1, 2, 1, 2, 2, 9}};
+  result.targets = {{"a", 6, 5, true, 0.4, ThresholdScale::relative, 12, 30},
+                    {"b", 3, 2, false, {}, ThresholdScale::bits, 0, {}}};
+  result.hits = {{0, 0, 1, 0, 11}, {1, 0, 2, 0, 9}};
+  result.best = {Match{0, 0, 1, 0, 11}, Match{1, 0, 2, 0, 9}, Match{2, 0, 0, 0, 20}, std::nullopt};
+  result.clusters = {{{0, 1, 0, 1, 2, 1, 2, 2, 9}}, {0, 0}};
   return result;
 }
 
-Json write(const fs::path& path, const SequenceResult& result, Existing existing) {
+// Two places of three views, five frames, of which one shows no word and one is unreadable.
+Result places_example() {
+  Result result;
+  result.settings = FabmapQuerySettings{};
+  result.query_name = "walk";
+  result.query_frames = result.query_windows = 5;
+  result.query_unreadable = {4};
+  result.targets = {{"places", 2, 2, true, {}, ThresholdScale::bits, 0, {}}};
+  result.places = ResultPlaces{{"hall", "stairs"}, 3, 1, {0.1, 0.2, 0.3, 0.9, 0}};
+  result.hits = {{0, 0, 0, 1, 0.995}, {0, 0, 1, 2, 0.991}, {2, 0, 1, 2, 0.999}};
+  result.best = {result.hits[0], Match{1, 0, 0, 0, 0.25}, result.hits[2], std::nullopt,
+                 std::nullopt};
+  return result;
+}
+
+Json write(const fs::path& path, const Result& result, Existing existing) {
   OutputTransaction outputs(existing);
   Json json = write_result(path, result, {}, outputs);
   outputs.commit();
@@ -50,46 +69,90 @@ TEST_CASE("companions are named after the result") {
 
 TEST_CASE("a result that was written is read back") {
   const test::TemporaryFolder folder;
-  const SequenceResult result = read_result(write_example(folder)).result;
-  const SequenceResult expected = example();
+  const Result result = read_result(write_example(folder)).result;
+  const Result expected = example();
   CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
   CHECK(result.hits == expected.hits);
   CHECK(result.best == expected.best);
-  CHECK(result.places == expected.places);
+  CHECK(result.clusters->all == expected.clusters->all);
   CHECK(result.query_unreadable == expected.query_unreadable);
-  CHECK(result.sequences[0].max_distance == 30);
-  CHECK_FALSE(result.sequences[1].searched);
+  CHECK(result.targets[0].max_distance == 30);
+  CHECK_FALSE(result.targets[1].searched);
   CHECK(test::list_folder(folder.path()) ==
-        std::vector<std::string>{"r.best.npy", "r.hits.npy", "r.json"});
+        std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.hit_scores.npy",
+                                 "r.hits.npy", "r.json"});
+}
+
+TEST_CASE("a result of places is written by the same writer, and read back by the same reader") {
+  const test::TemporaryFolder folder;
+  const Result expected = places_example();
+  const Json json = write(folder / "r.json", expected, Existing::refuse);
+  CHECK(json["targets"][0] ==
+        Json{{"name", "places"}, {"frames", 2}, {"windows", 2}, {"searched", true}});
+  CHECK(json["places"]["views"] == 3);
+  CHECK_FALSE(json.contains("clusters"));
+  const Result result = read_result(folder / "r.json").result;
+  CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
+  CHECK(result.hits == expected.hits);
+  CHECK(result.best == expected.best);
+  CHECK_FALSE(result.clusters);
+  CHECK(result.places->names == expected.places->names);
+  CHECK(result.places->new_place == expected.places->new_place);
+  CHECK(result.places->featureless == 1);
+  const NpyArray hits(folder / "r.hits.npy");
+  const auto values = hits.values<int32_t>(2);
+  CHECK(std::vector<int32_t>(values.begin(), values.end()) ==
+        std::vector<int32_t>{0, 0, 0, 1, 0, 0, 1, 2, 2, 0, 1, 2});
+}
+
+TEST_CASE("a result of places that was tampered with is refused") {
+  const test::TemporaryFolder folder;
+  for (const auto& change : std::vector<void (*)(Result&)>{
+           [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
+           [](Result& r) { r.targets.push_back(r.targets[0]); },
+           [](Result& r) { r.places->new_place.pop_back(); }, [](Result& r) { r.best.pop_back(); },
+           [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.hits[1].train = 2; },
+           [](Result& r) { r.hits[1] = r.hits[0]; },
+           [](Result& r) { r.hits[2].score = std::nan(""); }}) {
+    Result result = places_example();
+    change(result);
+    write(folder / "r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
 }
 
 TEST_CASE("standardized scores are written as they are, may be negative, and are read back") {
   const test::TemporaryFolder folder;
-  SequenceResult scored = example();
-  scored.settings.score = Score::standardized;
-  scored.settings.distance_threshold = -1.5;
-  scored.settings.threshold_scale = ThresholdScale::mean_z;
-  scored.sequences[0] = {"a", 6, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
-  const auto biased = [](int score) { return static_cast<uint32_t>(2 * 32768 + score); };
-  scored.hits = {{0, 0, 1, biased(-4000)}, {1, 0, 2, biased(-3073)}};
-  scored.best = {scored.hits[0], scored.hits[1], Cell{2, 0, 0, biased(17)}, std::nullopt};
-  scored.places[0].best_distance = biased(-4000);
+  Result scored = example();
+  auto& settings = std::get<SequenceQuerySettings>(scored.settings);
+  settings.score = Score::standardized;
+  settings.distance_threshold = -1.5;
+  settings.threshold_scale = ThresholdScale::mean_z;
+  scored.targets[0] = {"a", 6, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
+  scored.hits = {{0, 0, 1, 0, -4000}, {1, 0, 2, 0, -3073}};
+  scored.best = {scored.hits[0], scored.hits[1], Match{2, 0, 0, 0, 17}, std::nullopt};
+  scored.clusters->all[0].best_score = -4000;
   scored.statistics = UsedStatistics{{}, 300.5};
   write(folder / "r.json", scored, Existing::refuse);
   const NpyArray file(folder / "r.best.npy");
   const auto best = file.values<int32_t>(2);
-  CHECK(std::vector<int32_t>(best.begin(), best.begin() + 12) ==
-        std::vector<int32_t>{0, 0, 1, -4000, 1, 0, 2, -3073, 2, 0, 0, 17});
+  CHECK(std::vector<int32_t>(best.begin(), best.end()) ==
+        std::vector<int32_t>{0, 0, 1, 1, 0, 2, 2, 0, 0, 3, -1, -1});
+  const NpyArray score_file(folder / "r.best_scores.npy");
+  const auto scores = score_file.values<double>(1);
+  CHECK(std::vector<double>(scores.begin(), scores.begin() + 3) ==
+        std::vector<double>{-4000, -3073, 17});
+  CHECK(std::isnan(scores[3]));
   const Json json = read_result_json(folder / "r.json");
-  CHECK(json["sequences"][0]["distance_limit"] == -3072);
-  CHECK(json["recognitions"][0]["best_distance"] == -4000);
+  CHECK(json["targets"][0]["limit"] == -3072);
+  CHECK(json["clusters"][0]["best_score"] == -4000);
   CHECK(json["statistics"]["typical_distance"] == 300.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
-  const SequenceResult result = read_result(folder / "r.json").result;
+  const Result result = read_result(folder / "r.json").result;
   CHECK(result.hits == scored.hits);
   CHECK(result.best == scored.best);
-  CHECK(result.places == scored.places);
-  CHECK(result.sequences[0].distance_limit == scored.sequences[0].distance_limit);
+  CHECK(result.clusters->all == scored.clusters->all);
+  CHECK(result.targets[0].distance_limit == scored.targets[0].distance_limit);
 }
 
 TEST_CASE("settings of raw distances do not tell of standardized scores") {
@@ -107,7 +170,7 @@ TEST_CASE("companions of another run are refused") {
   const test::TemporaryFolder folder;
   const test::TemporaryFolder other;
   const fs::path path = write_example(folder);
-  SequenceResult changed = example();
+  Result changed = example();
   changed.hits.pop_back();
   write(other / "r.json", changed, Existing::refuse);
   fs::copy_file(other / "r.hits.npy", folder / "r.hits.npy", fs::copy_options::overwrite_existing);
@@ -125,7 +188,7 @@ TEST_CASE("results that were tampered with are refused, never a crash") {
     Json json = whole;
     json[Json::json_pointer(pointer)] = value;
     json.erase("checksum");
-    add_result_checksum(json);
+    json["checksum"] = result_checksum(json);
     test::write_text(path, json.dump());
     return test::error_kind([&] { read_result(path); });
   };
@@ -135,19 +198,19 @@ TEST_CASE("results that were tampered with are refused, never a crash") {
                                                  {"/query/windows", 5},
                                                  {"/query/frames", -1},
                                                  {"/query/frames", 1e30},
-                                                 {"/sequences/0/frames", 2},
-                                                 {"/sequences/0/windows", 6},
-                                                 {"/sequences", 3},
-                                                 {"/recognitions/0/sequence", 2},
-                                                 {"/recognitions/0/train/last", 5},
-                                                 {"/recognitions/0/query/window", 4},
+                                                 {"/targets/0/frames", 2},
+                                                 {"/targets/0/windows", 6},
+                                                 {"/targets", 3},
+                                                 {"/clusters/0/target", 2},
+                                                 {"/clusters/0/train/last", 5},
+                                                 {"/clusters/0/query/window", 4},
                                                  {"/files/hits/checksum", "xxh3:0"},
                                                  {"/files", Json::array()},
                                                  {"/settings/clustering/eps", 5000},
                                                  {"/settings/clustering/eps", 0},
-                                                 {"/recognitions", Json::array()},
-                                                 {"/recognitions/0/hits", 3},
-                                                 {"/schema", "vpr.result/2"},
+                                                 {"/clusters", Json::array()},
+                                                 {"/clusters/0/hits", 3},
+                                                 {"/schema", "vpr.result/3"},
                                                  {"/query", Json()}}) {
     INFO(pointer);
     CHECK(broken(pointer, value) == ErrorKind::data);
@@ -161,14 +224,14 @@ TEST_CASE("a result whose text was changed is refused, unless only machine and t
   json["machine"]["threads"] = 99;
   test::write_text(path, to_text(json));
   read_result(path);
-  json["recognitions"] = Json::array();
+  json["clusters"] = Json::array();
   test::write_text(path, to_text(json));
   CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
 }
 
 TEST_CASE("where views begin is written beside the result and read back") {
   const test::TemporaryFolder folder;
-  SequenceResult result = example();
+  Result result = example();
   result.views = ResultViews{{0, 3}, {{0, 1, 5}, {0}}};
   const Json json = write(folder / "r.json", result, Existing::refuse);
   CHECK(json["files"]["views"]["rows"] == 6);
@@ -188,8 +251,8 @@ TEST_CASE("where views begin is written beside the result and read back") {
   }
 }
 
-TEST_CASE("a recognition says which frames its windows cover") {
-  const Json place = result_json(example(), {})["recognitions"][0]["query"];
+TEST_CASE("a cluster says which frames its windows cover") {
+  const Json place = result_json(example(), {})["clusters"][0]["query"];
   CHECK(place["first"] == 0);
   CHECK(place["first_frame"] == 0);
   CHECK(place["last"] == 1);
@@ -201,7 +264,8 @@ TEST_CASE("random damage gives an error or a result, never a crash") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
   RandomEngine engine(1);
-  for (const char* name : {"r.json", "r.hits.npy", "r.best.npy"}) {
+  for (const char* name :
+       {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy", "r.best_scores.npy"}) {
     const std::string whole = test::read_text(folder / name);
     for (int i = 0; i < 300; ++i) {
       std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));

@@ -6,12 +6,12 @@ using namespace vpr;
 
 namespace {
 
-SequenceCellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts hits,
-                        LabelCounts places, uint64_t mixed) {
-  SequenceCellCounts made{c_l, t_r, ThresholdScale::relative, {}};
+CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts hits, LabelCounts places,
+                uint64_t mixed) {
+  CellCounts made{c_l, t_r, ThresholdScale::relative, {}};
   made.counts.hits = hits;
-  made.counts.places = places;
-  made.counts.mixed_places = mixed;
+  made.counts.clusters = places;
+  made.counts.mixed_clusters = mixed;
   made.counts.distinct = places.correct;
   made.counts.best_match.queries = 9;
   made.counts.best_match.correct = 7;
@@ -22,12 +22,9 @@ SequenceCellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts hit
 Sweep example() {
   Sweep sweep;
   sweep.query_name = "a walk, \"quoted\"";
-  sweep.sequence_cells = {cell(5, 0.3, {4, 0, 0}, {1, 0, 0}, 0),
-                          cell(5, 0.4, {6, 0, 1}, {1, 0, 0}, 0),
-                          cell(5, 0.5, {24, 8, 2}, {2, 0, 1}, 1)};
-  std::vector<SweepScore> scores;
-  for (const auto& made : sweep.sequence_cells) scores.push_back(score_of(made));
-  sweep.recommendation = recommend(scores);
+  sweep.cells = {cell(5, 0.3, {4, 0, 0}, {1, 0, 0}, 0), cell(5, 0.4, {6, 0, 1}, {1, 0, 0}, 0),
+                 cell(5, 0.5, {24, 8, 2}, {2, 0, 1}, 1)};
+  sweep.recommendation = recommend(sweep.cells, ScoreOrder::distance);
   return sweep;
 }
 
@@ -46,10 +43,11 @@ TEST_CASE("as CSV a sweep has one row a cell, with hits and places") {
 TEST_CASE("FAB-MAP's rows have the same columns, and nothing under places") {
   Sweep sweep;
   sweep.query_name = "q";
-  FabmapCellCounts fabmap{3, 0.9, {}};
+  CellCounts fabmap{3, 0.9, {}, {}};
+  sweep.score = &probability_kind();
   fabmap.counts.hits = {5, 1, 0};
   fabmap.counts.distinct = 2;
-  sweep.fabmap_cells = {fabmap};
+  sweep.cells = {fabmap};
   const Table table = cells_table({sweep});
   CHECK(table.columns.size() == cells_table({example()}).columns.size());
   CHECK(table.rows[0] == std::vector<std::string>{"q", "3", "0.9", "probability", "5", "1", "0", "",
@@ -75,7 +73,7 @@ TEST_CASE("the recommendation says where the first error is") {
   CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect hits, 24 correct") !=
         std::string::npos);
   Sweep short_grid = example();
-  short_grid.sequence_cells.resize(1);
-  short_grid.recommendation = recommend(std::vector{score_of(short_grid.sequence_cells[0])});
+  short_grid.cells.resize(1);
+  short_grid.recommendation = recommend(short_grid.cells, ScoreOrder::distance);
   CHECK(recommendation_text(short_grid).find("give a larger t_r, too") != std::string::npos);
 }

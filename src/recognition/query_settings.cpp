@@ -1,0 +1,52 @@
+#include "recognition/query_settings.h"
+
+#include <algorithm>
+
+#include "base/json.h"
+
+namespace vpr {
+namespace {
+
+Json in_force(SequenceQuerySettings settings) {
+  settings.threshold_scale = scale_of(settings);
+  Json json = value_to_json(settings);
+  const auto own = score_kind(settings.score).settings;
+  for (const std::string_view key : score_settings())
+    if (std::find(own.begin(), own.end(), key) == own.end()) json.erase(key);
+  return json;
+}
+
+Json in_force(const FabmapQuerySettings& settings) { return value_to_json(settings); }
+
+const ScoreKind& score_of_one(const SequenceQuerySettings& settings) {
+  return score_kind(settings.score);
+}
+const ScoreKind& score_of_one(const FabmapQuerySettings&) { return probability_kind(); }
+
+size_t length_of_one(const SequenceQuerySettings& settings) { return settings.window_length; }
+size_t length_of_one(const FabmapQuerySettings&) { return 1; }
+
+}  // namespace
+
+ThresholdScale scale_of(const SequenceQuerySettings& settings) {
+  return settings.threshold_scale.value_or(score_kind(settings.score).number_scale);
+}
+
+Json settings_in_force(const QuerySettings& settings) {
+  return std::visit([](const auto& one) { return in_force(one); }, settings);
+}
+
+const std::string& method_of(const QuerySettings& settings) {
+  return std::visit([](const auto& one) -> const std::string& { return one.method; }, settings);
+}
+
+const ScoreKind& score_of(const QuerySettings& settings) {
+  return std::visit([](const auto& one) -> const ScoreKind& { return score_of_one(one); },
+                    settings);
+}
+
+size_t window_length_of(const QuerySettings& settings) {
+  return std::visit([](const auto& one) { return length_of_one(one); }, settings);
+}
+
+}  // namespace vpr

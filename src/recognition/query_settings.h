@@ -1,0 +1,103 @@
+// What a query is set to: everything that can change a result. JSON keys are the names of the
+// flags.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/json_fwd.h"
+#include "matching/word_model.h"
+#include "recognition/clustering.h"
+#include "recognition/fabmap_posterior.h"
+#include "recognition/score_kind.h"
+#include "recognition/threshold.h"
+
+namespace vpr {
+
+/// Of the sequence methods: FastABLE, OpenABLE, LSH.
+struct SequenceQuerySettings {
+  std::string method = "fastable";
+  uint64_t window_length = 40;               ///< c_l
+  std::optional<double> distance_threshold;  ///< t_r; none: automatic
+  /// Of a number; automatic ones are mean, bits or mean_z. None: relative, or mean_z.
+  std::optional<ThresholdScale> threshold_scale;
+  std::optional<double> safety_factor;      ///< of automatic t_r; none: the database's
+  std::vector<std::string> only_sequences;  ///< empty: all
+  bool skip_unreadable = false;
+  ClusterSettings clustering;
+  LshSettings lsh;  ///< of the method lsh
+  Score score = Score::raw;
+  double safety_margin = 0;  ///< subtracted from automatic t_r of standardized scores
+  StandardizationSettings standardization;
+};
+
+template <class Visitor>
+void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
+  visit("method", settings.method);
+  visit("c_l", settings.window_length);
+  visit("t_r", settings.distance_threshold);
+  visit("t_r_scale", settings.threshold_scale);
+  visit("safety_factor", settings.safety_factor);
+  visit("only_sequence", settings.only_sequences);
+  visit("skip_unreadable", settings.skip_unreadable);
+  visit("clustering", settings.clustering);
+  visit("lsh", settings.lsh);
+  visit("score", settings.score);
+  visit("safety_margin", settings.safety_margin);
+  visit("standardization", settings.standardization);
+}
+
+/// Of FAB-MAP.
+struct FabmapQuerySettings {
+  std::string method = "fabmap";
+  std::string variant = "fabmap2";
+  double place_threshold = 0.99;  ///< t_p: a view is recognised above (strict)
+  uint64_t window = 1;            ///< c_w: in so many frames in a row
+  WordModel word_model = WordModel::tree;
+  NewPlaceModel new_place = NewPlaceModel::pretrain;
+  uint64_t new_place_samples = 0;  ///< pretraining frames drawn with the seed; 0: all
+  double p_seen_if_there = 0.39;
+  double p_seen_if_not = 0;
+  int64_t lut_digits = 6;
+  bool loop = false;       ///< frames of the query are places for later ones
+  uint64_t loop_gap = 10;  ///< but not for so many that follow directly
+  bool skip_unreadable = false;
+  PosteriorSettings posterior;
+};
+
+template <class Visitor>
+void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
+  visit("method", settings.method);
+  visit("variant", settings.variant);
+  visit("t_p", settings.place_threshold);
+  visit("c_w", settings.window);
+  visit("word_model", settings.word_model);
+  visit("new_place", settings.new_place);
+  visit("new_place_samples", settings.new_place_samples);
+  visit("p_seen_if_there", settings.p_seen_if_there);
+  visit("p_seen_if_not", settings.p_seen_if_not);
+  visit("lut_digits", settings.lut_digits);
+  visit("loop", settings.loop);
+  visit("loop_gap", settings.loop_gap);
+  visit("skip_unreadable", settings.skip_unreadable);
+  visit("posterior", settings.posterior);
+}
+
+/// Of any method.
+using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
+
+/// The scale that a number is on: the one that was given, or the score's default.
+ThresholdScale scale_of(const SequenceQuerySettings& settings);
+
+/// The settings as files hold them: the default scale filled in, and those of other scores left out
+/// (score_settings).
+Json settings_in_force(const QuerySettings& settings);
+
+const std::string& method_of(const QuerySettings& settings);
+const ScoreKind& score_of(const QuerySettings& settings);
+/// Frames of what is compared: c_l, or 1 for FAB-MAP, which compares frames.
+size_t window_length_of(const QuerySettings& settings);
+
+}  // namespace vpr

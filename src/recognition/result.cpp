@@ -1,0 +1,39 @@
+#include "recognition/result.h"
+
+namespace vpr {
+
+Result make_result(const QueryPlan& plan, const HitScanResult& found) {
+  const int64_t offset = plan.score_offset();
+  const auto match_of = [&](const Cell& cell) {
+    return Match{cell.query_window, cell.sequence, cell.train_window, 0,
+                 static_cast<double>(cell.distance - offset)};
+  };
+  Result result;
+  result.settings = plan.settings;
+  result.query_name = plan.query_name;
+  result.query_frames = plan.query_frames;
+  result.query_unreadable = plan.query_unreadable;
+  result.query_windows = plan.query_windows;
+  result.targets = plan.sequences;
+  result.statistics = plan.statistics;
+  result.hits.reserve(found.hits.size());
+  for (const Cell& hit : found.hits) result.hits.push_back(match_of(hit));
+  for (const auto& best : found.best)
+    result.best.push_back(best ? std::optional(match_of(*best)) : std::nullopt);
+  return result;
+}
+
+void cluster(Result& result, const Monitor& monitor) {
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  result.clusters =
+      cluster_by_target(result.hits, result.targets.size(), settings.clustering, monitor);
+}
+
+size_t recognised_windows(const Result& result) {
+  size_t windows = 0;
+  for (size_t h = 0; h < result.hits.size(); ++h)
+    if (h == 0 || result.hits[h].query != result.hits[h - 1].query) ++windows;
+  return windows;
+}
+
+}  // namespace vpr

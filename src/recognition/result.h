@@ -1,0 +1,104 @@
+// What a query gives, by any method: the content of a result file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recognition/clustering.h"
+#include "recognition/query_settings.h"
+#include "recognition/row_scan.h"
+
+namespace vpr {
+
+/// What a query is compared with: a training sequence of the database, and the threshold used for
+/// it; or, of FAB-MAP, all its places, which have indices as frames have.
+struct Target {
+  std::string name;
+  size_t frames = 0;                ///< or places
+  size_t windows = 0;               ///< without an unreadable frame
+  bool searched = true;             ///< false: left out by only_sequences
+  std::optional<double> threshold;  ///< t_r on its scale; none: no automatic one exists, or t_p
+  ThresholdScale scale = ThresholdScale::bits;
+  uint32_t distance_limit = 0;            ///< a hit has D (a biased sum of scores) below; on the
+                                          ///< scale mean, the largest that a query window has
+  std::optional<uint32_t> max_distance;   ///< max(D), where the scale is relative
+  std::vector<double> window_means = {};  ///< M by query window, where the scale is mean; not in
+                                          ///< files
+};
+
+/// The training statistics that standardized scores started from.
+struct UsedStatistics {
+  StatisticsSettings settings;
+  double typical_distance = 0;
+};
+
+/// What an approximate method found of what there is.
+struct SearchRecall {
+  size_t windows = 0;     ///< query windows that have a best match
+  size_t found_best = 0;  ///< whose smallest distance was found
+  size_t hits = 0;        ///< that there are below the thresholds
+};
+
+/// Where stretches of frames that look alike begin (matching/views.h).
+struct ResultViews {
+  std::vector<uint32_t> query;               ///< first frames, rising, from 0 on
+  std::vector<std::vector<uint32_t>> train;  ///< the same, per training sequence
+};
+
+/// What the only target's indices are, where they are no frames: places, each of one view or more.
+struct ResultPlaces {
+  std::vector<std::string> names;  ///< by index
+  size_t views = 0;                ///< of all places
+  size_t featureless = 0;          ///< query frames that could be decoded, but show no word
+  std::vector<double> new_place;   ///< probability, per frame; 0 for an unreadable one
+};
+
+struct Result {
+  QuerySettings settings;
+  std::string query_name;
+  size_t query_frames = 0;
+  std::vector<size_t> query_unreadable;
+  size_t query_windows = 0;     ///< frames - window_length() + 1; those with an unreadable frame
+                                ///< included
+  std::vector<Target> targets;  ///< training sequences, or one: places
+  std::vector<Match> hits;      ///< by query, target, train; each once
+  std::vector<std::optional<Match>> best;  ///< per query window; ties to the first. None: a window
+                                           ///< with an unreadable frame, or a frame without words
+  std::optional<Clusters> clusters;        ///< of the hits, by target, then first hit
+  std::optional<SearchRecall> recall;      ///< of an approximate method
+  std::optional<UsedStatistics> statistics;  ///< of standardized scores
+  std::optional<ResultViews> views;          ///< none where no typical distance is known
+  std::optional<ResultPlaces> places;        ///< of FAB-MAP
+
+  const ScoreKind& score() const { return score_of(settings); }
+  size_t window_length() const { return window_length_of(settings); }
+};
+
+/// Thresholds and the shape of a query by a sequence method, before any distance is known.
+struct QueryPlan {
+  SequenceQuerySettings settings;
+  std::string query_name;
+  size_t query_frames = 0;
+  std::vector<size_t> query_unreadable;
+  size_t query_windows = 0;
+  std::vector<Target> sequences;
+  std::optional<UsedStatistics> statistics;
+
+  /// By how much the sums of rows are above the scores that a result holds.
+  int64_t score_offset() const { return score_kind(settings.score).offset(settings.window_length); }
+};
+
+/// The result of a plan and of what was found: hits, best matches, and not yet clusters.
+Result make_result(const QueryPlan& plan, const HitScanResult& found = {});
+
+/// Clusters the hits of a sequence method.
+void cluster(Result& result, const Monitor& monitor = {});
+
+/// The frame at which a window is judged, where the user is: its last one.
+inline size_t anchor_of(size_t window, size_t window_length) { return window + window_length - 1; }
+
+/// Query windows with at least one hit.
+size_t recognised_windows(const Result& result);
+
+}  // namespace vpr

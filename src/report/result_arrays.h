@@ -1,0 +1,35 @@
+// The arrays beside a result file, as the reader takes them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "recognition/result.h"
+#include "report/json_fields.h"
+
+namespace vpr {
+
+/// A result file that is being read: its keys as version 2 has them, its arrays as `version` has.
+struct ResultSource {
+  const std::filesystem::path& path;
+  const std::string& where;
+  const Fields& fields;
+  int version = 2;
+};
+
+/// What a sum over a window, as rows of matchers hold it, is above the score that files hold; 0
+/// where scores are no sums.
+int64_t offset_of(const Result& result);
+
+/// Windows that fit in `frames` frames.
+uint64_t window_count(uint64_t frames, uint64_t window_length);
+
+/// Each of these reads into the result, whose query and targets are known, and throws Error(data)
+/// for an array that is another one, damaged or out of range: hits and best matches, where views
+/// begin (results of older versions have none), and probabilities of a new place.
+void read_matches(const ResultSource& source, Result& result);
+void read_views(const ResultSource& source, Result& result);
+void read_new_place(const ResultSource& source, Result& result);
+
+}  // namespace vpr
