@@ -171,13 +171,9 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
                                session.monitor);
   run.seconds["describe"] = describe_s;
   run.seconds["total"] = watch.elapsed_s();
-  ResultContext context;
-  context.run = session.run;
-  context.run.simd_target = session.kernels.target;
-  context.run.paths = {{"database", inputs.database}, {"query", query.path}};
+  ResultContext context = context_of(session, inputs, query.path, run.seconds);
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = fingerprint(query.words);
-  context.seconds = run.seconds;
   std::string text = summary(run.result) + advice(run.result, session);
   if (explained) {
     const FabmapDatabase searched =
@@ -193,10 +189,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
     }
   }
   if (posteriors) context.files["posteriors"] = posteriors->entry(session.monitor);
-  const Json json = options.output.empty()
-                        ? result_json(run.result, context)
-                        : write_result(options.output, run.result, context, session.outputs);
-  session.print_result(text, json);
+  session.print_result(text, keep_result(session, run.result, context));
 }
 
 }  // namespace vpr

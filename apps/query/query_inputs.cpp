@@ -1,6 +1,7 @@
 #include "query_inputs.h"
 
 #include "base/error.h"
+#include "base/json.h"
 
 namespace vpr {
 
@@ -20,6 +21,23 @@ QuerySource find_query(const QueryInputs& inputs) {
   const SequenceArgument argument = parse_sequence_argument(*inputs.query);
   source.sequence = {sequence_names({argument}).front(), argument};
   return source;
+}
+
+ResultContext context_of(const Session& session, const QueryInputs& inputs,
+                         const std::string& query_path,
+                         const std::map<std::string, double>& seconds) {
+  ResultContext context;
+  context.run = session.run;
+  context.run.simd_target = session.kernels.target;
+  context.run.paths = {{"database", inputs.database}, {"query", query_path}};
+  context.seconds = seconds;
+  return context;
+}
+
+Json keep_result(const Session& session, const Result& result, const ResultContext& context) {
+  const std::string& output = session.options.output;
+  return output.empty() ? result_json(result, context)
+                        : write_result(output, result, context, session.outputs);
 }
 
 }  // namespace vpr

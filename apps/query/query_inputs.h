@@ -1,6 +1,7 @@
 // What the command line of vpr-query names.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include "common/ground_truth_flags.h"
 #include "ground_truth/dataset.h"
 #include "recognition/query_settings.h"
+#include "report/result_file.h"
 
 namespace vpr {
 
@@ -33,6 +35,14 @@ struct QuerySource {
 
 /// The query of --query or --dataset. Throws Error(usage) if there is none.
 QuerySource find_query(const QueryInputs& inputs);
+
+/// What a result file says of the run: machine, paths, fingerprints and seconds.
+ResultContext context_of(const Session& session, const QueryInputs& inputs,
+                         const std::string& query_path,
+                         const std::map<std::string, double>& seconds);
+
+/// The result as JSON, written where --output says so.
+Json keep_result(const Session& session, const Result& result, const ResultContext& context);
 
 /// A query against a database of sequences.
 void run_sequence_query(Session& session, const QueryInputs& inputs,

@@ -108,6 +108,35 @@ void claim_matrix(const QueryInputs& inputs, OutputTransaction& outputs) {
   outputs.claim_file(inputs.matrix);
 }
 
+/// What --save-matrix makes of the rows that pass.
+struct SavedMatrix {
+  std::optional<MatrixFile> file;
+  std::optional<RowPixels> pixels;
+};
+
+std::vector<RowConsumer> start_matrix(SavedMatrix& saved, const std::string& path,
+                                      const Result& shape, bool has_unreadable,
+                                      const Session& session) {
+  if (path.ends_with(".npy"))
+    return {std::ref(
+        saved.file.emplace(session.outputs.file(path), shape, has_unreadable, session.monitor))};
+  if (path.ends_with(".png"))
+    return {std::ref(saved.pixels.emplace(layout_of(shape), kMatrixPictureSide))};
+  return {};
+}
+
+void finish_matrix(const SavedMatrix& saved, const std::string& path, const Result& result,
+                   const std::optional<GroundTruth>& truth, ResultContext& context,
+                   const Session& session) {
+  if (saved.file) {
+    context.matrix = matrix_layout_json(layout_of(result));
+    context.files["matrix"] = saved.file->entry(session.monitor);
+  }
+  if (saved.pixels)
+    session.outputs.file(path).write(chart_png(
+        {result_matrix_chart(result, *saved.pixels, truth ? &*truth : nullptr, session.monitor)}));
+}
+
 }  // namespace
 
 void run_sequence_query(Session& session, const QueryInputs& inputs,
@@ -141,42 +170,22 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   if (source.ground_truth && inputs.matrix.ends_with(".png"))
     truth = read_ground_truth(*source.ground_truth, scope_of(shape), session.monitor);
 
-  const ScoreLayout layout = layout_of(shape);
-  std::optional<MatrixFile> matrix;
-  std::optional<RowPixels> pixels;
-  std::vector<RowConsumer> observers;
-  if (inputs.matrix.ends_with(".npy"))
-    observers.emplace_back(std::ref(matrix.emplace(session.outputs.file(inputs.matrix), shape,
-                                                   has_gaps(planned, database), session.monitor)));
-  if (inputs.matrix.ends_with(".png"))
-    observers.emplace_back(std::ref(pixels.emplace(layout, kMatrixPictureSide)));
-
+  SavedMatrix matrix;
+  const std::vector<RowConsumer> observers =
+      start_matrix(matrix, inputs.matrix, shape, has_gaps(planned, database), session);
   QueryRun found =
       run_query(std::move(planned), database, query, resources, observers, session.monitor);
   found.seconds["describe"] = describe_s;
   found.seconds["total"] = watch.elapsed_s();
 
-  ResultContext context;
-  context.run = session.run;
-  context.run.simd_target = session.kernels.target;
+  ResultContext context =
+      context_of(session, inputs, source.sequence.sequence.path.string(), found.seconds);
   context.run.memory_limit = resources.memory_limit;
-  context.run.paths = {{"database", inputs.database},
-                       {"query", source.sequence.sequence.path.string()}};
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = query_fingerprint(query);
-  context.seconds = found.seconds;
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
-  if (matrix) {
-    context.matrix = matrix_layout_json(layout);
-    context.files["matrix"] = matrix->entry(session.monitor);
-  }
-  if (pixels)
-    session.outputs.file(inputs.matrix)
-        .write(chart_png({result_matrix_chart(found.result, *pixels, truth ? &*truth : nullptr,
-                                              session.monitor)}));
-  const Json json = options.output.empty()
-                        ? result_json(found.result, context)
-                        : write_result(options.output, found.result, context, session.outputs);
+  finish_matrix(matrix, inputs.matrix, found.result, truth, context, session);
+  const Json json = keep_result(session, found.result, context);
   if (found.result.hits.empty() && !settings.distance_threshold)
     explain_no_hits(database, settings.window_length, session.kernels, session.monitor);
   const std::string advice = advice_text(session, found.result);
