@@ -29,11 +29,11 @@ void visit_fields(StatisticsSettings& settings, Visitor&& visit) {
 /// One entry a training frame of the database, in the order of its codes.
 struct TrainStatistics {
   StatisticsSettings settings;
-  /// Mean Hamming distance of training frames that are no neighbours, in bits.
+  /// Mean frame distance of training frames that are no neighbours.
   double typical_distance = 0;
-  /// A frame's own mean distance less the typical one, in bits: below 0 for a popular frame.
+  /// A frame's own mean distance less the typical one: below 0 for a popular frame.
   std::vector<float> bias;
-  std::vector<float> variance;  ///< of its distances, in bits squared
+  std::vector<float> variance;  ///< of its distances
 
   bool operator==(const TrainStatistics&) const = default;
 };

@@ -23,7 +23,7 @@ constexpr std::array<DistanceKind, 2> kKinds = {{
      hamming_distances},
     {"cosine",
      ElementType::whole_numbers,
-     {"of a cosine distance", 2.0 / 65535},
+     {"units of cosine distance", 2.0 / 65535},
      largest_cosine,
      cosine_distance,
      plain_cosine,

@@ -15,10 +15,11 @@ namespace vpr {
 /// Stretches of training frames begin at multiples of this many frames, and are written in whole.
 inline constexpr size_t kStretchFrames = 8;
 
-/// What a distance of 1 is, as in "2/65535 of a cosine distance".
+/// What a distance of 1 is: its name after a number, and how much it is of what the method
+/// measures.
 struct DistanceUnit {
-  std::string_view name;
-  double size = 1;
+  std::string_view name;  ///< "bits"
+  double size = 1;        ///< 2/65535 of a cosine distance, 1/1024 of a deviation
 };
 
 /// Frame distances, from 0 to `largest`, between any frame of a query and any stretch of training

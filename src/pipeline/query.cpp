@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -39,23 +38,6 @@ void check_names(const SequenceDatabase& database, const SequenceQuerySettings& 
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
                                                 name, fmt::join(names, ", ")));
-}
-
-// Files hold sums over a window as signed numbers of 32 bits.
-void check_descriptors(const SequenceDatabase& database, const DescriptorSet& query,
-                       const SequenceQuerySettings& settings) {
-  const DescriptorKind& trained = *database.descriptors.kind;
-  const DescriptorKind& asked = *query.descriptors.kind;
-  if (trained.name != asked.name)
-    throw Error(ErrorKind::data,
-                fmt::format("frames of the database are described by {}, those of the query by {}; "
-                            "describe both by the same",
-                            trained.name, asked.name));
-  const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape);
-  if (settings.window_length > longest)
-    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for frames described by {}, "
-                                              "found {}",
-                                              longest, trained.name, settings.window_length));
 }
 
 // Of an approximate method, the largest distance is not known.

@@ -1,7 +1,11 @@
 #include "pipeline/query_steps.h"
 
 #include <algorithm>
+#include <limits>
 
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "pipeline/train.h"
 
 namespace vpr {
@@ -18,6 +22,23 @@ std::vector<uint32_t> window_limits(const Target& sequence) {
 }
 
 }  // namespace
+
+void check_descriptors(const SequenceDatabase& database, const DescriptorSet& query,
+                       const SequenceQuerySettings& settings) {
+  const DescriptorKind& trained = *database.descriptors.kind;
+  const DescriptorKind& asked = *query.descriptors.kind;
+  if (trained.name != asked.name)
+    throw Error(ErrorKind::data,
+                fmt::format("frames of the database are described by {}, those of the query by {}; "
+                            "describe both by the same",
+                            trained.name, asked.name));
+  // Files hold sums over a window as signed numbers of 32 bits.
+  const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape);
+  if (settings.window_length > longest)
+    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for frames described by {}, "
+                                              "found {}",
+                                              longest, trained.name, settings.window_length));
+}
 
 FrameDistances searched_distances(const SequenceDatabase& database, const QueryPlan& result,
                                   const DescriptorSet& query) {

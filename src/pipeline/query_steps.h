@@ -7,6 +7,11 @@
 
 namespace vpr {
 
+/// Throws Error(data) if database and query are described by different kinds, Error(usage) if c_l
+/// is longer than what sums of such distances allow.
+void check_descriptors(const SequenceDatabase& database, const DescriptorSet& query,
+                       const SequenceQuerySettings& settings);
+
 /// The frame distances of the query to the database. A sequence that is not searched has no frames,
 /// so that indices stay the same; rows are centred over all sequences.
 FrameDistances searched_distances(const SequenceDatabase& database, const QueryPlan& result,

@@ -22,8 +22,9 @@ std::string window_text(const TrainSequence& sequence, size_t window, size_t len
 /// Two windows that are too close: of two walks, or of one.
 struct Overlap {
   size_t own = 0;
-  double bits = 0;  ///< a frame
-  double mean = 0;  ///< of frames of the two
+  double distance = 0;  ///< a frame
+  double mean = 0;      ///< of frames of the two
+  std::string_view unit;
 };
 
 std::string walk_sentence(const ThresholdTable& table, const TrainSequence& walk,
@@ -31,10 +32,11 @@ std::string walk_sentence(const ThresholdTable& table, const TrainSequence& walk
   const ClosestWindows& closest = *table.closest[overlap.own];
   return fmt::format(
       "{0} seems to show a place twice, or places that look alike: {1} and {2} differ by {3:.1f} "
-      "bits, its frames by {4:.0f} on average. If it is one place, the automatic t_r is too small: "
+      "{5}, its frames by {4:.0f} on average. If it is one place, the automatic t_r is too small: "
       "train one of the visits only, as in --train {0}@FIRST:LAST, or give a number as t_r",
       walk.name, window_text(walk, closest.window, table.window_length),
-      window_text(walk, closest.other_window, table.window_length), overlap.bits, overlap.mean);
+      window_text(walk, closest.other_window, table.window_length), overlap.distance, overlap.mean,
+      overlap.unit);
 }
 
 std::string pair_text(const ThresholdTable& table, std::span<const TrainSequence> sequences,
@@ -43,10 +45,11 @@ std::string pair_text(const ThresholdTable& table, std::span<const TrainSequence
   const TrainSequence& a = sequences[overlap.own];
   const TrainSequence& b = sequences[closest.other_sequence];
   return fmt::format(
-      "{0} and {1}{2}: {0} {3} and {1} {4} differ by {5:.1f} bits, frames of the "
+      "{0} and {1}{2}: {0} {3} and {1} {4} differ by {5:.1f} {7}, frames of the "
       "two by {6:.0f} on average",
       a.name, b.name, seem, window_text(a, closest.window, table.window_length),
-      window_text(b, closest.other_window, table.window_length), overlap.bits, overlap.mean);
+      window_text(b, closest.other_window, table.window_length), overlap.distance, overlap.mean,
+      overlap.unit);
 }
 
 std::string pairs_sentence(const ThresholdTable& table, std::span<const TrainSequence> sequences,
@@ -65,8 +68,10 @@ std::string pairs_sentence(const ThresholdTable& table, std::span<const TrainSeq
 
 }  // namespace
 
-bool is_same_place(double bits_a_frame, double mean_distance, size_t window_length, double depth) {
-  return bits_a_frame < (1 - depth / std::sqrt(static_cast<double>(window_length))) * mean_distance;
+bool is_same_place(double distance_a_frame, double mean_distance, size_t window_length,
+                   double depth) {
+  return distance_a_frame <
+         (1 - depth / std::sqrt(static_cast<double>(window_length))) * mean_distance;
 }
 
 std::optional<std::string> overlap_warning(const ThresholdTable& table,
@@ -77,13 +82,14 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
   for (size_t s = 0; s < table.closest.size(); ++s) {
     if (!table.closest[s]) continue;
     const size_t other = table.closest[s]->other_sequence;
-    const double bits =
+    const double distance =
         static_cast<double>(table.closest[s]->distance) / static_cast<double>(table.window_length);
     const FrameDistances between = frame_distances(spans.subspan(s, 1), spans[other]);
     const double mean = s == other ? mean_distance_within(between) : mean_distance_between(between);
-    if (!is_same_place(bits, mean, table.window_length, s == other ? kOwnDepth : kPairDepth))
+    if (!is_same_place(distance, mean, table.window_length, s == other ? kOwnDepth : kPairDepth))
       continue;
-    if (named.insert(std::minmax(s, other)).second) overlaps.push_back({s, bits, mean});
+    if (named.insert(std::minmax(s, other)).second)
+      overlaps.push_back({s, distance, mean, between.unit.name});
   }
   if (overlaps.empty()) return std::nullopt;
   const size_t first = overlaps.front().own;

@@ -17,9 +17,10 @@ inline constexpr double kPairDepth = 1.2;
 inline constexpr double kOwnDepth = 1;
 
 /// Whether a diagonal of window_length frames with this mean distance is too far below what frames
-/// of the two walks differ by on average to be chance: bits < (1 - depth / sqrt(c_l)) * mean. A
+/// of the two walks differ by on average to be chance: distance < (1 - depth / sqrt(c_l)) * mean. A
 /// window of one frame never is.
-bool is_same_place(double bits_a_frame, double mean_distance, size_t window_length, double depth);
+bool is_same_place(double distance_a_frame, double mean_distance, size_t window_length,
+                   double depth);
 
 /// One sentence: which pairs of sequences seem to show the same place at their closest windows (and
 /// of a single one, that it seems to show a place twice), with what to do; none where there are no

@@ -95,6 +95,8 @@ TEST_CASE("cosine distances are those of the oracle, for any length, on every SI
       INFO(target << ", " << length << " numbers");
       const FrameDistances distances = frame_distances(train, query.span());
       CHECK(distances.largest == 65535);
+      CHECK(distances.unit.size * distances.largest ==
+            Approx(2));  // 1 - cos of opposite directions
       const std::vector<uint32_t> order = {4, 0, 1, 3};
       std::vector<uint16_t> tile(order.size() * 100, 7);
       distances.tile(order, 8, 86, tile.data(), 100);
