@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/text.h"
+
 namespace vpr {
 namespace {
 
@@ -27,11 +29,8 @@ std::string wrapped_line(const std::string& line, size_t width, size_t indent,
 template <class Work>
 std::string for_each_line(const std::string& text, Work&& work) {
   std::string result;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find('\n', begin), text.size());
-    result += (begin == 0 ? "" : "\n") + work(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  for (const std::string_view line : split(text, '\n')) result += work(std::string(line)) + "\n";
+  result.pop_back();
   return result;
 }
 

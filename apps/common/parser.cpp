@@ -2,13 +2,13 @@
 #include "parser.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "help.h"
 #include "suggestions.h"
 
@@ -17,11 +17,9 @@ namespace {
 
 // "text|csv" is a choice; "NUMBER" is not.
 std::vector<std::string> split_choices(const std::string& value) {
-  std::vector<std::string> choices;
-  if (value.find('|') == std::string::npos) return choices;
-  std::istringstream text(value);
-  for (std::string choice; std::getline(text, choice, '|');) choices.push_back(choice);
-  return choices;
+  const auto choices = split(value, '|');
+  if (choices.size() < 2) return {};
+  return {choices.begin(), choices.end()};
 }
 
 FlagEntry describe_flag(const CLI::Option& option) {

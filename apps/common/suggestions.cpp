@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "base/json.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "common/command.h"
 
 namespace vpr {
@@ -14,23 +15,13 @@ namespace {
 
 constexpr double kMostValues = 10'000;
 
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(separator, begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
-
 template <class T>
 void add_once(std::vector<T>& values, const T& value) {
   if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
 }
 
-double parse_number(const std::string& text, const std::string& flag) {
-  const Json value = flag_value(text);
+double parse_number(std::string_view text, const std::string& flag) {
+  const Json value = flag_value(std::string(text));
   if (!value.is_number())
     throw Error(ErrorKind::usage,
                 fmt::format("{} takes numbers, lists or ranges, as in 2,5,10 or 0.2:0.6:0.05, "
@@ -40,8 +31,8 @@ double parse_number(const std::string& text, const std::string& flag) {
 }
 
 // One part of a list: a number, or a range.
-std::vector<double> parse_part(const std::string& part, const std::string& flag) {
-  const std::vector<std::string> range = split(part, ':');
+std::vector<double> parse_part(std::string_view part, const std::string& flag) {
+  const auto range = split(part, ':');
   if (range.size() == 1) return {parse_number(part, flag)};
   const double first = parse_number(range[0], flag);
   const double last = parse_number(range[1], flag);
@@ -61,7 +52,7 @@ std::vector<double> parse_part(const std::string& part, const std::string& flag)
 
 std::vector<double> parse_numbers(const std::string& text, const std::string& flag) {
   std::vector<double> numbers;
-  for (const std::string& part : split(text, ','))
+  for (const std::string_view part : split(text, ','))
     for (const double number : parse_part(part, flag)) add_once(numbers, number);
   return numbers;
 }
@@ -69,7 +60,7 @@ std::vector<double> parse_numbers(const std::string& text, const std::string& fl
 std::vector<std::optional<double>> parse_thresholds(const std::string& text,
                                                     const std::string& flag) {
   std::vector<std::optional<double>> thresholds;
-  for (const std::string& part : split(text, ',')) {
+  for (const std::string_view part : split(text, ',')) {
     if (part == "auto")
       add_once(thresholds, std::optional<double>());
     else

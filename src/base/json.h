@@ -44,12 +44,6 @@ std::string to_text(const Json& json);
 /// On one line, without spaces; bytes that are not UTF-8 are replaced.
 std::string to_line(const Json& json);
 
-/// Inserts, deletes, replacements and swaps of neighbours between two words, for "did you mean".
-size_t edit_distance(std::string_view a, std::string_view b);
-
-/// The name closest to `word`; names must not be empty.
-std::string nearest(std::string_view word, const std::vector<std::string>& names);
-
 namespace detail {
 template <class T>
 inline constexpr bool kIsList = false;

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {
@@ -135,11 +136,7 @@ bool is_marked_folder(const fs::path& folder) {
   if (!fs::is_regular_file(fs::symlink_status(folder / kMark, error))) return false;
   const MappedFile mark(folder / kMark);
   std::set<std::string> names = {kMark};
-  for (std::string_view text = mark.text(); !text.empty();) {
-    const size_t end = std::min(text.find('\n'), text.size() - 1);
-    names.emplace(text.substr(0, end));
-    text.remove_prefix(end + 1);
-  }
+  for (const std::string_view name : split(mark.text(), '\n')) names.emplace(name);
   return holds_only_files(folder, [&](const std::string& name) { return names.contains(name); });
 }
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <utility>
-
-#include "base/random.h"
 
 namespace vpr {
 
@@ -22,18 +21,22 @@ double quantile(std::vector<double> values, double p) {
 
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
+std::vector<uint32_t> block_weights(size_t count, size_t block, RandomEngine& engine) {
+  std::vector<uint32_t> weights(count, 0);
+  for (size_t drawn = 0; drawn < count; drawn += block) {
+    const size_t start = uniform_below(engine, count);
+    for (size_t i = 0; i < std::min(block, count - drawn); ++i) ++weights[(start + i) % count];
+  }
+  return weights;
+}
+
 Interval bootstrap_sum(const std::vector<double>& values, size_t block, uint64_t seed) {
   constexpr size_t kResamples = 2000;
-  const size_t n = values.size();
   RandomEngine engine(seed);
   std::vector<double> sums;
   for (size_t resample = 0; resample < kResamples; ++resample) {
-    double sum = 0;
-    for (size_t drawn = 0; drawn < n; drawn += block) {
-      const size_t start = uniform_below(engine, n);
-      for (size_t i = 0; i < std::min(block, n - drawn); ++i) sum += values[(start + i) % n];
-    }
-    sums.push_back(sum);
+    const std::vector<uint32_t> weights = block_weights(values.size(), block, engine);
+    sums.push_back(std::inner_product(values.begin(), values.end(), weights.begin(), 0.0));
   }
   return {quantile(sums, 0.025), quantile(sums, 0.975)};
 }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/random.h"
+
 namespace vpr {
 
 /// The p-quantile, p in [0, 1], linear between order statistics (Hyndman & Fan's type 7, NumPy's
@@ -19,10 +21,14 @@ struct Interval {
   double high = 0;
 };
 
-/// The central 95 % of the sum of `values` under the circular block bootstrap (Politis & Romano
-/// 1992): stretches of `block` values that follow each other are drawn with replacement until there
-/// are as many as there were. For values that depend on their neighbours, as frames do. The same
-/// seed gives the same interval. values must not be empty; block is at least 1.
+/// How often each of `count` values is drawn in one resample of the circular block bootstrap
+/// (Politis & Romano 1992): stretches of `block` values that follow each other are drawn with
+/// replacement until there are `count`. block is at least 1.
+std::vector<uint32_t> block_weights(size_t count, size_t block, RandomEngine& engine);
+
+/// The central 95 % of the sum of `values` in 2000 resamples of block_weights. For values that
+/// depend on their neighbours, as frames do. The same seed gives the same interval. values must not
+/// be empty; block is at least 1.
 Interval bootstrap_sum(const std::vector<double>& values, size_t block, uint64_t seed);
 
 }  // namespace vpr

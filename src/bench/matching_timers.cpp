@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/named_table.h"
 #include "base/stopwatch.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
@@ -205,13 +206,7 @@ bool has_room_for_scores(const MatchingCase& example) {
 }
 
 const MatchingTimer& find_matching_timer(std::string_view name) {
-  std::vector<std::string_view> names;
-  for (const MatchingTimer& timer : kTimers) {
-    if (timer.name == name) return timer;
-    names.push_back(timer.name);
-  }
-  throw Error(ErrorKind::usage,
-              fmt::format("unknown method \"{}\"; choose from {}", name, fmt::join(names, ", ")));
+  return find_named(kTimers, "method", name);
 }
 
 void add_method_speed_ups(BenchResult& result) {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "evaluation/metrics.h"
+#include "evaluation/recall_at.h"
 
 namespace vpr {
 namespace {
@@ -102,7 +103,7 @@ std::optional<double> weighted_recall(const Paired& method, std::span<const uint
     const QueryOutcome& query = *method.queries[q];
     if (!query.has_match) continue;
     to_find += weights[q];
-    if (query.verdict == Verdict::correct || (query.rank && *query.rank <= k)) found += weights[q];
+    if (is_found_at(query, k)) found += weights[q];
   }
   if (to_find == 0) return std::nullopt;
   return static_cast<double>(found) / static_cast<double>(to_find);
@@ -123,16 +124,6 @@ std::vector<std::optional<double>> metric_values(const Paired& method,
   const Curve curve = curve_of(items, to_find, method.kind);
   for (const CurveMetric& metric : curve_metrics()) values.push_back(metric.compute(curve).value);
   return values;
-}
-
-/// How often each query is drawn.
-std::vector<uint32_t> block_weights(size_t count, size_t block, RandomEngine& engine) {
-  std::vector<uint32_t> weights(count, 0);
-  for (size_t drawn = 0; drawn < count; drawn += block) {
-    const size_t start = uniform_below(engine, count);
-    for (size_t i = 0; i < std::min(block, count - drawn); ++i) ++weights[(start + i) % count];
-  }
-  return weights;
 }
 
 PairedCounts count_pairs(const Paired& first, const Paired& method) {

@@ -6,9 +6,10 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/mapped_file.h"
+#include "base/named_table.h"
 #include "base/npy.h"
+#include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/aligned.h"
 #include "ground_truth/mask_image.h"
@@ -37,13 +38,8 @@ std::string format_names_of(std::string_view option) {
 }
 
 std::string_view first_line(std::string_view text) {
-  text = without_byte_order_mark(text);
-  while (!text.empty()) {
-    std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
+  for (const std::string_view line : split_lines(without_byte_order_mark(text)))
     if (!line.empty() && !line.starts_with('#')) return line;
-  }
   return {};
 }
 
@@ -149,20 +145,11 @@ std::string format_summaries() {
   return text;
 }
 
-std::vector<std::string> format_names() {
-  std::vector<std::string> names;
-  for (const GroundTruthFormat& format : ground_truth_formats()) names.emplace_back(format.name);
-  return names;
-}
+std::vector<std::string> format_names() { return names_of(ground_truth_formats()); }
 
 const GroundTruthFormat& find_format(std::string_view name) {
   if (name == "vpr-bench") refuse_vpr_bench("the ground truth format vpr-bench");
-  for (const GroundTruthFormat& format : ground_truth_formats())
-    if (format.name == name) return format;
-  const std::vector<std::string> names = format_names();
-  throw Error(ErrorKind::usage,
-              fmt::format("unknown ground truth format \"{}\"; did you mean {}? There are {}", name,
-                          nearest(name, names), fmt::join(names, ", ")));
+  return find_named(ground_truth_formats(), "ground truth format", name);
 }
 
 const GroundTruthFormat& recognise_format(const std::filesystem::path& path) {

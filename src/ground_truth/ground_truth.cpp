@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/named_table.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/formats.h"
 #include "ground_truth/presets.h"
@@ -105,8 +105,8 @@ namespace {
 
 // A word that is one or two slips of the hand away from a known one, and no file.
 void refuse_mistyped_word(const std::string& text) {
-  std::vector<std::string> words = {"aligned"};
-  for (const GroundTruthPreset& preset : ground_truth_presets()) words.emplace_back(preset.name);
+  std::vector<std::string> words = names_of(ground_truth_presets());
+  words.insert(words.begin(), "aligned");
   const std::string best = nearest(text, words);
   std::error_code error;
   if (edit_distance(text, best) <= 2 && !std::filesystem::exists(text, error))

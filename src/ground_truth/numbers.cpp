@@ -26,15 +26,4 @@ std::optional<double> parse_real(std::string_view text) {
   return value;
 }
 
-std::vector<std::string_view> split_words(std::string_view line) {
-  constexpr std::string_view kBlank = " \t\r";
-  std::vector<std::string_view> words;
-  for (size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
-    const size_t end = std::min(line.find_first_of(kBlank, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(kBlank, end);
-  }
-  return words;
-}
-
 }  // namespace vpr

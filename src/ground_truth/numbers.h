@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 namespace vpr {
 
@@ -18,8 +17,5 @@ std::optional<FrameText> parse_frame(std::string_view text);
 /// A finite number with a decimal point, for every locale; a leading + is allowed. Nothing
 /// otherwise.
 std::optional<double> parse_real(std::string_view text);
-
-/// The words of a line, between spaces and tabs.
-std::vector<std::string_view> split_words(std::string_view line);
 
 }  // namespace vpr

@@ -9,6 +9,7 @@
 #include "base/csv.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/text.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/formats.h"
 #include "ground_truth/label_runs.h"
@@ -59,17 +60,11 @@ void read_row(GroundTruthBuilder& builder, const CsvRow& row, size_t sequence) {
 }  // namespace
 
 bool is_openseqslam_csv(const FileStart& start) {
-  if (start.first_line.find(',') == std::string_view::npos) return false;
-  std::string_view line = start.first_line;
-  size_t columns = 0;
-  while (true) {
-    const size_t end = std::min(line.find(','), line.size());
-    if (!parse_frame(trimmed(line.substr(0, end)))) return false;
-    ++columns;
-    if (end == line.size()) break;
-    line.remove_prefix(end + 1);
-  }
-  return columns == 2 || columns == 3;
+  const auto fields = split(start.first_line, ',');
+  return (fields.size() == 2 || fields.size() == 3) &&
+         std::all_of(fields.begin(), fields.end(), [](std::string_view field) {
+           return parse_frame(trimmed(field)).has_value();
+         });
 }
 
 std::string read_openseqslam_csv(GroundTruthBuilder& builder) {

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/formats.h"
@@ -86,13 +87,12 @@ Poses read_lines(const std::filesystem::path& path, size_t columns,
                  Pose (*make)(const FileLocation&, const std::vector<double>&)) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   const MappedFile file(source.path);
-  std::string_view text = without_byte_order_mark(file.text());
   FileLocation location{path.string()};
   Poses poses;
   size_t index = 0;
-  for (size_t line_number = 1; !text.empty(); ++line_number) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
+  size_t line_number = 0;
+  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
+    ++line_number;
     const auto words = split_words(line);
     if (words.empty() || words.front().starts_with('#')) continue;
     location.at("line", line_number);
@@ -157,13 +157,10 @@ std::string read_kitti_poses(GroundTruthBuilder& builder) {
 
 bool is_pose_csv(const FileStart& start) {
   std::vector<std::string> names;
-  for (size_t begin = 0; begin <= start.first_line.size();) {
-    const size_t end = std::min(start.first_line.find(',', begin), start.first_line.size());
-    std::string_view name = start.first_line.substr(begin, end - begin);
+  for (std::string_view name : split(start.first_line, ',')) {
     if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
       name = name.substr(1, name.size() - 2);
     names.emplace_back(name);
-    begin = end + 1;
   }
   return has_pose_columns(names);
 }

@@ -7,7 +7,8 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/named_table.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {
@@ -29,8 +30,8 @@ bool is_of_data_set(const GroundTruthPreset& preset, std::string_view group) {
 }
 
 std::vector<std::string> names() {
-  std::vector<std::string> names = {"nordland-all"};
-  for (const GroundTruthPreset& preset : kPresets) names.emplace_back(preset.name);
+  std::vector<std::string> names = names_of(kPresets);
+  names.insert(names.begin(), "nordland-all");
   return names;
 }
 
@@ -54,19 +55,13 @@ const GroundTruthPreset* find_preset(std::string_view name) {
 
 std::vector<const GroundTruthPreset*> find_presets(const std::string& text) {
   std::vector<const GroundTruthPreset*> found;
-  std::string_view rest = text;
-  for (;;) {
-    const std::string_view name = rest.substr(0, rest.find(','));
+  for (const std::string_view name : split(text, ',')) {
     const size_t before = found.size();
     for (const GroundTruthPreset& preset : kPresets)
       if (preset.name == name || is_of_data_set(preset, name)) found.push_back(&preset);
-    if (found.size() == before)
-      throw Error(ErrorKind::usage,
-                  fmt::format("unknown protocol \"{}\"; did you mean {}? There are {}", name,
-                              nearest(name, names()), fmt::join(names(), ", ")));
-    if (name.size() == rest.size()) return found;
-    rest.remove_prefix(name.size() + 1);
+    if (found.size() == before) refuse_name("protocol", name, names());
   }
+  return found;
 }
 
 GroundTruthArgument preset_argument(const GroundTruthPreset& preset,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/formats.h"
 #include "ground_truth/numbers.h"
@@ -18,16 +19,6 @@ constexpr double kUsualRadius = 25;
 
 // Places of the fields between the @ signs; what stands before the first is field 0.
 enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kHeading = 9 };
-
-std::vector<std::string_view> split_fields(std::string_view name) {
-  std::vector<std::string_view> fields;
-  for (;;) {
-    const size_t end = std::min(name.find('@'), name.size());
-    fields.push_back(name.substr(0, end));
-    if (end == name.size()) return fields;
-    name.remove_prefix(end + 1);
-  }
-}
 
 struct UtmSide {
   Poses poses;
@@ -61,7 +52,7 @@ std::optional<UtmName> parse_utm_name(std::string_view file_name) {
   // "@1.5@2.5.jpg": the last dot ends the name, but "@1.5@2.5@" has no extension.
   const bool has_extension =
       dot != std::string_view::npos && last_at != std::string_view::npos && dot > last_at;
-  const auto fields = split_fields(has_extension ? file_name.substr(0, dot) : file_name);
+  const auto fields = split(has_extension ? file_name.substr(0, dot) : file_name, '@');
   if (fields.size() <= kNorth) return std::nullopt;
   const auto east = parse_real(fields[kEast]);
   const auto north = parse_real(fields[kNorth]);

@@ -11,6 +11,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
+#include "base/text.h"
 #include "base/utf8.h"
 #include "images/natural_order.h"
 
@@ -62,12 +63,7 @@ std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(cons
 std::vector<fs::path> read_list(const fs::path& list) {
   std::vector<fs::path> files;
   const MappedFile file(list);
-  std::string_view rest = without_byte_order_mark(file.text());
-  while (!rest.empty()) {
-    const size_t end = std::min(rest.find('\n'), rest.size());
-    std::string_view line = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
+  for (const std::string_view line : split_lines(without_byte_order_mark(file.text()))) {
     if (line.empty() || line.starts_with('#')) continue;
     if (line.find('\0') != std::string_view::npos)
       throw Error(ErrorKind::input,

@@ -9,6 +9,7 @@
 #include <hwy/cache_control.h>
 
 #include "base/error.h"
+#include "base/named_table.h"
 #include "matching/fabmap_fbo.h"
 
 namespace vpr {
@@ -132,13 +133,7 @@ FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
 std::span<const FabmapVariant> fabmap_variants() { return kVariants; }
 
 const FabmapVariant& find_fabmap_variant(std::string_view name) {
-  std::vector<std::string_view> names;
-  for (const FabmapVariant& variant : kVariants) {
-    if (variant.name == name) return variant;
-    names.push_back(variant.name);
-  }
-  throw Error(ErrorKind::usage, fmt::format("unknown variant \"{}\"; choose one of {}", name,
-                                            fmt::join(names, ", ")));
+  return find_named(kVariants, "variant", name);
 }
 
 std::vector<double> fabmap1_log_likelihoods(const FabmapQuery& query) {

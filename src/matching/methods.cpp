@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/named_table.h"
 #include "matching/fastable_batch.h"
 #include "matching/fastable_online.h"
 #include "matching/lsh.h"
@@ -31,13 +32,7 @@ constexpr std::array<SequenceMethod, 4> kMethods = {{
 std::span<const SequenceMethod> sequence_methods() { return kMethods; }
 
 const SequenceMethod& find_sequence_method(std::string_view name) {
-  std::vector<std::string_view> names;
-  for (const SequenceMethod& method : kMethods) {
-    if (method.name == name) return method;
-    names.push_back(method.name);
-  }
-  throw Error(ErrorKind::usage,
-              fmt::format("unknown method \"{}\"; choose one of {}", name, fmt::join(names, ", ")));
+  return find_named(kMethods, "method", name);
 }
 
 }  // namespace vpr

@@ -10,6 +10,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "recognition/score_kind.h"
 #include "report/json_fields.h"
 #include "report/scores_report.h"
@@ -18,17 +19,6 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMostFrames = uint64_t{1} << 32;
-
-/// Words of a text, which spaces divide; none of an empty text.
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> words;
-  while (!text.empty()) {
-    const size_t end = std::min(text.find(' '), text.size());
-    words.push_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return words;
-}
 
 template <class T>
 std::optional<T> number(std::string_view word) {
@@ -72,10 +62,10 @@ Outcomes read_outcomes(const Fields& fields) {
   outcomes.window_length = first + 1;
   const std::string letters = part.text("best");
   const std::string scores_text = part.text("scores");
-  const auto scores = split(scores_text);
+  const auto scores = split_words(scores_text);
   outcomes.has_ranks = part.has("ranks");
   const std::string ranks_text = outcomes.has_ranks ? part.text("ranks") : "";
-  const auto ranks = split(ranks_text);
+  const auto ranks = split_words(ranks_text);
   if (scores.size() != letters.size() || (outcomes.has_ranks && ranks.size() != letters.size()))
     fields.fail("its outcomes do not fit each other");
   for (size_t q = 0; q < letters.size(); ++q) {

@@ -1,0 +1,41 @@
+// Tables whose rows are chosen by name: methods, variants, formats, protocols.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace vpr {
+
+/// The names of a table's rows, which have a member `name`, in their order.
+template <class Table>
+std::vector<std::string> names_of(const Table& table) {
+  std::vector<std::string> names;
+  for (const auto& row : table) names.emplace_back(row.name);
+  return names;
+}
+
+/// Throws Error(usage): `word` is not the name of a `what` ("method"). The text names the nearest
+/// of `names`, of which there is at least one, and all of them.
+[[noreturn]] inline void refuse_name(std::string_view what, std::string_view word,
+                                     const std::vector<std::string>& names) {
+  throw Error(ErrorKind::usage,
+              fmt::format("unknown {} \"{}\"; did you mean {}? There are {}", what, word,
+                          nearest(word, names), fmt::join(names, ", ")));
+}
+
+/// The row called `name`, the first if there are several. Throws as refuse_name does.
+template <class Table>
+const auto& find_named(const Table& table, std::string_view what, std::string_view name) {
+  for (const auto& row : table)
+    if (row.name == name) return row;
+  refuse_name(what, name, names_of(table));
+}
+
+}  // namespace vpr
