@@ -11,7 +11,7 @@ libraries=(
   libdlib-dev libcli11-dev nlohmann-json3-dev catch2
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
-packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy)
+packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy zsh fish)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
 [[ ${1:-} == --arm64 ]] && packages+=(crossbuild-essential-arm64 mmdebstrap qemu-user-static)

@@ -38,9 +38,10 @@ std::vector<ChartTick> log_ticks(double low, double high, size_t most) {
   std::vector<ChartTick> all;
   std::vector<ChartTick> powers;
   const double end = high * (1 + 1e-9);
-  for (double power = std::pow(10.0, std::floor(std::log10(low) + 1e-9)); power <= end; power *= 10)
+  const auto last = static_cast<int>(std::floor(std::log10(end)));
+  for (auto power = static_cast<int>(std::floor(std::log10(low) + 1e-9)); power <= last; ++power)
     for (const double factor : {1.0, 2.0, 5.0}) {
-      const double at = factor * power;
+      const double at = factor * std::pow(10.0, power);
       if (at < low * (1 - 1e-9) || at > end) continue;
       all.push_back({at, fmt::format("{:g}", at)});
       if (factor == 1.0) powers.push_back(all.back());

@@ -113,10 +113,26 @@ TEST_CASE("what can't be written is found out when it is claimed") {
   outputs.file(folder / std::string(255, 'x')).write("long");
   outputs.commit();
   CHECK(test::read_text(folder / std::string(255, 'x')) == "long");
-  if (::geteuid() == 0) return;  // who may write everywhere
-  fs::create_directory(folder / "closed");
-  fs::permissions(folder / "closed", fs::perms::owner_read | fs::perms::owner_exec);
-  CHECK(claim("closed/a") == ErrorKind::output);
+}
+
+TEST_CASE("a folder that is not one's own is found out when an output in it is claimed") {
+  const test::TemporaryFolder folder;
+  fs::permissions(folder.path(), fs::perms(0755));
+  for (const auto& [name, mode] : {std::pair("open", 0777), std::pair("closed", 0555)}) {
+    fs::create_directory(folder / name);
+    fs::permissions(folder / name, fs::perms(mode));
+  }
+  const uid_t user = ::geteuid();
+  if (user == 0) REQUIRE(::seteuid(65534) == 0);  // root may write everywhere
+  const auto claim = [&](const std::string& name) {
+    OutputTransaction outputs(Existing::refuse);
+    return test::error_kind([&] { outputs.claim_file(folder / name); });
+  };
+  const auto open = claim("open/a");
+  const auto closed = claim("closed/a");
+  REQUIRE(::seteuid(user) == 0);
+  CHECK_FALSE(open);
+  CHECK(closed == ErrorKind::output);
 }
 
 TEST_CASE("one path for two outputs is refused, whatever it is called") {

@@ -7,38 +7,21 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/simd.h"
-#include "cli/building.h"
+#include "cli/world.h"
 #include "support.h"
 
 using namespace vpr;
 using test::run_program;
+using test::world;
 namespace fs = std::filesystem;
 
 namespace {
 
-/// One world, rendered and trained once for all tests of this file.
-struct World {
-  test::TemporaryFolder folder;
-  World() {
-    test::write_text(folder / "world.json", test::building(3, {"one", "two", "back"}));
-    REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
-            0);
-    REQUIRE(run_program("vpr-train",
-                        {"fastable", "--dataset", dataset(), "--c-l", "10", "-o", database()})
-                .exit_code == 0);
-  }
-  std::string dataset() const { return folder / "walk/dataset.json"; }
-  std::string database() const { return folder / "w.vprdb"; }
-  std::vector<std::string> query(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words = {database(), "--dataset", dataset(), "--c-l", "10"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-  }
-};
-
-const World& world() {
-  static const World kShared;
-  return kShared;
+std::vector<std::string> query_words(std::vector<std::string> more = {}) {
+  std::vector<std::string> words = {world().database(), "--dataset", world().dataset(), "--c-l",
+                                    "10"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
 }
 
 Json parse(const std::string& text) { return Json::parse(text); }
@@ -56,7 +39,7 @@ std::string comparable(const fs::path& path) {
 TEST_CASE("train, query and evaluate give counts that are right") {
   const test::TemporaryFolder out;
   const auto query =
-      run_program("vpr-query", world().query({"-o", out / "r.json", "--verify", "500"}));
+      run_program("vpr-query", query_words({"-o", out / "r.json", "--verify", "500"}));
   CHECK(query.exit_code == 0);
   CHECK(query.out.find("500 cells, 0 differences") != std::string::npos);
   CHECK(query.err.empty());
@@ -73,20 +56,20 @@ TEST_CASE("train, query and evaluate give counts that are right") {
 
 TEST_CASE("results are byte-identical for any threads, SIMD target and method") {
   const test::TemporaryFolder out;
-  run_program("vpr-query", world().query({"-o", out / "a.json", "--threads", "1"}));
+  run_program("vpr-query", query_words({"-o", out / "a.json", "--threads", "1"}));
   const std::string expected = comparable(out / "a.json");
   const std::string hits = test::read_text(out / "a.hits.npy");
   for (const std::string& target : simd_targets()) {
     const std::string name = "r" + target;
-    CHECK(run_program("vpr-query", world().query({"-o", out / (name + ".json"), "--threads", "2"}),
+    CHECK(run_program("vpr-query", query_words({"-o", out / (name + ".json"), "--threads", "2"}),
                       {"VPR_SIMD=" + target})
               .exit_code == 0);
     CHECK(comparable(out / (name + ".json")) == expected);
     CHECK(test::read_text(out / (name + ".hits.npy")) == hits);
   }
   for (const std::string method : {"openable", "fastable-online"}) {
-    run_program("vpr-query", world().query({"-o", out / (method + ".json"), "--method", method,
-                                            "--max-memory", "1M"}));
+    run_program("vpr-query", query_words({"-o", out / (method + ".json"), "--method", method,
+                                          "--max-memory", "1M"}));
     CHECK(test::read_text(out / (method + ".hits.npy")) == hits);
   }
 }
@@ -104,17 +87,17 @@ TEST_CASE("databases are byte-identical for any number of threads, and name no p
 
 TEST_CASE("a rendered world is byte-identical for its seed and any number of threads") {
   const test::TemporaryFolder out;
-  run_program("vpr-synth", {world().folder / "world.json", "-o", out / "w", "--threads", "1"});
+  run_program("vpr-synth", {world().folder() / "world.json", "-o", out / "w", "--threads", "1"});
   for (const auto& entry : fs::recursive_directory_iterator(out / "w"))
     if (entry.is_regular_file())
       REQUIRE(test::read_text(entry.path()) ==
-              test::read_text(world().folder / "walk" / fs::relative(entry.path(), out / "w")));
+              test::read_text(world().folder() / "walk" / fs::relative(entry.path(), out / "w")));
 }
 
 TEST_CASE("adding a sequence gives the database of training them together") {
   const test::TemporaryFolder out;
-  const std::string one = world().folder / "walk/one";
-  const std::string two = world().folder / "walk/two";
+  const std::string one = world().walk("one");
+  const std::string two = world().walk("two");
   run_program("vpr-train", {"fastable", "--train", one, "--c-l", "10", "-o", out / "a.vprdb"});
   CHECK(run_program("vpr-train", {"add", out / "a.vprdb", "--train", two, "-o", out / "ab.vprdb"})
             .exit_code == 0);
@@ -131,17 +114,18 @@ TEST_CASE("adding a sequence gives the database of training them together") {
 
 TEST_CASE("each sub-folder is a training sequence with --train-folders") {
   const test::TemporaryFolder out;
-  const auto run = run_program("vpr-train", {"fastable", "--train-folders", world().folder / "walk",
-                                             "--c-l", "10", "-o", out / "all.vprdb", "--json"});
+  const auto run =
+      run_program("vpr-train", {"fastable", "--train-folders", world().folder() / "walk", "--c-l",
+                                "10", "-o", out / "all.vprdb", "--json"});
   REQUIRE(run.exit_code == 0);
-  CHECK(parse(run.out)["sequences"].size() == 3);
+  CHECK(parse(run.out)["sequences"].size() == 5);
 }
 
 TEST_CASE("a saved matrix holds every distance; a picture can be drawn") {
   const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-query",
-                      world().query({"-o", out / "r.json", "--save-matrix", out / "d.npy"}))
-              .exit_code == 0);
+  REQUIRE(
+      run_program("vpr-query", query_words({"-o", out / "r.json", "--save-matrix", out / "d.npy"}))
+          .exit_code == 0);
   const Json result = parse(test::read_text(out / "r.json"));
   const NpyArray matrix(out / "d.npy");
   const auto values = matrix.values<int32_t>(2);
@@ -162,15 +146,15 @@ TEST_CASE("a saved matrix holds every distance; a picture can be drawn") {
                    size_t(cells[3 * i + 1] == 0 ? 0 : second) + size_t(cells[3 * i + 2])] ==
             scores[i]);
   CHECK(below > 0);
-  CHECK(run_program("vpr-query",
-                    world().query({"-o", out / "p.json", "--save-matrix", out / "d.png"}))
-            .exit_code == 0);
+  CHECK(
+      run_program("vpr-query", query_words({"-o", out / "p.json", "--save-matrix", out / "d.png"}))
+          .exit_code == 0);
   CHECK(test::read_text(out / "d.png").substr(1, 3) == "PNG");
 }
 
 TEST_CASE("unreadable frames, if skipped, break windows and are -1 in a matrix") {
   const test::TemporaryFolder out;
-  fs::copy(world().folder / "walk/back", out / "back");
+  fs::copy(world().walk("back"), out / "back");
   test::write_text(out / "back/00020.png", "broken");
   const std::vector<std::string> base = {
       world().database(), "--query", out / "back", "--c-l", "10", "-o", out / "r.json"};
@@ -194,12 +178,11 @@ TEST_CASE("unreadable frames, if skipped, break windows and are -1 in a matrix")
 
 TEST_CASE("a search can be limited to a sequence by name") {
   const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-query", world().query({"--only-sequence", "two", "-o", out / "r.json"}))
+  REQUIRE(run_program("vpr-query", query_words({"--only-sequence", "two", "-o", out / "r.json"}))
               .exit_code == 0);
   const Json result = parse(test::read_text(out / "r.json"));
   CHECK(result["targets"][0]["searched"] == false);
-  const auto wrong =
-      run_program("vpr-query", world().query({"--only-sequence", "three", "--json"}));
+  const auto wrong = run_program("vpr-query", query_words({"--only-sequence", "three", "--json"}));
   CHECK(wrong.exit_code == 2);
   CHECK(wrong.err.find("one, two") != std::string::npos);
 }
@@ -231,7 +214,7 @@ TEST_CASE("a result stands for the settings it was made with") {
   for (const auto& settings : all) {
     std::vector<std::string> words = settings;
     words.insert(words.end(), {"-o", out / "r.json", "--force"});
-    REQUIRE(run_program("vpr-query", world().query(words)).exit_code == 0);
+    REQUIRE(run_program("vpr-query", query_words(words)).exit_code == 0);
     const Json first = parse(test::read_text(out / "r.json"));
     const auto again = run_program("vpr-query", {world().database(), "--dataset", world().dataset(),
                                                  "--config", out / "r.json", "--json"});
@@ -245,7 +228,7 @@ TEST_CASE("a result stands for the settings it was made with") {
   std::string damaged = test::read_text(out / "r.json");
   damaged.replace(damaged.find("\"c_l\": 10"), 9, "\"c_l\": 11");
   test::write_text(out / "d.json", damaged);
-  CHECK(run_program("vpr-query", world().query({"--config", out / "d.json"})).exit_code == 4);
+  CHECK(run_program("vpr-query", query_words({"--config", out / "d.json"})).exit_code == 4);
 }
 
 TEST_CASE("a key for another kind of database is refused, as its flag is") {
@@ -259,15 +242,15 @@ TEST_CASE("a key for another kind of database is refused, as its flag is") {
 
 TEST_CASE("a database and a query are enough for an answer") {
   const test::TemporaryFolder out;
-  const auto query = run_program("vpr-query", world().query());
+  const auto query = run_program("vpr-query", query_words());
   CHECK(query.exit_code == 0);
   CHECK(query.out.find("windows recognised") != std::string::npos);
   CHECK(query.out.find("\none") != std::string::npos);  // a place in the sequence "one"
-  REQUIRE(run_program("vpr-train", {"fastable", "--train", world().folder / "walk/one", "--c-l",
-                                    "10", "-o", out / "one.vprdb"})
+  REQUIRE(run_program("vpr-train", {"fastable", "--train", world().walk("one"), "--c-l", "10", "-o",
+                                    out / "one.vprdb"})
               .exit_code == 0);
-  const auto single = run_program(
-      "vpr-query", {out / "one.vprdb", "--query", world().folder / "walk/back", "--c-l", "10"});
+  const auto single =
+      run_program("vpr-query", {out / "one.vprdb", "--query", world().walk("back"), "--c-l", "10"});
   INFO(single.out << single.err);
   CHECK(single.exit_code == 0);
   CHECK(single.out.find("\none") != std::string::npos);
@@ -275,7 +258,7 @@ TEST_CASE("a database and a query are enough for an answer") {
 }
 
 TEST_CASE("where nothing or everything is recognised, a command says what to try") {
-  const auto none = run_program("vpr-query", world().query({"--t-r", "0.01"}));
+  const auto none = run_program("vpr-query", query_words({"--t-r", "0.01"}));
   CHECK(none.exit_code == 0);
   CHECK(none.out.find("Nothing is close enough. The closest are query frame") != std::string::npos);
   const auto command = [&](const std::string& text) {
@@ -293,7 +276,7 @@ TEST_CASE("where nothing or everything is recognised, a command says what to try
   CHECK(some.exit_code == 0);
   CHECK(some.out.find(" 0 hits") == std::string::npos);
   CHECK(some.out.find("Nothing is close enough") == std::string::npos);
-  const auto all = run_program("vpr-query", world().query({"--t-r", "1"}));
+  const auto all = run_program("vpr-query", query_words({"--t-r", "1"}));
   CHECK(all.err.find("% of all window pairs are hits") != std::string::npos);
   words = command(all.out);
   REQUIRE(words.size() > 2);
@@ -303,7 +286,7 @@ TEST_CASE("where nothing or everything is recognised, a command says what to try
 
 TEST_CASE("an expectation that is not met ends with 5 and a readable difference") {
   const test::TemporaryFolder out;
-  run_program("vpr-query", world().query({"-o", out / "r.json"}));
+  run_program("vpr-query", query_words({"-o", out / "r.json"}));
   const std::vector<std::string> base = {out / "r.json", "--dataset", world().dataset()};
   auto first = base;
   first.insert(first.end(), {"-o", out / "e.json"});
@@ -322,7 +305,7 @@ TEST_CASE("an expectation that is not met ends with 5 and a readable difference"
 
 TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
   const test::TemporaryFolder out;
-  run_program("vpr-query", world().query({"-o", out / "r.json"}));
+  run_program("vpr-query", query_words({"-o", out / "r.json"}));
   const auto table = [&](const std::string& format) {
     return run_program("vpr-eval",
                        {out / "r.json", "--dataset", world().dataset(), "--format", format})
@@ -336,13 +319,13 @@ TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
 
 TEST_CASE("a result can be looked at without a ground truth, and nothing else") {
   const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-query", world().query({"-o", out / "r.json"})).exit_code == 0);
+  REQUIRE(run_program("vpr-query", query_words({"-o", out / "r.json"})).exit_code == 0);
   const auto eval = [&](std::vector<std::string> more) {
     std::vector<std::string> words = {out / "r.json"};
     words.insert(words.end(), more.begin(), more.end());
     return run_program("vpr-eval", words);
   };
-  const auto looked = eval({"--html", out / "page.html", "--query", world().folder / "walk/back"});
+  const auto looked = eval({"--html", out / "page.html", "--query", world().walk("back")});
   CHECK(looked.exit_code == 0);
   CHECK(looked.err.empty());
   CHECK(looked.out.find("Nothing is judged without a ground truth.") != std::string::npos);
@@ -358,13 +341,12 @@ TEST_CASE("a result can be looked at without a ground truth, and nothing else") 
     CHECK(eval({"--html", out / "other.html", flag, out / "r.json"}).exit_code == 2);
   CHECK(eval({"--html", out / "other.html", "--json"}).exit_code == 2);
   CHECK_FALSE(fs::exists(out / "other.html"));
-  test::write_text(
-      out / "bare.json",
-      Json{{"schema", "vpr.dataset/1"},
-           {"name", "bare"},
-           {"fps", 4},
-           {"queries", {{{"name", "back"}, {"sequence", world().folder / "walk/back"}}}}}
-          .dump());
+  test::write_text(out / "bare.json",
+                   Json{{"schema", "vpr.dataset/1"},
+                        {"name", "bare"},
+                        {"fps", 4},
+                        {"queries", {{{"name", "back"}, {"sequence", world().walk("back")}}}}}
+                       .dump());
   const auto timed = eval({"--html", out / "bare.html", "--dataset", out / "bare.json"});
   CHECK(timed.err.empty());
   CHECK(timed.out.find(" s). Nothing is judged") != std::string::npos);
@@ -384,17 +366,18 @@ TEST_CASE("every program has help with an example, and a version") {
 TEST_CASE("a map shows one result or two of the same query, as SVG and PNG") {
   const test::TemporaryFolder out;
   for (const char* name : {"a", "b"})
-    REQUIRE(run_program("vpr-query", world().query({"-o", (out / name).string() + ".json"}))
-                .exit_code == 0);
+    REQUIRE(
+        run_program("vpr-query", query_words({"-o", (out / name).string() + ".json"})).exit_code ==
+        0);
   const auto eval = [&](std::vector<std::string> more) {
     std::vector<std::string> words = {out / "a.json"};
     words.insert(words.end(), more.begin(), more.end());
     return run_program("vpr-eval", words);
   };
   CHECK(eval({"--map", out / "m"}).exit_code == 2);  // without a data set
-  fs::copy(world().folder / "walk", out / "walk", fs::copy_options::recursive);
+  fs::copy(world().folder() / "walk", out / "walk", fs::copy_options::recursive);
   test::write_text(out / "walk/back/poses.csv", "frame,x,y\n");
-  CHECK(eval({"--dataset", out / "walk/dataset.json", "--map", out / "m"}).exit_code == 4);
+  CHECK(eval({"--dataset", out / "walk/two_walks.json", "--map", out / "m"}).exit_code == 4);
   CHECK(eval({"--dataset", world().dataset(), "--map-with", out / "b.json"}).exit_code == 2);
   const auto drawn =
       eval({"--dataset", world().dataset(), "--map", out / "m", "--map-with", out / "b.json"});

@@ -1,5 +1,6 @@
 // FAB-MAP's commands as a user runs them, and every file of theirs tried broken.
 #include <algorithm>
+#include <array>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -7,52 +8,32 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/simd.h"
-#include "cli/building.h"
+#include "cli/world.h"
 #include "support.h"
 
 using namespace vpr;
+using test::check_failure;
 using test::run_program;
+using test::world;
 namespace fs = std::filesystem;
 
 namespace {
 
-/// A rendered world and its database of 60 words, each frame of "one" a place.
-struct World {
-  test::TemporaryFolder folder;
-  World() {
-    test::write_text(folder / "world.json", test::building(4, {"other", "one", "back"}));
-    REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
-            0);
-    REQUIRE(train({"--train", walk("one"), "-o", database()}).exit_code == 0);
-  }
-  std::string walk(const std::string& name) const { return folder / "walk" / name; }
-  std::string database() const { return folder / "f.vprdb"; }
-  test::RunOutcome train(std::vector<std::string> more) const {
-    std::vector<std::string> words = {"fabmap", "--pretrain", walk("other"), "--features",
-                                      "sift",   "--words",    "60"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_program("vpr-train", words);
-  }
-  test::RunOutcome query(std::vector<std::string> more) const {
-    std::vector<std::string> words = {database(), "--query", walk("back"), "--t-p", "0.5"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_program("vpr-query", words);
-  }
-};
+test::RunOutcome run_train(std::vector<std::string> more) {
+  std::vector<std::string> words = {
+      "fabmap", "--pretrain", world().walk("other"), "--features", "sift", "--words", "60"};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_program("vpr-train", words);
+}
 
-const World& world() {
-  static const World kShared;
-  return kShared;
+test::RunOutcome run_query(std::vector<std::string> more) {
+  std::vector<std::string> words = {world().fabmap(), "--query", world().walk("back"), "--t-p",
+                                    "0.5"};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_program("vpr-query", words);
 }
 
 Json parse(const std::string& text) { return Json::parse(text); }
-
-void check_failure(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
-  INFO(outcome.err);
-  CHECK(outcome.exit_code == exit_code);
-  CHECK(outcome.err.find(word) != std::string::npos);
-  CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
-}
 
 void copy_database(const fs::path& from, const fs::path& to) {
   fs::remove_all(to);
@@ -85,22 +66,21 @@ TEST_CASE("a FAB-MAP database is byte-identical for any number of threads and SI
                                       "-o",
                                       out / "t.vprdb"};
     REQUIRE(run_program("vpr-train", words, {"VPR_SIMD=" + target}).exit_code == 0);
-    for (const std::string& name : test::list_folder(world().database())) {
+    for (const std::string& name : test::list_folder(world().fabmap())) {
       INFO(target << " " << name);
       CHECK(test::read_text(out / "t.vprdb" / name) ==
-            test::read_text(fs::path(world().database()) / name));
+            test::read_text(fs::path(world().fabmap()) / name));
     }
   }
 }
 
 TEST_CASE("adding views gives the database of training them together") {
   const test::TemporaryFolder out;
-  REQUIRE(world()
-              .train({"--train", world().walk("one"), "--train", world().walk("back"), "-o",
-                      out / "both.vprdb"})
+  REQUIRE(run_train({"--train", world().walk("one"), "--train", world().walk("back"), "-o",
+                     out / "both.vprdb"})
               .exit_code == 0);
-  REQUIRE(run_program("vpr-train", {"add", world().database(), "--train", world().walk("back"),
-                                    "-o", out / "added.vprdb"})
+  REQUIRE(run_program("vpr-train", {"add", world().fabmap(), "--train", world().walk("back"), "-o",
+                                    out / "added.vprdb"})
               .exit_code == 0);
   for (const std::string& name : test::list_folder(out / "both.vprdb"))
     CHECK(test::read_text(out / "both.vprdb" / name) ==
@@ -140,7 +120,7 @@ TEST_CASE("with --loop, a recording that comes back recognises its own frames, n
     for (size_t i = 0; i < names.size(); ++i)
       fs::copy(fs::path(world().walk("one")) / names[i],
                out / "lap" / (std::to_string(lap * names.size() + i) + ".png"));
-  REQUIRE(world().train({"-o", out / "v.vprdb"}).exit_code == 0);
+  REQUIRE(run_train({"-o", out / "v.vprdb"}).exit_code == 0);
   check_failure(run_program("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--json"}), 2,
                 "--loop");
   REQUIRE(run_program("vpr-query",
@@ -169,8 +149,8 @@ TEST_CASE("with --loop, a recording that comes back recognises its own frames, n
 
 TEST_CASE("an explanation lists words, and draws them") {
   const test::TemporaryFolder out;
-  const auto outcome = world().query(
-      {"--explain", "20", "--train-images", world().walk("one"), "-o", out / "r.json"});
+  const auto outcome =
+      run_query({"--explain", "20", "--train-images", world().walk("one"), "-o", out / "r.json"});
   REQUIRE(outcome.exit_code == 0);
   CHECK(outcome.out.find("Frame 20:") != std::string::npos);
   CHECK(test::read_text(out / "r.explain.png").substr(1, 3) == "PNG");
@@ -180,9 +160,9 @@ TEST_CASE("an explanation lists words, and draws them") {
     CHECK(place["for"][0]["log_odds"].get<double>() >= place["for"][1]["log_odds"].get<double>());
     CHECK(place["against"][0]["log_odds"].get<double>() < 0);
   }
-  check_failure(world().query({"--explain", "999", "--json"}), 2, "--explain 999");
-  check_failure(world().query({"--explain", "2", "--train-images", "none=x", "-o", out / "s.json"}),
-                2, "none");
+  check_failure(run_query({"--explain", "999", "--json"}), 2, "--explain 999");
+  check_failure(run_query({"--explain", "2", "--train-images", "none=x", "-o", out / "s.json"}), 2,
+                "none");
   CHECK(!fs::exists(out / "s.json"));
 }
 
@@ -198,7 +178,7 @@ TEST_CASE("a frame without features keeps its index; all of them are no vocabula
                                           "radius", "-o", out / "x.vprdb"}),
                 2, "larger pictures, or another kind of --features");
   REQUIRE(
-      run_program("vpr-query", {world().database(), "--query", out / "grey", "-o", out / "r.json"})
+      run_program("vpr-query", {world().fabmap(), "--query", out / "grey", "-o", out / "r.json"})
           .exit_code == 0);
   const NpyArray best(out / "r.best.npy");
   CHECK(best.shape()[0] == 2);
@@ -213,23 +193,22 @@ TEST_CASE("frames without features are counted, and warned of with their share")
     test::write_text(out / "walk" / fmt::format("zz{}.pgm", i),
                      "P5\n32 32\n255\n" + std::string(1024, '\x80'));
   const auto query =
-      run_program("vpr-query", {world().database(), "--query", out / "walk", "-o", out / "r.json"});
+      run_program("vpr-query", {world().fabmap(), "--query", out / "walk", "-o", out / "r.json"});
   REQUIRE(query.exit_code == 0);
   CHECK(query.err.find("have no sift feature") != std::string::npos);
   CHECK(query.out.find(fmt::format("{} frames without features", frames)) != std::string::npos);
   CHECK(parse(test::read_text(out / "r.json"))["query"]["featureless"] == frames);
-  const auto train = world().train({"--train", out / "walk", "-o", out / "w.vprdb", "--json"});
-  REQUIRE(train.exit_code == 0);
-  CHECK(train.err.find("larger pictures") != std::string::npos);
-  CHECK(parse(train.out)["featureless_views"] == frames);
-  CHECK(world().query({"--json"}).err.empty());
+  const auto trained = run_train({"--train", out / "walk", "-o", out / "w.vprdb", "--json"});
+  REQUIRE(trained.exit_code == 0);
+  CHECK(trained.err.find("larger pictures") != std::string::npos);
+  CHECK(parse(trained.out)["featureless_views"] == frames);
+  CHECK(run_query({"--json"}).err.empty());
 }
 
 TEST_CASE("a query that recognises nothing says at what t_p it would, as a command to copy") {
   const test::TemporaryFolder out;
-  const auto nothing =
-      run_program("vpr-query", {world().database(), "--query", world().walk("back"), "--t-p",
-                                "0.9999", "-o", out / "a b.json"});
+  const auto nothing = run_program("vpr-query", {world().fabmap(), "--query", world().walk("back"),
+                                                 "--t-p", "0.9999", "-o", out / "a b.json"});
   REQUIRE(nothing.exit_code == 0);
   INFO(nothing.out);
   CHECK(nothing.out.find("The likeliest place is one#") != std::string::npos);
@@ -238,15 +217,15 @@ TEST_CASE("a query that recognises nothing says at what t_p it would, as a comma
   CHECK(nothing.out.find("-o '" + (out / "a b.json").string() + "'") != std::string::npos);
   const std::string threshold = nothing.out.substr(at + 7, nothing.out.find(' ', at + 7) - at - 7);
   CHECK(nothing.out.find(threshold + " --force\n") != std::string::npos);
-  REQUIRE(run_program("vpr-query", {world().database(), "--query", world().walk("back"), "--t-p",
+  REQUIRE(run_program("vpr-query", {world().fabmap(), "--query", world().walk("back"), "--t-p",
                                     threshold, "-o", out / "r.json"})
               .exit_code == 0);
   CHECK(parse(test::read_text(out / "r.json"))["totals"]["hits"] > 0);
 }
 
 TEST_CASE("a flag of the other family is refused with the name of its counterpart") {
-  check_failure(world().query({"--save-matrix", "m.npy", "--json"}), 2, "--save-posteriors");
-  check_failure(world().query({"--t-r", "0.4", "--json"}), 2, "--t-p");
+  check_failure(run_query({"--save-matrix", "m.npy", "--json"}), 2, "--save-posteriors");
+  check_failure(run_query({"--t-r", "0.4", "--json"}), 2, "--t-p");
 }
 
 TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop") {
@@ -254,9 +233,9 @@ TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop")
   fs::copy(world().walk("one"), out / "one");
   const std::string broken = test::list_folder(out / "one")[3];
   test::write_text(out / "one" / broken, "broken");
-  REQUIRE(world()
-              .train({"--train", out / "one", "--skip-unreadable", "-o", out / "b.vprdb"})
-              .exit_code == 0);
+  REQUIRE(
+      run_train({"--train", out / "one", "--skip-unreadable", "-o", out / "b.vprdb"}).exit_code ==
+      0);
   fs::create_directory(out / "grey");
   test::write_text(out / "grey/1.pgm", "P5\n32 32\n255\n" + std::string(1024, '\x80'));
   REQUIRE(run_program("vpr-query", {out / "b.vprdb", "--query", out / "grey", "--save-posteriors",
@@ -267,7 +246,7 @@ TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop")
   CHECK(posteriors.values<double>(2)[1 + 3] == Approx(floor));
   // A grey frame after the broken one, with nothing else to be like.
   fs::copy(out / "grey/1.pgm", out / "one/zz.pgm");
-  REQUIRE(world().train({"-o", out / "v.vprdb"}).exit_code == 0);
+  REQUIRE(run_train({"-o", out / "v.vprdb"}).exit_code == 0);
   REQUIRE(run_program("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop",
                                     "--skip-unreadable", "--t-p", "0.5", "-o", out / "l.json"})
               .exit_code == 0);
@@ -307,46 +286,48 @@ TEST_CASE("a pretraining frame that can't be decoded is left out, and is none wi
 }
 
 TEST_CASE("FAB-MAP settings out of range") {
+  using Wrong = std::vector<std::array<std::string, 3>>;  // flag, value, a word of the sentence
   const test::TemporaryFolder out;
-  for (const auto& [flag, value] :
-       std::vector<std::pair<std::string, std::string>>{{"--t-p", "1.5"},
-                                                        {"--t-p", "nan"},
-                                                        {"--c-w", "0"},
-                                                        {"--c-w", "-1"},
-                                                        {"--variant", "fabmap3"},
-                                                        {"--word-model", "x"},
-                                                        {"--loop-gap", "-1"},
-                                                        {"--new-place", "never"}})
-    check_failure(run_program("vpr-query", {world().database(), "--query", world().walk("back"),
-                                            flag, value, "--json"}),
-                  2, "");
-  for (const auto& [flag, value] :
-       std::vector<std::pair<std::string, std::string>>{{"--words", "0"},
-                                                        {"--words", "1"},
-                                                        {"--words", "100000000"},
-                                                        {"--features", "surff"},
-                                                        {"--words", "999999"},
-                                                        {"--place", "x"},
-                                                        {"--clustering", "tree"}})
-    check_failure(world().train({flag, value, "-o", out / "x.vprdb"}), 2, "");
+  for (const auto& [flag, value, word] : Wrong{{"--t-p", "1.5", "t_p must be"},
+                                               {"--t-p", "nan", "\"--t-p\""},
+                                               {"--c-w", "0", "c_w must be"},
+                                               {"--c-w", "-1", "\"--c-w\""},
+                                               {"--variant", "fabmap3", "did you mean fabmap2?"},
+                                               {"--word-model", "x", "\"--word-model\""},
+                                               {"--loop-gap", "-1", "\"--loop-gap\""},
+                                               {"--new-place", "never", "\"--new-place\""}})
+    check_failure(run_program("vpr-query", {world().fabmap(), "--query", world().walk("back"), flag,
+                                            value, "--json"}),
+                  2, word);
+  for (const auto& [flag, value, word] : Wrong{{"--words", "0", "from 2 to 10000000"},
+                                               {"--words", "1", "from 2 to 10000000"},
+                                               {"--words", "100000000", "from 2 to 10000000"},
+                                               {"--features", "surff", "\"--features\""},
+                                               {"--words", "999999", "give fewer --words"},
+                                               {"--place", "x", "NAME=SEQUENCE"},
+                                               {"--clustering", "tree", "\"--clustering\""}})
+    check_failure(
+        run_program("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
+                                  world().walk("one"), flag, value, "-o", out / "x.vprdb"}),
+        2, word);
   CHECK(test::list_folder(out.path()).empty());
 }
 
 TEST_CASE("every file of a FAB-MAP database is tried broken") {
   const test::TemporaryFolder out;
   const fs::path broken = out / "d.vprdb";
-  for (const std::string& name : test::list_folder(world().database())) {
+  for (const std::string& name : test::list_folder(world().fabmap())) {
     INFO(name);
-    const std::string whole = test::read_text(fs::path(world().database()) / name);
+    const std::string whole = test::read_text(fs::path(world().fabmap()) / name);
     for (const std::string& text :
          {without_last_bit(whole), whole.substr(0, whole.size() / 2), std::string()}) {
-      copy_database(world().database(), broken);
+      copy_database(world().fabmap(), broken);
       test::write_text(broken / name, text);
-      check_failure(run_program("vpr-train", {"info", broken}), 4, "");
+      check_failure(run_program("vpr-train", {"info", broken}), 4, "d.vprdb");
       check_failure(run_program("vpr-query", {broken, "--query", world().walk("back"), "--json"}),
-                    4, "");
+                    4, "d.vprdb");
     }
-    copy_database(world().database(), broken);
+    copy_database(world().fabmap(), broken);
     fs::remove(broken / name);
     const int exit_code = run_program("vpr-train", {"info", broken}).exit_code;
     CHECK((exit_code == 3 || exit_code == 4));
@@ -355,7 +336,7 @@ TEST_CASE("every file of a FAB-MAP database is tried broken") {
 
 TEST_CASE("every file of a FAB-MAP result is tried broken") {
   const test::TemporaryFolder out;
-  REQUIRE(world().query({"-o", out / "r.json"}).exit_code == 0);
+  REQUIRE(run_query({"-o", out / "r.json"}).exit_code == 0);
   const auto eval = [&] {
     return run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"});
   };
@@ -381,9 +362,8 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
   const auto frames = static_cast<size_t>(std::count_if(
       files.begin(), files.end(), [](const std::string& name) { return name.ends_with(".png"); }));
   const size_t half = frames / 2;
-  REQUIRE(world()
-              .train({"--place", fmt::format("a={}@0:{}", walk, half), "--place",
-                      fmt::format("b={}@{}:{}", walk, half, frames), "-o", out / "p.vprdb"})
+  REQUIRE(run_train({"--place", fmt::format("a={}@0:{}", walk, half), "--place",
+                     fmt::format("b={}@{}:{}", walk, half, frames), "-o", out / "p.vprdb"})
               .exit_code == 0);
   REQUIRE(
       run_program("vpr-train", {"fastable", "--train", walk, "--c-l", "4", "-o", out / "s.vprdb"})
@@ -432,7 +412,7 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
 TEST_CASE("OpenFABMAP's files, broken") {
   const test::TemporaryFolder out;
   const fs::path files = out / "files";
-  REQUIRE(run_program("vpr-train", {"export", world().database(), "--openfabmap", "-o", files})
+  REQUIRE(run_program("vpr-train", {"export", world().fabmap(), "--openfabmap", "-o", files})
               .exit_code == 0);
   const auto import = [&] {
     return run_program(

@@ -5,9 +5,12 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "cli/world.h"
 #include "support.h"
 
 using namespace vpr;
+using test::check_failure;
+using test::printed_json;
 using test::run_program;
 namespace fs = std::filesystem;
 
@@ -39,12 +42,6 @@ const Walk& walk() {
   return kShared;
 }
 
-Json parse(const test::RunOutcome& outcome) {
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-  return Json::parse(outcome.out);
-}
-
 void convert(const std::string& from, const std::string& to, const fs::path& output) {
   const auto outcome = run_program("vpr-eval", {"convert", from, "--query-frames", "8",
                                                 "--train-frames", "8", "--to", to, "-o", output});
@@ -52,19 +49,12 @@ void convert(const std::string& from, const std::string& to, const fs::path& out
   REQUIRE(outcome.exit_code == 0);
 }
 
-void check_failure(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
-  INFO(outcome.err);
-  CHECK(outcome.exit_code == exit_code);
-  CHECK(outcome.err.find(word) != std::string::npos);
-  CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
-}
-
 }  // namespace
 
 TEST_CASE("a result counts the same in every format that can hold its ground truth") {
   const test::TemporaryFolder out;
   const auto counts = [&](const std::string& ground_truth) {
-    const Json report = parse(
+    const Json report = printed_json(
         run_program("vpr-eval", {walk().path("r.json"), "--ground-truth", ground_truth, "--json"}));
     return report["counts"].dump() + report["best_match"].dump();
   };
@@ -93,14 +83,14 @@ TEST_CASE("sequences and results say how many frames there are") {
         std::vector<std::string>{"--query-frames", "8", "--train-frames", "5"}}) {
     std::vector<std::string> words = {"check", "aligned", "--json"};
     words.insert(words.end(), scope.begin(), scope.end());
-    const Json report = parse(run_program("vpr-eval", words));
+    const Json report = printed_json(run_program("vpr-eval", words));
     CHECK(report["frames"]["query"] == 8);
     CHECK(report["frames"]["train"] == 5);
     CHECK(report["pairs"]["same"] == 5);
     CHECK(report["findings"]["queries_without_match"] == 3);
     CHECK(report["findings"]["one_sided"].is_null());
   }
-  const Json report = parse(run_program(
+  const Json report = printed_json(run_program(
       "vpr-eval", {"check", walk().path("g.csv"), "--result", walk().path("r.json"), "--json"}));
   CHECK(report["pairs"]["same"] == 8);
   CHECK(report["pairs"]["ignored"] == 1);
@@ -162,13 +152,13 @@ TEST_CASE("mistakes of convert and check") {
 }
 
 TEST_CASE("one command counts a result under every protocol") {
-  const Json all = parse(
+  const Json all = printed_json(
       run_program("vpr-eval", {walk().path("r.json"), "--protocol", "nordland-all", "--json"}));
   REQUIRE(all["protocols"].size() == 4);
   for (const Json& protocol : all["protocols"]) {
     const std::string name = protocol["name"].get<std::string>();
-    const Json report =
-        parse(run_program("vpr-eval", {walk().path("r.json"), "--ground-truth", name, "--json"}));
+    const Json report = printed_json(
+        run_program("vpr-eval", {walk().path("r.json"), "--ground-truth", name, "--json"}));
     CHECK(report["counts"] == protocol["report"]["counts"]);
     CHECK(report["protocol"]["ground_truth"].get<std::string>().starts_with(name));
   }
@@ -202,7 +192,7 @@ TEST_CASE("vpr-query and vpr-tune take every format, and data sets name it") {
     std::vector<std::string> words = {"fastable", walk().database(), "--c-l", "2", "--t-r",
                                       "0.9",      "--json"};
     words.insert(words.end(), more.begin(), more.end());
-    return parse(run_program("vpr-tune", words))["cells"].dump();
+    return printed_json(run_program("vpr-tune", words))["cells"].dump();
   };
   const std::string expected =
       tune({"--query", walk().path("one"), "--ground-truth", walk().path("g.csv")});
@@ -213,10 +203,10 @@ TEST_CASE("vpr-query and vpr-tune take every format, and data sets name it") {
         "matrix_rows": "reference"}}}}]}})",
                                walk().path("one")));
   CHECK(tune({"--dataset", out / "d.json"}) == expected);
-  CHECK(parse(run_program("vpr-eval", {walk().path("r.json"), "--dataset", out / "d.json",
-                                       "--json"}))["counts"] ==
-        parse(run_program("vpr-eval", {walk().path("r.json"), "--ground-truth",
-                                       walk().path("g.csv"), "--json"}))["counts"]);
+  CHECK(printed_json(run_program("vpr-eval", {walk().path("r.json"), "--dataset", out / "d.json",
+                                              "--json"}))["counts"] ==
+        printed_json(run_program("vpr-eval", {walk().path("r.json"), "--ground-truth",
+                                              walk().path("g.csv"), "--json"}))["counts"]);
 }
 
 TEST_CASE("several results make one table, with a row and a name for each") {
@@ -241,7 +231,7 @@ TEST_CASE("several results make one table, with a row and a name for each") {
   CHECK(test::read_text(out / "p.csv").starts_with("name,query,sequence,first_frame,frame,"));
   auto json = words;
   json.insert(json.end(), {"--json", "-o", out / "reports.json"});
-  const Json reports = parse(run_program("vpr-eval", json));
+  const Json reports = printed_json(run_program("vpr-eval", json));
   CHECK(reports["schema"] == "vpr.reports/1");
   CHECK(reports["reports"][1]["name"] == "long");
   CHECK(reports["reports"][1]["report"]["settings"]["c_l"] == 3);

@@ -36,7 +36,7 @@ struct Walks {
   std::string read(const std::string& name) const { return test::read_text(path(name)); }
 };
 
-void check_failure(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
+void check_sentence(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
   INFO(outcome.err);
   CHECK(outcome.exit_code == exit_code);
   CHECK(outcome.err.find(word) != std::string::npos);
@@ -57,7 +57,7 @@ TEST_CASE("a matrix that is not the result's own is refused") {
                 .exit_code == 0);
   CHECK(Json::parse(walks.read("a.json"))["files"].contains("matrix"));
   CHECK(eval("a.npy").exit_code == 0);
-  check_failure(eval("b.npy"), 4, "is not the matrix that");
+  check_sentence(eval("b.npy"), 4, "is not the matrix that");
   REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("c.json")}).exit_code == 0);
   fs::rename(walks.path("c.json"), walks.path("a.json"));  // which names no matrix
   for (const std::string kind : {"hits", "hit_scores", "best", "best_scores"})
@@ -99,12 +99,12 @@ TEST_CASE("an output never replaces what its run reads, with --force either") {
   };
   const std::string result = walks.read("r.json");
   for (const char* name : {"r.json", "r.hits.npy", "gt.csv"})
-    check_failure(eval(name), 2, "is an input of this run");
+    check_sentence(eval(name), 2, "is an input of this run");
   const auto query = [&](const std::string& output) {
     return walks.query({"--query", walks.path("two"), "--force", "-o", walks.path(output)});
   };
   for (const char* name : {"two/11.png", "d.vprdb/manifest.json"})
-    check_failure(query(name), 2, "is an input of this run");
+    check_sentence(query(name), 2, "is an input of this run");
   CHECK(query("r.json").exit_code == 0);
   CHECK(run_program("vpr-train", {"add", walks.path("d.vprdb"), "--train", walks.path("two"),
                                   "--force", "-o", walks.path("d.vprdb")})
@@ -121,7 +121,7 @@ TEST_CASE("the files that a data set names are inputs, too") {
                    "sequence": "one"}], "queries": [{"name": "two", "sequence": "two",
                    "ground_truth": {"format": "pairs", "path": "gt.csv"}}]})");
   for (const char* output : {"gt.csv", "two/10.png", "one/10.png"})
-    check_failure(
+    check_sentence(
         walks.query({"--dataset", walks.path("dataset.json"), "--force", "-o", walks.path(output)}),
         2, "is an input of this run");
 }
@@ -137,9 +137,9 @@ TEST_CASE("outputs of an evaluation come together or not at all") {
   // The page fails, after the report was made: the sequence is not the one that was evaluated.
   fs::create_directory(walks.path("short"));
   fs::copy(walks.path("two/10.png"), walks.path("short/0.png"));
-  check_failure(eval({"-o", walks.path("e.json"), "--html", walks.path("e.html"), "--query",
-                      walks.path("short")}),
-                2, "frames");
+  check_sentence(eval({"-o", walks.path("e.json"), "--html", walks.path("e.html"), "--query",
+                       walks.path("short")}),
+                 2, "frames");
   fs::remove_all(walks.path("short"));
   CHECK(test::list_folder(walks.folder.path()) == before);
   for (const char* other : {"e.json", "../", "./e.json"})
@@ -156,10 +156,10 @@ TEST_CASE("what can't be written is found out before the work") {
                        {"fastable", "--train", walks.path("one"), "-o", walks.path(name)});
   };
   // The companions' names are longer than the result's.
-  check_failure(walks.query({"--query", walks.path("two"), "-o",
-                             walks.path(std::string(248, 'x') + ".json")}),
-                3, "can't be written");
-  check_failure(train(std::string(256, 'x')), 3, "can't be written");
+  check_sentence(walks.query({"--query", walks.path("two"), "-o",
+                              walks.path(std::string(248, 'x') + ".json")}),
+                 3, "can't be written");
+  check_sentence(train(std::string(256, 'x')), 3, "can't be written");
   CHECK(test::list_folder(walks.folder.path()) == before);
   CHECK(train(std::string(255, 'x')).exit_code == 0);
 }
@@ -169,8 +169,8 @@ TEST_CASE("a folder of pictures is never taken for one of plots") {
   REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
   fs::create_directories(walks.path("one/sub.png/thesis"));
   const auto frames = test::list_folder(walks.path("one"));
-  check_failure(run_program("vpr-eval", {walks.path("r.json"), "--ground-truth", "aligned",
-                                         "--plot", walks.path("one"), "--force"}),
-                2, "is not replaced");
+  check_sentence(run_program("vpr-eval", {walks.path("r.json"), "--ground-truth", "aligned",
+                                          "--plot", walks.path("one"), "--force"}),
+                 2, "is not replaced");
   CHECK(test::list_folder(walks.path("one")) == frames);
 }

@@ -2,41 +2,15 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
-#include "cli/building.h"
+#include "cli/world.h"
 #include "support.h"
 
 using namespace vpr;
 using test::run_program;
+using test::world;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct World {
-  test::TemporaryFolder folder;
-  World() {
-    test::write_text(folder / "world.json",
-                     test::building(6, {"one", "two", "other", "back", "again"}));
-    REQUIRE(run_program("vpr-synth", {folder / "world.json", "-o", folder / "walk"}).exit_code ==
-            0);
-    REQUIRE(run_program("vpr-train", {"fastable", "--train", walk("one"), "--train", walk("two"),
-                                      "--c-l", "10", "-o", database()})
-                .exit_code == 0);
-    REQUIRE(run_program("vpr-train", {"fabmap", "--pretrain", walk("other"), "--train", walk("one"),
-                                      "--features", "sift", "--words", "60", "-o", fabmap()})
-                .exit_code == 0);
-  }
-  std::string walk(const std::string& name) const { return folder / "walk" / name; }
-  std::string truth(const std::string& name) const {
-    return folder / "walk" / (name + ".ground_truth.csv");
-  }
-  std::string database() const { return folder / "w.vprdb"; }
-  std::string fabmap() const { return folder / "f.vprdb"; }
-};
-
-const World& world() {
-  static const World kShared;
-  return kShared;
-}
 
 Json parse(const std::string& text) { return Json::parse(text); }
 

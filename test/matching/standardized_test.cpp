@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/simd.h"
+#include "examples.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/plain.h"
@@ -19,34 +20,12 @@
 #include "support.h"
 
 using namespace vpr;
+using test::CellKey;
+using test::Cells;
+using test::Example;
+using test::make_example;
 
 namespace {
-
-using CellKey = std::tuple<size_t, size_t, size_t>;  // query window, sequence, train window
-using Cells = std::map<CellKey, uint32_t>;
-
-struct Example {
-  std::vector<std::vector<LdbCode>> train;
-  std::vector<std::vector<size_t>> train_unreadable;
-  std::vector<LdbCode> query;
-  std::vector<size_t> query_unreadable;
-
-  std::vector<DescriptorSpan> spans() const {
-    std::vector<DescriptorSpan> all;
-    for (size_t s = 0; s < train.size(); ++s) all.push_back({train[s], train_unreadable[s]});
-    return all;
-  }
-};
-
-Example make_example(const std::vector<size_t>& train_frames, size_t query_frames, uint64_t seed) {
-  Example example;
-  for (size_t s = 0; s < train_frames.size(); ++s) {
-    example.train.push_back(test::walk_codes(train_frames[s], seed + s));
-    example.train_unreadable.emplace_back();
-  }
-  example.query = test::walk_codes(query_frames, seed + 100);
-  return example;
-}
 
 ScoreBasis make_basis(const Example& example, const StandardizationSettings& settings = {},
                       bool offline = false) {

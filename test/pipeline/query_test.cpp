@@ -8,34 +8,23 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "examples.h"
 #include "matching/plain.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
 #include "support.h"
 
 using namespace vpr;
+using test::make_query;
 
 namespace {
 
 SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences,
                                size_t window_length) {
-  SequenceDatabase database;
-  for (size_t s = 0; s < sequences.size(); ++s) {
-    TrainSequence& sequence = database.sequences.emplace_back();
-    sequence.name = std::string(1, static_cast<char>('a' + s));
-    for (size_t i = 0; i < sequences[s].size(); ++i)
-      sequence.frame_names.push_back(std::to_string(i));
-    database.descriptors.append(sequences[s]);
-  }
+  SequenceDatabase database = test::make_database(sequences);
   database.thresholds.push_back(
       compute_thresholds(database, window_length, 1, select_kernels(), {}));
   return database;
-}
-
-DescriptorSet make_query(const std::vector<LdbCode>& codes) {
-  DescriptorSet query = ldb_set(codes, {});
-  for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
-  return query;
 }
 
 QueryResources resources(size_t verify = 0) {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "examples.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/sweep.h"
@@ -15,26 +16,14 @@
 #include "support.h"
 
 using namespace vpr;
+using test::make_query;
 
 namespace {
 
 SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences) {
-  SequenceDatabase database;
-  for (size_t s = 0; s < sequences.size(); ++s) {
-    TrainSequence& sequence = database.sequences.emplace_back();
-    sequence.name = std::string(1, static_cast<char>('a' + s));
-    for (size_t i = 0; i < sequences[s].size(); ++i)
-      sequence.frame_names.push_back(std::to_string(i));
-    database.descriptors.append(sequences[s]);
-  }
+  SequenceDatabase database = test::make_database(sequences);
   ensure_statistics(database, {});
   return database;
-}
-
-DescriptorSet make_query(const std::vector<LdbCode>& codes) {
-  DescriptorSet query = ldb_set(codes, {});
-  for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
-  return query;
 }
 
 SequenceQuerySettings scored_settings(uint64_t length) {

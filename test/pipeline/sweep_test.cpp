@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "examples.h"
 #include "pipeline/train.h"
 #include "support.h"
 
@@ -17,14 +18,8 @@ std::vector<uint64_t> numbers(const LabelCounts& counts) {
 }
 
 SequenceDatabase make_database() {
-  SequenceDatabase database;
-  for (uint64_t s = 0; s < 3; ++s) {
-    TrainSequence& sequence = database.sequences.emplace_back();
-    sequence.name = std::string(1, static_cast<char>('a' + s));
-    const auto codes = test::walk_codes(90, 10 + s, 40);
-    for (size_t i = 0; i < codes.size(); ++i) sequence.frame_names.push_back(std::to_string(i));
-    database.descriptors.append(codes);
-  }
+  SequenceDatabase database = test::make_database(
+      {test::walk_codes(90, 10, 40), test::walk_codes(90, 11, 40), test::walk_codes(90, 12, 40)});
   database.sequences[1].unreadable = {40};
   return database;
 }

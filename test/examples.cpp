@@ -1,0 +1,51 @@
+#include "examples.h"
+
+#include <string>
+
+#include "support.h"
+
+namespace vpr::test {
+namespace {
+
+std::vector<std::string> numbers(size_t count) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < count; ++i) names.push_back(std::to_string(i));
+  return names;
+}
+
+}  // namespace
+
+std::vector<DescriptorSpan> Example::spans() const {
+  std::vector<DescriptorSpan> all;
+  for (size_t s = 0; s < train.size(); ++s) all.push_back({train[s], train_unreadable[s]});
+  return all;
+}
+
+Example make_example(const std::vector<size_t>& train_frames, size_t query_frames, uint64_t seed) {
+  Example example;
+  for (size_t s = 0; s < train_frames.size(); ++s) {
+    example.train.push_back(walk_codes(train_frames[s], seed + s));
+    example.train_unreadable.emplace_back();
+  }
+  example.query = walk_codes(query_frames, seed + 100);
+  return example;
+}
+
+SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences) {
+  SequenceDatabase database;
+  for (const std::vector<LdbCode>& codes : sequences) {
+    TrainSequence& sequence = database.sequences.emplace_back();
+    sequence.name = std::string(1, static_cast<char>('a' + database.sequences.size() - 1));
+    sequence.frame_names = numbers(codes.size());
+    database.descriptors.append(codes);
+  }
+  return database;
+}
+
+DescriptorSet make_query(const std::vector<LdbCode>& codes) {
+  DescriptorSet query = ldb_set(codes, {});
+  query.frames.names = numbers(codes.size());
+  return query;
+}
+
+}  // namespace vpr::test

@@ -1,0 +1,37 @@
+// Codes of several walks, as matchers, queries and sweeps are tested with them.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "database/sequence_database.h"
+#include "descriptors/descriptor_rows.h"
+#include "descriptors/frame_descriptors.h"
+
+namespace vpr::test {
+
+using CellKey = std::tuple<size_t, size_t, size_t>;  ///< query window, sequence, train window
+using Cells = std::map<CellKey, uint32_t>;
+
+struct Example {
+  std::vector<std::vector<LdbCode>> train;
+  std::vector<std::vector<size_t>> train_unreadable;
+  std::vector<LdbCode> query;
+  std::vector<size_t> query_unreadable;
+
+  std::vector<DescriptorSpan> spans() const;
+};
+
+/// Walks of so many frames each; every frame is readable.
+Example make_example(const std::vector<size_t>& train_frames, size_t query_frames, uint64_t seed);
+
+/// A database of sequences "a", "b", ..., whose frames are called by their numbers; it has neither
+/// thresholds nor statistics.
+SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences);
+
+/// A query whose frames are called by their numbers.
+DescriptorSet make_query(const std::vector<LdbCode>& codes);
+
+}  // namespace vpr::test
