@@ -8,8 +8,6 @@ scripts/install-deps.sh
 presets=("$@")
 [[ ${#presets[@]} -gt 0 ]] || presets=(asan tsan)
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1
-# OpenCV's own threads, which TSan can't follow, are not what is checked.
-export OPENCV_FOR_THREADS_NUM=1
 export TSAN_OPTIONS="suppressions=$PWD/scripts/tsan.suppressions"
 export LSAN_OPTIONS="suppressions=$PWD/scripts/lsan.suppressions:print_suppressions=0"
 for preset in "${presets[@]}"; do
