@@ -19,6 +19,9 @@ constexpr std::array<uint8_t, 256> bit_counts() {
 
 constexpr std::array<uint8_t, 256> kBitCounts = bit_counts();
 
+// A byte as the number that it is in two's complement.
+int64_t signed_value(uint8_t byte) { return byte < 128 ? byte : byte - 256; }
+
 size_t window_count(size_t frames, size_t window_length) {
   return frames < window_length ? 0 : frames - window_length + 1;
 }
@@ -36,8 +39,8 @@ uint32_t plain_cosine(DescriptorRow a, DescriptorRow b) {
   int64_t square_a = 0;
   int64_t square_b = 0;
   for (size_t i = 0; i < a.size(); ++i) {
-    const int64_t x = static_cast<int8_t>(a[i]);
-    const int64_t y = static_cast<int8_t>(b[i]);
+    const int64_t x = signed_value(a[i]);
+    const int64_t y = signed_value(b[i]);
     product += x * y;
     square_a += x * x;
     square_b += y * y;
