@@ -8,7 +8,7 @@ scripts/install-deps.sh
 presets=("$@")
 [[ ${#presets[@]} -gt 0 ]] || presets=(asan tsan)
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1
-export TSAN_OPTIONS="suppressions=$PWD/scripts/tsan.suppressions"
+export TSAN_OPTIONS="suppressions=$PWD/scripts/tsan.suppressions history_size=7"
 export LSAN_OPTIONS="suppressions=$PWD/scripts/lsan.suppressions:print_suppressions=0"
 for preset in "${presets[@]}"; do
   echo "== $preset"

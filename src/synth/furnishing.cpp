@@ -115,7 +115,7 @@ void paint_door(WallBrush& brush, double x) {
   constexpr double kWidth = 0.95, kHeight = 2.05;
   const std::array<cv::Scalar, 4> woods = {colour(75, 115, 160), colour(60, 85, 115),
                                            colour(165, 170, 172), colour(125, 95, 70)};
-  const cv::Scalar wood = woods[uniform_below(brush.style, woods.size())];
+  const cv::Scalar& wood = woods[uniform_below(brush.style, woods.size())];
   framed(brush, x - 0.07, 0, kWidth + 0.14, kHeight + 0.07, wood, darker(wood, 0.55), 0.06);
   brush.fill(x, 0, kWidth, kHeight, wood);
   cv::Mat leaf = brush.picture(brush.area(x, 0, kWidth, kHeight) &
