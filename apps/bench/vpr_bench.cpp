@@ -13,6 +13,7 @@
 #include "bench/realtime_bench.h"
 #include "common/command.h"
 #include "descriptors/frame_descriptors.h"
+#include "images/sequence.h"
 #include "pipeline/train.h"
 
 namespace vpr {

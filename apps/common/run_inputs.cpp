@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "database/archive.h"
 #include "ground_truth/dataset.h"
+#include "images/sequence.h"
 #include "report/result_file.h"
 
 namespace vpr {

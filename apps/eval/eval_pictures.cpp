@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "images/sequence.h"
 #include "report/evaluation_charts.h"
 #include "report/html_report.h"
 

@@ -6,6 +6,8 @@
 #include "base/error.h"
 #include "evaluation/counts.h"
 #include "images/frames.h"
+#include "images/sequence.h"
+#include "images/sequence_names.h"
 #include "report/result_file.h"
 
 namespace vpr {

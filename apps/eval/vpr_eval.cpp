@@ -21,6 +21,7 @@
 #include "evaluation/counts.h"
 #include "evaluation/expectation.h"
 #include "ground_truth/dataset.h"
+#include "images/sequence_names.h"
 #include "report/evaluation_report.h"
 #include "report/matrix_file.h"
 #include "report/outcome_csv.h"

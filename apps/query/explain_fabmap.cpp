@@ -6,6 +6,8 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "images/sequence.h"
+#include "images/sequence_names.h"
 #include "report/png_file.h"
 #include "report/result_file.h"
 #include "report/table.h"

@@ -7,7 +7,7 @@
 
 #include "base/json_fwd.h"
 #include "common/command.h"
-#include "images/sequence.h"
+#include "images/sequence_argument.h"
 #include "pipeline/fabmap_explain.h"
 #include "query_inputs.h"
 

@@ -12,6 +12,8 @@
 #include "base/stopwatch.h"
 #include "database/openfabmap.h"
 #include "explain_fabmap.h"
+#include "images/sequence.h"
+#include "images/sequence_names.h"
 #include "pipeline/fabmap_advice.h"
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "images/sequence_names.h"
 
 namespace vpr {
 

@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/stopwatch.h"
 #include "evaluation/counts.h"
+#include "images/sequence.h"
 #include "pipeline/advice.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"

@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "database/openfabmap.h"
 #include "ground_truth/dataset.h"
+#include "images/sequence_names.h"
 #include "pipeline/fabmap_train.h"
 #include "report/table.h"
 #include "train_inputs.h"

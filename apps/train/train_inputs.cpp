@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "database/archive.h"
 #include "ground_truth/dataset.h"
+#include "images/sequence.h"
+#include "images/sequence_names.h"
 
 namespace vpr {
 

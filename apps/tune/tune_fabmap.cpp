@@ -1,5 +1,6 @@
 // vpr-tune fabmap: c_w and t_p.
 #include "base/json.h"
+#include "images/sequence.h"
 #include "tune_grids.h"
 #include "tune_sweep.h"
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "base/json.h"
+#include "images/sequence.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "tune_grids.h"

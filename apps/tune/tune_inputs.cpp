@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "images/sequence_names.h"
 
 namespace vpr {
 

@@ -8,7 +8,7 @@
 #include "base/output_transaction.h"
 #include "database/chow_liu.h"
 #include "database/fabmap_database.h"
-#include "images/sequence.h"
+#include "images/sequence_argument.h"
 
 namespace vpr {
 

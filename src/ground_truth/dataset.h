@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/enum_names.h"
-#include "images/sequence.h"
+#include "images/sequence_argument.h"
 
 namespace vpr {
 

@@ -7,7 +7,7 @@
 #include "base/counted.h"
 #include "ground_truth/named_rows.h"
 #include "ground_truth/numbers.h"
-#include "images/sequence.h"
+#include "images/sequence_argument.h"
 
 namespace vpr {
 namespace {

@@ -10,6 +10,7 @@
 #include "ground_truth/builder.h"
 #include "ground_truth/formats.h"
 #include "ground_truth/numbers.h"
+#include "images/sequence.h"
 
 namespace vpr {
 namespace {

@@ -13,6 +13,7 @@
 #include "database/kmeans.h"
 #include "database/radius_clustering.h"
 #include "images/frames.h"
+#include "images/sequence.h"
 
 namespace vpr {
 namespace {

@@ -8,6 +8,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/step_parts.h"
+#include "images/sequence.h"
 #include "matching/distance_statistics.h"
 #include "recognition/automatic_threshold.h"
 #include "recognition/same_place.h"

@@ -7,7 +7,7 @@
 #include "base/monitor.h"
 #include "database/sequence_database.h"
 #include "descriptors/descriptor_rows.h"
-#include "images/sequence.h"
+#include "images/sequence_argument.h"
 #include "matching/row_kernels.h"
 #include "recognition/result.h"
 

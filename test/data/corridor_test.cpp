@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "descriptors/frame_descriptors.h"
+#include "images/sequence.h"
 #include "matching/plain.h"
 #include "support.h"
 

@@ -3,6 +3,7 @@
 #include "fuzz.h"
 #include "images/natural_order.h"
 #include "images/sequence.h"
+#include "images/sequence_names.h"
 
 using namespace vpr;
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "images/sequence_names.h"
 #include "support.h"
 
 using namespace vpr;

@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
+#include "images/sequence.h"
 #include "report/gallery.h"
 #include "report/html_text.h"
 #include "report/score_picture.h"

@@ -1,0 +1,44 @@
+// What the user names on the command line: a folder, list or video, and a range of its frames.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace vpr {
+
+/// Frames first, first + step, ... below last; `last` absent: to the end.
+struct FrameRange {
+  uint64_t first = 0;
+  std::optional<uint64_t> last;
+  uint64_t step = 1;
+
+  bool is_all() const { return first == 0 && !last && step == 1; }
+  bool operator==(const FrameRange&) const = default;
+};
+
+/// The frame of the range that frame `recorded` of the whole recording is; nothing outside it.
+std::optional<uint64_t> frame_in_range(const FrameRange& range, uint64_t recorded);
+
+/// How many frames a range has whose end is given; nothing for one to the end.
+std::optional<uint64_t> frame_count(const FrameRange& range);
+
+/// `PATH` or `PATH@FIRST:LAST[:STEP]`.
+struct SequenceArgument {
+  std::filesystem::path path;
+  FrameRange range;
+};
+
+/// A path that exists as written wins over a range in its name. Throws Error(usage) for an empty or
+/// reversed range, a step of 0, or a number that is too large.
+SequenceArgument parse_sequence_argument(const std::string& text);
+
+/// "@10:20", "@:20:2"; empty for all frames.
+std::string range_text(const FrameRange& range);
+
+/// What an error about a frame that is out of range says more, where the file `path` counts the
+/// frames of a whole recording: "; if the sequence is ..., as in PATH@60:111".
+std::string range_hint(const std::filesystem::path& path);
+
+}  // namespace vpr
