@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <string>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -15,48 +13,6 @@ namespace vpr {
 namespace {
 
 constexpr double kDaylight = 255;
-
-int texels(double metres) { return static_cast<int>(std::lround(metres * kTexelsPerMetre)); }
-
-bool chance(RandomEngine& engine, double probability) { return uniform_unit(engine) < probability; }
-
-cv::Scalar darker(const cv::Scalar& c, double factor) {
-  return {c[0] * factor, c[1] * factor, c[2] * factor, c[3]};
-}
-
-cv::Scalar any_colour(RandomEngine& engine, double low, double high) {
-  const double blue = between(engine, low, high), green = between(engine, low, high);
-  return colour(blue, green, between(engine, low, high));
-}
-
-std::string letters(RandomEngine& engine, size_t count) {
-  std::string text;
-  for (size_t i = 0; i < count; ++i)
-    text += chance(engine, 0.17) ? ' ' : static_cast<char>('a' + uniform_below(engine, 26));
-  return text;
-}
-
-void put_text(WallBrush& brush, double x, double bottom, double height, const std::string& text,
-              const cv::Scalar& ink, int thickness) {
-  const cv::Rect place = brush.area(x, bottom, 0, height);
-  // Hershey's simplex letters are 21 units high at scale 1.
-  cv::putText(brush.picture, text, {place.x, place.y + place.height}, cv::FONT_HERSHEY_SIMPLEX,
-              place.height / 21.0, ink, thickness, cv::LINE_AA);
-}
-
-// A frame with a shadow below and to its right, so that things do not look painted on.
-void framed(WallBrush& brush, double x, double bottom, double width, double height,
-            const cv::Scalar& inside, const cv::Scalar& frame, double frame_m) {
-  cv::Mat& picture = brush.picture;
-  const cv::Rect shadow = brush.area(x + 0.02, bottom - 0.03, width, height) &
-                          cv::Rect(0, 0, picture.cols, picture.rows);
-  if (!shadow.empty()) {
-    cv::Mat part = picture(shadow);
-    part.convertTo(part, -1, 0.7);
-  }
-  brush.fill(x, bottom, width, height, frame);
-  brush.fill(x + frame_m, bottom + frame_m, width - 2 * frame_m, height - 2 * frame_m, inside);
-}
 
 void paint_sheet(WallBrush& brush, double x, double bottom, double width, double height) {
   RandomEngine& chance_of = brush.detail;
@@ -75,8 +31,8 @@ void paint_board(WallBrush& brush, double x, double width) {
   const double bottom = between(brush.style, 0.95, 1.1), height = between(brush.style, 0.85, 1.05);
   const std::array<cv::Scalar, 3> cloths = {colour(70, 125, 165), colour(120, 80, 50),
                                             colour(85, 110, 70)};
-  framed(brush, x, bottom, width, height, cloths[uniform_below(brush.style, cloths.size())],
-         colour(110, 120, 125), 0.035);
+  brush.fill_framed(x, bottom, width, height, cloths[uniform_below(brush.style, cloths.size())],
+                    colour(110, 120, 125), 0.035);
   const int columns = std::max(1, static_cast<int>(width / 0.3));
   for (int column = 0; column < columns; ++column)
     for (int row = 0; row < 2; ++row) {
@@ -90,13 +46,13 @@ void paint_board(WallBrush& brush, double x, double width) {
 void paint_poster(WallBrush& brush, double x, double width) {
   const double height = width * 1.35, bottom = between(brush.style, 0.8, 1.1);
   const cv::Scalar ground = any_colour(brush.detail, 60, 235);
-  framed(brush, x, bottom, width, height, ground, colour(40, 40, 45), 0.02);
+  brush.fill_framed(x, bottom, width, height, ground, colour(40, 40, 45), 0.02);
   const int blots = static_cast<int>(between(brush.detail, 3, 8));
   for (int i = 0; i < blots; ++i) {
     const cv::Rect inside = brush.area(x + 0.1, bottom + 0.12, width - 0.2, height * 0.6);
     const cv::Point centre(inside.x + static_cast<int>(between(brush.detail, 0, inside.width)),
                            inside.y + static_cast<int>(between(brush.detail, 0, inside.height)));
-    const int radius = texels(between(brush.detail, 0.03, 0.12));
+    const int radius = wall_texels(between(brush.detail, 0.03, 0.12));
     if (chance(brush.detail, 0.5)) {
       cv::circle(brush.picture, centre, radius, any_colour(brush.detail, 20, 250), cv::FILLED,
                  cv::LINE_AA);
@@ -116,7 +72,7 @@ void paint_door(WallBrush& brush, double x) {
   const std::array<cv::Scalar, 4> woods = {colour(75, 115, 160), colour(60, 85, 115),
                                            colour(165, 170, 172), colour(125, 95, 70)};
   const cv::Scalar& wood = woods[uniform_below(brush.style, woods.size())];
-  framed(brush, x - 0.07, 0, kWidth + 0.14, kHeight + 0.07, wood, darker(wood, 0.55), 0.06);
+  brush.fill_framed(x - 0.07, 0, kWidth + 0.14, kHeight + 0.07, wood, darker(wood, 0.55), 0.06);
   brush.fill(x, 0, kWidth, kHeight, wood);
   cv::Mat leaf = brush.picture(brush.area(x, 0, kWidth, kHeight) &
                                cv::Rect(0, 0, brush.picture.cols, brush.picture.rows));
@@ -125,15 +81,15 @@ void paint_door(WallBrush& brush, double x) {
     cv::line(leaf, {at, 0}, {at, leaf.rows}, darker(wood, between(brush.detail, 0.85, 1.06)));
   }
   if (chance(brush.style, 0.4))
-    framed(brush, x + 0.3, 1.25, 0.35, 0.6, colour(120, 110, 95), darker(wood, 0.7), 0.03);
+    brush.fill_framed(x + 0.3, 1.25, 0.35, 0.6, colour(120, 110, 95), darker(wood, 0.7), 0.03);
   brush.fill(x + 0.02, 0, kWidth - 0.04, 0.2, darker(wood, 0.75));
   const double handle = chance(brush.style, 0.5) ? x + 0.07 : x + kWidth - 0.19;
   brush.fill(handle, 0.98, 0.12, 0.025, colour(200, 200, 200));
   brush.fill(handle + 0.04, 0.9, 0.04, 0.18, colour(140, 145, 145));
   const double sign = x + kWidth + 0.12;
-  framed(brush, sign, 1.5, 0.26, 0.2, colour(230, 235, 235), colour(120, 100, 60), 0.012);
-  put_text(brush, sign + 0.03, 1.6, 0.06, fmt::format("{}", 100 + uniform_below(brush.detail, 300)),
-           colour(30, 30, 30), 1);
+  brush.fill_framed(sign, 1.5, 0.26, 0.2, colour(230, 235, 235), colour(120, 100, 60), 0.012);
+  brush.put_text(sign + 0.03, 1.6, 0.06, fmt::format("{}", 100 + uniform_below(brush.detail, 300)),
+                 colour(30, 30, 30), 1);
   brush.write(sign + 0.03, 1.52, 0.2, 0.06, 0.025, colour(60, 60, 60));
   if (chance(brush.detail, 0.3)) paint_sheet(brush, x + 0.3, 1.3, 0.21, 0.3);
 }
@@ -141,14 +97,14 @@ void paint_door(WallBrush& brush, double x) {
 void paint_lockers(WallBrush& brush, double x, double width) {
   const cv::Scalar steel = any_colour(brush.style, 90, 180);
   const double each = 0.36;
-  framed(brush, x, 0.08, width, 1.8, darker(steel, 0.8), darker(steel, 0.5), 0.015);
+  brush.fill_framed(x, 0.08, width, 1.8, darker(steel, 0.8), darker(steel, 0.5), 0.015);
   for (double left = x + 0.02; left + each <= x + width; left += each) {
     brush.fill(left, 0.1, each - 0.02, 1.75, steel);
     for (int slit = 0; slit < 5; ++slit)
       brush.fill(left + 0.08, 1.55 + slit * 0.04, 0.18, 0.012, darker(steel, 0.45));
     brush.fill(left + 0.26, 1.0, 0.03, 0.08, colour(50, 50, 50));
-    put_text(brush, left + 0.09, 1.42, 0.05, fmt::format("{}", uniform_below(brush.detail, 400)),
-             colour(235, 235, 235), 1);
+    brush.put_text(left + 0.09, 1.42, 0.05, fmt::format("{}", uniform_below(brush.detail, 400)),
+                   colour(235, 235, 235), 1);
     if (chance(brush.detail, 0.25))
       brush.fill(left + between(brush.detail, 0.03, 0.2), between(brush.detail, 0.4, 1.2), 0.1,
                  0.08, any_colour(brush.detail, 40, 250));
@@ -157,7 +113,7 @@ void paint_lockers(WallBrush& brush, double x, double width) {
 
 void paint_radiator(WallBrush& brush, double x, double width) {
   const cv::Scalar white = colour(205, 212, 215);
-  framed(brush, x, 0.12, width, 0.6, white, darker(white, 0.8), 0.015);
+  brush.fill_framed(x, 0.12, width, 0.6, white, darker(white, 0.8), 0.015);
   for (double left = x + 0.03; left < x + width - 0.04; left += 0.06)
     brush.fill(left, 0.15, 0.022, 0.54, darker(white, 0.62));
 }
@@ -173,10 +129,10 @@ void paint_view(WallBrush& brush, double x, double bottom, double width, double 
       brush.area(x, bottom, width, height) & cv::Rect(0, 0, picture.cols, picture.rows);
   if (pane.empty()) return;
   cv::Mat view = picture(pane);
-  const int horizon = pane.height - texels(skyline);
+  const int horizon = pane.height - wall_texels(skyline);
   for (int i = 0; i < static_cast<int>(width * 5) + 2; ++i) {
     const int at = static_cast<int>(between(brush.detail, 0, pane.width));
-    const int size = texels(between(brush.detail, 0.08, 0.35));
+    const int size = wall_texels(between(brush.detail, 0.08, 0.35));
     const double shade = between(brush.detail, 70, 170);
     if (chance(brush.detail, 0.6)) {
       cv::circle(view, {at, horizon - size / 2}, size, shine(shade * 0.6, shade, shade * 0.8),
@@ -191,7 +147,7 @@ void paint_view(WallBrush& brush, double x, double bottom, double width, double 
 void paint_window(WallBrush& brush, double x, double width) {
   constexpr double kBottom = 0.95, kHeight = 1.45;
   const cv::Scalar frame = colour(190, 195, 200);
-  framed(brush, x, kBottom, width, kHeight, frame, darker(frame, 0.7), 0.02);
+  brush.fill_framed(x, kBottom, width, kHeight, frame, darker(frame, 0.7), 0.02);
   const double pane = (width - 0.18) / 2;
   for (int i = 0; i < 2; ++i)
     paint_view(brush, x + 0.06 + i * (pane + 0.06), kBottom + 0.06, pane, kHeight - 0.12);
@@ -200,7 +156,7 @@ void paint_window(WallBrush& brush, double x, double width) {
 }
 
 void paint_extinguisher(WallBrush& brush, double x) {
-  framed(brush, x, 1.65, 0.2, 0.2, colour(40, 40, 200), colour(230, 230, 230), 0.012);
+  brush.fill_framed(x, 1.65, 0.2, 0.2, colour(40, 40, 200), colour(230, 230, 230), 0.012);
   const cv::Rect body = brush.area(x + 0.02, 0.75, 0.16, 0.5);
   cv::rectangle(brush.picture, body, colour(35, 30, 190), cv::FILLED);
   cv::rectangle(brush.picture,
@@ -211,7 +167,7 @@ void paint_extinguisher(WallBrush& brush, double x) {
 }
 
 void paint_exit_sign(WallBrush& brush, double x) {
-  framed(brush, x, 2.3, 0.42, 0.21, colour(80, 150, 30), colour(225, 230, 225), 0.012);
+  brush.fill_framed(x, 2.3, 0.42, 0.21, colour(80, 150, 30), colour(225, 230, 225), 0.012);
   const cv::Rect sign = brush.area(x, 2.3, 0.42, 0.21);
   const int y = sign.y + sign.height / 2;
   cv::arrowedLine(brush.picture, {sign.x + sign.width / 5, y}, {sign.x + sign.width * 4 / 5, y},
@@ -232,8 +188,8 @@ void paint_fittings(WallBrush& brush) {
   brush.fill(0, 2.55, kSlotM, 0.06, duct);
   brush.fill(0, 2.545, kSlotM, 0.008, darker(duct, 0.5));
   for (int i = 0; i < 2; ++i)
-    framed(brush, between(brush.detail, 0.05, 1.8), i == 0 ? 0.3 : 1.1, 0.09, 0.09,
-           colour(225, 228, 228), colour(140, 142, 142), 0.01);
+    brush.fill_framed(between(brush.detail, 0.05, 1.8), i == 0 ? 0.3 : 1.1, 0.09, 0.09,
+                      colour(225, 228, 228), colour(140, 142, 142), 0.01);
   for (int i = 0; i < 4; ++i) {
     const double shade = between(brush.detail, 60, 130);
     brush.fill(between(brush.detail, 0, 1.9), between(brush.detail, 0.1, 1.3),
@@ -242,34 +198,6 @@ void paint_fittings(WallBrush& brush) {
 }
 
 }  // namespace
-
-double between(RandomEngine& engine, double low, double high) {
-  return low + (high - low) * uniform_unit(engine);
-}
-
-cv::Scalar colour(double blue, double green, double red) { return {blue, green, red, 0}; }
-
-cv::Rect WallBrush::area(double x, double bottom, double width, double height) const {
-  const int top = texels(kRoomHeightM - bottom - height);
-  return {texels(left_m + x), top, texels(width), texels(kRoomHeightM - bottom) - top};
-}
-
-void WallBrush::fill(double x, double bottom, double width, double height,
-                     const cv::Scalar& paint) {
-  const cv::Rect place = area(x, bottom, width, height);
-  if (!place.empty()) cv::rectangle(picture, place, paint, cv::FILLED);
-}
-
-void WallBrush::write(double x, double bottom, double width, double height, double line_m,
-                      const cv::Scalar& ink) {
-  const double letter = line_m * 0.55;
-  const auto count = static_cast<size_t>(std::max(0.0, width / (letter * 0.85)));
-  if (count == 0) return;
-  for (double y = bottom + height - letter; y >= bottom; y -= line_m) {
-    const size_t length = std::min<size_t>(count, 1 + uniform_below(detail, count + count / 2 + 1));
-    put_text(*this, x, y, letter, letters(detail, length), ink, line_m > 0.08 ? 2 : 1);
-  }
-}
 
 void furnish_slot(WallBrush& brush, bool is_hall, bool has_windows) {
   const double what = uniform_unit(brush.style), shift = between(brush.style, 0.1, 0.3);

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/furnishing.h"
+#include "synth/wall_brush.h"
 
 namespace vpr {
 namespace {

@@ -3,51 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <opencv2/imgproc.hpp>
 
+#include "synth/lighting.h"
 #include "synth/sensor.h"
 
 namespace vpr {
 namespace {
 
-constexpr double kRadians = std::numbers::pi / 180;
-constexpr int kMargin = 24;         // rendered around the picture, for the roll of the camera
-constexpr double kNearestM = 0.25;  // of a wall
 constexpr double kNearestFigureM = 0.5;
-constexpr double kMeanBrightness = 112;  // what the automatic exposure aims at
-constexpr double kDaylightBrightness = 1.5;
-
-using Texel = cv::Vec4b;
-
-/// Factors of 256 by which lamp-lit and daylit texels are multiplied: blue, green, red.
-struct Light {
-  std::array<int, 3> lamps{};
-  std::array<int, 3> day{};
-};
-
-/// The picture before roll and noise, one row a column of pixels, from the top down.
-struct Canvas {
-  cv::Mat turned;  // CV_8UC3
-  double focal;
-  double horizon;  // row of the eye's height
-  double eye;      // metres above the floor
-  Point position;
-  Point forward;
-  Point right;
-
-  int columns() const { return turned.rows; }
-  int rows() const { return turned.cols; }
-  double tangent(int column) const { return (column + 0.5 - columns() / 2.0) / focal; }
-};
-
-struct Column {
-  Point ray;  // length 1 along the camera's axis, so that distances are depths
-  double depth = 0;
-  double texels = 0;  // of level 0 in a pixel, on the wall, upwards
-  std::vector<Texel> strip;
-};
 
 /// One row of floor or ceiling: everything on it is equally deep.
 struct PlaneRow {
@@ -55,101 +20,11 @@ struct PlaneRow {
   size_t level = 0;
 };
 
-Canvas make_canvas(const Camera& camera, const CameraPose& pose) {
-  const double heading = pose.heading_deg * kRadians;
-  Canvas canvas;
-  canvas.turned.create(camera.width + 2 * kMargin, camera.height + 2 * kMargin, CV_8UC3);
-  canvas.focal = camera.focal_px;
-  canvas.eye = pose.height_m;
-  canvas.horizon = canvas.rows() / 2.0 +
-                   camera.focal_px * std::tan(std::clamp(pose.pitch_deg, -40.0, 40.0) * kRadians);
-  canvas.position = pose.position;
-  canvas.forward = {std::cos(heading), std::sin(heading)};
-  canvas.right = {std::sin(heading), -std::cos(heading)};
-  return canvas;
-}
-
-// How many metres of wall a pixel covers sideways.
-double metres_per_pixel(const Canvas& canvas, const Wall& wall, const Column& column) {
-  const Point way = wall_direction(wall.side);
-  const Point normal{-way.y, way.x};
-  const double towards = normal.x * column.ray.x + normal.y * column.ray.y;
-  const double turn = (normal.x * canvas.right.x + normal.y * canvas.right.y) / towards;
-  const double dx = canvas.right.x - turn * column.ray.x, dy = canvas.right.y - turn * column.ray.y;
-  return std::abs(dx * way.x + dy * way.y) * column.depth / canvas.focal;
-}
-
-std::vector<Column> cast_columns(const Canvas& canvas, const Scene& scene) {
-  std::vector<Column> columns(static_cast<size_t>(canvas.columns()));
-  for (int i = 0; i < canvas.columns(); ++i) {
-    Column& column = columns[static_cast<size_t>(i)];
-    const double t = canvas.tangent(i);
-    column.ray = {canvas.forward.x + t * canvas.right.x, canvas.forward.y + t * canvas.right.y};
-    const auto hit = cast_ray(scene.plan, canvas.position, column.ray);
-    const auto index = static_cast<size_t>(hit->wall);
-    column.depth = std::max(hit->distance, kNearestM);
-    column.texels = column.depth / canvas.focal * kTexelsPerMetre;
-    const Texture& texture = scene.walls[index];
-    filter_strip(texture, choose_level(texture, column.texels), hit->along_m * kTexelsPerMetre,
-                 metres_per_pixel(canvas, scene.plan.walls[index], column) * kTexelsPerMetre,
-                 column.strip);
-  }
-  return columns;
-}
-
-double brightness(const Texel& texel, const Conditions& conditions) {
-  const double day = texel[3] / 255.0;
-  return (texel[0] + texel[1] + texel[2]) / 3.0 *
-         (day * conditions.daylight * kDaylightBrightness + (1 - day) * conditions.lamps);
-}
-
-// What the camera's exposure would measure, from a few columns.
-double mean_brightness(const Canvas& canvas, const std::vector<Column>& columns,
-                       const Conditions& conditions) {
-  constexpr double kFloorAndCeiling = 110;
-  double sum = 0;
-  size_t count = 0;
-  for (size_t i = 0; i < columns.size(); i += 16) {
-    const Column& column = columns[i];
-    double wall = 0;
-    for (const Texel& texel : column.strip) wall += std::min(255.0, brightness(texel, conditions));
-    wall /= static_cast<double>(column.strip.size());
-    const double share = std::min(1.0, kRoomHeightM * canvas.focal / column.depth / canvas.rows());
-    sum += share * wall + (1 - share) * kFloorAndCeiling * conditions.lamps;
-    ++count;
-  }
-  return sum / static_cast<double>(count);
-}
-
-Light make_light(const Conditions& conditions, double drift, double mean) {
-  const double gain = std::clamp(std::pow(kMeanBrightness / std::max(mean, 1.0), 0.8), 0.3, 3.0) *
-                      conditions.exposure * drift * 256;
-  const std::array<double, 3> balance = {1 - 0.14 * conditions.warmth, 1.0,
-                                         1 + 0.14 * conditions.warmth};
-  const std::array<double, 3> sky = {1.06, 1.0, 0.96};
-  Light light;
-  for (size_t c = 0; c < 3; ++c) {
-    const double limit = 30000;
-    light.lamps[c] =
-        static_cast<int>(std::lround(std::min(limit, gain * conditions.lamps * balance[c])));
-    light.day[c] = static_cast<int>(std::lround(
-        std::min(limit, gain * conditions.daylight * kDaylightBrightness * balance[c] * sky[c])));
-  }
-  return light;
-}
-
 std::array<int, 4> mix(const Texel& a, const Texel& b, int share_b) {  // share of 256
   std::array<int, 4> mixed;
   for (int c = 0; c < 4; ++c)
     mixed[static_cast<size_t>(c)] = (a[c] * (256 - share_b) + b[c] * share_b) >> 8;
   return mixed;
-}
-
-void shine(const std::array<int, 4>& texel, const Light& light, std::array<int, 3>& out) {
-  for (size_t c = 0; c < 3; ++c) {
-    const int factor = light.lamps[c] + ((light.day[c] - light.lamps[c]) * texel[3] >> 8);
-    out[c] = std::min(255, texel[c] * factor >> 8);
-  }
 }
 
 // The wall's strip at a height, in texels of the strip from its top.
@@ -299,33 +174,13 @@ void paint_figures(Canvas& canvas, const std::vector<Column>& columns, const Vie
                  figure->position, light);
 }
 
-// Turns the canvas upright, by the camera's roll.
-cv::Mat upright(const Canvas& canvas, const Camera& camera, double roll_deg) {
-  const double c = std::cos(roll_deg * kRadians), s = std::sin(roll_deg * kRadians);
-  const double middle_x = canvas.columns() / 2.0, middle_y = canvas.rows() / 2.0;
-  const double x0 = camera.width / 2.0, y0 = camera.height / 2.0;
-  // From a pixel of the picture to (row, column) of the picture before, which lies on its side.
-  const cv::Matx23d map(s, c, middle_y - s * x0 - c * y0, c, -s, middle_x - c * x0 + s * y0);
-  cv::Mat picture;
-  cv::warpAffine(canvas.turned, picture, map, {camera.width, camera.height},
-                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
-  return picture;
-}
-
 }  // namespace
-
-Camera make_camera(const World& world) {
-  const auto width = static_cast<int>(world.image_width);
-  return {width, static_cast<int>(world.image_height),
-          width / 2.0 / std::tan(world.view_deg / 2 * kRadians)};
-}
 
 cv::Mat render(const Camera& camera, const View& view, RandomEngine noise_engine) {
   const Scene& scene = view.scene;
   Canvas canvas = make_canvas(camera, view.pose);
   const std::vector<Column> columns = cast_columns(canvas, scene);
-  const Light light = make_light(view.conditions, view.pose.light_drift,
-                                 mean_brightness(canvas, columns, view.conditions));
+  const Light light = make_light(canvas, columns, view.conditions, view.pose.light_drift);
   const Planes planes = {make_plane_rows(canvas, canvas.eye, scene.floor),
                          make_plane_rows(canvas, kRoomHeightM - canvas.eye, scene.ceiling),
                          make_plane_rows(canvas, kRoomHeightM + canvas.eye, scene.ceiling)};

@@ -5,23 +5,15 @@
 #include <vector>
 
 #include "base/random.h"
+#include "synth/camera.h"
 #include "synth/people.h"
 #include "synth/scene.h"
-#include "synth/walking.h"
 
 namespace cv {
 class Mat;
 }
 
 namespace vpr {
-
-struct Camera {
-  int width = 640;
-  int height = 480;
-  double focal_px = 493;
-};
-
-Camera make_camera(const World& world);
 
 /// What there is to see at one moment.
 struct View {
