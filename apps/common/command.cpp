@@ -1,8 +1,5 @@
 #include "command.h"
 
-#include <cerrno>
-#include <charconv>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -15,7 +12,6 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -32,7 +28,6 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMostThreads = 1024;
-constexpr const char* kMemoryFlag = "--max-memory";
 
 std::atomic<bool> stop_wanted{false};  // set by a signal handler: the only global
 
@@ -84,53 +79,7 @@ int report_error(const std::string& program, ErrorKind kind, const std::string& 
   return exit_code(kind);
 }
 
-// Throws Error(output).
-void write_to_stdout(const std::string& text) {
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!written)
-    throw Error(ErrorKind::output,
-                fmt::format("standard output: can't be written: {}", system_error_text(errno)));
-}
-
-// Scripts get what names hold; on a terminal they are only shown.
-void print_json(ProgressLine& progress, const Json& json) {
-  const std::string text = to_text(json);
-  progress.clear();
-  write_to_stdout(::isatty(STDOUT_FILENO) != 0 ? printable(text) : text);
-}
-
 }  // namespace
-
-void Session::print(const std::string& text) const {
-  progress.clear();
-  write_to_stdout(printable(text));
-}
-
-void Session::claim_output() const {
-  if (!options.output.empty()) outputs.claim_file(options.output);
-}
-
-void Session::write_output(const Json& json) const {
-  if (!options.output.empty()) outputs.file(options.output).write(to_text(json));
-}
-
-void Session::print_result(const std::string& text, const Json& json) const {
-  const bool has_files = outputs.has_outputs();
-  outputs.commit();
-  try {
-    if (options.json)
-      print_json(progress, json);
-    else if (!options.quiet)
-      print(text);
-  } catch (const Error& error) {
-    if (!has_files) throw;
-    const std::string sentence =
-        fmt::format("{}; the output files are complete", std::string(error.what()));
-    if (options.json) throw Error(error.kind(), sentence);
-    warn(monitor, sentence);
-  }
-}
 
 Program::Program(const std::string& name, const std::string& description,
                  const std::string& example)
@@ -265,47 +214,6 @@ int Program::main(int argc, char** argv) {
     return report_error(name_, ErrorKind::internal,
                         fmt::format("internal error, please report it: {}", error.what()));
   }
-}
-
-Json flag_value(const std::string& text) {
-  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-  const char* end = text.data() + text.size();
-  const auto parse = [&](auto value) -> std::optional<Json> {
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    if (error != std::errc{} || stop != end) return std::nullopt;
-    return Json(value);
-  };
-  if (const auto whole = parse(uint64_t{})) return *whole;
-  if (const auto negative = parse(int64_t{})) return *negative;
-  if (const auto real = parse(double{}); real && std::isfinite(real->get<double>())) return *real;
-  return text;
-}
-
-Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help) {
-  return command
-      .add_option(
-          kMemoryFlag,
-          [&bytes](const std::string& text) { bytes = parse_bytes(text, kMemoryFlag); },
-          fmt::format("{} (default {}G)", help, bytes >> 30))
-      .type_name("BYTES");
-}
-
-size_t parse_bytes(const std::string& text, const std::string& flag) {
-  static const std::string kUnits = "KMG";
-  size_t used = 0;
-  unsigned long long value = 0;
-  try {
-    value = std::stoull(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  const size_t unit = used + 1 == text.size() ? kUnits.find(text[used]) : std::string::npos;
-  const bool plain = used == text.size();
-  if (used == 0 || text[0] == '-' || (!plain && unit == std::string::npos) ||
-      value >> 32 >> 20 != 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} takes bytes, as in 512M or 2G, found {}", flag, text));
-  return plain ? value : value << (10 * (unit + 1));
 }
 
 }  // namespace vpr

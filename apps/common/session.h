@@ -1,0 +1,63 @@
+// What a command gets to work with: common flags, progress, outputs, and where results are printed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/json.h"
+#include "base/monitor.h"
+#include "base/output_transaction.h"
+#include "images/codec_scope.h"
+#include "matching/row_kernels.h"
+#include "report/run_info.h"
+
+namespace vpr {
+
+struct CommonOptions {
+  std::string output;
+  std::string config;
+  std::vector<std::string> config_keys;  ///< that the configuration gives values for
+  uint64_t threads = 0;                  ///< 0: all cores
+  uint64_t seed = 1;
+  uint64_t max_megapixels = kUsualMegapixels;
+  bool quiet = false;
+  bool verbose = false;
+  bool force = false;
+  bool json = false;
+
+  Existing existing() const { return force ? Existing::replace : Existing::refuse; }
+};
+
+/// Keys of a configuration file that are no settings of a method.
+template <class Visitor>
+void visit_fields(CommonOptions& options, Visitor&& visit) {
+  visit("threads", options.threads);
+  visit("seed", options.seed);
+  visit("max_megapixels", options.max_megapixels);
+}
+
+class ProgressLine;
+
+/// What a command gets to work with.
+struct Session {
+  const CommonOptions& options;
+  const Monitor& monitor;
+  RunInfo run;
+  RowKernels kernels;
+  ProgressLine& progress;
+  OutputTransaction& outputs;
+
+  /// Claims the file of --output, where it is given.
+  void claim_output() const;
+  /// Fills it with a JSON.
+  void write_output(const Json& json) const;
+  /// Prints to stdout, where a progress line has been before, what a terminal may show
+  /// (printable); Error(output) if that fails (a full disk, a closed pipe).
+  void print(const std::string& text) const;
+  /// Commits the outputs of the run, and then prints a readable text, or with --json the JSON;
+  /// neither with --quiet (but --json always). Where files are written, a text that can't be
+  /// printed is a warning, for all that was asked for is there.
+  void print_result(const std::string& text, const Json& json) const;
+};
+
+}  // namespace vpr
