@@ -97,6 +97,18 @@ void add_whole_sequence(BenchResult& result, const Sequence& images,
       [&] { descriptor_kinds().front().describe(images, {}, Unreadable::fail, {}); });
 }
 
+// The paper's times beside those of the same work, for frames of the paper's size.
+void add_paper_times(BenchResult& result) {
+  for (const PaperFrameTime& paper : kPaperFrameTimes) {
+    const auto ours = std::find_if(result.rows.begin(), result.rows.end(),
+                                   [&](const BenchRow& row) { return row.work == paper.our_work; });
+    if (ours == result.rows.end()) continue;
+    PaperNumber& number =
+        result.paper.emplace_back(paper_time("image times", paper.what, paper.ms, *ours));
+    number.parameters.clear();  // the pictures' size is the paper's
+  }
+}
+
 }  // namespace
 
 BenchResult bench_describe(const DescribeBenchSettings& settings,
@@ -154,16 +166,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
         "features", static_cast<double>(points) / static_cast<double>(frames.grey.size()));
   }
   if (images) add_whole_sequence(result, *images, settings, monitor);
-  const bool is_paper_size = frames.grey[0].size() == cv::Size(640, 480);
-  for (const PaperFrameTime& paper : kPaperFrameTimes) {
-    if (!is_paper_size) break;
-    const auto ours = std::find_if(result.rows.begin(), result.rows.end(),
-                                   [&](const BenchRow& row) { return row.work == paper.our_work; });
-    if (ours == result.rows.end()) continue;
-    PaperNumber& number =
-        result.paper.emplace_back(paper_time("image times", paper.what, paper.ms, *ours));
-    number.parameters.clear();  // the pictures' size is the paper's
-  }
+  if (frames.grey[0].size() == cv::Size(640, 480)) add_paper_times(result);
   return result;
 }
 

@@ -132,69 +132,59 @@ BenchRow time_kmeans(const FabmapBenchSettings& settings, uint64_t words, uint64
   return row;
 }
 
+// Adds the time of a Chow-Liu tree of generated frames, and gives the tree.
+ChowLiuTree time_tree(BenchResult& result, const FabmapBenchSettings& settings, uint64_t words,
+                      uint64_t per_frame, uint64_t seed, const Monitor& monitor) {
+  std::vector<WordSet> frames;
+  for (size_t f = 0; f < settings.pretrain_frames; ++f)
+    frames.push_back(generate_words(words, per_frame, seed + kPretrainSeed + f));
+  const Stopwatch watch;
+  ChowLiuTree tree = train_chow_liu(frames, words, monitor);
+  result.rows.push_back({"chow-liu tree",
+                         {{"pretrain_frames", static_cast<double>(settings.pretrain_frames)},
+                          {"words", static_cast<double>(words)},
+                          {"words_per_frame", static_cast<double>(per_frame)}},
+                         "tree",
+                         summarise({watch.elapsed_ms()}),
+                         {},
+                         ""});
+  return tree;
+}
+
 bool is_slow(const std::string& variant) { return !variant.starts_with("fabmap2"); }
 
-}  // namespace
-
-BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
-                         const Monitor& monitor) {
-  check_settings(settings);
-  BenchResult result;
-  result.bench = "fabmap";
-  result.settings = value_to_json(settings);
+// Adds the times of a query of every variant, and of the posterior behind it.
+void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
+                  const FabmapModel& model, const Example& example, const NamedNumbers& parameters,
+                  const Monitor& monitor) {
   const Effort effort{settings.seconds};
-  StepCounter counter(
-      monitor, "measure",
-      settings.words.size() * settings.words_per_frame.size() * settings.places.size());
-  for (const uint64_t words : settings.words) {
-    if (settings.descriptors >= words)
-      result.rows.push_back(time_kmeans(settings, words, seed, monitor));
-    for (const uint64_t per_frame : settings.words_per_frame) {
-      std::vector<WordSet> frames;
-      for (size_t f = 0; f < settings.pretrain_frames; ++f)
-        frames.push_back(generate_words(words, per_frame, seed + kPretrainSeed + f));
-      const NamedNumbers shape = {{"words", static_cast<double>(words)},
-                                  {"words_per_frame", static_cast<double>(per_frame)}};
-      Stopwatch watch;
-      const ChowLiuTree tree = train_chow_liu(frames, words, monitor);
-      BenchRow training{"chow-liu tree", shape, "tree", summarise({watch.elapsed_ms()}), {}, ""};
-      training.parameters.insert(
-          training.parameters.begin(),
-          {"pretrain_frames", static_cast<double>(settings.pretrain_frames)});
-      result.rows.push_back(std::move(training));
-      const FabmapModel model = make_fabmap_model(tree, {}, WordModel::tree);
-      check_variants(model, settings, per_frame, seed);
-      for (const uint64_t places : settings.places) {
-        const Example example(model, places, per_frame, seed);
-        NamedNumbers parameters = {{"places", static_cast<double>(places)}};
-        parameters.insert(parameters.end(), shape.begin(), shape.end());
-        const double postings = example.postings(model);
-        for (const std::string& variant : settings.variants) {
-          if (is_slow(variant) &&
-              static_cast<double>(places) * static_cast<double>(words) > settings.slow_limit) {
-            result.left_out.push_back(
-                fmt::format("{} with {} places: above slow_limit", variant, places));
-            continue;
-          }
-          BenchRow row{variant, parameters, "query frame", {}, {}, ""};
-          size_t q = 0;
-          row.time = summarise(time_repeatedly(
-              effort,
-              [&] { find_fabmap_variant(variant).log_likelihoods(example.query(model, q++)); },
-              monitor));
-          row.values.emplace_back("fps", 1000 / row.time.median_ms);
-          if (!is_slow(variant)) row.values.emplace_back("postings", postings);
-          result.rows.push_back(std::move(row));
-        }
-        const auto logs = fabmap2_log_likelihoods(example.query(model, 0));
-        BenchRow row{"posterior", parameters, "query frame", {}, {}, ""};
-        row.time = summarise(time_repeatedly(
-            effort, [&] { fabmap_posterior(logs, logs[0], {}, {}); }, monitor));
-        result.rows.push_back(std::move(row));
-        counter.add();
-      }
+  const size_t places = example.views.views();
+  const double postings = example.postings(model);
+  for (const std::string& variant : settings.variants) {
+    if (is_slow(variant) &&
+        static_cast<double>(places) * static_cast<double>(model.words()) > settings.slow_limit) {
+      result.left_out.push_back(
+          fmt::format("{} with {} places: above slow_limit", variant, places));
+      continue;
     }
+    BenchRow row{variant, parameters, "query frame", {}, {}, ""};
+    size_t q = 0;
+    row.time = summarise(time_repeatedly(
+        effort, [&] { find_fabmap_variant(variant).log_likelihoods(example.query(model, q++)); },
+        monitor));
+    row.values.emplace_back("fps", 1000 / row.time.median_ms);
+    if (!is_slow(variant)) row.values.emplace_back("postings", postings);
+    result.rows.push_back(std::move(row));
   }
+  const auto logs = fabmap2_log_likelihoods(example.query(model, 0));
+  BenchRow row{"posterior", parameters, "query frame", {}, {}, ""};
+  row.time = summarise(time_repeatedly(
+      effort, [&] { fabmap_posterior(logs, logs[0], {}, {}); }, monitor));
+  result.rows.push_back(std::move(row));
+}
+
+// The times of the first numbers of words, by places.
+Chart chart_of(const BenchResult& result, const FabmapBenchSettings& settings) {
   Chart chart{"fabmap",
               fmt::format("FAB-MAP query time, {} words, {} a frame", settings.words.front(),
                           settings.words_per_frame.front()),
@@ -209,7 +199,38 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
         series.points.emplace_back(row.parameter("places"), row.time.median_ms);
     if (!series.points.empty()) chart.series.push_back(series);
   }
-  result.charts.push_back(chart);
+  return chart;
+}
+
+}  // namespace
+
+BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
+                         const Monitor& monitor) {
+  check_settings(settings);
+  BenchResult result;
+  result.bench = "fabmap";
+  result.settings = value_to_json(settings);
+  StepCounter counter(
+      monitor, "measure",
+      settings.words.size() * settings.words_per_frame.size() * settings.places.size());
+  for (const uint64_t words : settings.words) {
+    if (settings.descriptors >= words)
+      result.rows.push_back(time_kmeans(settings, words, seed, monitor));
+    for (const uint64_t per_frame : settings.words_per_frame) {
+      const ChowLiuTree tree = time_tree(result, settings, words, per_frame, seed, monitor);
+      const FabmapModel model = make_fabmap_model(tree, {}, WordModel::tree);
+      check_variants(model, settings, per_frame, seed);
+      for (const uint64_t places : settings.places) {
+        const Example example(model, places, per_frame, seed);
+        const NamedNumbers parameters = {{"places", static_cast<double>(places)},
+                                         {"words", static_cast<double>(words)},
+                                         {"words_per_frame", static_cast<double>(per_frame)}};
+        time_queries(result, settings, model, example, parameters, monitor);
+        counter.add();
+      }
+    }
+  }
+  result.charts.push_back(chart_of(result, settings));
   return result;
 }
 

@@ -22,6 +22,7 @@ struct FileStart {
   std::string_view first_line;  ///< that is neither empty nor a comment (#), without its end
 };
 
+/// A row of the table of formats.
 struct GroundTruthFormat {
   std::string_view name;
   std::string_view summary;  ///< for help texts
@@ -32,10 +33,12 @@ struct GroundTruthFormat {
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol in words
   /// Null: can't be written. Throws Error(usage) for several training sequences, if it can't name
   /// them, and Error(output).
-  void (*write)(const InspectedGroundTruth& truth, OutputFile& file, const Monitor& monitor);
-  bool holds_ignored;  ///< whether what is written can say that a pair is to be ignored
+  void (*write)(const InspectedGroundTruth& truth, OutputFile& file,
+                const Monitor& monitor) = nullptr;
+  bool holds_ignored = false;  ///< whether what is written can say that a pair is to be ignored
 };
 
+/// All formats, in the order in which content is recognised and help lists them.
 std::span<const GroundTruthFormat> ground_truth_formats();
 
 /// "pairs, aligned, ...": the names of those for which `wanted` is true.

@@ -44,6 +44,24 @@ void extend_previous(std::vector<double>& previous, size_t views, double smoothi
   previous.resize(views + 1, (1 - smoothing) / static_cast<double>(views + 1));
 }
 
+// What is known before the first frame is recognised.
+Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
+                   const std::string& query_name, const FabmapQuerySettings& settings) {
+  Result result;
+  result.settings = settings;
+  result.query_name = query_name;
+  result.query_frames = result.query_windows = query.frames.size();
+  result.query_unreadable = query.unreadable;
+  ResultPlaces& places = result.places.emplace();
+  places.names = searched.place_names();
+  places.views = searched.places().size();
+  places.featureless = featureless_frames(query);
+  Target& target = result.targets.emplace_back();
+  target.name = "places";
+  target.frames = target.windows = places.names.size();
+  return result;
+}
+
 }  // namespace
 
 void check_query_settings(const FabmapQuerySettings& settings) {
@@ -97,20 +115,8 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
                 "the database has no places to recognise; train some, or use --loop to recognise "
                 "the query's own");
   const size_t frames = query.frames.size();
-  FabmapRun run;
+  FabmapRun run{make_result(searched, query, query_name, settings), {}};
   Result& result = run.result;
-  result.settings = settings;
-  result.query_name = query_name;
-  result.query_frames = result.query_windows = frames;
-  result.query_unreadable = query.unreadable;
-  ResultPlaces& places = result.places.emplace();
-  places.names = searched.place_names();
-  places.views = place_of.size();
-  places.featureless = featureless_frames(query);
-  Target& target = result.targets.emplace_back();
-  target.name = "places";
-  target.frames = target.windows = places.names.size();
-
   Stopwatch watch;
   const FabmapMatcher matcher(searched, settings, seed);
   run.seconds["index"] = watch.elapsed_s();
@@ -118,6 +124,27 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   StepCounter counter(monitor, "match", frames);
   ViewWindow window;
   std::vector<double> previous;
+  // Frames follow each other here: a posterior starts from the one before.
+  const auto fold = [&](size_t frame, std::span<const double> views, double new_place) {
+    const bool unreadable =
+        std::binary_search(query.unreadable.begin(), query.unreadable.end(), frame);
+    std::vector<double> posterior;
+    if (!unreadable) {
+      extend_previous(previous, views.size(), settings.posterior.smoothing);
+      posterior = fabmap_posterior(views, new_place, previous, settings.posterior);
+    }
+    if (observe) observe(frame, posterior);
+    window.add(posterior, settings.place_threshold, views.size());
+    result.places->new_place.push_back(unreadable ? 0 : posterior[0]);
+    result.best.emplace_back();
+    if (unreadable) return;
+    if (!query.frames[frame].empty() && !views.empty()) {
+      const Match best = likeliest_view(frame, posterior, place_of);
+      if (std::isfinite(views[best.view])) result.best.back() = best;
+    }
+    append_hits(result.hits, frame, posterior, window, settings.window, place_of);
+    previous = std::move(posterior);
+  };
   const size_t at_once =
       std::clamp(kPosteriorsAtOnce / place_of.size(), size_t{2}, kMostFramesAtOnce);
   for (size_t begin = 0; begin < frames; begin += at_once) {
@@ -130,27 +157,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
       new_place[i] = matcher.new_place(query.frames[frame]);
       counter.add();
     });
-    for (size_t i = 0; i < count; ++i) {
-      const size_t frame = begin + i;
-      const bool unreadable =
-          std::binary_search(query.unreadable.begin(), query.unreadable.end(), frame);
-      std::vector<double> posterior;
-      if (!unreadable) {
-        extend_previous(previous, views[i].size(), settings.posterior.smoothing);
-        posterior = fabmap_posterior(views[i], new_place[i], previous, settings.posterior);
-      }
-      if (observe) observe(frame, posterior);
-      window.add(posterior, settings.place_threshold, views[i].size());
-      places.new_place.push_back(unreadable ? 0 : posterior[0]);
-      result.best.emplace_back();
-      if (unreadable) continue;
-      if (!query.frames[frame].empty() && !views[i].empty()) {
-        const Match best = likeliest_view(frame, posterior, place_of);
-        if (std::isfinite(views[i][best.view])) result.best.back() = best;
-      }
-      append_hits(result.hits, frame, posterior, window, settings.window, place_of);
-      previous = std::move(posterior);
-    }
+    for (size_t i = 0; i < count; ++i) fold(begin + i, views[i], new_place[i]);
   }
   run.seconds["match"] = watch.elapsed_s();
   return run;
