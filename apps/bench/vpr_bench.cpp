@@ -12,6 +12,7 @@
 #include "bench/nordland_bench.h"
 #include "bench/realtime_bench.h"
 #include "common/command.h"
+#include "database/family.h"
 #include "descriptors/frame_descriptors.h"
 #include "images/sequence.h"
 #include "pipeline/train.h"
@@ -189,7 +190,7 @@ BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
                          const RealtimeBenchSettings& settings) {
   const Sequence query = open_sequence(parse_sequence_argument(inputs.query));
   BenchResult result;
-  if (database_method(inputs.database) == "fabmap") {
+  if (database_family(inputs.database) == DatabaseFamily::fabmap) {
     const FabmapDatabase database = read_fabmap_database(inputs.database);
     result = bench_realtime(query, fabmap_work(database, {}), settings, session.monitor);
   } else {

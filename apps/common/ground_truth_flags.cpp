@@ -67,6 +67,14 @@ bool any_given(const GroundTruthFlags& flags) {
          !flags.soft.empty() || value_to_json(flags.options) != value_to_json(GroundTruthOptions{});
 }
 
+std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,
+                                                   const GroundTruthFlags& flags) {
+  const auto& named =
+      family == DatabaseFamily::fabmap ? query.place_ground_truth : query.sequence_ground_truth;
+  if (!named) return std::nullopt;
+  return with_flags(*named, flags);
+}
+
 GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags) {
   return with_flags(parse_ground_truth_argument(text, 0), flags);
 }

@@ -5,7 +5,8 @@
 #include <string>
 
 #include "command.h"
-#include "ground_truth/ground_truth.h"
+#include "database/family.h"
+#include "ground_truth/dataset.h"
 
 namespace vpr {
 
@@ -34,6 +35,11 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
 
 /// Whether any flag is given.
 bool any_given(const GroundTruthFlags& flags);
+
+/// What a data set says of a query, with what the flags say: matches of frames, or of places. None
+/// where it says nothing.
+std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,
+                                                   const GroundTruthFlags& flags);
 
 /// The ground truth that --ground-truth names as `text`, as the flags say.
 GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags);

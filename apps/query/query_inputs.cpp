@@ -14,8 +14,8 @@ QuerySource find_query(const QueryInputs& inputs) {
     const Dataset dataset = read_dataset(inputs.dataset);
     const DatasetQuery& query = select_query(dataset, inputs.query);
     source.sequence = query.sequence;
-    if (!source.ground_truth && query.sequence_ground_truth)
-      source.ground_truth = with_flags(*query.sequence_ground_truth, inputs.flags);
+    if (!source.ground_truth)
+      source.ground_truth = ground_truth_of(query, DatabaseFamily::sequences, inputs.flags);
     return source;
   }
   if (!inputs.query) throw Error(ErrorKind::usage, "give the query sequence, as in --query FOLDER");

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
-#include "database/fabmap_database.h"
+#include "database/family.h"
 #include "matching/fabmap.h"
 #include "matching/methods.h"
 #include "query_inputs.h"
@@ -35,7 +35,7 @@ void visit_fields(GivenSettings& settings, Visitor&& visit) {
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (const SequenceMethod& method : sequence_methods()) names.emplace_back(method.name);
-  names.emplace_back("fabmap");
+  names.emplace_back(enum_name(DatabaseFamily::fabmap));
   return names;
 }
 
@@ -142,13 +142,6 @@ std::string counterpart_text(const std::string& flag) {
   return "";
 }
 
-// A flag of the other family would be without effect: say so instead.
-void refuse_flags(const Command& app, const std::string& group, const std::string& method) {
-  for (const std::string& flag : app.given_flags(group))
-    throw Error(ErrorKind::usage, fmt::format("{} has no effect with a database for {}{}", flag,
-                                              method, counterpart_text(flag)));
-}
-
 template <class S>
 std::vector<std::string> keys_of(S settings) {
   std::vector<std::string> keys;
@@ -156,38 +149,72 @@ std::vector<std::string> keys_of(S settings) {
   return keys;
 }
 
+/// How databases of one family are queried, and what means nothing to them.
+struct FamilyQuery {
+  void (*run)(Session& session, const QueryInputs& inputs, const GivenSettings& settings);
+  std::vector<std::string> (*keys)();  ///< of configurations
+  std::array<const char*, 2> foreign_groups;
+};
+
+/// A row for each DatabaseFamily.
+constexpr std::array<FamilyQuery, 2> kFamilies = {{
+    {[](Session& session, const QueryInputs& inputs, const GivenSettings& settings) {
+       run_sequence_query(session, inputs, settings.sequence);
+     },
+     [] { return keys_of(SequenceQuerySettings{}); },
+     {kFabmapGroup, nullptr}},
+    {[](Session& session, const QueryInputs& inputs, const GivenSettings& settings) {
+       run_fabmap_query(session, inputs, settings.fabmap);
+     },
+     [] { return keys_of(FabmapQuerySettings{}); },
+     {kSequenceGroup, kGroundTruthGroup}},
+}};
+
+// A flag of the other family would be without effect: say so instead.
+void refuse_flags(const Command& app, const FamilyQuery& family, std::string_view kind) {
+  for (const char* group : family.foreign_groups) {
+    if (group == nullptr) continue;
+    for (const std::string& flag : app.given_flags(group))
+      throw Error(ErrorKind::usage, fmt::format("{} has no effect with a database for {}{}", flag,
+                                                kind, counterpart_text(flag)));
+  }
+}
+
 // So would a key of the configuration.
-void refuse_keys(const CommonOptions& options, bool is_fabmap, const std::string& method) {
-  const auto sequence = keys_of(SequenceQuerySettings{});
-  const auto fabmap = keys_of(FabmapQuerySettings{});
+void refuse_keys(const CommonOptions& options, const FamilyQuery& family, std::string_view kind) {
   const auto has = [](const std::vector<std::string>& keys, const std::string& key) {
     return std::find(keys.begin(), keys.end(), key) != keys.end();
   };
+  const std::vector<std::string> own = family.keys();
   for (const std::string& key : options.config_keys)
-    if (has(is_fabmap ? sequence : fabmap, key) && !has(is_fabmap ? fabmap : sequence, key))
-      throw Error(ErrorKind::usage, fmt::format("{}: {} has no effect with a database for {}",
-                                                options.config, key, method));
+    for (const FamilyQuery& other : kFamilies)
+      if (has(other.keys(), key) && !has(own, key))
+        throw Error(ErrorKind::usage, fmt::format("{}: {} has no effect with a database for {}",
+                                                  options.config, key, kind));
+}
+
+/// Throws Error(usage) for a method that there is not.
+DatabaseFamily family_of(const std::string& method) {
+  if (method == enum_name(DatabaseFamily::fabmap)) return DatabaseFamily::fabmap;
+  find_sequence_method(method);
+  return DatabaseFamily::sequences;
 }
 
 void run(Session& session, const QueryInputs& inputs, const GivenSettings& given,
          const Command& app) {
   GivenSettings settings = given;
-  const std::string kind = database_method(inputs.database);
-  const bool is_fabmap = kind == "fabmap";
-  const std::string method = settings.method.empty() ? kind : settings.method;
-  if (method != "fabmap") find_sequence_method(method);
-  if (is_fabmap != (method == "fabmap"))
+  const DatabaseFamily family = database_family(inputs.database);
+  const std::string_view kind = enum_name(family);
+  const std::string method = settings.method.empty() ? std::string(kind) : settings.method;
+  if (family_of(method) != family)
     throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, which {} can't use",
                                              inputs.database, kind, method));
-  refuse_flags(app, is_fabmap ? kSequenceGroup : kFabmapGroup, kind);
-  refuse_keys(session.options, is_fabmap, kind);
-  if (is_fabmap) refuse_flags(app, kGroundTruthGroup, kind);
+  const FamilyQuery& query = kFamilies[static_cast<size_t>(family)];
+  refuse_flags(app, query, kind);
+  refuse_keys(session.options, query, kind);
   settings.sequence.method = settings.fabmap.method = method;
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
-  if (is_fabmap)
-    run_fabmap_query(session, inputs, settings.fabmap);
-  else
-    run_sequence_query(session, inputs, settings.sequence);
+  query.run(session, inputs, settings);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
+#include "database/family.h"
 #include "database/openfabmap.h"
 #include "report/table.h"
 #include "train_inputs.h"
@@ -172,7 +173,7 @@ struct DatabaseCommands {
 
 void print_info(Session& session, const std::string& path) {
   const std::string verified = "All checksums are right.\n";
-  if (database_method(path) == "fabmap") {
+  if (database_family(path) == DatabaseFamily::fabmap) {
     const FabmapDatabase database = read_fabmap_database(path);
     session.print_result(fabmap_summary(database, path) + verified,
                          fabmap_json(database, session.run));
@@ -199,7 +200,7 @@ void add_add_command(Program& program, DatabaseCommands& given) {
       [&](Session& session) {
         session.outputs.release(given.path);  // it is extended in place, once it was read
         claim_database(session);
-        if (database_method(given.path) == "fabmap")
+        if (database_family(given.path) == DatabaseFamily::fabmap)
           add_to_fabmap(session, given.path, given.added);
         else
           add_to_sequences(session, given.path, given.added);

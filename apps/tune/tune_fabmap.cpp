@@ -1,52 +1,27 @@
 // vpr-tune fabmap: c_w and t_p.
-#include "base/json.h"
+#include "base/stopwatch.h"
 #include "images/sequence.h"
-#include "tune_grids.h"
-#include "tune_sweep.h"
+#include "tune_inputs.h"
 
 namespace vpr {
 namespace {
 
-struct FabmapTuner {
-  static constexpr const char* kMethod = "fabmap";
-
-  Session& session;
-  const FabmapTune& command;
-  FabmapDatabase database;
-
-  SequenceWords describe(const Source& source) const {
-    return describe_words(open_sequence(source.sequence.sequence), database,
-                          command.settings.skip_unreadable, session.monitor);
-  }
-  const ScoreKind& score() const { return probability_kind(); }
-  Grid grid(const SequenceWords&) const { return fabmap_grid(command.inputs.grid); }
-  std::vector<CellCounts> sweep(const SequenceWords& query, const std::string& name,
-                                const Grid& grid, const TruthReader& reader) const {
-    return sweep_fabmap(database, query, name, command.settings, grid, reader, session.options.seed,
-                        session.monitor);
-  }
-  FabmapQuerySettings settings_of(const CellCounts& cell) const {
-    FabmapQuerySettings settings = command.settings;
-    settings.window = cell.window;
-    settings.place_threshold = *cell.threshold;
-    return settings;
-  }
-  Result query(const SequenceWords& query, const CellCounts& cell) const {
-    return query_fabmap(database, query, "", settings_of(cell), session.options.seed, {},
-                        session.monitor)
-        .result;
-  }
-};
-
 void tune_fabmap(Session& session, const FabmapTune& command) {
   const TuneInputs& inputs = command.inputs;
+  const Monitor& monitor = session.monitor;
   claim_outputs(inputs, session);
-  const std::vector<Source> sources = find_sources(inputs, true);
-  const auto validation = find_validation(inputs, sources, true, session.monitor);
-  const FabmapTuner tuner{session, command, read_fabmap_database(inputs.database)};
-  Json settings = value_to_json(command.settings);
-  for (const char* key : {"c_w", "t_p"}) settings.erase(key);
-  tune(session, inputs, tuner, sources, validation, settings);
+  const Sources sources = find_sources(inputs, DatabaseFamily::fabmap, monitor);
+  const FabmapDatabase database = read_fabmap_database(inputs.database);
+  const Stopwatch watch;
+  const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
+    const SequenceWords query = describe_words(open_sequence(source.sequence.sequence), database,
+                                               command.settings.skip_unreadable, monitor);
+    return sweep_fabmap(database, query, source.sequence.name, command.settings,
+                        grid != nullptr ? *grid : fabmap_grid(inputs.grid), reader,
+                        session.options.seed, monitor);
+  };
+  const std::vector<Sweep> sweeps = sweep_all(sources, sweep, monitor);
+  present(session, inputs, DatabaseFamily::fabmap, command.settings, sweeps, watch.elapsed_s());
 }
 
 }  // namespace

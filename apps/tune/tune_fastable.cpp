@@ -1,79 +1,50 @@
 // vpr-tune fastable: c_l and t_r.
 #include <algorithm>
 
-#include "base/json.h"
+#include "base/stopwatch.h"
 #include "images/sequence.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
-#include "tune_grids.h"
-#include "tune_sweep.h"
+#include "tune_inputs.h"
 
 namespace vpr {
 namespace {
 
-struct FastableTuner {
-  static constexpr const char* kMethod = "fastable";
-
-  Session& session;
-  const FastableTune& command;
-  SequenceDatabase database;
-  QueryResources resources;
-
-  DescriptorSet describe(const Source& source) const {
-    return database.descriptors.kind->describe(
-        open_sequence(source.sequence.sequence), database.descriptor,
-        command.settings.skip_unreadable ? Unreadable::skip : Unreadable::fail, session.monitor);
+// Of several windows whose automatic threshold gives no hits, the longest tells most.
+void explain_automatic(const std::vector<CellCounts>& cells, const SequenceDatabase& database,
+                       const Session& session) {
+  uint64_t longest = 0;
+  for (const CellCounts& cell : cells) {
+    const LabelCounts& hits = cell.counts.hits;
+    if (!cell.threshold && hits.correct + hits.incorrect + hits.ignored == 0)
+      longest = std::max(longest, cell.window);
   }
-  const ScoreKind& score() const { return score_kind(command.settings.score); }
-  Grid grid(const DescriptorSet& query) const {
-    return sequence_grid(command.inputs.grid, command.settings, database, query);
-  }
-  std::vector<CellCounts> sweep(const DescriptorSet& query, const std::string& name,
-                                const Grid& grid, const TruthReader& reader) const {
-    std::vector<CellCounts> cells = sweep_sequences(database, query, name, command.settings, grid,
-                                                    reader, resources, session.monitor);
-    explain_automatic(cells);
-    return cells;
-  }
-  // Of several windows whose automatic threshold gives no hits, the longest tells most.
-  void explain_automatic(const std::vector<CellCounts>& cells) const {
-    uint64_t longest = 0;
-    for (const CellCounts& cell : cells) {
-      const LabelCounts& hits = cell.counts.hits;
-      if (!cell.threshold && hits.correct + hits.incorrect + hits.ignored == 0)
-        longest = std::max(longest, cell.window);
-    }
-    if (longest > 0) explain_no_hits(database, longest, session.kernels, session.monitor);
-  }
-  SequenceQuerySettings settings_of(const CellCounts& cell) const {
-    SequenceQuerySettings settings = command.settings;
-    settings.window_length = cell.window;
-    settings.distance_threshold = cell.threshold;
-    return settings;
-  }
-  Result query(const DescriptorSet& query, const CellCounts& cell) const {
-    Monitor quiet = session.monitor;  // the sweep has said what there is to say
-    quiet.warn = nullptr;
-    return run_query(plan_query(database, query, "", settings_of(cell), resources, quiet), database,
-                     query, resources, {}, quiet)
-        .result;
-  }
-};
+  if (longest > 0) explain_no_hits(database, longest, session.kernels, session.monitor);
+}
 
 void tune_fastable(Session& session, const FastableTune& command) {
   const TuneInputs& inputs = command.inputs;
+  const SequenceQuerySettings& settings = command.settings;
+  const Monitor& monitor = session.monitor;
   claim_outputs(inputs, session);
-  const std::vector<Source> sources = find_sources(inputs, false);
-  const auto validation = find_validation(inputs, sources, false, session.monitor);
-  FastableTuner tuner{session, command, read_sequence_database(inputs.database), {}};
-  if (score_kind(command.settings.score).needs_statistics)
-    ensure_statistics(tuner.database, session.monitor);
-  tuner.resources.kernels = session.kernels;
-  tuner.resources.seed = session.options.seed;
-  tuner.resources.memory_limit = session.run.memory_limit = command.memory_limit;
-  Json settings = settings_in_force(command.settings);
-  for (const char* key : {"c_l", "t_r"}) settings.erase(key);
-  tune(session, inputs, tuner, sources, validation, settings);
+  const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
+  SequenceDatabase database = read_sequence_database(inputs.database);
+  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
+  const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
+  session.run.memory_limit = command.memory_limit;
+  const Stopwatch watch;
+  const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
+    const DescriptorSet query = describe_frames(open_sequence(source.sequence.sequence), database,
+                                                settings.skip_unreadable, monitor);
+    Sweep found = sweep_sequences(
+        database, query, source.sequence.name, settings,
+        grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,
+        resources, monitor);
+    explain_automatic(found.cells, database, session);
+    return found;
+  };
+  const std::vector<Sweep> sweeps = sweep_all(sources, sweep, monitor);
+  present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
 }
 
 }  // namespace

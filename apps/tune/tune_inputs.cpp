@@ -14,15 +14,15 @@ namespace {
 
 // A query of a data set, with the flags' changes to its ground truth.
 Source find_in_dataset(const TuneInputs& inputs, const std::string& path, const std::string& name,
-                       bool is_fabmap) {
+                       DatabaseFamily family) {
   const Dataset dataset = read_dataset(path);
   const DatasetQuery& query =
       select_query(dataset, name.empty() ? std::nullopt : std::optional(name));
-  const auto& truth = is_fabmap ? query.place_ground_truth : query.sequence_ground_truth;
+  const auto truth = ground_truth_of(query, family, inputs.flags);
   if (!truth)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: the query {} has no ground truth", path, query.sequence.name));
-  return {query.sequence, with_flags(*truth, inputs.flags)};
+  return {query.sequence, *truth};
 }
 
 // A sequence and a ground truth as the command line names them.
@@ -39,46 +39,64 @@ bool share_frames(const SequenceArgument& a, const SequenceArgument& b) {
          b.range.first < a.range.last.value_or(kEnd);
 }
 
-}  // namespace
-
-std::vector<Source> find_sources(const TuneInputs& inputs, bool is_fabmap) {
-  std::vector<Source> sources;
+std::vector<Source> find_queries(const TuneInputs& inputs, DatabaseFamily family) {
+  std::vector<Source> queries;
   for (const std::string& path : inputs.datasets)
-    sources.push_back(find_in_dataset(inputs, path, inputs.query, is_fabmap));
-  if (!sources.empty()) return sources;
+    queries.push_back(find_in_dataset(inputs, path, inputs.query, family));
+  if (!queries.empty()) return queries;
   if (inputs.query.empty() || inputs.ground_truth.empty())
     throw Error(ErrorKind::usage,
                 "give --query and --ground-truth, or data sets that have both (--dataset)");
   return {parse_source(inputs, inputs.query, inputs.ground_truth)};
 }
 
-std::optional<Source> find_validation(const TuneInputs& inputs, const std::vector<Source>& sources,
-                                      bool is_fabmap, const Monitor& monitor) {
+std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily family) {
   const bool in_dataset = inputs.validate_ground_truth.empty() && inputs.datasets.size() == 1;
   if (inputs.validate.empty() != inputs.validate_ground_truth.empty() && !in_dataset)
     throw Error(ErrorKind::usage,
                 "give both --validate and --validate-ground-truth, or with one --dataset the name "
                 "of another of its queries as --validate");
   if (inputs.validate.empty()) return std::nullopt;
-  Source validation =
-      in_dataset ? find_in_dataset(inputs, inputs.datasets.front(), inputs.validate, is_fabmap)
-                 : parse_source(inputs, inputs.validate, inputs.validate_ground_truth);
-  for (const Source& source : sources)
-    if (share_frames(source.sequence.sequence, validation.sequence.sequence))
-      warn(monitor, fmt::format("{}: is also what the setting is chosen on; a validation needs "
-                                "frames that were not seen",
-                                validation.sequence.sequence.path.string()));
-  return validation;
+  return in_dataset ? find_in_dataset(inputs, inputs.datasets.front(), inputs.validate, family)
+                    : parse_source(inputs, inputs.validate, inputs.validate_ground_truth);
 }
 
-TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol,
-                      const Monitor& monitor) {
-  return [argument, &protocol, &monitor](const GroundTruthScope& scope) {
-    const bool is_first = protocol.empty();  // what is odd is said once
-    GroundTruth truth = read_ground_truth(argument, scope, is_first ? monitor : Monitor{});
-    protocol = truth.protocol;
-    return truth;
+TruthReader reader_of(const GroundTruthArgument& argument, const Monitor& monitor) {
+  return [&argument, &monitor](const GroundTruthScope& scope) {
+    return read_ground_truth(argument, scope, monitor);
   };
+}
+
+}  // namespace
+
+Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Monitor& monitor) {
+  Sources sources{find_queries(inputs, family), find_validation(inputs, family)};
+  if (!sources.validation) return sources;
+  const SequenceArgument& validation = sources.validation->sequence.sequence;
+  for (const Source& query : sources.queries)
+    if (share_frames(query.sequence.sequence, validation))
+      warn(monitor, fmt::format("{}: is also what the setting is chosen on; a validation needs "
+                                "frames that were not seen",
+                                validation.path.string()));
+  return sources;
+}
+
+std::vector<Sweep> sweep_all(const Sources& sources, const SweepQuery& sweep,
+                             const Monitor& monitor) {
+  std::vector<Sweep> sweeps;
+  std::optional<Grid> grid;
+  for (const Source& query : sources.queries) {
+    Sweep& found = sweeps.emplace_back(
+        sweep(query, grid ? &*grid : nullptr, reader_of(query.ground_truth, monitor)));
+    grid = grid_of(found.cells);
+    const auto& recommended = found.recommendation.cell;
+    if (!recommended || !sources.validation) continue;
+    const Source& other = *sources.validation;
+    const Grid one = grid_of({&found.cells[*recommended], 1});
+    found.validation = {other.sequence.name,
+                        sweep(other, &one, reader_of(other.ground_truth, monitor)).cells.front()};
+  }
+  return sweeps;
 }
 
 void add_tune_inputs(const Command& command, TuneInputs& inputs) {

@@ -1,11 +1,11 @@
 // What the commands of vpr-tune share: queries and their ground truth, presentation.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.h"
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "ground_truth/dataset.h"
@@ -38,25 +38,35 @@ struct Source {
 
 void add_tune_inputs(const Command& command, TuneInputs& inputs);
 
-/// The queries of --query or --dataset. Throws Error(usage) if there is none, or no ground truth.
-std::vector<Source> find_sources(const TuneInputs& inputs, bool is_fabmap);
+/// The queries on which settings are chosen, and the one of --validate, on which the recommended
+/// setting is reported.
+struct Sources {
+  std::vector<Source> queries;
+  std::optional<Source> validation;
+};
 
-/// The query of --validate, by its path or, with one data set, its name; warns if a setting is
-/// chosen on it.
-std::optional<Source> find_validation(const TuneInputs& inputs, const std::vector<Source>& sources,
-                                      bool is_fabmap, const Monitor& monitor);
-
-/// Reads the ground truth for a scope, and keeps what it says of itself.
-TruthReader reader_of(const GroundTruthArgument& argument, std::string& protocol,
-                      const Monitor& monitor);
+/// By paths or, of a data set, by names; warns if a setting is chosen on the validation. Throws
+/// Error(usage) if there is no query, or no ground truth.
+Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Monitor& monitor);
 
 /// Claims the outputs. Throws Error(usage) if --save-config has several data sets.
 void claim_outputs(const TuneInputs& inputs, const Session& session);
 
-/// Writes pictures, plots, configuration and JSON, and prints the tables. Throws
-/// Error(expectation), when all else is done, if --save-config has nothing to save.
-void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps,
-             const std::string& method, const Json& settings, double seconds);
+/// What differs between the families: describes the frames of a query and sweeps them, over a grid
+/// or, where there is none, over the one of the flags.
+using SweepQuery =
+    std::function<Sweep(const Source& source, const Grid* grid, const TruthReader& reader)>;
+
+/// Sweeps query after query, all over the grid of the first, and the recommended cell of each on
+/// the validation.
+std::vector<Sweep> sweep_all(const Sources& sources, const SweepQuery& sweep,
+                             const Monitor& monitor);
+
+/// Writes pictures, plots, configuration and JSON, and prints the tables. `base`: settings of which
+/// the sweeps vary two. Throws Error(expectation), when all else is done, if --save-config has
+/// nothing to save.
+void present(Session& session, const TuneInputs& inputs, DatabaseFamily family,
+             const QuerySettings& base, const std::vector<Sweep>& sweeps, double seconds);
 
 /// vpr-tune fastable: what it sets beside the grid. `tune` must live as long as the program.
 struct FastableTune {

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "report/run_info.h"
 #include "report/sweep_table.h"
 #include "tune_inputs.h"
 
@@ -27,7 +26,8 @@ std::string quoted(const std::string& word) {
 
 // The flags of the recommended setting that are not vpr-query's defaults; those that came from a
 // configuration file come from it again.
-std::vector<std::string> setting_flags(const Json& settings) {
+std::vector<std::string> setting_flags(const QuerySettings& recommended) {
+  const Json settings = settings_in_force(recommended);
   std::vector<std::string> flags;
   for (const auto& [key, flag] :
        {std::pair("c_l", "--c-l"), std::pair("t_r", "--t-r"), std::pair("c_w", "--c-w"),
@@ -85,13 +85,6 @@ void draw_plots(Session& session, const TuneInputs& inputs, const std::vector<Sw
   }
 }
 
-// The recommended settings as vpr-query --config takes them.
-std::string config_text(const Json& settings) {
-  Json json = {{"schema", "vpr.config/1"}};
-  json.update(settings);
-  return to_text(json);
-}
-
 }  // namespace
 
 void claim_outputs(const TuneInputs& inputs, const Session& session) {
@@ -105,23 +98,18 @@ void claim_outputs(const TuneInputs& inputs, const Session& session) {
                             inputs.datasets.size()));
 }
 
-void present(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps,
-             const std::string& method, const Json& settings, double seconds) {
-  const CommonOptions& options = session.options;
-  Json json = {{"schema", "vpr.sweep/1"}, {"method", method}, {"settings", settings}};
-  add_sweeps(json, sweeps);
-  json["provenance"] = provenance_json(session.run);
+void present(Session& session, const TuneInputs& inputs, DatabaseFamily family,
+             const QuerySettings& base, const std::vector<Sweep>& sweeps, double seconds) {
   session.run.simd_target = session.kernels.target;
   session.run.paths = {{"database", inputs.database}};
-  json["machine"] = machine_json(session.run);
-  json["timing"] = timing_json({{"sweep", seconds}});
-  const std::optional<Json>& recommended = sweeps.front().recommended_settings;
+  const Json json = sweep_json(enum_name(family), base, sweeps, session.run, seconds);
+  const std::optional<QuerySettings>& recommended = sweeps.front().recommended_settings;
   session.write_output(json);
   if (!inputs.heat_map.empty()) session.outputs.file(inputs.heat_map).write(heat_map_png(sweeps));
   if (!inputs.save_config.empty() && recommended)
     session.outputs.file(inputs.save_config).write(config_text(*recommended));
   if (!inputs.plots.empty()) draw_plots(session, inputs, sweeps);
-  session.print_result(result_text(inputs, options, sweeps), json);
+  session.print_result(result_text(inputs, session.options, sweeps), json);
   if (!inputs.save_config.empty() && !recommended)
     throw Error(ErrorKind::expectation,
                 fmt::format("{}: is not written, for no setting is recommended: {}",

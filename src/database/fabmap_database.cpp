@@ -11,12 +11,11 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "database/archive.h"
+#include "database/family.h"
 #include "database/tree_rows.h"
 
 namespace vpr {
 namespace {
-
-constexpr const char* kMethod = "fabmap";
 
 /// Calls visit(group, frame, place index) for every view.
 template <class Visit>
@@ -193,18 +192,9 @@ void index_views(FabmapDatabase& database) {
   database.index = make_word_index(database.views, database.tree.words());
 }
 
-std::string database_method(const std::filesystem::path& path) {
-  const Archive archive(path);
-  return manifest_text(archive, archive.manifest(), "method");
-}
-
 FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
   const Archive archive(path);
-  const std::string method = manifest_text(archive, archive.manifest(), "method");
-  if (method != kMethod)
-    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, but one for {} is needed; "
-                                             "train it with vpr-train {}",
-                                             archive.name(), method, kMethod, kMethod));
+  require_family(archive, DatabaseFamily::fabmap);
   FabmapDatabase database;
   database.fingerprint = archive.fingerprint();
   stored_settings_from_json(archive.manifest(), database.settings, archive.name());
@@ -241,7 +231,7 @@ void write_fabmap_database(const std::filesystem::path& path, const FabmapDataba
   writer.add_array<uint16_t>("index.npy", index.lists, {index.lists.size()});
   writer.add_array<uint64_t>("index_offsets.npy", index.offsets, {index.offsets.size()});
   std::string names;
-  Json manifest = {{"schema", "vpr.database/1"}, {"method", kMethod}};
+  Json manifest = {{"schema", "vpr.database/1"}, {"method", enum_name(DatabaseFamily::fabmap)}};
   manifest["settings"] = value_to_json(database.settings);
   manifest["groups"] = Json::array();
   for (const ViewGroup& group : database.groups) {

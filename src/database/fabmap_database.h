@@ -89,7 +89,4 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
                            OutputTransaction& outputs);
 
-/// "fastable" or "fabmap": what a database is for. Throws as the readers do.
-std::string database_method(const std::filesystem::path& path);
-
 }  // namespace vpr

@@ -9,11 +9,11 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "database/archive.h"
+#include "database/family.h"
 
 namespace vpr {
 namespace {
 
-constexpr const char* kMethod = "fastable";
 constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
 constexpr const char* kStatisticsFile = "statistics.npy";
@@ -219,12 +219,7 @@ std::optional<TrainStatistics> read_statistics(const Archive& archive, size_t fr
 
 SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const Archive archive(path);
-  const std::string method = manifest_text(archive, archive.manifest(), "method");
-  if (method != kMethod)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: is a database for {}, but one for {} is needed; train it with "
-                            "vpr-train {}",
-                            archive.name(), method, kMethod, kMethod));
+  require_family(archive, DatabaseFamily::sequences);
   SequenceDatabase database;
   database.fingerprint = archive.fingerprint();
   stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
@@ -248,7 +243,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
     writer.add_array(kStatisticsFile, std::span<const float>(statistics_rows(*database.statistics)),
                      {rows.size(), 2});
   Json manifest = {{"schema", "vpr.database/1"},
-                   {"method", kMethod},
+                   {"method", enum_name(DatabaseFamily::sequences)},
                    {"descriptor", database.descriptors.kind->name}};
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = Json::array();

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/enum_names.h"
+#include "base/statistics.h"
 #include "evaluation/counts.h"
 
 namespace vpr {
@@ -70,5 +72,32 @@ struct Recommendation {
 Recommendation recommend(std::span<const SweepScore> scores);
 /// The same for the cells of a sweep.
 Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order);
+
+/// What is known of the uncertainty of the recommended setting: 95 % intervals of its counts.
+struct SweepIntervals {
+  size_t block = 1;  ///< frames that are drawn together
+  Interval correct_hits;
+  Interval incorrect_hits;
+  Interval correct_places = {};  ///< of sequences; a place counts at its mean query window
+  Interval incorrect_places = {};
+};
+
+/// The recommended setting on another query.
+struct ValidatedCell {
+  std::string query_name;
+  CellCounts cell;
+};
+
+/// One query's sweep, which has a cell.
+struct Sweep {
+  std::string query_name;
+  const ScoreKind* score = &score_kind(Score::raw);  ///< what thresholds are of
+  std::vector<CellCounts> cells;                     ///< by window, then threshold
+  Recommendation recommendation;
+  std::optional<QuerySettings> recommended_settings;
+  std::optional<SweepIntervals> intervals;
+  std::optional<ValidatedCell> validation;
+  std::string protocol;  ///< of the ground truth, in words
+};
 
 }  // namespace vpr

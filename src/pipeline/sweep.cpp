@@ -1,7 +1,7 @@
 #include "pipeline/sweep.h"
 
 #include <algorithm>
-#include <memory>
+#include <deque>
 #include <set>
 #include <string>
 
@@ -16,12 +16,10 @@
 namespace vpr {
 namespace {
 
-/// One window length: a planned result for each threshold, and what the passes find.
+/// One window length: a plan for each threshold, and what is found for all of them.
 struct LengthSweep {
   std::vector<QueryPlan> planned;  // as many as thresholds
-  std::unique_ptr<MaximumScan> maxima;
-  std::unique_ptr<HitScan> hits;
-  HitScanResult found;
+  HitScanResult found;             // below the largest limit of any of them
 };
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
@@ -84,24 +82,45 @@ HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& reso
   return widest;
 }
 
-// Of t_r as it was planned.
-ThresholdScale scale_of(const QueryPlan& plan) {
-  if (plan.settings.distance_threshold) return scale_of(plan.settings);
-  for (const Target& sequence : plan.sequences)
-    if (sequence.threshold) return sequence.scale;
-  return score_kind(plan.settings.score).automatic_scale;
+// What every length finds below the largest limit of any threshold, all in one pass (and, where
+// limits are relative, one before it).
+void search(std::vector<LengthSweep>& lengths, const SequenceDatabase& database,
+            const DescriptorSet& query, const QueryResources& resources, const Monitor& monitor) {
+  const QueryPlan& first = lengths.front().planned.front();
+  const FrameDistances distances = searched_distances(database, first, query);
+  std::vector<size_t> windows;
+  for (const LengthSweep& length : lengths)
+    windows.push_back(length.planned.front().settings.window_length);
+  const MatchSettings match{1, resources.memory_limit, resources.kernels};
+  const auto match_lengths = [&](const LengthRowConsumer& consume) {
+    match_fastable_lengths(scored(distances, first, database, monitor), windows, match, monitor,
+                           consume);
+  };
+  if (any_relative(lengths)) {
+    std::deque<MaximumScan> maxima;
+    for (size_t l = 0; l < lengths.size(); ++l)
+      maxima.emplace_back(first.sequences.size(), resources.kernels);
+    match_lengths([&](size_t l, const DistanceRow& row) { maxima[l](row); });
+    for (size_t l = 0; l < lengths.size(); ++l)
+      for (QueryPlan& plan : lengths[l].planned)
+        if (needs_maxima(plan)) set_relative_limits(plan, maxima[l].result());
+  }
+  std::deque<HitScan> hits;
+  for (const LengthSweep& length : lengths)
+    hits.emplace_back(widest_scan(length, share_of(resources, lengths.size())));
+  match_lengths([&](size_t l, const DistanceRow& row) { hits[l](row); });
+  for (size_t l = 0; l < lengths.size(); ++l) lengths[l].found = hits[l].result();
 }
 
-CellCounts count_cell(const LengthSweep& sweep, const QueryPlan& plan, const GroundTruth& truth,
-                      const Monitor& monitor) {
+// The result of one cell: what the widest search found below its own limits.
+Result cell_result(const QueryPlan& plan, const HitScanResult& widest, const Monitor& monitor) {
   const HitScanSettings limits = scan_settings(plan, {});
-  HitScanResult found{{}, sweep.found.best};
-  for (const Cell& hit : sweep.found.hits)
+  HitScanResult found{{}, widest.best};
+  for (const Cell& hit : widest.hits)
     if (hit.distance < limits.limit(hit.sequence, hit.query_window)) found.hits.push_back(hit);
   Result result = make_result(plan, found);
   cluster(result, monitor);
-  return {plan.settings.window_length, plan.settings.distance_threshold, scale_of(plan),
-          count_recognitions(result, truth, monitor)};
+  return result;
 }
 
 void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
@@ -133,6 +152,42 @@ void add_once(std::vector<T>& values, const T& value) {
   if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
 }
 
+// The scale of t_r, as it was set or, where it is automatic, found; none of a probability.
+std::optional<ThresholdScale> threshold_scale(const Result& result) {
+  const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
+  if (settings == nullptr) return std::nullopt;
+  if (settings->distance_threshold) return scale_of(*settings);
+  for (const Target& target : result.targets)
+    if (target.threshold) return target.scale;
+  return result.score().automatic_scale;
+}
+
+// What both families share: from results of cells to counts, and to a choice. `shape`: the result
+// before anything is found.
+Sweep count_cells(const Result& shape, const Grid& grid,
+                  const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
+                  uint64_t seed, const Monitor& monitor) {
+  Sweep sweep;
+  sweep.query_name = shape.query_name;
+  sweep.score = &shape.score();
+  sweep.protocol = truth.protocol;
+  const size_t thresholds = grid.thresholds.size();
+  sweep.cells.resize(grid.windows.size() * thresholds);
+  StepCounter counter(monitor, "count", sweep.cells.size());
+  parallel_for(sweep.cells.size(), monitor, [&](size_t c) {
+    const Result result = result_of(c);
+    sweep.cells[c] = {grid.windows[c / thresholds], grid.thresholds[c % thresholds],
+                      threshold_scale(result), count_recognitions(result, truth, monitor)};
+    counter.add();
+  });
+  sweep.recommendation = recommend(sweep.cells, sweep.score->order);
+  if (!sweep.recommendation.cell) return sweep;
+  const Result recommended = result_of(*sweep.recommendation.cell);
+  sweep.recommended_settings = recommended.settings;
+  sweep.intervals = count_intervals(recommended, truth, seed);
+  return sweep;
+}
+
 }  // namespace
 
 Grid grid_of(std::span<const CellCounts> cells) {
@@ -144,52 +199,26 @@ Grid grid_of(std::span<const CellCounts> cells) {
   return grid;
 }
 
-std::vector<CellCounts> sweep_sequences(const SequenceDatabase& database,
-                                        const DescriptorSet& query, const std::string& query_name,
-                                        const SequenceQuerySettings& base, const Grid& grid,
-                                        const TruthReader& read_truth,
-                                        const QueryResources& resources, const Monitor& monitor) {
-  std::vector<LengthSweep> sweeps =
+Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
+                      const std::string& query_name, const SequenceQuerySettings& base,
+                      const Grid& grid, const TruthReader& read_truth,
+                      const QueryResources& resources, const Monitor& monitor) {
+  std::vector<LengthSweep> lengths =
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
-  const GroundTruth truth = read_truth(scope_of(make_result(sweeps.front().planned.front())));
-  const FrameDistances distances =
-      searched_distances(database, sweeps.front().planned.front(), query);
-  const std::vector<size_t> lengths(grid.windows.begin(), grid.windows.end());
-  const MatchSettings match{1, resources.memory_limit, resources.kernels};
-  const auto match_lengths = [&](const LengthRowConsumer& consume) {
-    match_fastable_lengths(scored(distances, sweeps.front().planned.front(), database, monitor),
-                           lengths, match, monitor, consume);
-  };
-  if (any_relative(sweeps)) {
-    for (LengthSweep& sweep : sweeps)
-      sweep.maxima = std::make_unique<MaximumScan>(database.sequences.size(), resources.kernels);
-    match_lengths([&](size_t l, const DistanceRow& row) { (*sweeps[l].maxima)(row); });
-    for (LengthSweep& sweep : sweeps)
-      for (QueryPlan& plan : sweep.planned)
-        if (needs_maxima(plan)) set_relative_limits(plan, sweep.maxima->result());
-  }
-  for (LengthSweep& sweep : sweeps)
-    sweep.hits = std::make_unique<HitScan>(widest_scan(sweep, share_of(resources, sweeps.size())));
-  match_lengths([&](size_t l, const DistanceRow& row) { (*sweeps[l].hits)(row); });
-  for (LengthSweep& sweep : sweeps) {
-    sweep.found = sweep.hits->result();
-    sweep.hits.reset();
-  }
+  const Result shape = make_result(lengths.front().planned.front());
+  const GroundTruth truth = read_truth(scope_of(shape));
+  search(lengths, database, query, resources, monitor);
   const size_t thresholds = grid.thresholds.size();
-  std::vector<CellCounts> cells(sweeps.size() * thresholds);
-  StepCounter counter(monitor, "count", cells.size());
-  parallel_for(cells.size(), monitor, [&](size_t c) {
-    const LengthSweep& sweep = sweeps[c / thresholds];
-    cells[c] = count_cell(sweep, sweep.planned[c % thresholds], truth, monitor);
-    counter.add();
-  });
-  return cells;
+  const auto result_of = [&](size_t cell) {
+    const LengthSweep& length = lengths[cell / thresholds];
+    return cell_result(length.planned[cell % thresholds], length.found, monitor);
+  };
+  return count_cells(shape, grid, result_of, truth, resources.seed, monitor);
 }
 
-std::vector<CellCounts> sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
-                                     const std::string& query_name, const FabmapQuerySettings& base,
-                                     const Grid& grid, const TruthReader& read_truth, uint64_t seed,
-                                     const Monitor& monitor) {
+Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                   const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
+                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor) {
   check_grid(grid, base);
   const std::vector<uint32_t> place_of = database.places();
   const size_t thresholds = grid.thresholds.size();
@@ -204,15 +233,17 @@ std::vector<CellCounts> sweep_fabmap(const FabmapDatabase& database, const Seque
                     place_of);
     }
   };
-  Result result = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
-  const GroundTruth truth = read_truth(scope_of(result));
-  std::vector<CellCounts> cells;
-  for (size_t c = 0; c < hits.size(); ++c) {
-    result.hits = std::move(hits[c]);
-    cells.push_back({grid.windows[c / thresholds], grid.thresholds[c % thresholds], std::nullopt,
-                     count_recognitions(result, truth)});
-  }
-  return cells;
+  const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
+  const auto result_of = [&](size_t cell) {
+    Result result = all;
+    FabmapQuerySettings settings = base;
+    settings.window = grid.windows[cell / thresholds];
+    settings.place_threshold = *grid.thresholds[cell % thresholds];
+    result.settings = settings;
+    result.hits = hits[cell];
+    return result;
+  };
+  return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, monitor);
 }
 
 SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {

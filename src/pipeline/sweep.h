@@ -7,7 +7,6 @@
 #include "evaluation/sweep.h"
 #include "pipeline/fabmap_query.h"
 #include "pipeline/query.h"
-#include "report/sweep_file.h"
 
 namespace vpr {
 
@@ -23,23 +22,21 @@ Grid grid_of(std::span<const CellCounts> cells);
 /// How to find the ground truth of a result: by the scope of its indices.
 using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
 
-/// The counts that vpr-query and vpr-eval give for every cell, by window, then threshold. Frame
-/// distances are computed once (twice with thresholds relative to the largest distance): windows of
-/// all lengths come from the same pass, thresholds of one length from its hits at the largest.
-/// `base`: the other settings. Each warning is said once. Throws as plan_query does, and
-/// Error(usage) where the hits of all lengths do not fit into the memory together.
-std::vector<CellCounts> sweep_sequences(const SequenceDatabase& database,
-                                        const DescriptorSet& query, const std::string& query_name,
-                                        const SequenceQuerySettings& base, const Grid& grid,
-                                        const TruthReader& read_truth,
-                                        const QueryResources& resources, const Monitor& monitor);
+/// The counts that vpr-query and vpr-eval give for every cell, by window, then threshold, and which
+/// cell to choose. Frame distances are computed once (twice with thresholds relative to the largest
+/// distance): windows of all lengths come from the same pass, thresholds of one length from its
+/// hits at the largest. `base`: the other settings. Each warning is said once. Throws as plan_query
+/// does, and Error(usage) where the hits of all lengths do not fit into the memory together.
+Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
+                      const std::string& query_name, const SequenceQuerySettings& base,
+                      const Grid& grid, const TruthReader& read_truth,
+                      const QueryResources& resources, const Monitor& monitor);
 
 /// The same for FAB-MAP: from one pass of posteriors. Throws Error(usage) for settings out of
 /// range, an automatic threshold, and the loop mode.
-std::vector<CellCounts> sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
-                                     const std::string& query_name, const FabmapQuerySettings& base,
-                                     const Grid& grid, const TruthReader& read_truth, uint64_t seed,
-                                     const Monitor& monitor);
+Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                   const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
+                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor);
 
 /// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:
 /// blocks of c_l windows, for neighbours share most of their frames, or of c_w frames, but at least

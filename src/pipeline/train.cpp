@@ -20,9 +20,8 @@ constexpr uint64_t kMostPairs = uint64_t{1} << 32;  // a few seconds
 
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Monitor& monitor) {
-  const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
-  DescriptorSet described = database.descriptors.kind->describe(
-      open_sequence(argument.sequence), database.descriptor, unreadable, monitor);
+  DescriptorSet described =
+      describe_frames(open_sequence(argument.sequence), database, skip_unreadable, monitor);
   if (!described.frames.unreadable.empty())
     warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,
                               described.frames.unreadable.size(),
@@ -98,6 +97,13 @@ std::vector<DescriptorSpan> code_spans(const SequenceDatabase& database) {
     first += sequence.frame_count();
   }
   return spans;
+}
+
+DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
+                              bool skip_unreadable, const Monitor& monitor) {
+  return database.descriptors.kind->describe(sequence, database.descriptor,
+                                             skip_unreadable ? Unreadable::skip : Unreadable::fail,
+                                             monitor);
 }
 
 ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,

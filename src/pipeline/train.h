@@ -52,6 +52,11 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
                                const RowKernels& kernels, const Monitor& monitor);
 
+/// The frames of a sequence, described as the database's are. Throws what DescriptorKind::describe
+/// throws.
+DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
+                              bool skip_unreadable, const Monitor& monitor);
+
 /// Whether comparing all sequences with each other takes longer than training should (2^32 frame
 /// pairs and more): then thresholds are computed when a query asks for them.
 bool is_left_to_queries(std::span<const DescriptorSpan> sequences);

@@ -18,8 +18,9 @@ Json best_json(const BestMatchCounts& best) {
   return {{"queries", best.queries}, {"correct", best.correct}, {"ignored", best.ignored}};
 }
 
-Json cell_json(const CellCounts& cell, const ScoreKind& score) {
+Json named_cell_json(const std::string& query, const CellCounts& cell, const ScoreKind& score) {
   Json json = {
+      {"query", query},
       {std::string(score.window_symbol), cell.window},
       {std::string(score.threshold_symbol), cell.threshold ? Json(*cell.threshold) : Json("auto")}};
   if (cell.scale) json["t_r_scale"] = enum_name(*cell.scale);
@@ -36,14 +37,16 @@ Json choice_json(const Sweep& sweep, size_t first) {
   const auto index = [&](const std::optional<size_t>& cell) {
     return cell ? Json(first + *cell) : Json();
   };
-  Json json = {{"name", sweep.query_name},
-               {"ground_truth", sweep.protocol},
-               {"recommended", index(choice.cell)},
-               {"recommended_settings", sweep.recommended_settings.value_or(Json())},
-               {"advice", enum_name(choice.advice)},
-               {"reason", reason_text(sweep)},
-               {"near_miss", index(choice.near_miss)},
-               {"nearest_error", index(choice.first_error)}};
+  Json json = {
+      {"name", sweep.query_name},
+      {"ground_truth", sweep.protocol},
+      {"recommended", index(choice.cell)},
+      {"recommended_settings",
+       sweep.recommended_settings ? settings_in_force(*sweep.recommended_settings) : Json()},
+      {"advice", enum_name(choice.advice)},
+      {"reason", reason_text(sweep)},
+      {"near_miss", index(choice.near_miss)},
+      {"nearest_error", index(choice.first_error)}};
   json["pareto"] = Json::array();
   for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
   if (sweep.intervals) {
@@ -55,23 +58,38 @@ Json choice_json(const Sweep& sweep, size_t first) {
       json["intervals"]["incorrect_places"] = interval_json(sweep.intervals->incorrect_places);
     }
   }
-  if (sweep.validation) json["validation"] = *sweep.validation;
+  if (sweep.validation)
+    json["validation"] =
+        named_cell_json(sweep.validation->query_name, sweep.validation->cell, *sweep.score);
   return json;
 }
 
 }  // namespace
 
-void add_sweeps(Json& json, const std::vector<Sweep>& sweeps) {
+Json sweep_json(std::string_view method, const QuerySettings& base,
+                const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds) {
+  Json json = {
+      {"schema", "vpr.sweep/1"}, {"method", method}, {"settings", settings_in_force(base)}};
+  const ScoreKind& score = score_of(base);
+  for (const std::string_view varied : {score.window_symbol, score.threshold_symbol})
+    json["settings"].erase(std::string(varied));
   json["cells"] = Json::array();
   json["queries"] = Json::array();
   for (const Sweep& sweep : sweeps) {
     json["queries"].push_back(choice_json(sweep, json["cells"].size()));
-    for (const CellCounts& cell : sweep.cells) {
-      Json named = {{"query", sweep.query_name}};
-      named.update(cell_json(cell, *sweep.score));
-      json["cells"].push_back(named);
-    }
+    for (const CellCounts& cell : sweep.cells)
+      json["cells"].push_back(named_cell_json(sweep.query_name, cell, *sweep.score));
   }
+  json["provenance"] = provenance_json(run);
+  json["machine"] = machine_json(run);
+  json["timing"] = timing_json({{"sweep", seconds}});
+  return json;
+}
+
+std::string config_text(const QuerySettings& settings) {
+  Json json = {{"schema", "vpr.config/1"}};
+  json.update(settings_in_force(settings));
+  return to_text(json);
 }
 
 Chart sweep_chart(const Sweep& sweep) {

@@ -1,37 +1,21 @@
 // Sweeps (vpr.sweep/1) as JSON and pictures; sweep_table.h has the tables.
 #pragma once
 
-#include "base/json.h"
-#include "base/statistics.h"
+#include "base/json_fwd.h"
 #include "evaluation/sweep.h"
 #include "report/chart.h"
+#include "report/run_info.h"
 
 namespace vpr {
 
-/// What is known of the uncertainty of the recommended setting: 95 % intervals of its counts.
-struct SweepIntervals {
-  size_t block = 1;  ///< frames that are drawn together
-  Interval correct_hits;
-  Interval incorrect_hits;
-  Interval correct_places = {};  ///< of sequences; a place counts at its mean query window
-  Interval incorrect_places = {};
-};
+/// The whole file: the settings that stay the same for all cells, the cells of all sweeps ("cells",
+/// each with its "query"), and of each sweep what to choose ("queries", which name cells by their
+/// index in the whole list). `base`: settings of which the sweeps vary two.
+Json sweep_json(std::string_view method, const QuerySettings& base,
+                const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds);
 
-/// One query's sweep, which has a cell.
-struct Sweep {
-  std::string query_name;
-  const ScoreKind* score = &score_kind(Score::raw);  ///< what thresholds are of
-  std::vector<CellCounts> cells;                     ///< by window, then threshold
-  Recommendation recommendation;
-  std::optional<Json> recommended_settings;  ///< all of them, as vpr-query --config takes them
-  std::optional<SweepIntervals> intervals;
-  std::optional<Json> validation;  ///< query and counts of the recommended setting elsewhere
-  std::string protocol;            ///< of the ground truth, in words
-};
-
-/// The cells of all sweeps ("cells", each with its "query"), and of each what to choose ("queries",
-/// which name cells by their index in the whole list).
-void add_sweeps(Json& json, const std::vector<Sweep>& sweeps);
+/// Settings as vpr-query --config takes them (vpr.config/1).
+std::string config_text(const QuerySettings& settings);
 
 /// Correct against incorrect hits, a line a window.
 Chart sweep_chart(const Sweep& sweep);

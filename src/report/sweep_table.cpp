@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "base/counted.h"
-#include "base/json.h"
 
 namespace vpr {
 namespace {
@@ -254,22 +253,21 @@ std::string recommendation_text(const Sweep& sweep) {
   return text;
 }
 
-std::string validation_text(const Json& validation) {
-  const Json& counts = validation["counts"];
-  const auto pair_text = [](const Json& labels) {
-    return fmt::format("{} right, {} wrong", labels["correct"].dump(), labels["incorrect"].dump());
+std::string validation_text(const ValidatedCell& validation) {
+  const Counts& counts = validation.cell.counts;
+  const auto pair_text = [](const LabelCounts& labels) {
+    return fmt::format("{} right, {} wrong", labels.correct, labels.incorrect);
   };
-  std::string text = fmt::format("On {}: hits {}", validation["query"].get<std::string>(),
-                                 pair_text(counts["hits"]));
-  if (counts.contains("places"))
-    text += fmt::format("; places {}{}", pair_text(counts["places"]),
-                        counts["mixed_places"] == 0
-                            ? ""
-                            : fmt::format(" ({} of the right ones with wrong hits)",
-                                          counts["mixed_places"].dump()));
-  const Json& best = validation["best_match"];
-  return text + fmt::format("; best matches {} of {} right.\n", best["correct"].dump(),
-                            best["queries"].get<uint64_t>() - best["ignored"].get<uint64_t>());
+  std::string text = fmt::format("On {}: hits {}", validation.query_name, pair_text(counts.hits));
+  if (counts.clusters)
+    text += fmt::format(
+        "; places {}{}", pair_text(*counts.clusters),
+        counts.mixed_clusters == 0
+            ? ""
+            : fmt::format(" ({} of the right ones with wrong hits)", counts.mixed_clusters));
+  const BestMatchCounts& best = counts.best_match;
+  return text +
+         fmt::format("; best matches {} of {} right.\n", best.correct, best.queries - best.ignored);
 }
 
 }  // namespace vpr

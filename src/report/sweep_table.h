@@ -55,6 +55,6 @@ std::string reason_text(const Sweep& sweep);
 std::string recommendation_text(const Sweep& sweep);
 
 /// The counts of the recommended setting on the query of a validation (Sweep::validation).
-std::string validation_text(const Json& validation);
+std::string validation_text(const ValidatedCell& validation);
 
 }  // namespace vpr

@@ -238,7 +238,8 @@ TEST_CASE("a sweep of scores counts what single queries find") {
   resources.kernels = select_kernels();
   SequenceQuerySettings settings = scored_settings(5);
   const Grid grid{{5, 1, 12}, {-1.0, -4.0, std::nullopt}};
-  const auto cells = sweep_sequences(database, query, "q", settings, grid, truth, resources, {});
+  const auto cells =
+      sweep_sequences(database, query, "q", settings, grid, truth, resources, {}).cells;
   REQUIRE(cells.size() == 9);
   for (const CellCounts& cell : cells) {
     CHECK(cell.scale == ThresholdScale::mean_z);

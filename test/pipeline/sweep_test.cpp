@@ -58,7 +58,8 @@ TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
     const Grid grid = scale == ThresholdScale::bits
                           ? Grid{{1, 20, 5}, {250, 400, 650, 0, std::nullopt}}
                           : Grid{{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}};
-    const auto cells = sweep_sequences(database, query, "q", base, grid, make_truth, resources, {});
+    const auto cells =
+        sweep_sequences(database, query, "q", base, grid, make_truth, resources, {}).cells;
     REQUIRE(cells.size() == 15);
     size_t hits = 0;
     for (size_t c = 0; c < cells.size(); ++c) {
