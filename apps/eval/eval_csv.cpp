@@ -1,5 +1,6 @@
 #include "eval_csv.h"
 
+#include "base/error.h"
 #include "report/outcome_csv.h"
 
 namespace vpr {
@@ -28,9 +29,9 @@ void claim_csv_outputs(const Session& session, const CsvInputs& inputs, bool has
 void add_rows(CsvRows& rows, const CsvInputs& inputs, const Evaluation& evaluation,
               const std::string& name) {
   if (!inputs.outcomes.empty())
-    rows.outcomes +=
-        outcomes_csv(evaluation.judgement, name, evaluation.report["query"].get<std::string>());
-  rows.recognitions += evaluation.recognitions;
+    rows.outcomes += outcomes_csv(evaluation.judgement, name, evaluation.query_name);
+  if (!inputs.recognitions.empty() && evaluation.result)
+    rows.recognitions += recognitions_csv(*evaluation.result, name);
 }
 
 void write_csv_rows(const Session& session, const CsvInputs& inputs, const CsvRows& rows) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/command.h"
-#include "eval_scores.h"
+#include "pipeline/evaluate.h"
 
 namespace vpr {
 

@@ -3,33 +3,22 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "eval_inputs.h"
 #include "report/evaluation_report.h"
 #include "report/route_map.h"
 
 namespace vpr {
 namespace {
 
-std::string setting(const Json& report, const char* key, const char* symbol) {
-  const auto found = report["settings"].find(key);
-  if (found == report["settings"].end()) return "";
-  return fmt::format(", {} {}", symbol,
-                     found->is_string() ? found->get<std::string>() : found->dump());
-}
-
-MapPanel panel_of(const Evaluation& evaluation) {
-  const Json& report = evaluation.report;
-  MapPanel panel;
-  panel.title = method_title(report) + " on " + report["query"].get<std::string>();
-  if (report.contains("settings"))
-    for (const char* key : {"c_l", "t_r", "c_w", "t_p"}) panel.title += setting(report, key, key);
-  panel.shows_places = report["settings"].contains("t_p");
-  panel.meanings = meanings_of(evaluation.judgement, evaluation.truth);
-  return panel;
+MapPanel panel_of(const Evaluated& evaluated) {
+  const Evaluation& evaluation = evaluated.evaluation;
+  return {title_with_settings(evaluated.report),
+          meanings_of(evaluation.judgement, evaluation.truth),
+          evaluation.result && evaluation.result->result.places};
 }
 
 RouteMap read_map(const Dataset& dataset, const std::string& where, const Evaluation& evaluation) {
-  const std::string name = evaluation.report["query"].get<std::string>();
+  const std::string& name = evaluation.query_name;
   const NamedSequence& query = select_query(dataset, name).sequence;
   if (query.poses.empty())
     throw Error(ErrorKind::usage, fmt::format("{}: the query {} names no \"poses\", which --map "
@@ -79,19 +68,19 @@ void check_map_inputs(const Session& session, const MapInputs& inputs, const std
 }
 
 void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
-               const Evaluation& first, const Evaluation* second) {
+               const Evaluated& first, const Evaluated* second) {
   if (inputs.folder.empty()) return;
-  const RouteMap map = read_map(read_dataset(dataset), dataset, first);
+  const RouteMap map = read_map(read_dataset(dataset), dataset, first.evaluation);
   std::vector<MapPanel> panels = {panel_of(first)};
   if (second != nullptr) {
     panels.push_back(panel_of(*second));
-    if (second->report["query"] != first.report["query"] ||
-        panels[0].meanings.size() != panels[1].meanings.size())
+    const std::string& query = first.evaluation.query_name;
+    const std::string& other = second->evaluation.query_name;
+    if (other != query || panels[0].meanings.size() != panels[1].meanings.size())
       throw Error(ErrorKind::usage,
                   fmt::format("{}: is of the query {}, the first result of {}; give two results "
                               "of one query",
-                              inputs.with, second->report["query"].get<std::string>(),
-                              first.report["query"].get<std::string>()));
+                              inputs.with, other, query));
   }
   draw_route_map(map, panels, session.outputs.folder(inputs.folder, is_marked_folder).temporary(),
                  session.monitor);

@@ -4,9 +4,10 @@
 #include <string>
 
 #include "common/command.h"
-#include "eval_scores.h"
 
 namespace vpr {
+
+struct Evaluated;
 
 struct MapInputs {
   std::string folder;
@@ -22,6 +23,6 @@ void check_map_inputs(const Session& session, const MapInputs& inputs, const std
 /// Draws the map. `second`: the evaluation of the other result, or none. Throws Error(usage) if the
 /// data set does not say where the query's frames were taken.
 void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
-               const Evaluation& first, const Evaluation* second);
+               const Evaluated& first, const Evaluated* second);
 
 }  // namespace vpr

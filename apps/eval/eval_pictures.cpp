@@ -53,7 +53,7 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
   std::optional<Dataset> dataset;
   if (!dataset_path.empty()) dataset = read_dataset(dataset_path);
   if (dataset) {
-    const std::string name = evaluation.report["query"].get<std::string>();
+    const std::string& name = evaluation.query_name;
     const bool is_named =
         std::any_of(dataset->queries.begin(), dataset->queries.end(),
                     [&](const DatasetQuery& query) { return query.sequence.name == name; });
@@ -64,8 +64,7 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
   }
   if (sources.query) require_frames(*sources.query, scope.query_frames, "the query");
   // References of FAB-MAP are places: the data set's training sequences are not.
-  const bool shows_places = evaluation.report["settings"].contains("t_p");
-  if (shows_places) dataset.reset();
+  if (evaluation.result && evaluation.result->result.places) dataset.reset();
   sources.references = open_references(find_train(inputs, dataset), scope);
   return sources;
 }
@@ -103,17 +102,16 @@ void check_picture_outputs(const Session& session, const PictureInputs& inputs) 
 }
 
 void write_pictures(Session& session, const PictureInputs& inputs, const std::string& dataset,
-                    const Evaluation& evaluation) {
+                    const Evaluation& evaluation, const Json& report, const std::string& summary) {
   const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
   if (!inputs.html.empty()) {
     const FrameSources sources = find_frames(inputs, dataset, evaluation);
-    const std::string page =
-        html_report(evaluation.report, evaluation.summary, evaluation.judgement, evaluation.truth,
-                    matrix, sources, session.monitor);
+    const std::string page = html_report(report, summary, evaluation.judgement, evaluation.truth,
+                                         matrix, sources, session.monitor);
     session.outputs.file(inputs.html).write(page);
   }
   if (inputs.plots.empty()) return;
-  draw_evaluation(evaluation.report, evaluation.judgement, evaluation.truth, matrix,
+  draw_evaluation(report, evaluation.judgement, evaluation.truth, matrix,
                   session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
                   session.monitor);
 }

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "common/command.h"
-#include "eval_scores.h"
+#include "pipeline/evaluate.h"
 
 namespace vpr {
 
@@ -25,9 +26,10 @@ bool wants_pictures(const PictureInputs& inputs);
 /// Throws as the checks of outputs do. Call it before long work.
 void check_picture_outputs(const Session& session, const PictureInputs& inputs);
 
-/// Writes what was asked for. `dataset`: its path, or empty. Throws Error(usage) if sequences do
-/// not have as many frames as the evaluation.
+/// Writes what was asked for. `dataset`: its path, or empty. `report`: of the evaluation; the page
+/// opens with the sentence `summary`. Throws Error(usage) if sequences do not have as many frames
+/// as the evaluation.
 void write_pictures(Session& session, const PictureInputs& inputs, const std::string& dataset,
-                    const Evaluation& evaluation);
+                    const Evaluation& evaluation, const Json& report, const std::string& summary);
 
 }  // namespace vpr

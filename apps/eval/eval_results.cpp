@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/stopwatch.h"
+#include "base/json.h"
 #include "report/evaluation_report.h"
 #include "report/metrics_report.h"
 #include "report/scores_report.h"
@@ -66,36 +66,6 @@ std::string report_text(const std::vector<Json>& reports, const std::vector<std:
     if (!places.empty()) text += "\n" + places;
   }
   return text;
-}
-
-std::vector<std::string> row_names(const std::vector<std::string>& given,
-                                   const std::vector<std::string>& paths) {
-  if (!given.empty()) return given;
-  std::vector<std::string> stems;
-  for (const std::string& path : paths)
-    stems.push_back(std::filesystem::path(path).stem().string());
-  std::vector<std::string> names = stems;
-  for (size_t i = 0; i < names.size(); ++i)
-    if (std::count(stems.begin(), stems.end(), stems[i]) > 1)
-      names[i] = fmt::format("{} ({})", stems[i], i + 1);
-  return names;
-}
-
-SeveralReports evaluate_several(Session& session, const std::vector<std::string>& results,
-                                const std::vector<std::string>& names, TableFormat format,
-                                const std::function<Json(size_t i)>& evaluate) {
-  const Stopwatch watch;
-  Json json = {{"schema", "vpr.reports/1"}, {"reports", Json::array()}};
-  std::vector<Json> reports;
-  RunInfo info = session.run;
-  for (size_t i = 0; i < results.size(); ++i) {
-    reports.push_back(evaluate(i));
-    json["reports"].push_back({{"name", names[i]}, {"report", reports.back()}});
-    info.paths[fmt::format("result_{}", i + 1)] = results[i];
-  }
-  json["machine"] = machine_json(info);
-  json["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
-  return {report_text(reports, names, format), json};
 }
 
 }  // namespace vpr

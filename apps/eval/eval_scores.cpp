@@ -6,28 +6,12 @@
 
 #include "base/error.h"
 #include "evaluation/metrics.h"
-#include "ground_truth/travelled.h"
 #include "recognition/score_kind.h"
-#include "report/scores_report.h"
 
 namespace vpr {
 namespace {
 
 constexpr uint64_t kMostWindow = 1'000'000;
-
-// The best score of all may be what vpr-query writes where there is none.
-void warn_negative(const Session& session, const ScoreInputs& inputs, const Judgement& judgement) {
-  const auto& points = judgement.single_best.points;
-  if (inputs.is_similarity || inputs.missing || points.empty()) return;
-  const double best = judgement.single_best.threshold(points.front());
-  const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
-  const auto kinds = score_kinds();
-  if (std::none_of(kinds.begin(), kinds.end(), is_missing)) return;
-  warn(session.monitor,
-       fmt::format("{0}: has the distance {1}, the best there is; if it stands for a missing one, "
-                   "as in a matrix of vpr-query, give --missing {1}",
-                   inputs.path, best));
-}
 
 }  // namespace
 
@@ -90,15 +74,20 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
   }
 }
 
+namespace {
+
+ScoreFormat format_of(const ScoreInputs& inputs) {
+  return {inputs.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance,
+          inputs.references_first, inputs.missing};
+}
+
+}  // namespace
+
 ScoreMatrix open_scores(const ScoreInputs& inputs) {
   if (!inputs.is_distance && !inputs.is_similarity)
     throw Error(ErrorKind::usage,
                 "say what the scores are: --distance (small is good) or --similarity (large is)");
-  ScoreFormat format;
-  format.kind = inputs.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance;
-  format.references_first = inputs.references_first;
-  format.missing = inputs.missing;
-  return {inputs.path, format};
+  return {inputs.path, format_of(inputs)};
 }
 
 ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
@@ -106,45 +95,29 @@ ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
           {ScoreOrder::distance, inputs.references_first, inputs.missing.value_or(missing)}};
 }
 
-std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames,
-                                  const Monitor& monitor) {
-  if (inputs.poses.empty()) return {};
-  return read_travelled(inputs.poses, query_frames, monitor);
-}
-
-Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const std::string& query,
-                           const GroundTruthArgument& ground_truth) {
+void check_window(const ScoreInputs& inputs) {
   if (inputs.window_length == 0 || inputs.window_length > kMostWindow)
     throw Error(ErrorKind::usage, fmt::format("--window must be 1 to {}, found {}", kMostWindow,
                                               inputs.window_length));
-  Evaluation evaluation;
-  evaluation.ground_truth = ground_truth;
-  evaluation.matrix = open_scores(inputs);
-  const ScoreMatrix& matrix = *evaluation.matrix;
-  const ScoreLayout layout = layout_of(matrix, inputs.window_length);
-  evaluation.truth = read_ground_truth(ground_truth, layout.scope, session.monitor);
-  evaluation.judgement =
-      judge(matrix, layout, evaluation.truth, inputs.threshold,
-            travelled_way(inputs, layout.scope.query_frames, session.monitor), session.monitor);
-  warn_negative(session, inputs, evaluation.judgement);
-  const std::string name =
-      inputs.name.empty() ? std::filesystem::path(inputs.path).stem().string() : inputs.name;
-  const ScoreFormat format{matrix.kind(), inputs.references_first, inputs.missing};
-  evaluation.report = scores_report_json({name, format, inputs.window_length, inputs.threshold},
-                                         query, evaluation.judgement, evaluation.truth,
-                                         matrix.fingerprint(session.monitor), session.run);
-  return evaluation;
 }
 
-Judgement judge_result(Session& session, const ScoreInputs& inputs,
-                       const std::optional<ScoreMatrix>& matrix, const Result& result,
-                       const GroundTruth& truth) {
-  if (matrix && result.places)
-    throw Error(ErrorKind::usage,
-                "a FAB-MAP result takes no --scores; evaluate the matrix without the result");
-  const std::vector<double> travelled = travelled_way(inputs, result.query_frames, session.monitor);
-  if (matrix) return judge(result, *matrix, truth, travelled, session.monitor);
-  return judge(result, truth, travelled, session.monitor);
+ScoreSettings settings_of(const ScoreInputs& inputs) {
+  const std::string name =
+      inputs.name.empty() ? std::filesystem::path(inputs.path).stem().string() : inputs.name;
+  return {name, format_of(inputs), inputs.window_length, inputs.threshold};
+}
+
+void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
+  const auto& points = judgement.single_best.points;
+  if (inputs.is_similarity || inputs.missing || points.empty()) return;
+  const double best = judgement.single_best.threshold(points.front());
+  const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
+  const auto kinds = score_kinds();
+  if (std::none_of(kinds.begin(), kinds.end(), is_missing)) return;
+  warn(monitor,
+       fmt::format("{0}: has the distance {1}, the best there is; if it stands for a missing one, "
+                   "as in a matrix of vpr-query, give --missing {1}",
+                   inputs.path, best));
 }
 
 }  // namespace vpr

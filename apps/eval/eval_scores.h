@@ -4,11 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "base/json_fwd.h"
 #include "common/command.h"
-#include "evaluation/judgement.h"
-#include "ground_truth/dataset.h"
-#include "report/result_file.h"
+#include "pipeline/evaluate.h"
 
 namespace vpr {
 
@@ -22,17 +19,6 @@ struct ScoreInputs {
   uint64_t window_length = 1;
   std::string name;   ///< for tables; empty: the file's, or the method
   std::string poses;  ///< of the query, for metres
-};
-
-/// A report without "machine" and "timing", and what it was made from.
-struct Evaluation {
-  Json report;
-  GroundTruthArgument ground_truth;
-  GroundTruth truth;
-  Judgement judgement;
-  std::optional<ScoreMatrix> matrix;
-  std::string summary = {};       ///< in one sentence
-  std::string recognitions = {};  ///< rows of --recognitions-csv, where they are asked for
 };
 
 void add_score_options(const Command& app, ScoreInputs& inputs);
@@ -49,17 +35,13 @@ ScoreMatrix open_scores(const ScoreInputs& inputs);
 /// The matrix that was saved with a result; `missing` stands where it has no score.
 ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
 
-/// What --poses says; nothing without it.
-std::vector<double> travelled_way(const ScoreInputs& inputs, size_t query_frames,
-                                  const Monitor& monitor);
+/// Throws Error(usage) for a --window out of range.
+void check_window(const ScoreInputs& inputs);
 
-/// Evaluates --scores alone. `query`: its name for the report.
-Evaluation evaluate_scores(Session& session, const ScoreInputs& inputs, const std::string& query,
-                           const GroundTruthArgument& ground_truth);
+/// What a report says of --scores alone.
+ScoreSettings settings_of(const ScoreInputs& inputs);
 
-/// A result's judgement, with --scores if there are any: the matrix that was saved with it.
-Judgement judge_result(Session& session, const ScoreInputs& inputs,
-                       const std::optional<ScoreMatrix>& matrix, const Result& result,
-                       const GroundTruth& truth);
+/// Warns where the best score of all may be what vpr-query writes where there is none.
+void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);
 
 }  // namespace vpr

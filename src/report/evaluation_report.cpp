@@ -6,6 +6,7 @@
 #include "base/json.h"
 #include "ground_truth/fingerprint.h"
 #include "report/metrics_report.h"
+#include "report/scores_report.h"
 
 namespace vpr {
 namespace {
@@ -18,11 +19,9 @@ Json label_counts_json(const LabelCounts& counts) {
 }
 
 // Every place with what its hits are: the place is judged at its mean, whatever they say.
-Json recognitions_json(const Result& result, const GroundTruth& truth, const Monitor& monitor) {
+Json recognitions_json(const Result& result, const std::vector<JudgedCluster>& judged) {
   Json json = Json::array();
   const size_t length = result.window_length();
-  const std::vector<JudgedCluster> judged =
-      judge_clusters(result, *result.clusters, truth, monitor);
   for (size_t c = 0; c < judged.size(); ++c) {
     const Cluster& cluster = result.clusters->all[c];
     json.push_back({{"sequence", result.targets[cluster.target].name},
@@ -128,10 +127,12 @@ Json protocol_json(const GroundTruth& truth) {
   return {{"ground_truth", truth.protocol}, {"tolerance_frames", truth.tolerance_frames}};
 }
 
-Json report_json(const Result& result, const Counts& counts,
-                 const std::optional<CountsByView>& by_view, const Judgement& judgement,
-                 const GroundTruth& truth, const std::string& result_fingerprint,
-                 const RunInfo& run, const Monitor& monitor) {
+namespace {
+
+Json result_report_json(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor) {
+  const auto& [result, counts, by_view, clusters] = *evaluation.result;
+  const GroundTruth& truth = evaluation.truth;
+  const Judgement& judgement = evaluation.judgement;
   Json json = {{"schema", "vpr.report/1"}, {"method", method_of(result.settings)}};
   json["query"] = result.query_name;
   json["settings"] = settings_in_force(result.settings);
@@ -141,7 +142,7 @@ Json report_json(const Result& result, const Counts& counts,
   json["counts"] = counts_json(counts);
   json["best_match"] = best_match_json(counts.best_match);
   if (by_view) json["by_view"] = counts_by_view_json(*by_view);
-  if (result.clusters) json["recognitions"] = recognitions_json(result, truth, monitor);
+  if (result.clusters) json["recognitions"] = recognitions_json(result, clusters);
   add_judgement(json, judgement);
   json["protocol"] = protocol_json(truth);
   if (result.places)
@@ -151,9 +152,25 @@ Json report_json(const Result& result, const Counts& counts,
   if (by_view) json["protocol"]["by_view"] = kViewProtocol;
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
-  json["provenance"]["result"] = result_fingerprint;
+  json["provenance"]["result"] = evaluation.fingerprint;
   json["provenance"]["ground_truth"] =
       ground_truth_fingerprint(truth, judgement.layout.scope, monitor);
+  return json;
+}
+
+std::string setting_text(const Json& settings, std::string_view symbol) {
+  const auto found = settings.find(std::string(symbol));
+  return found == settings.end() ? "" : fmt::format(", {} {}", symbol, text(*found));
+}
+
+}  // namespace
+
+Json report_json(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor) {
+  Json json = evaluation.result ? result_report_json(evaluation, run, monitor)
+                                : scores_report_json(evaluation.scores, evaluation.query_name,
+                                                     evaluation.judgement, evaluation.truth,
+                                                     evaluation.fingerprint, run);
+  if (evaluation.name) json["name"] = *evaluation.name;
   return json;
 }
 
@@ -166,6 +183,14 @@ std::string method_title(const Json& report) {
 
 std::string evaluation_title(const Json& report) {
   return fmt::format("{} on {}", method_title(report), text(report["query"]));
+}
+
+std::string title_with_settings(const Json& report) {
+  std::string title = evaluation_title(report);
+  for (const ScoreKind* kind : {&score_kind(Score::raw), &probability_kind()})
+    for (const std::string_view symbol : {kind->window_symbol, kind->threshold_symbol})
+      title += setting_text(report["settings"], symbol);
+  return title;
 }
 
 std::string reference_word(const Json& report) {

@@ -4,18 +4,14 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "evaluation/judgement.h"
-#include "evaluation/view_counts.h"
+#include "pipeline/evaluate.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
 namespace vpr {
 
-/// Everything of a report but "machine" and "timing".
-Json report_json(const Result& result, const Counts& counts,
-                 const std::optional<CountsByView>& by_view, const Judgement& judgement,
-                 const GroundTruth& truth, const std::string& result_fingerprint,
-                 const RunInfo& run, const Monitor& monitor = {});
+/// Everything of a report but "machine" and "timing", of a result or of scores alone.
+Json report_json(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});
 
 /// "counts" of a report, or of a cell of a sweep.
 Json counts_json(const Counts& counts);
@@ -38,6 +34,8 @@ Table view_table(const Json& report);
 std::string method_title(const Json& report);
 /// "method on query".
 std::string evaluation_title(const Json& report);
+/// The same, and c_l and t_r, or c_w and t_p.
+std::string title_with_settings(const Json& report);
 
 /// What the references of a report's matches are: frames, or places of FAB-MAP.
 std::string reference_word(const Json& report);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/csv.h"
-#include "evaluation/judgement.h"
+#include "pipeline/evaluate.h"
 
 namespace vpr {
 namespace {
@@ -79,24 +79,23 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
   return text;
 }
 
-std::string recognitions_csv(const Result& result, const GroundTruth& truth,
-                             const std::string& name, const Monitor& monitor) {
+std::string recognitions_csv(const JudgedResult& judged, const std::string& name) {
+  const Result& result = judged.result;
   const std::string start = prefix(name, result.query_name);
   const size_t length = result.window_length();
   const Clusters clusters = clusters_of(result);
-  const std::vector<JudgedCluster> judged = judge_clusters(result, clusters, truth, monitor);
   std::string text;
-  for (size_t c = 0; c < judged.size(); ++c) {
+  for (size_t c = 0; c < judged.clusters.size(); ++c) {
     const Cluster& cluster = clusters.all[c];
-    const LabelCounts& hits = judged[c].hits;
+    const JudgedCluster& one = judged.clusters[c];
     const std::string& target = result.places ? result.places->names[cluster.train_window]
                                               : result.targets[cluster.target].name;
     text += fmt::format(
         "{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target), cluster.query_first,
         anchor_of(cluster.query_window, length), anchor_of(cluster.query_last, length),
         cluster.train_first, anchor_of(cluster.train_window, length),
-        anchor_of(cluster.train_last, length), cluster.hits, hits.correct, hits.incorrect,
-        cluster.best_score, judged[c].is_mixed() ? "mixed" : word_of(judged[c].label));
+        anchor_of(cluster.train_last, length), cluster.hits, one.hits.correct, one.hits.incorrect,
+        cluster.best_score, one.is_mixed() ? "mixed" : word_of(one.label));
   }
   return text;
 }

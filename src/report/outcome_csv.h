@@ -5,10 +5,8 @@
 
 namespace vpr {
 
-struct GroundTruth;
 struct Judgement;
-struct Monitor;
-struct Result;
+struct JudgedResult;
 
 /// Header lines, with their line feeds.
 std::string outcomes_csv_header();
@@ -22,7 +20,6 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
 /// One row a cluster of hits: the frames that its windows cover, and the frames at which it is
 /// judged. Of a result without clusters one row a hit: a frame and a place, whose index the "train"
 /// columns hold.
-std::string recognitions_csv(const Result& result, const GroundTruth& truth,
-                             const std::string& name, const Monitor& monitor);
+std::string recognitions_csv(const JudgedResult& judged, const std::string& name);
 
 }  // namespace vpr

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "evaluation/judgement.h"
+#include "pipeline/evaluate.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -12,14 +12,6 @@ namespace vpr {
 
 /// The query of scores of which nobody says what the query is.
 inline constexpr const char* kUnnamedQuery = "queries";
-
-/// What is known of a score matrix; keys of "settings".
-struct ScoreSettings {
-  std::string method = "scores";  ///< a name for tables
-  ScoreFormat format;
-  uint64_t window_length = 1;       ///< rows and columns are windows of so many frames
-  std::optional<double> threshold;  ///< of a fix; none: that of recall at 100 % precision
-};
 
 /// Everything of a report but "machine" and "timing". `fingerprint`: the matrix's.
 Json scores_report_json(const ScoreSettings& settings, const std::string& query,

@@ -2,7 +2,6 @@
 // need to be looked at; and the report of what can be read.
 #include "base/checksum.h"
 #include "base/json.h"
-#include "evaluation/view_counts.h"
 #include "fuzz.h"
 #include "report/evaluation_report.h"
 #include "report/result_file.h"
@@ -32,9 +31,7 @@ void report(const Result& result) {
   size_t frames = result.query_frames;
   for (const auto& sequence : result.targets) frames += sequence.frames;
   if (frames > kMostFrames) return;
-  const GroundTruth truth = read_ground_truth({"aligned", {}, 1}, scope_of(result));
-  report_json(result, count_recognitions(result, truth), count_by_view(result, truth),
-              judge(result, truth, {}), truth, "", {});
+  report_json(evaluate_result(result, {}, {GroundTruthArgument{"aligned", {}, 1}, {}}, {}), {});
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+#include "pipeline/evaluate.h"
+
+#include "ground_truth/travelled.h"
+
+namespace vpr {
+namespace {
+
+GroundTruth truth_of(const JudgedBy& by, const GroundTruthScope& scope, const Monitor& monitor) {
+  return by.ground_truth ? read_ground_truth(*by.ground_truth, scope, monitor)
+                         : unknown_ground_truth(scope);
+}
+
+std::vector<double> way_of(const JudgedBy& by, size_t query_frames, const Monitor& monitor) {
+  if (by.poses.empty()) return {};
+  return read_travelled(by.poses, query_frames, monitor);
+}
+
+}  // namespace
+
+Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, const JudgedBy& by,
+                           const Monitor& monitor) {
+  Evaluation evaluation;
+  evaluation.query_name = result.query_name;
+  evaluation.truth = truth_of(by, scope_of(result), monitor);
+  const GroundTruth& truth = evaluation.truth;
+  const std::vector<double> travelled = way_of(by, result.query_frames, monitor);
+  evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled, monitor)
+                                : judge(result, truth, travelled, monitor);
+  JudgedResult& judged = evaluation.result.emplace();
+  judged.counts = count_recognitions(result, truth, monitor);
+  judged.by_view = count_by_view(result, truth, monitor);
+  judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
+  judged.result = std::move(result);
+  evaluation.matrix = std::move(matrix);
+  return evaluation;
+}
+
+Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
+                           const std::string& query_name, const JudgedBy& by,
+                           const Monitor& monitor) {
+  Evaluation evaluation;
+  evaluation.query_name = query_name;
+  evaluation.scores = settings;
+  const ScoreLayout layout = layout_of(matrix, settings.window_length);
+  evaluation.truth = truth_of(by, layout.scope, monitor);
+  const std::vector<double> travelled = way_of(by, layout.scope.query_frames, monitor);
+  evaluation.judgement =
+      judge(matrix, layout, evaluation.truth, settings.threshold, travelled, monitor);
+  evaluation.fingerprint = matrix.fingerprint(monitor);
+  evaluation.matrix = std::move(matrix);
+  return evaluation;
+}
+
+}  // namespace vpr
