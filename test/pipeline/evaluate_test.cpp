@@ -95,15 +95,15 @@ TEST_CASE("scores alone are judged by their best matches, and a saved matrix by 
   file.commit();
   ScoreSettings settings;
   settings.threshold = 7;
-  const ScoreMatrix matrix(folder / "s.npy", settings.format);
-  const Evaluation alone = evaluate_scores(matrix, settings, "theirs", kAligned, {});
+  const auto matrix = [&] { return ScoreMatrix(folder / "s.npy", settings.format); };
+  const Evaluation alone = evaluate_scores(matrix(), settings, "theirs", kAligned, {});
   CHECK(alone.query_name == "theirs");
   CHECK_FALSE(alone.result);
-  CHECK(alone.fingerprint == matrix.fingerprint({}));
+  CHECK(alone.fingerprint == matrix().fingerprint({}));
   CHECK(alone.judgement.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
   REQUIRE(alone.judgement.all_pairs);
 
-  const Evaluation both = evaluate_result(example(), matrix, kAligned, {});
+  const Evaluation both = evaluate_result(example(), matrix(), kAligned, {});
   REQUIRE(both.matrix);
   REQUIRE(both.judgement.all_pairs);
   CHECK(both.judgement.all_pairs->curve.points.size() ==
