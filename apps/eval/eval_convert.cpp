@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "ground_truth/check.h"
 #include "ground_truth/formats.h"
+#include "report/ground_truth_report.h"
 
 namespace vpr {
 namespace {
@@ -40,12 +41,7 @@ void run(Session& session, const ConvertInputs& inputs) {
                                    inputs.ground_truth, found.format, options.output, target.name,
                                    counted(summary.query_frames, "query frame"),
                                    counted(summary.same, "pair"), summary.ignored),
-                       {{"schema", "vpr.conversion/1"},
-                        {"from", found.format},
-                        {"to", target.name},
-                        {"query_frames", summary.query_frames},
-                        {"same", summary.same},
-                        {"ignored", summary.ignored}});
+                       conversion_json(found, summary, target.name));
 }
 
 }  // namespace

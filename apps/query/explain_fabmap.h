@@ -1,20 +1,16 @@
-// vpr-query --explain: why a frame was taken for a place, as a table, as JSON and as a picture.
+// vpr-query --explain: why a frame was taken for a place, as a picture.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <string>
 
-#include "base/json_fwd.h"
 #include "common/command.h"
 #include "images/sequence_argument.h"
 #include "pipeline/fabmap_explain.h"
 #include "query_inputs.h"
 
 namespace vpr {
-
-std::string explanation_text(const Explanation& explanation);
-Json explanation_json(const Explanation& explanation);
 
 /// The training sequences of --train-images by group: [GROUP=]SEQUENCE, in the order of groups of
 /// that name. Throws Error(usage) for a name that the database does not have (so often).

@@ -1,14 +1,11 @@
 // vpr-query against a FAB-MAP database.
-#include <limits>
 #include <set>
 
 #include <fmt/format.h>
 
-#include "base/checksum.h"
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
-#include "base/npy.h"
 #include "base/stopwatch.h"
 #include "database/openfabmap.h"
 #include "explain_fabmap.h"
@@ -19,6 +16,8 @@
 #include "query_inputs.h"
 #include "recognition/place_runs.h"
 #include "repeated_command.h"
+#include "report/explanation_report.h"
+#include "report/posterior_file.h"
 #include "report/result_file.h"
 #include "report/table.h"
 
@@ -54,40 +53,6 @@ FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database
       describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable, monitor);
   return query;
 }
-
-std::string fingerprint(const SequenceWords& words) {
-  ChecksumStream sum;
-  for (const WordSet& frame : words.frames) {
-    const uint64_t count = frame.size();
-    sum.add(std::as_bytes(std::span(&count, 1)));
-    sum.add(std::as_bytes(std::span(frame)));
-  }
-  sum.add(std::as_bytes(std::span(words.unreadable)));
-  return sum.text();
-}
-
-// Rows arrive in order; an unreadable frame's are not a number.
-class PosteriorFile {
- public:
-  PosteriorFile(OutputFile& file, size_t frames, size_t views)
-      : file_(file), frames_(frames), columns_(views + 1) {
-    file_.write(npy_header(npy_type<double>(), {frames, columns_}));
-  }
-  void add(std::span<const double> posterior) {
-    std::vector<double> row(posterior.begin(), posterior.end());
-    // Views that are not known yet (--loop) have 0.
-    row.resize(columns_, posterior.empty() ? std::numeric_limits<double>::quiet_NaN() : 0);
-    file_.write(std::as_bytes(std::span<const double>(row)));
-  }
-  Json entry(const Monitor& monitor) const {
-    return file_entry(file_.temporary(), frames_, monitor);
-  }
-
- private:
-  OutputFile& file_;
-  size_t frames_;
-  size_t columns_;
-};
 
 // Where nothing was recognised: how far from it the query was, and what to run instead.
 std::string advice(const Result& result, const Session& session) {
@@ -175,7 +140,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   run.seconds["total"] = watch.elapsed_s();
   ResultContext context = context_of(session, inputs, query.path, run.seconds);
   context.database_fingerprint = database.fingerprint;
-  context.query_fingerprint = fingerprint(query.words);
+  context.query_fingerprint = words_fingerprint(query.words);
   std::string text = summary(run.result) + advice(run.result, session);
   if (explained) {
     const FabmapDatabase searched =

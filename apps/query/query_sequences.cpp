@@ -13,6 +13,7 @@
 #include "pipeline/advice.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"
+#include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "query_inputs.h"
 #include "repeated_command.h"

@@ -28,11 +28,7 @@ int main(int argc, char** argv) {
         fmt::format("{}: {}, {}, {} of {}\n", session.options.output,
                     vpr::counted(world.walks.size(), "walk"), vpr::counted(size.frames, "frame"),
                     vpr::counted(size.views, "view"), vpr::counted(world.places.size(), "place")),
-        {{"schema", "vpr.world-info/1"},
-         {"walks", world.walks.size()},
-         {"frames", size.frames},
-         {"places", world.places.size()},
-         {"views", size.views}});
+        vpr::recording_json(world, size));
   });
   return program.main(argc, argv);
 }

@@ -1,16 +1,13 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of every view.
-#include <numeric>
-
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "database/openfabmap.h"
 #include "ground_truth/dataset.h"
 #include "images/sequence_names.h"
 #include "pipeline/fabmap_train.h"
-#include "report/table.h"
+#include "report/database_report.h"
 #include "train_inputs.h"
 
 namespace vpr {
@@ -52,41 +49,17 @@ FabmapDatabase train_fabmap_frames(const FabmapInputs& inputs, const FabmapTrain
   return train_fabmap(pretrain, groups, settings, session.options.seed, session.monitor);
 }
 
-FabmapDatabase import_openfabmap(const FabmapInputs& inputs, const FabmapTrainSettings& settings) {
+FabmapDatabase import_files(const FabmapInputs& inputs, const FabmapTrainSettings& settings) {
   for (const std::string& path :
        {inputs.vocabulary, inputs.tree, inputs.pretrain_bow, inputs.train_bow})
     if (path.empty())
       throw Error(ErrorKind::usage,
                   "--from-openfabmap needs --vocabulary, --tree, --pretrain-bow "
                   "and --train-bow");
-  check_feature_settings(settings.features);
-  FabmapDatabase database;
-  database.settings = settings;
-  database.vocabulary = read_openfabmap_vocabulary(inputs.vocabulary);
-  database.tree = read_openfabmap_tree(inputs.tree);
-  database.settings.words = database.tree.words();
-  if (static_cast<size_t>(database.vocabulary.rows) != database.tree.words())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has {} words, but the tree has {}", inputs.vocabulary,
-                            database.vocabulary.rows, database.tree.words()));
-  if (is_binary(settings.features.kind) ||
-      database.vocabulary.cols != descriptor_length(settings.features.kind))
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: its words have {} dimensions, which {} does not; name the features "
-                    "it was made of with --features",
-                    inputs.vocabulary, database.vocabulary.cols,
-                    enum_name(settings.features.kind)));
-  for (const WordSet& frame :
-       read_openfabmap_frames(parse_sequence_argument(inputs.pretrain_bow), database.tree.words()))
-    database.pretrain.add(frame);
-  const SequenceArgument train = parse_sequence_argument(inputs.train_bow);
-  const std::vector<WordSet> frames = read_openfabmap_frames(train, database.tree.words());
-  ViewGroup group{sequence_names({train}).front(), false, {}};
-  for (size_t f = 0; f < frames.size(); ++f) group.frame_names.push_back(fmt::format("#{}", f));
-  add_group(database, group, frames);
-  index_views(database);
-  return database;
+  return import_openfabmap(
+      {inputs.vocabulary, inputs.tree, parse_sequence_argument(inputs.pretrain_bow),
+       parse_sequence_argument(inputs.train_bow)},
+      settings);
 }
 
 }  // namespace
@@ -102,44 +75,15 @@ std::vector<GroupArgument> group_arguments(const TrainInputs& train,
   return groups;
 }
 
+void store_fabmap(const Session& session, const FabmapDatabase& database) {
+  write_fabmap_database(session.options.output, database, session.outputs);
+  session.print_result(database_text(database, session.options.output),
+                       database_json(database, session.run));
+}
+
 void add_place_option(const Command& command, std::vector<std::string>& places) {
   command.add_list("--place", places,
                    "NAME=SEQUENCE: its frames are views of one place; repeatable (FAB-MAP)");
-}
-
-std::string fabmap_summary(const FabmapDatabase& database, const std::string& path) {
-  Table table;
-  table.title = fmt::format(
-      "{}: fabmap, {} of {}, {}, {}", path, counted(database.tree.words(), "word"),
-      enum_name(database.settings.features.kind), counted(database.place_names().size(), "place"),
-      counted(database.views.views(), "view"));
-  table.columns = {"group", "frames", "places", "words a frame", "featureless"};
-  const std::vector<size_t> featureless = featureless_frames(database);
-  size_t view = 0;
-  for (const ViewGroup& group : database.groups) {
-    const size_t first = view;
-    view += group.frame_names.size();
-    const auto words =
-        static_cast<double>(database.views.offsets[view] - database.views.offsets[first]);
-    table.rows.push_back({group.name, std::to_string(group.frame_names.size()),
-                          group.is_place ? "one" : "each frame",
-                          fmt::format("{:.1f}", words / static_cast<double>(view - first)),
-                          std::to_string(featureless[table.rows.size()])});
-  }
-  return render_table(table, TableFormat::text);
-}
-
-Json fabmap_json(const FabmapDatabase& database, const RunInfo& run) {
-  Json json = {{"schema", "vpr.database-info/1"}, {"method", "fabmap"}};
-  json["settings"] = value_to_json(database.settings);
-  json["words"] = database.tree.words();
-  json["pretraining_frames"] = database.pretrain.views();
-  json["views"] = database.views.views();
-  const std::vector<size_t> featureless = featureless_frames(database);
-  json["featureless_views"] = std::accumulate(featureless.begin(), featureless.end(), size_t{0});
-  json["places"] = database.place_names();
-  json["provenance"] = provenance_json(run);
-  return json;
 }
 
 void add_fabmap_command(Program& program, FabmapCommand& command) {
@@ -155,11 +99,9 @@ void add_fabmap_command(Program& program, FabmapCommand& command) {
         claim_database(session);
         const FabmapDatabase database =
             fabmap_inputs.from_openfabmap
-                ? import_openfabmap(fabmap_inputs, fabmap_settings)
+                ? import_files(fabmap_inputs, fabmap_settings)
                 : train_fabmap_frames(fabmap_inputs, fabmap_settings, session);
-        write_fabmap_database(session.options.output, database, session.outputs);
-        session.print_result(fabmap_summary(database, session.options.output),
-                             fabmap_json(database, session.run));
+        store_fabmap(session, database);
       });
   program.add_config(fabmap, fabmap_settings);
   fabmap.add_list("--pretrain", fabmap_inputs.pretrain,

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.h"
 #include "common/command.h"
 #include "database/fabmap_database.h"
 #include "pipeline/fabmap_train.h"
@@ -58,8 +57,7 @@ std::vector<GroupArgument> group_arguments(const TrainInputs& train,
 /// --place, into `places`.
 void add_place_option(const Command& command, std::vector<std::string>& places);
 
-/// A FAB-MAP database for people, and for scripts.
-std::string fabmap_summary(const FabmapDatabase& database, const std::string& path);
-Json fabmap_json(const FabmapDatabase& database, const RunInfo& run);
+/// Writes a FAB-MAP database, and prints what it holds.
+void store_fabmap(const Session& session, const FabmapDatabase& database);
 
 }  // namespace vpr

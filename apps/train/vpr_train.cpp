@@ -6,84 +6,22 @@
 #include "base/json.h"
 #include "database/family.h"
 #include "database/openfabmap.h"
-#include "report/table.h"
+#include "report/database_report.h"
 #include "train_inputs.h"
 
 namespace vpr {
 namespace {
 
-std::optional<AutomaticThreshold> threshold_of(const SequenceDatabase& database,
-                                               const ThresholdTable& table, size_t sequence,
-                                               const Session& session) {
-  SequenceQuerySettings settings;
-  settings.safety_factor = table.safety_factor;
-  return sequence_threshold(database, table, sequence, settings, session.monitor);
+void print_database(const Session& session, const SequenceDatabase& database,
+                    const std::string& path, const std::string& more = "") {
+  const std::vector<AutomaticThresholds> thresholds = stored_thresholds(database, session.monitor);
+  session.print_result(database_text(database, thresholds, path) + more,
+                       database_json(database, thresholds, session.run));
 }
 
-std::string threshold_text(const std::optional<AutomaticThreshold>& automatic) {
-  if (!automatic) return "-";
-  return automatic->scale == ThresholdScale::mean ? fmt::format("{:.3f} of mean", automatic->value)
-                                                  : fmt::format("{:.2f} bits", automatic->value);
-}
-
-Table database_table(const SequenceDatabase& database, const std::string& title,
-                     const Session& session) {
-  Table table;
-  table.title = title;
-  table.columns = {"sequence", "frames", "unreadable"};
-  for (const ThresholdTable& thresholds : database.thresholds)
-    table.columns.push_back(fmt::format("t_r at c_l {}", thresholds.window_length));
-  for (size_t s = 0; s < database.sequences.size(); ++s) {
-    const TrainSequence& sequence = database.sequences[s];
-    std::vector<std::string>& row = table.rows.emplace_back();
-    row = {sequence.name, std::to_string(sequence.frame_count()),
-           std::to_string(sequence.unreadable.size())};
-    for (const ThresholdTable& thresholds : database.thresholds)
-      row.push_back(threshold_text(threshold_of(database, thresholds, s, session)));
-  }
-  return table;
-}
-
-Json database_json(const SequenceDatabase& database, const Session& session) {
-  Json json = {{"schema", "vpr.database-info/1"}, {"method", "fastable"}};
-  json["settings"] = value_to_json(database.descriptor);
-  json["sequences"] = Json::array();
-  for (size_t s = 0; s < database.sequences.size(); ++s) {
-    const TrainSequence& sequence = database.sequences[s];
-    Json item = {{"name", sequence.name},
-                 {"frames", sequence.frame_count()},
-                 {"unreadable", sequence.unreadable.size()}};
-    item["t_r"] = Json::array();
-    for (const ThresholdTable& table : database.thresholds) {
-      const auto automatic = threshold_of(database, table, s, session);
-      const bool is_bits = automatic && automatic->scale == ThresholdScale::bits;
-      Json threshold = {{"c_l", table.window_length},
-                        {"bits", is_bits ? Json(automatic->value) : Json()}};
-      if (automatic && !is_bits) threshold["mean"] = automatic->value;
-      item["t_r"].push_back(threshold);
-    }
-    json["sequences"].push_back(item);
-  }
-  json["provenance"] = provenance_json(session.run);
-  return json;
-}
-
-std::string summary(const SequenceDatabase& database, const std::string& path,
-                    const Session& session) {
-  size_t frames = 0;
-  for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
-  return render_table(database_table(database,
-                                     fmt::format("{}: fastable, {}, {}", path,
-                                                 counted(database.sequences.size(), "sequence"),
-                                                 counted(frames, "frame")),
-                                     session),
-                      TableFormat::text);
-}
-
-void store(Session& session, const SequenceDatabase& database) {
+void store(const Session& session, const SequenceDatabase& database) {
   write_sequence_database(session.options.output, database, session.outputs);
-  session.print_result(summary(database, session.options.output, session),
-                       database_json(database, session));
+  print_database(session, database, session.options.output);
 }
 
 /// What `add` adds.
@@ -104,19 +42,13 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
                                inputs.skip_unreadable, session.kernels, session.monitor));
 }
 
-void store(Session& session, const FabmapDatabase& database) {
-  write_fabmap_database(session.options.output, database, session.outputs);
-  session.print_result(fabmap_summary(database, session.options.output),
-                       fabmap_json(database, session.run));
-}
-
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
   FabmapDatabase database = read_fabmap_database(path);
   std::vector<std::string> taken;
   for (const ViewGroup& group : database.groups) taken.push_back(group.name);
   add_views(database, group_arguments(inputs.train, inputs.places, taken), inputs.skip_unreadable,
             session.monitor);
-  store(session, database);
+  store_fabmap(session, database);
 }
 
 void export_openfabmap(Session& session, const std::string& path) {
@@ -130,7 +62,7 @@ void export_openfabmap(Session& session, const std::string& path) {
                   "as vpr-train fabmap --from-openfabmap reads them\n",
                   session.options.output, counted(database.pretrain.views(), "frame"),
                   counted(database.views.views(), "view")),
-      fabmap_json(database, session.run));
+      database_json(database, session.run));
 }
 
 /// What `vpr-train fastable` is told.
@@ -175,12 +107,10 @@ void print_info(Session& session, const std::string& path) {
   const std::string verified = "All checksums are right.\n";
   if (database_family(path) == DatabaseFamily::fabmap) {
     const FabmapDatabase database = read_fabmap_database(path);
-    session.print_result(fabmap_summary(database, path) + verified,
-                         fabmap_json(database, session.run));
+    session.print_result(database_text(database, path) + verified,
+                         database_json(database, session.run));
   } else {
-    const SequenceDatabase database = read_sequence_database(path);
-    session.print_result(summary(database, path, session) + verified,
-                         database_json(database, session));
+    print_database(session, read_sequence_database(path), path, verified);
   }
 }
 

@@ -4,6 +4,7 @@
 #include "base/stopwatch.h"
 #include "images/sequence.h"
 #include "pipeline/score_basis.h"
+#include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "tune_inputs.h"
 

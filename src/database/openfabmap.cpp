@@ -13,6 +13,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "database/tree_rows.h"
+#include "images/sequence_names.h"
 
 namespace vpr {
 namespace {
@@ -165,6 +166,36 @@ std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, si
       if (mat.at<float>(static_cast<int>(row), q) > 0) frame.push_back(static_cast<uint32_t>(q));
   }
   return frames;
+}
+
+FabmapDatabase import_openfabmap(const OpenFabmapFiles& files,
+                                 const FabmapTrainSettings& settings) {
+  check_feature_settings(settings.features);
+  FabmapDatabase database;
+  database.settings = settings;
+  database.vocabulary = read_openfabmap_vocabulary(files.vocabulary);
+  database.tree = read_openfabmap_tree(files.tree);
+  database.settings.words = database.tree.words();
+  if (static_cast<size_t>(database.vocabulary.rows) != database.tree.words())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has {} words, but the tree has {}", files.vocabulary.string(),
+                            database.vocabulary.rows, database.tree.words()));
+  if (is_binary(settings.features.kind) ||
+      database.vocabulary.cols != descriptor_length(settings.features.kind))
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: its words have {} dimensions, which {} does not; name the features "
+                    "it was made of with --features",
+                    files.vocabulary.string(), database.vocabulary.cols,
+                    enum_name(settings.features.kind)));
+  for (const WordSet& frame : read_openfabmap_frames(files.pretrain, database.tree.words()))
+    database.pretrain.add(frame);
+  const std::vector<WordSet> frames = read_openfabmap_frames(files.train, database.tree.words());
+  ViewGroup group{sequence_names({files.train}).front(), false, {}};
+  for (size_t f = 0; f < frames.size(); ++f) group.frame_names.push_back(fmt::format("#{}", f));
+  add_group(database, group, frames);
+  index_views(database);
+  return database;
 }
 
 }  // namespace vpr

@@ -32,4 +32,17 @@ void write_openfabmap(const std::filesystem::path& folder, const FabmapDatabase&
 /// Whether a folder holds nothing but such files.
 bool is_openfabmap_folder(const std::filesystem::path& folder);
 
+/// What a database is imported from; BOW matrices may have ranges.
+struct OpenFabmapFiles {
+  std::filesystem::path vocabulary;
+  std::filesystem::path tree;
+  SequenceArgument pretrain;
+  SequenceArgument train;
+};
+
+/// A database whose places are the rows of the training matrix. Throws Error(data) where the files
+/// do not fit together, Error(usage) where the words are no descriptors of the features that are
+/// set, and what the readers throw.
+FabmapDatabase import_openfabmap(const OpenFabmapFiles& files, const FabmapTrainSettings& settings);
+
 }  // namespace vpr

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 
+#include "base/checksum.h"
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -106,6 +107,17 @@ size_t featureless_frames(const SequenceWords& words) {
   const auto wordless = std::count_if(words.frames.begin(), words.frames.end(),
                                       [](const WordSet& frame) { return frame.empty(); });
   return static_cast<size_t>(wordless) - words.unreadable.size();
+}
+
+std::string words_fingerprint(const SequenceWords& words) {
+  ChecksumStream sum;
+  for (const WordSet& frame : words.frames) {
+    const uint64_t count = frame.size();
+    sum.add(std::as_bytes(std::span(&count, 1)));
+    sum.add(std::as_bytes(std::span(frame)));
+  }
+  sum.add(std::as_bytes(std::span(words.unreadable)));
+  return sum.text();
 }
 
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,

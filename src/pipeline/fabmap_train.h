@@ -27,6 +27,9 @@ struct SequenceWords {
 /// How many frames show no word, though they could be decoded.
 size_t featureless_frames(const SequenceWords& words);
 
+/// Of what frames show, as results have it of their query.
+std::string words_fingerprint(const SequenceWords& words);
+
 /// Local features of the pretraining frames become a vocabulary and a Chow-Liu tree; training
 /// frames become views. Throws Error(usage) for settings out of range, pretraining frames without
 /// any feature, or more words than descriptors, and what for_each_frame throws. Warns where a tenth

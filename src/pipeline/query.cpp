@@ -14,6 +14,7 @@
 #include "matching/views.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
+#include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
 
@@ -110,14 +111,15 @@ ThresholdTable automatic_table(const SequenceDatabase& database,
 void plan_automatic_thresholds(QueryPlan& result, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
   SequenceQuerySettings settings = result.settings;
-  const ThresholdTable table = automatic_table(database, settings, resources, monitor);
+  ThresholdTable table = automatic_table(database, settings, resources, monitor);
   if (!settings.safety_factor) settings.safety_factor = table.safety_factor;
+  const AutomaticThresholds automatic =
+      automatic_thresholds(database, std::move(table), settings, monitor);
   for (size_t s = 0; s < result.sequences.size(); ++s) {
     Target& sequence = result.sequences[s];
-    sequence.scale = automatic_scale(database, settings);
-    if (!sequence.searched) continue;
-    const auto automatic = sequence_threshold(database, table, s, settings, monitor);
-    if (automatic) sequence.threshold = automatic->value;
+    sequence.scale = automatic_scale(result.sequences.size(), settings);
+    if (sequence.searched && automatic.sequences[s])
+      sequence.threshold = automatic.sequences[s]->value;
   }
 }
 

@@ -29,15 +29,6 @@ std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
                     database.statistics->variance};
 }
 
-ThresholdTable closest_windows(const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings, const MatchSettings& match,
-                               const Monitor& monitor) {
-  const std::optional<ScoreBasis> basis = score_basis(database, settings);
-  return {settings.window_length, settings.safety_factor.value_or(1),
-          score_kind(settings.score)
-              .closest(code_spans(database), basis ? &*basis : nullptr, match, monitor)};
-}
-
 FrameDistances scored(FrameDistances distances, const QueryPlan& result,
                       const SequenceDatabase& database, const Monitor& monitor) {
   const std::optional<ScoreBasis> all = score_basis(database, result.settings);

@@ -16,11 +16,6 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
                                       const SequenceQuerySettings& settings);
 
-/// How close training sequences come to each other, by the score that is set; settings give c_l.
-ThresholdTable closest_windows(const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings, const MatchSettings& match,
-                               const Monitor& monitor);
-
 /// The distances of the searched sequences as a planned result scores them: standardized, or as
 /// they are. Throws what score_basis and start_standardized throw.
 FrameDistances scored(FrameDistances distances, const QueryPlan& result,

@@ -10,13 +10,10 @@
 #include "base/step_parts.h"
 #include "images/sequence.h"
 #include "matching/distance_statistics.h"
-#include "recognition/automatic_threshold.h"
-#include "recognition/same_place.h"
+#include "pipeline/thresholds.h"
 
 namespace vpr {
 namespace {
-
-constexpr uint64_t kMostPairs = uint64_t{1} << 32;  // a few seconds
 
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Monitor& monitor) {
@@ -58,7 +55,7 @@ void add_thresholds(SequenceDatabase& database, size_t window_length, double saf
     return;
   }
   database.thresholds.push_back(
-      compute_thresholds(database, window_length, safety_factor, kernels, monitor));
+      compute_thresholds(code_spans(database), window_length, safety_factor, kernels, monitor));
   warn_of_overlaps(database, database.thresholds.back(), monitor);
 }
 
@@ -104,60 +101,6 @@ DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& 
   return database.descriptors.kind->describe(sequence, database.descriptor,
                                              skip_unreadable ? Unreadable::skip : Unreadable::fail,
                                              monitor);
-}
-
-ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,
-                                  double safety_factor, const RowKernels& kernels,
-                                  const Monitor& monitor) {
-  const MatchSettings match{window_length, kDefaultMemoryLimit, kernels};
-  return {window_length, safety_factor, find_closest_windows(code_spans(database), match, monitor)};
-}
-
-bool is_left_to_queries(std::span<const DescriptorSpan> sequences) {
-  uint64_t pairs = 0;
-  uint64_t before = 0;
-  for (const DescriptorSpan& sequence : sequences) {
-    pairs += before * sequence.rows.size();
-    before += sequence.rows.size();
-  }
-  return pairs > kMostPairs;
-}
-
-std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
-                                                     const ThresholdTable& table, size_t sequence,
-                                                     SequenceQuerySettings settings,
-                                                     const Monitor& monitor) {
-  const DescriptorSpan span = code_spans(database)[sequence];
-  if (count_windows(readable_runs(span), table.window_length) == 0) return std::nullopt;
-  settings.window_length = table.window_length;
-  const auto typical = [&] {
-    const auto& stored = database.sequences[sequence].typical_distance;
-    return stored ? *stored : typical_distance(span, monitor);
-  };
-  return score_kind(settings.score).automatic(table.closest, sequence, typical, settings);
-}
-
-ThresholdScale automatic_scale(const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings) {
-  const ScoreKind& kind = score_kind(settings.score);
-  return database.sequences.size() == 1 ? kind.single_scale : kind.automatic_scale;
-}
-
-void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
-                      const Monitor& monitor) {
-  const auto sentence = overlap_warning(table, database.sequences, code_spans(database));
-  if (sentence) warn(monitor, *sentence);
-}
-
-void explain_no_hits(const SequenceDatabase& database, size_t window_length,
-                     const RowKernels& kernels, const Monitor& monitor) {
-  const ThresholdTable* stored = find_thresholds(database.thresholds, window_length);
-  if (stored == nullptr && is_left_to_queries(code_spans(database))) return;
-  warn_of_overlaps(database,
-                   stored != nullptr
-                       ? *stored
-                       : compute_thresholds(database, window_length, 1, kernels, monitor),
-                   monitor);
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,

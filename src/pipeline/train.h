@@ -9,7 +9,6 @@
 #include "descriptors/descriptor_rows.h"
 #include "images/sequence_argument.h"
 #include "matching/row_kernels.h"
-#include "recognition/result.h"
 
 namespace vpr {
 
@@ -56,36 +55,6 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
 /// throws.
 DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor);
-
-/// Whether comparing all sequences with each other takes longer than training should (2^32 frame
-/// pairs and more): then thresholds are computed when a query asks for them.
-bool is_left_to_queries(std::span<const DescriptorSpan> sequences);
-
-/// The automatic t_r of one sequence, by the score that is set and from the closest windows by this
-/// score; none if the sequence has no window. Its typical distance is the one that the database
-/// holds, or else computed.
-std::optional<AutomaticThreshold> sequence_threshold(const SequenceDatabase& database,
-                                                     const ThresholdTable& table, size_t sequence,
-                                                     SequenceQuerySettings settings,
-                                                     const Monitor& monitor);
-
-/// The scale of the automatic t_r of all its sequences.
-ThresholdScale automatic_scale(const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings);
-
-/// Says which sequences seem to show the same place (overlap_warning).
-void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
-                      const Monitor& monitor);
-
-/// Where automatic thresholds give no hits: the same, by the closest windows that the database
-/// holds for this window length, or else computed, unless is_left_to_queries.
-void explain_no_hits(const SequenceDatabase& database, size_t window_length,
-                     const RowKernels& kernels, const Monitor& monitor);
-
-/// Closest windows for one window length.
-ThresholdTable compute_thresholds(const SequenceDatabase& database, size_t window_length,
-                                  double safety_factor, const RowKernels& kernels,
-                                  const Monitor& monitor);
 
 /// Descriptors and unreadable frames of every sequence, as the matchers take them. They point into
 /// the database.

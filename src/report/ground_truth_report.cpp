@@ -81,4 +81,14 @@ std::string ground_truth_examples(const Json& report) {
   return text;
 }
 
+Json conversion_json(const InspectedGroundTruth& ground_truth, const GroundTruthSummary& summary,
+                     std::string_view target) {
+  return {{"schema", "vpr.conversion/1"},
+          {"from", ground_truth.format},
+          {"to", target},
+          {"query_frames", summary.query_frames},
+          {"same", summary.same},
+          {"ignored", summary.ignored}};
+}
+
 }  // namespace vpr

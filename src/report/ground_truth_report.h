@@ -19,4 +19,8 @@ Table ground_truth_table(const Json& report);
 /// The first pairs of everything that is odd, one a line.
 std::string ground_truth_examples(const Json& report);
 
+/// What was turned into another format, `target` (vpr.conversion/1).
+Json conversion_json(const InspectedGroundTruth& ground_truth, const GroundTruthSummary& summary,
+                     std::string_view target);
+
 }  // namespace vpr

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/json.h"
 #include "base/output_file.h"
 #include "base/parallel.h"
 #include "synth/recording_truth.h"
@@ -147,6 +148,14 @@ bool is_recording_folder(const fs::path& folder) {
     if (!is_ours) return false;
   }
   return true;
+}
+
+Json recording_json(const World& world, const RecordingSize& size) {
+  return {{"schema", "vpr.world-info/1"},
+          {"walks", world.walks.size()},
+          {"frames", size.frames},
+          {"places", world.places.size()},
+          {"views", size.views}};
 }
 
 }  // namespace vpr

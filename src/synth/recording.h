@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "synth/world.h"
 
@@ -12,6 +13,9 @@ struct RecordingSize {
   size_t frames = 0;  ///< of walks
   size_t views = 0;   ///< of places
 };
+
+/// What was rendered (vpr.world-info/1).
+Json recording_json(const World& world, const RecordingSize& size);
 
 /// Into an existing folder:
 ///   WALK/00000.jpg ..., WALK/poses.csv  frame,time,x,y,heading,floor of every walk

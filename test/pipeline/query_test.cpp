@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "matching/plain.h"
+#include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
 #include "support.h"
@@ -23,7 +24,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
                                size_t window_length) {
   SequenceDatabase database = test::make_database(sequences);
   database.thresholds.push_back(
-      compute_thresholds(database, window_length, 1, select_kernels(), {}));
+      compute_thresholds(code_spans(database), window_length, 1, select_kernels(), {}));
   return database;
 }
 
