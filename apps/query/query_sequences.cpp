@@ -90,10 +90,10 @@ std::string summary(const QueryRun& run) {
   return text;
 }
 
-bool has_gaps(const QueryPlan& plan, const SequenceDatabase& database) {
+bool has_gaps(const QueryPlan& plan) {
   return !plan.query_unreadable.empty() ||
-         std::any_of(database.sequences.begin(), database.sequences.end(),
-                     [](const TrainSequence& sequence) { return !sequence.unreadable.empty(); });
+         std::any_of(plan.train.begin(), plan.train.end(),
+                     [](const DescriptorSpan& sequence) { return !sequence.unreadable.empty(); });
 }
 
 void claim_matrix(const QueryInputs& inputs, OutputTransaction& outputs) {
@@ -173,9 +173,8 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
 
   SavedMatrix matrix;
   const std::vector<RowConsumer> observers =
-      start_matrix(matrix, inputs.matrix, shape, has_gaps(planned, database), session);
-  QueryRun found =
-      run_query(std::move(planned), database, query, resources, observers, session.monitor);
+      start_matrix(matrix, inputs.matrix, shape, has_gaps(planned), session);
+  QueryRun found = run_query(std::move(planned), resources, observers, session.monitor);
   found.seconds["describe"] = describe_s;
   found.seconds["total"] = watch.elapsed_s();
 

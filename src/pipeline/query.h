@@ -28,15 +28,15 @@ struct QueryRun {
 /// Thresholds and the shape of a query, before any distance is known. Throws Error(usage) for
 /// settings out of range, an unknown sequence name, and a query or training sequences that are all
 /// shorter than a window, and Error(data) for descriptors of different kinds. Computes automatic
-/// thresholds that the database lacks.
+/// thresholds that the database lacks. Database and query must outlive the plan.
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
                      const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor);
 
 /// Distances, hits, best matches and clusters of a planned query. Every row also goes to
-/// `observers`, once. Throws Error(expectation) if a verified cell differs.
-QueryRun run_query(QueryPlan planned, const SequenceDatabase& database, const DescriptorSet& query,
-                   const QueryResources& resources, const std::vector<RowConsumer>& observers,
-                   const Monitor& monitor);
+/// `observers`, once. Throws Error(expectation) if a verified cell differs, and what score_basis
+/// and start_standardized throw.
+QueryRun run_query(QueryPlan plan, const QueryResources& resources,
+                   const std::vector<RowConsumer>& observers, const Monitor& monitor);
 
 }  // namespace vpr

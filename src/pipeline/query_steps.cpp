@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "pipeline/train.h"
 
 namespace vpr {
 namespace {
@@ -23,10 +22,8 @@ std::vector<uint32_t> window_limits(const Target& sequence) {
 
 }  // namespace
 
-void check_descriptors(const SequenceDatabase& database, const DescriptorSet& query,
-                       const SequenceQuerySettings& settings) {
-  const DescriptorKind& trained = *database.descriptors.kind;
-  const DescriptorKind& asked = *query.descriptors.kind;
+void check_descriptors(const DescriptorKind& trained, const DescriptorKind& asked,
+                       uint64_t window_length) {
   if (trained.name != asked.name)
     throw Error(ErrorKind::data,
                 fmt::format("frames of the database are described by {}, those of the query by {}; "
@@ -34,19 +31,17 @@ void check_descriptors(const SequenceDatabase& database, const DescriptorSet& qu
                             trained.name, asked.name));
   // Files hold sums over a window as signed numbers of 32 bits.
   const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape);
-  if (settings.window_length > longest)
+  if (window_length > longest)
     throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for frames described by {}, "
                                               "found {}",
-                                              longest, trained.name, settings.window_length));
+                                              longest, trained.name, window_length));
 }
 
-FrameDistances searched_distances(const SequenceDatabase& database, const QueryPlan& result,
-                                  const DescriptorSet& query) {
-  const std::vector<DescriptorSpan> all = code_spans(database);
-  std::vector<DescriptorSpan> searched = all;
+FrameDistances searched_distances(const QueryPlan& plan) {
+  std::vector<DescriptorSpan> searched = plan.train;
   for (size_t s = 0; s < searched.size(); ++s)
-    if (!result.sequences[s].searched) searched[s] = {};
-  return frame_distances(searched, query.span(), all);
+    if (!plan.sequences[s].searched) searched[s] = {};
+  return frame_distances(searched, plan.query, plan.train);
 }
 
 bool needs_maxima(const QueryPlan& result) {

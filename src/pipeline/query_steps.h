@@ -9,13 +9,12 @@ namespace vpr {
 
 /// Throws Error(data) if database and query are described by different kinds, Error(usage) if c_l
 /// is longer than what sums of such distances allow.
-void check_descriptors(const SequenceDatabase& database, const DescriptorSet& query,
-                       const SequenceQuerySettings& settings);
+void check_descriptors(const DescriptorKind& trained, const DescriptorKind& asked,
+                       uint64_t window_length);
 
-/// The frame distances of the query to the database. A sequence that is not searched has no frames,
-/// so that indices stay the same; rows are centred over all sequences.
-FrameDistances searched_distances(const SequenceDatabase& database, const QueryPlan& result,
-                                  const DescriptorSet& query);
+/// The frame distances of the query to the training sequences. A sequence that is not searched has
+/// no frames, so that indices stay the same; rows are centred over all sequences.
+FrameDistances searched_distances(const QueryPlan& plan);
 
 /// Whether limits depend on the largest distances.
 bool needs_maxima(const QueryPlan& result);

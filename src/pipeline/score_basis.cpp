@@ -16,27 +16,24 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
   database.statistics = compute_statistics(code_spans(database), {}, monitor);
 }
 
-std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
+std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                                       const SequenceQuerySettings& settings) {
   const ScoreKind& kind = score_kind(settings.score);
   if (!kind.needs_statistics) return std::nullopt;
-  if (!database.statistics)
+  if (learned == nullptr)
     throw Error(ErrorKind::usage,
                 "the database has no training statistics, which standardized scores start from; "
                 "train it again");
-  return ScoreBasis{settings.standardization, kind.is_offline,
-                    database.statistics->typical_distance, database.statistics->bias,
-                    database.statistics->variance};
+  return ScoreBasis{settings.standardization, kind.is_offline, learned->typical_distance,
+                    learned->bias, learned->variance};
 }
 
-FrameDistances scored(FrameDistances distances, const QueryPlan& result,
-                      const SequenceDatabase& database, const Monitor& monitor) {
-  const std::optional<ScoreBasis> all = score_basis(database, result.settings);
-  if (!all) return distances;
+FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
+                      const QueryPlan& plan, const Monitor& monitor) {
+  if (!basis) return distances;
   std::vector<uint8_t> searched;
-  for (const Target& sequence : result.sequences) searched.push_back(sequence.searched);
-  return standardized(std::move(distances), basis_of(*all, code_spans(database), searched),
-                      monitor);
+  for (const Target& sequence : plan.sequences) searched.push_back(sequence.searched);
+  return standardized(std::move(distances), basis_of(*basis, plan.train, searched), monitor);
 }
 
 }  // namespace vpr

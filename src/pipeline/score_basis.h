@@ -11,14 +11,14 @@ namespace vpr {
 /// says so. Nothing happens to one that has them.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
-/// For all sequences of the database; none for a score that needs no statistics. Throws
-/// Error(usage) if the database has none.
-std::optional<ScoreBasis> score_basis(const SequenceDatabase& database,
+/// For all sequences of a database; none for a score that needs no statistics. `learned`: the
+/// database's, or null. Throws Error(usage) if they are needed and it has none.
+std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                                       const SequenceQuerySettings& settings);
 
-/// The distances of the searched sequences as a planned result scores them: standardized, or as
-/// they are. Throws what score_basis and start_standardized throw.
-FrameDistances scored(FrameDistances distances, const QueryPlan& result,
-                      const SequenceDatabase& database, const Monitor& monitor);
+/// The distances of the searched sequences as a plan scores them: standardized by `basis`, which is
+/// of all sequences, or as they are. Throws what start_standardized throws.
+FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
+                      const QueryPlan& plan, const Monitor& monitor);
 
 }  // namespace vpr

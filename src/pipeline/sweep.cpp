@@ -84,16 +84,17 @@ HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& reso
 
 // What every length finds below the largest limit of any threshold, all in one pass (and, where
 // limits are relative, one before it).
-void search(std::vector<LengthSweep>& lengths, const SequenceDatabase& database,
-            const DescriptorSet& query, const QueryResources& resources, const Monitor& monitor) {
+void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
+            const Monitor& monitor) {
   const QueryPlan& first = lengths.front().planned.front();
-  const FrameDistances distances = searched_distances(database, first, query);
+  const FrameDistances distances = searched_distances(first);
+  const std::optional<ScoreBasis> basis = score_basis(first.learned, first.settings);
   std::vector<size_t> windows;
   for (const LengthSweep& length : lengths)
     windows.push_back(length.planned.front().settings.window_length);
   const MatchSettings match{1, resources.memory_limit, resources.kernels};
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
-    match_fastable_lengths(scored(distances, first, database, monitor), windows, match, monitor,
+    match_fastable_lengths(scored(distances, basis, first, monitor), windows, match, monitor,
                            consume);
   };
   if (any_relative(lengths)) {
@@ -207,7 +208,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
   const Result shape = make_result(lengths.front().planned.front());
   const GroundTruth truth = read_truth(scope_of(shape));
-  search(lengths, database, query, resources, monitor);
+  search(lengths, resources, monitor);
   const size_t thresholds = grid.thresholds.size();
   const auto result_of = [&](size_t cell) {
     const LengthSweep& length = lengths[cell / thresholds];

@@ -33,7 +33,8 @@ ThresholdTable compute_thresholds(std::span<const DescriptorSpan> sequences, siz
 ThresholdTable closest_windows(const SequenceDatabase& database,
                                const SequenceQuerySettings& settings, const MatchSettings& match,
                                const Monitor& monitor) {
-  const std::optional<ScoreBasis> basis = score_basis(database, settings);
+  const std::optional<ScoreBasis> basis =
+      score_basis(database.statistics ? &*database.statistics : nullptr, settings);
   return {settings.window_length, settings.safety_factor.value_or(1),
           score_kind(settings.score)
               .closest(code_spans(database), basis ? &*basis : nullptr, match, monitor)};

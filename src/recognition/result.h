@@ -75,9 +75,13 @@ struct Result {
   size_t window_length() const { return window_length_of(settings); }
 };
 
-/// Thresholds and the shape of a query by a sequence method, before any distance is known.
+/// A query by a sequence method before any distance is known: what is compared, thresholds, and the
+/// shape of the result. It points into the database and the query that it was made for.
 struct QueryPlan {
   SequenceQuerySettings settings;
+  DescriptorSpan query;
+  std::vector<DescriptorSpan> train;         ///< all sequences, those not searched included
+  const TrainStatistics* learned = nullptr;  ///< from the training frames; null: not known
   std::string query_name;
   size_t query_frames = 0;
   std::vector<size_t> query_unreadable;

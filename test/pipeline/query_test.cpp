@@ -37,8 +37,8 @@ QueryResources resources(size_t verify = 0) {
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, const Monitor& monitor = {}) {
-  return run_query(plan_query(database, query, "q", settings, resources(), monitor), database,
-                   query, resources(50), {}, monitor);
+  return run_query(plan_query(database, query, "q", settings, resources(), monitor), resources(50),
+                   {}, monitor);
 }
 
 // Hits by the definition and a division per cell.

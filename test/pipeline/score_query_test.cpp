@@ -38,8 +38,7 @@ QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
   QueryResources resources;
   resources.kernels = select_kernels();
   resources.verify_cells = verify;
-  return run_query(plan_query(database, query, "q", settings, resources, {}), database, query,
-                   resources, {}, {});
+  return run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {});
 }
 
 }  // namespace
@@ -158,7 +157,7 @@ TEST_CASE("a wrong score is found, and a right one is not") {
     std::vector<Cell> cells = {cell_of(run.result.hits[100]), right};
     cells[1].distance += 10;  // two units a frame
     const auto wrong = wrong_scores(cells, code_spans(database), {query.rows(), {}}, 4,
-                                    *score_basis(database, settings), {});
+                                    *score_basis(&*database.statistics, settings), {});
     REQUIRE(wrong.size() == 1);
     CHECK(wrong[0].train_window == cells[1].train_window);
     CHECK(std::abs(int64_t{wrong[0].distance} - int64_t{right.distance}) <= 4);

@@ -1,0 +1,186 @@
+// What of a query is known before any distance is: plan_query.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "pipeline/query.h"
+#include "pipeline/query_steps.h"
+#include "pipeline/thresholds.h"
+#include "pipeline/train.h"
+
+namespace vpr {
+namespace {
+
+void check_settings(const SequenceQuerySettings& settings) {
+  check_window_length(settings.window_length);
+  if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
+  if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
+    throw Error(ErrorKind::usage, "t_r must be a finite number or auto");
+  check_score(settings);
+  if (settings.clustering.eps < 0 || settings.clustering.eps > kMaxEps)
+    throw Error(ErrorKind::usage, fmt::format("clustering.eps must be from 0 to {}, found {}",
+                                              kMaxEps, settings.clustering.eps));
+}
+
+void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySettings& settings) {
+  std::vector<std::string> names;
+  for (const TrainSequence& sequence : sequences) names.push_back(sequence.name);
+  for (const std::string& name : settings.only_sequences)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
+                                                name, fmt::join(names, ", ")));
+}
+
+// Of an approximate method, the largest distance is not known.
+void check_exactness(const SequenceQuerySettings& settings) {
+  if (find_sequence_method(settings.method).is_exact) return;
+  if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} does not see every window, and so not max(D); give t_r in bits a "
+                            "frame, as in --t-r 200 --t-r-scale bits, or auto",
+                            settings.method));
+}
+
+bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
+  const auto& only = settings.only_sequences;
+  return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+}
+
+void plan_windows(QueryPlan& plan, const Monitor& monitor) {
+  const uint64_t length = plan.settings.window_length;
+  plan.query_frames = plan.query.rows.size();
+  plan.query_unreadable.assign(plan.query.unreadable.begin(), plan.query.unreadable.end());
+  if (count_windows(readable_runs(plan.query), length) == 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("the query {} has {}, and no {} readable ones in a row (c_l); "
+                            "give a smaller --c-l",
+                            plan.query_name, counted(plan.query_frames, "frame"), length));
+  plan.query_windows = plan.query_frames - length + 1;
+  if (!plan.query_unreadable.empty())
+    warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", plan.query_name,
+                              plan.query_unreadable.size(), counted(plan.query_frames, "frame")));
+}
+
+void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
+                    const Monitor& monitor) {
+  const uint64_t length = plan.settings.window_length;
+  bool any = false;
+  for (size_t s = 0; s < plan.train.size(); ++s) {
+    Target& sequence = plan.sequences.emplace_back();
+    sequence.name = sequences[s].name;
+    sequence.frames = plan.train[s].rows.size();
+    sequence.windows = count_windows(readable_runs(plan.train[s]), length);
+    sequence.searched = is_searched(plan.settings, sequence.name);
+    if (!sequence.searched) continue;
+    any = any || sequence.windows > 0;
+    if (sequence.windows == 0)
+      warn(monitor, fmt::format("{}: has no {} readable frames in a row (c_l), so it can't be "
+                                "recognised",
+                                sequence.name, length));
+  }
+  if (!any)
+    throw Error(ErrorKind::usage,
+                fmt::format("no training sequence has {} readable frames in a row; give a smaller "
+                            "--c-l",
+                            length));
+}
+
+// Databases of older date have no closest windows of a single sequence.
+const ThresholdTable* stored_table(const SequenceDatabase& database, size_t window_length) {
+  const ThresholdTable* table = find_thresholds(database.thresholds, window_length);
+  const bool is_old = table != nullptr && table->closest.size() == 1 && !table->closest[0];
+  return is_old ? nullptr : table;
+}
+
+// What the database holds, or else computed. Closest windows of standardized scores depend on the
+// settings, and are computed for each query.
+ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
+                               const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings& settings = plan.settings;
+  const MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
+  if (!score_kind(settings.score).is_stored)
+    return closest_windows(database, settings, match, monitor);
+  const ThresholdTable* stored = stored_table(database, settings.window_length);
+  if (stored != nullptr) return *stored;
+  if (is_left_to_queries(plan.train))
+    warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
+                              "takes a while; vpr-tune threshold DB --c-l {} --write keeps it",
+                              settings.window_length, settings.window_length));
+  ThresholdTable table = closest_windows(database, settings, match, monitor);
+  table.safety_factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
+  return table;
+}
+
+void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
+                               const QueryResources& resources, const Monitor& monitor) {
+  SequenceQuerySettings settings = plan.settings;
+  ThresholdTable table = automatic_table(plan, database, resources, monitor);
+  if (!settings.safety_factor) settings.safety_factor = table.safety_factor;
+  const AutomaticThresholds automatic =
+      automatic_thresholds(database, std::move(table), settings, monitor);
+  for (size_t s = 0; s < plan.sequences.size(); ++s) {
+    Target& sequence = plan.sequences[s];
+    sequence.scale = automatic_scale(plan.sequences.size(), settings);
+    if (sequence.searched && automatic.sequences[s])
+      sequence.threshold = automatic.sequences[s]->value;
+  }
+}
+
+void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
+                     const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings& settings = plan.settings;
+  if (!settings.distance_threshold)
+    return plan_automatic_thresholds(plan, database, resources, monitor);
+  for (Target& sequence : plan.sequences) {
+    sequence.threshold = settings.distance_threshold;
+    sequence.scale = scale_of(settings);
+  }
+}
+
+// Limits that need no distances: automatic thresholds, and numbers that are not relative.
+void plan_limits(QueryPlan& plan) {
+  const uint64_t length = plan.settings.window_length;
+  for (size_t s = 0; s < plan.train.size(); ++s) {
+    Target& sequence = plan.sequences[s];
+    if (!sequence.threshold) continue;
+    if (sequence.scale == ThresholdScale::mean && sequence.searched)
+      set_mean_limits(sequence,
+                      mean_window_distances(
+                          frame_distances({&plan.train[s], 1}, {plan.query.rows, {}}), length));
+    if (sequence.scale == ThresholdScale::bits)
+      sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
+    if (sequence.scale == ThresholdScale::mean_z)
+      sequence.distance_limit = score_limit(*sequence.threshold, length);
+  }
+}
+
+}  // namespace
+
+QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const QueryResources& resources, const Monitor& monitor) {
+  check_settings(settings);
+  check_exactness(settings);
+  check_names(database.sequences, settings);
+  check_descriptors(*database.descriptors.kind, *query.descriptors.kind, settings.window_length);
+  QueryPlan plan;
+  plan.settings = settings;
+  plan.settings.threshold_scale = scale_of(settings);
+  plan.query = query.span();
+  plan.train = code_spans(database);
+  plan.learned = database.statistics ? &*database.statistics : nullptr;
+  plan.query_name = query_name;
+  plan_windows(plan, monitor);
+  plan_sequences(plan, database.sequences, monitor);
+  plan_thresholds(plan, database, resources, monitor);
+  plan_limits(plan);
+  if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)
+    plan.statistics = {plan.learned->settings, plan.learned->typical_distance};
+  return plan;
+}
+
+}  // namespace vpr
