@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "synth/progress.h"
 
 namespace vpr {
 namespace {
@@ -16,7 +17,6 @@ constexpr double kCornerM = 0.9;  // where a turn begins before a corner
 constexpr int kCornerPoints = 12;
 constexpr double kLookAheadM = 0.7;
 constexpr double kStepsPerS = 1.8;
-constexpr size_t kMostFrames = 100'000;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 Point between_points(Point a, Point b, double t) {
@@ -35,26 +35,6 @@ struct Wander {
            0.4 * std::sin(kTurn * value / (0.37 * period) + second_phase);
   }
 };
-
-// Way walked at every frame, in shares of the whole: faster here, slower there.
-std::vector<double> walked_shares(size_t frames, const Wander& pace, double fps) {
-  std::vector<double> shares(frames, 0);
-  for (size_t i = 1; i < frames; ++i)
-    shares[i] = shares[i - 1] + 1 + 0.15 * pace.at(static_cast<double>(i) / fps, 11);
-  const double all = frames > 1 ? shares.back() : 1;
-  for (double& share : shares) share /= all;
-  return shares;
-}
-
-size_t frame_count(const World& world, const Walk& walk, double length_m) {
-  if (walk.frames > 0) return walk.frames;
-  const double frames = std::floor(length_m / walk.speed_m_s * world.fps) + 1;
-  if (frames > static_cast<double>(kMostFrames))
-    throw Error(ErrorKind::usage,
-                fmt::format("the walk {} would have {} frames; at most {} are possible", walk.name,
-                            frames, kMostFrames));
-  return static_cast<size_t>(frames);
-}
 
 void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
   for (const auto& [dx, dy] : {std::pair(0.25, 0.0), {-0.25, 0.0}, {0.0, 0.25}, {0.0, -0.25}})
@@ -116,14 +96,15 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   const Wander pace(engine), side(engine), look(engine), nod(engine), tilt(engine), light(engine);
   const double step_phase = uniform_unit(engine);
   const Path path(walk.path);
-  const std::vector<double> shares =
-      walked_shares(frame_count(world, walk, path.length_m()), pace, world.fps);
+  // Faster here, slower there.
+  const auto variation = [&](double time_s) { return 0.15 * pace.at(time_s, 11); };
+  const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
   std::vector<CameraPose> poses;
-  for (size_t i = 0; i < shares.size(); ++i) {
+  for (const Progress& now : progress(world, walk, path.length_m(), variation)) {
     CameraPose pose;
-    pose.time_s = static_cast<double>(i) / world.fps;
-    pose.way_m = shares[i] * path.length_m();
-    const double step = kTurn * (kStepsPerS * pose.time_s + step_phase);
+    pose.time_s = static_cast<double>(poses.size()) / world.fps;
+    pose.way_m = now.way_m;
+    const double step = kTurn * (kStepsPerS * now.walking_s + step_phase);
     const double heading = path.heading_at(pose.way_m);
     const double aside = walk.shake * (0.15 * side.at(pose.way_m, 13) + 0.02 * std::sin(step / 2));
     const double normal = (heading + 90) * kTurn / 360;
@@ -137,7 +118,7 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
     pose.pitch_deg = walk.shake * (0.7 * nod.at(pose.time_s, 5) + 0.4 * std::sin(step + 2));
     pose.roll_deg = walk.shake * (0.7 * tilt.at(pose.time_s, 6) + 0.5 * std::sin(step / 2 + 3));
     pose.light_drift = 1 + 0.05 * light.at(pose.time_s, 8);
-    if (!poses.empty())
+    if (!poses.empty() && !now.follows_cut)
       pose.turn_deg_s =
           std::remainder(pose.heading_deg - poses.back().heading_deg, 360.0) * world.fps;
     poses.push_back(pose);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "synth/progress.h"
 
 namespace vpr {
 namespace {
@@ -102,6 +103,34 @@ void check_floor(const World& world, size_t index, const Checker& check) {
       check.in_range(value, -kMostMetres, kMostMetres, "a coordinate of a glass front");
 }
 
+// Whether a walk comes by its stops and cuts is seen when it is walked.
+void check_progress(const Walk& walk, const Checker& check) {
+  constexpr double kMostWayM = 100'000;
+  constexpr double kMostStopS = 3600;
+  const auto way = [&](double value, std::string_view name) {
+    check.in_range(value, 0, kMostWayM, name);
+  };
+  for (size_t i = 0; i < walk.paces.size(); ++i) {
+    way(walk.paces[i].from_m, "from_m of a pace");
+    check.in_range(walk.paces[i].speed_m_s, 0.05, 100, "speed_m_s of a pace");
+    check.require(
+        i == 0 || walk.paces[i].from_m > walk.paces[i - 1].from_m,
+        fmt::format("the paces of the walk {} must be in the order of from_m", walk.name));
+  }
+  for (const WalkStop& stop : walk.stops) {
+    way(stop.at_m, "at_m of a stop");
+    check.in_range(stop.seconds, 0, kMostStopS, "seconds of a stop");
+  }
+  for (const WalkCut& cut : walk.cuts) {
+    way(cut.at_m, "at_m of a cut");
+    way(cut.to_m, "to_m of a cut");
+  }
+  check.require(walk.frames == 0 || !is_uneven(walk),
+                fmt::format("the walk {} has as many frames as its paces, stops and cuts give; "
+                            "leave out frames",
+                            walk.name));
+}
+
 void check_walk(const World& world, const Walk& walk, const Checker& check) {
   floor_index(world, walk.floor);
   check.require(!walk.path.empty(), fmt::format("the walk {} has no path", walk.name));
@@ -111,6 +140,7 @@ void check_walk(const World& world, const Walk& walk, const Checker& check) {
   }
   check.require(walk.frames <= kMostFrames, fmt::format("frames must be at most {}", kMostFrames));
   check.in_range(walk.speed_m_s, 0.05, 100, "speed_m_s");
+  check_progress(walk, check);
   check.in_range(walk.shake, 0, 10, "shake");
   check.require(walk.passers_by <= 1000 && walk.standing <= 1000,
                 "passers_by and standing must be at most 1000");

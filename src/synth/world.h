@@ -125,6 +125,42 @@ void visit_fields(Conditions& conditions, Visitor&& visit) {
   visit("noise", conditions.noise);
 }
 
+/// From this point of the path on, the walk has this speed, until the next one.
+struct WalkPace {
+  double from_m = 0;  ///< along the path, as it is walked
+  double speed_m_s = 1.2;
+};
+
+template <class Visitor>
+void visit_fields(WalkPace& pace, Visitor&& visit) {
+  visit("from_m", pace.from_m);
+  visit("speed_m_s", pace.speed_m_s);
+}
+
+/// Where the walker stands for a while.
+struct WalkStop {
+  double at_m = 0;  ///< along the path
+  double seconds = 5;
+};
+
+template <class Visitor>
+void visit_fields(WalkStop& stop, Visitor&& visit) {
+  visit("at_m", stop.at_m);
+  visit("seconds", stop.seconds);
+}
+
+/// Where the recording is cut and goes on elsewhere: further on, or back.
+struct WalkCut {
+  double at_m = 0;  ///< along the path; 0: the walk begins at to_m
+  double to_m = 0;
+};
+
+template <class Visitor>
+void visit_fields(WalkCut& cut, Visitor&& visit) {
+  visit("at_m", cut.at_m);
+  visit("to_m", cut.to_m);
+}
+
 struct Walk {
   std::string name;
   WalkUse use = WalkUse::train;
@@ -132,6 +168,9 @@ struct Walk {
   std::vector<std::vector<double>> path;  ///< corners [x, y]; the walk rounds them
   uint64_t frames = 0;                    ///< 0: as many as the speed gives
   double speed_m_s = 1.2;                 ///< mean; follows from `frames` where that is given
+  std::vector<WalkPace> paces;            ///< by from_m; in front of the first, speed_m_s
+  std::vector<WalkStop> stops;            ///< in the order in which they are met, as are
+  std::vector<WalkCut> cuts;              ///< cuts; with any of the three, `frames` is 0
   double shake = 1;                       ///< factor on the sway and turns of a hand-held phone
   uint64_t passers_by = 0;                ///< groups of one to three people that walk by
   uint64_t standing = 0;                  ///< groups of one to four that stand at the walls
@@ -146,6 +185,9 @@ void visit_fields(Walk& walk, Visitor&& visit) {
   visit("path", walk.path);
   visit("frames", walk.frames);
   visit("speed_m_s", walk.speed_m_s);
+  visit("paces", walk.paces);
+  visit("stops", walk.stops);
+  visit("cuts", walk.cuts);
   visit("shake", walk.shake);
   visit("passers_by", walk.passers_by);
   visit("standing", walk.standing);

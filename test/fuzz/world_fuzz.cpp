@@ -1,4 +1,6 @@
 // Any bytes as a world of vpr-synth; of one that is accepted, plans, walks and all texts.
+#include <algorithm>
+
 #include "fuzz.h"
 #include "synth/recording_truth.h"
 
@@ -7,7 +9,16 @@ using namespace vpr;
 namespace {
 
 constexpr double kMostPlanM = 30;  // of a room that is worth the time of a plan
-constexpr size_t kMostPoses = 200;
+constexpr double kMostPoses = 200;
+
+double most_poses(const World& world, const Walk& walk) {
+  if (walk.frames > 0) return static_cast<double>(walk.frames);
+  double slowest = walk.speed_m_s;
+  for (const WalkPace& pace : walk.paces) slowest = std::min(slowest, pace.speed_m_s);
+  double seconds = Path(walk.path).length_m() * static_cast<double>(walk.cuts.size() + 1) / slowest;
+  for (const WalkStop& stop : walk.stops) seconds += stop.seconds;
+  return seconds * world.fps + 1;
+}
 
 bool is_small(const World& world) {
   size_t rooms = 0;
@@ -16,12 +27,8 @@ bool is_small(const World& world) {
     for (const Room& room : floor.rooms)
       if (room.width > kMostPlanM || room.depth > kMostPlanM) return false;
   }
-  size_t poses = 0;
-  for (const Walk& walk : world.walks) {
-    const double metres = Path(walk.path).length_m();
-    poses += walk.frames > 0 ? walk.frames
-                             : static_cast<size_t>(metres / walk.speed_m_s * world.fps) + 1;
-  }
+  double poses = 0;
+  for (const Walk& walk : world.walks) poses += most_poses(world, walk);
   return rooms < 20 && poses < kMostPoses;
 }
 

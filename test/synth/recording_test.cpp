@@ -13,6 +13,7 @@
 #include "cli/building.h"
 #include "descriptors/ldb.h"
 #include "descriptors/local_features.h"
+#include "ground_truth/ground_truth.h"
 #include "support.h"
 #include "synth/recording_truth.h"
 #include "synth/renderer.h"
@@ -126,6 +127,37 @@ TEST_CASE("the shipped worlds have the paper's numbers of frames") {
   }
 }
 
+TEST_CASE("The shipped walks at other paces have exact ground truth, and a detour has none") {
+  const World world = read_world(test::source_path("configs/worlds/speeds.json"));
+  const std::vector<RecordedWalk> walks = record_walks(world);
+  std::map<std::string, size_t> frames;
+  for (const RecordedWalk& recorded : walks) frames[recorded.walk->name] = recorded.poses.size();
+  const auto share = [&](const char* walk) {
+    return static_cast<double>(frames[walk]) / static_cast<double>(frames["same"]);
+  };
+  CHECK(share("slow") == Approx(2).margin(0.02));
+  CHECK(share("fast") == Approx(1.2 / 2.2).margin(0.02));
+  const test::TemporaryFolder folder;
+  for (const auto& [name, text] : recording_texts(world, walks))
+    if (name.ends_with(".csv")) test::write_text(folder / name, text);
+  // Frames that show nothing of the training walk, in per cent.
+  const auto unknown = [&](const std::string& walk) {
+    const GroundTruthScope scope = {frames[walk], {{"trained", frames["trained"]}}};
+    const GroundTruth truth =
+        read_ground_truth({"pairs", folder / (walk + ".ground_truth.csv"), 0}, scope);
+    size_t none = 0;
+    for (size_t q = 0; q < scope.query_frames; ++q) none += truth.has_match(q) ? 0 : 1;
+    return 100.0 * static_cast<double>(none) / static_cast<double>(scope.query_frames);
+  };
+  for (const char* walk : {"same", "slow", "fast", "varying", "carried"}) {
+    INFO(walk);
+    CHECK(unknown(walk) < 1);
+  }
+  CHECK(unknown("detour") > 15);
+  CHECK(unknown("detour") < 40);
+  CHECK(unknown("back") == 100);  // one looks the other way
+}
+
 TEST_CASE("rendered corridors have the detail and the likeness of real ones") {
   const World world = small();
   const Scene scene = make_scene(world, 0, Monitor());
@@ -179,6 +211,19 @@ TEST_CASE("worlds with mistakes are refused with a reason") {
   CHECK(refused([](Json& w) { w["image_width"] = 1000000; }));
   CHECK(refused([](Json& w) { w["walks"][0]["frames"] = 1000000; }));
   CHECK(refused([](Json& w) { w["walks"][0]["speed_m_s"] = 0; }));
+  CHECK(refused([](Json& w) {
+    w["walks"][0]["frames"] = 9;
+    w["walks"][0]["stops"] = Json::array({{{"at_m", 1}}});
+  }));
+  CHECK(refused([](Json& w) {
+    w["walks"][0]["paces"] = {{{"from_m", 2}, {"speed_m_s", 1}}, {{"from_m", 1}, {"speed_m_s", 2}}};
+  }));
+  CHECK(refused([](Json& w) {
+    w["walks"][0]["paces"] = Json::array({{{"from_m", 2}, {"speed_m_s", 0}}});
+  }));
+  CHECK(refused([](Json& w) {
+    w["walks"][0]["cuts"] = Json::array({{{"at_m", 900}, {"to_m", 0}}});
+  }));
   CHECK(refused([](Json& w) { w["walks"][0]["name"] = std::string(300, 'a'); }));
   CHECK(refused([](Json& w) {
     w["floors"][0]["rooms"].push_back({{"x", 400}, {"y", 400}, {"width", 2}, {"depth", 2}});

@@ -121,3 +121,89 @@ TEST_CASE("differences of headings go the short way round") {
   CHECK(heading_difference(-170, 170) == Approx(20));
   CHECK(heading_difference(0, 180) == Approx(180));
 }
+
+namespace {
+
+Walk straight_walk() {
+  Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 0);
+  walk.shake = 0;
+  return walk;
+}
+
+double step_m(const std::vector<CameraPose>& found, size_t i) {
+  return found[i].way_m - found[i - 1].way_m;
+}
+
+}  // namespace
+
+TEST_CASE("A walk has the paces that it states, each from its point on") {
+  Walk walk = straight_walk();
+  walk.speed_m_s = 1.2;
+  walk.paces = {{5, 0.6}, {10, 2.2}};
+  const auto found = poses(corridor_world(), walk);
+  for (size_t i = 1; i < found.size(); ++i) {
+    const double from = found[i - 1].way_m;
+    const double speed = from < 5 ? 1.2 : from < 10 ? 0.6 : 2.2;
+    INFO("frame " << i << " from " << from);
+    CHECK(step_m(found, i) >= 0.85 * speed / 10);  // with natural variation
+    CHECK(step_m(found, i) <= 1.15 * speed / 10);
+    CHECK(found[i].position.x == Approx(1 + found[i].way_m));
+  }
+  CHECK(found.back().way_m > 15 - 0.26);
+  CHECK(found.back().way_m <= 15);
+}
+
+TEST_CASE("A walk stands where and as long as it states, and its steps stand, too") {
+  Walk walk = straight_walk();
+  walk.shake = 1;
+  walk.stops = {{4, 2.5}, {4, 0.2}, {9, 1}};
+  const auto found = poses(corridor_world(), walk);
+  const auto standing_at = [&](double way) {
+    return std::count_if(found.begin(), found.end(),
+                         [&](const CameraPose& pose) { return pose.way_m == way; });
+  };
+  CHECK(standing_at(4) == 25 + 1 + 2 + 1);  // each stop after the frame that comes to it
+  CHECK(standing_at(9) == 10 + 1);
+  const auto at = std::find_if(found.begin(), found.end(),
+                               [](const CameraPose& pose) { return pose.way_m == 9; });
+  for (auto pose = at + 1; pose->way_m == 9; ++pose) {
+    CHECK(pose->height_m == at->height_m);  // the body does not bob,
+    CHECK(pose->time_s > at->time_s);
+    CHECK(pose->heading_deg != at->heading_deg);  // but the hand drifts
+  }
+}
+
+TEST_CASE("A walk that is cut goes on elsewhere, further on or back, without blur") {
+  Walk walk = straight_walk();
+  walk.cuts = {{0, 3}, {6, 11}, {13, 8}, {9, 14}};
+  const auto found = poses(corridor_world(), walk);
+  CHECK(found.front().way_m == 3);
+  std::vector<double> jumps;
+  for (size_t i = 1; i < found.size(); ++i)
+    if (std::abs(step_m(found, i)) > 0.2) {
+      jumps.push_back(std::round(step_m(found, i)));
+      CHECK(found[i].turn_deg_s == 0);
+    }
+  CHECK(jumps == std::vector<double>{5, -5, 5});
+  CHECK(found.size() == Approx(7 / 0.12).margin(6));  // metres in all legs
+}
+
+TEST_CASE("Stops and cuts that a walk does not come by are refused") {
+  Walk walk = straight_walk();
+  walk.stops = {{15.5, 1}};
+  CHECK(test::error_text([&] { poses(corridor_world(), walk); }).find("15.00 m long") !=
+        std::string::npos);
+  walk.stops = {{6, 1}, {4, 1}};
+  CHECK(test::error_kind([&] { poses(corridor_world(), walk); }) == ErrorKind::usage);
+  walk.stops.clear();
+  walk.cuts = {{20, 3}};
+  CHECK(test::error_text([&] { poses(corridor_world(), walk); }).find("a cut at 20 m") !=
+        std::string::npos);
+  walk.cuts = {{5, 40}};
+  CHECK(test::error_kind([&] { poses(corridor_world(), walk); }) == ErrorKind::usage);
+  walk.cuts.clear();
+  walk.paces = {{0, 0.05}};
+  walk.stops = {{1, 3600}, {2, 3600}, {3, 3600}};
+  CHECK(test::error_text([&] { poses(corridor_world(), walk); }).find("at most 100000") !=
+        std::string::npos);
+}
