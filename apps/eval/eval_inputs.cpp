@@ -93,8 +93,9 @@ void evaluate_stored(Session& session, const EvalInputs& inputs, Evaluated& eval
 void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& evaluated) {
   evaluated.by = judged_by(session, inputs, inputs.pictures.query, DatabaseFamily::sequences);
   check_window(inputs.scores);
-  evaluated.evaluation = evaluate_scores(open_scores(inputs.scores), settings_of(inputs.scores),
-                                         query_name(inputs), evaluated.by, session.monitor);
+  evaluated.evaluation =
+      evaluate_scores(open_scores(inputs.scores), settings_of(inputs.scores, session.options.seed),
+                      query_name(inputs), evaluated.by, session.monitor);
   warn_negative(session.monitor, inputs.scores, evaluated.evaluation.judgement);
 }
 

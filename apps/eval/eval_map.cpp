@@ -26,13 +26,15 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
                                               where, name));
   RouteMap map;
   map.query = read_route(query.poses);
-  const size_t frames = evaluation.judgement.fixes.size();
+  const auto& replay = evaluation.judgement.layout.scope.replay;
+  const size_t frames = replay ? replay->recorded_frames : evaluation.judgement.fixes.size();
   if (map.query.empty())
     throw Error(ErrorKind::data, fmt::format("{}: has no poses", query.poses.string()));
   if (map.query.size() > frames)
     throw Error(ErrorKind::data, fmt::format("{}: has poses of {} frames, and the query has {}",
                                              query.poses.string(), map.query.size(), frames));
   map.query.resize(frames);
+  if (replay) map.query = replayed(map.query, *replay);
   for (const NamedSequence& train : dataset.train)
     if (!train.poses.empty()) map.train.push_back(read_route(train.poses));
   if (!dataset.plan.empty()) map.walls = read_walls(dataset.plan);

@@ -62,7 +62,9 @@ FrameSources find_frames(const PictureInputs& inputs, const std::string& dataset
   } else if (inputs.query) {
     sources.query = open_sequence(parse_sequence_argument(*inputs.query));
   }
-  if (sources.query) require_frames(*sources.query, scope.query_frames, "the query");
+  if (sources.query)
+    require_frames(*sources.query,
+                   scope.replay ? scope.replay->recorded_frames : scope.query_frames, "the query");
   // References of FAB-MAP are places: the data set's training sequences are not.
   if (evaluation.result && evaluation.result->result.places) dataset.reset();
   sources.references = open_references(find_train(inputs, dataset), scope);

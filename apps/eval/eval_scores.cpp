@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "common/warp_flag.h"
 #include "evaluation/metrics.h"
 #include "recognition/score_kind.h"
 
@@ -12,6 +13,19 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMostWindow = 1'000'000;
+constexpr uint64_t kMostFrames = 100'000'000;
+
+void check_replay(const ScoreInputs& inputs) {
+  if (inputs.warp.empty() == inputs.query_frames.has_value())
+    throw Error(ErrorKind::usage,
+                "--warp and --query-frames go together: how the query was replayed, and how many "
+                "frames it has as it is");
+  if (inputs.warp.empty()) return;
+  check_warp(inputs.warp);
+  if (*inputs.query_frames == 0 || *inputs.query_frames > kMostFrames)
+    throw Error(ErrorKind::usage, fmt::format("--query-frames must be 1 to {}, found {}",
+                                              kMostFrames, *inputs.query_frames));
+}
 
 }  // namespace
 
@@ -39,6 +53,13 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
               "best matches from this score on count as recognised along the path (default: that "
               "of recall at 100 % precision)")
       .group(group);
+  add_warp_flag(app, inputs.warp,
+                "rows of --scores are of a query that was replayed so, with --seed and "
+                "--query-frames; results say it themselves (below)")
+      .group(group);
+  app.add_option("--query-frames", inputs.query_frames, "frames of that query as it is")
+      .group(group)
+      .type_name("NUMBER");
   app.add_option(
          "--poses", inputs.poses,
          "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too (default: "
@@ -68,10 +89,13 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
     refuse(is_given && !has_scores, flag, without);
   for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
                                        std::pair(inputs.threshold.has_value(), "--threshold"),
+                                       std::pair(!inputs.warp.empty(), "--warp"),
+                                       std::pair(inputs.query_frames.has_value(), "--query-frames"),
                                        std::pair(inputs.window_length != 1, "--window")}) {
     refuse(is_given && has_result, flag, beside);
     refuse(is_given && !has_scores, flag, without);
   }
+  check_replay(inputs);
 }
 
 namespace {
@@ -101,10 +125,12 @@ void check_window(const ScoreInputs& inputs) {
                                               inputs.window_length));
 }
 
-ScoreSettings settings_of(const ScoreInputs& inputs) {
+ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
   const std::string name =
       inputs.name.empty() ? std::filesystem::path(inputs.path).stem().string() : inputs.name;
-  return {name, format_of(inputs), inputs.window_length, inputs.threshold};
+  ScoreSettings settings{name, format_of(inputs), inputs.window_length, inputs.threshold};
+  if (!inputs.warp.empty()) settings.replay = replay(inputs.warp, *inputs.query_frames, seed);
+  return settings;
 }
 
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {

@@ -17,8 +17,10 @@ struct ScoreInputs {
   std::optional<double> missing;
   std::optional<double> threshold;
   uint64_t window_length = 1;
-  std::string name;   ///< for tables; empty: the file's, or the method
-  std::string poses;  ///< of the query, for metres
+  std::string warp;                      ///< how the query was replayed; empty: it was not
+  std::optional<uint64_t> query_frames;  ///< of the query as it is
+  std::string name;                      ///< for tables; empty: the file's, or the method
+  std::string poses;                     ///< of the query, for metres
 };
 
 void add_score_options(const Command& app, ScoreInputs& inputs);
@@ -38,8 +40,8 @@ ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
 /// Throws Error(usage) for a --window out of range.
 void check_window(const ScoreInputs& inputs);
 
-/// What a report says of --scores alone.
-ScoreSettings settings_of(const ScoreInputs& inputs);
+/// What a report says of --scores alone. `seed`: of a replay. Throws what replay throws.
+ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed);
 
 /// Warns where the best score of all may be what vpr-query writes where there is none.
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);

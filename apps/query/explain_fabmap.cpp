@@ -43,12 +43,12 @@ std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
 }
 
 void write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
-                               const SequenceArgument& query, const FabmapDatabase& searched,
+                               const FrameOfQuery& query, const FabmapDatabase& searched,
                                bool searches_query, const Session& session) {
   std::map<size_t, SequenceArgument> images = images_by_group(inputs, searched);
-  if (searches_query) images[searched.groups.size() - 1] = query;
+  if (searches_query) images[searched.groups.size() - 1] = query.sequence;
   const FrameFeatures frame =
-      locate_words(open_sequence(query), explanation.frame, searched, session.monitor);
+      locate_words(open_sequence(query.sequence), query.frame, searched, session.monitor);
   std::vector<ImagePair> pairs;
   for (const PlaceExplanation& place : explanation.places) {
     ImagePair& pair = pairs.emplace_back();

@@ -17,10 +17,16 @@ namespace vpr {
 std::map<size_t, SequenceArgument> images_by_group(const QueryInputs& inputs,
                                                    const FabmapDatabase& database);
 
+/// A frame of the query as it was recorded.
+struct FrameOfQuery {
+  SequenceArgument sequence;
+  size_t frame = 0;
+};
+
 /// The query's frame beside the views of its best places, with the words drawn in. Views have
 /// images where --train-images names them, or where they are the query's own.
 void write_explanation_picture(const Explanation& explanation, const QueryInputs& inputs,
-                               const SequenceArgument& query, const FabmapDatabase& searched,
+                               const FrameOfQuery& query, const FabmapDatabase& searched,
                                bool searches_query, const Session& session);
 
 /// RESULT.explain.png for RESULT.json.

@@ -33,8 +33,8 @@ struct FabmapQuery {
   SequenceWords words;
 };
 
-FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
-                       bool skip_unreadable, const Monitor& monitor) {
+FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& database,
+                           bool skip_unreadable, const Monitor& monitor) {
   FabmapQuery query;
   if (!inputs.query_bow.empty()) {
     if (inputs.query || !inputs.dataset.empty())
@@ -51,6 +51,13 @@ FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database
   query.images = source.sequence.sequence;
   query.words =
       describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable, monitor);
+  return query;
+}
+
+FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
+                       bool skip_unreadable, uint64_t seed, const Monitor& monitor) {
+  FabmapQuery query = read_recording(inputs, database, skip_unreadable, monitor);
+  query.words = replayed(std::move(query.words), inputs.warp, seed);
   return query;
 }
 
@@ -117,7 +124,8 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   if (!inputs.posteriors.empty()) session.outputs.claim_file(inputs.posteriors);
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);
-  const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session.monitor);
+  const FabmapQuery query =
+      read_query(inputs, database, settings.skip_unreadable, options.seed, session.monitor);
   const double describe_s = watch.elapsed_s();
   const size_t frames = query.words.frames.size();
   images_by_group(inputs, database);  // a wrong name should not cost the whole query
@@ -150,8 +158,9 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
     context.explanation = explanation_json(explanation);
     text += "\n" + explanation_text(explanation);
     if (query.images && !options.output.empty() && !explanation.places.empty()) {
-      write_explanation_picture(explanation, inputs, *query.images, searched, settings.loop,
-                                session);
+      const FrameOfQuery frame = {
+          *query.images, query.words.replay ? query.words.replay->sources[*explained] : *explained};
+      write_explanation_picture(explanation, inputs, frame, searched, settings.loop, session);
       text += fmt::format("Drawn in {}\n", explanation_picture_path(options.output).string());
     }
   }

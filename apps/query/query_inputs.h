@@ -17,6 +17,7 @@ struct QueryInputs {
   std::string database;
   std::optional<std::string> query;
   std::string dataset;
+  std::string warp;  ///< how the query is replayed; empty: as it is
   std::string ground_truth;
   GroundTruthFlags flags;  ///< of the ground truth
   std::string matrix;

@@ -161,8 +161,10 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   SequenceDatabase database = read_sequence_database(inputs.database);
   check_score(settings);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
-  const DescriptorSet query = describe_frames(open_sequence(source.sequence.sequence), database,
-                                              settings.skip_unreadable, session.monitor);
+  const DescriptorSet query =
+      replayed(describe_frames(open_sequence(source.sequence.sequence), database,
+                               settings.skip_unreadable, session.monitor),
+               inputs.warp, options.seed);
   const double describe_s = watch.elapsed_s();
   QueryPlan planned =
       plan_query(database, query, source.sequence.name, settings, resources, session.monitor);

@@ -7,7 +7,9 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "common/warp_flag.h"
 #include "database/family.h"
+#include "images/warp.h"
 #include "matching/fabmap.h"
 #include "matching/methods.h"
 #include "query_inputs.h"
@@ -62,6 +64,7 @@ void add_inputs(const Command& app, QueryInputs& inputs) {
                  "query sequence: folder, list or video, with an optional range "
                  "PATH@FIRST:LAST[:STEP]; with --dataset, the name of one of its queries");
   app.add_option("--dataset", inputs.dataset, "data set description that holds the query");
+  add_warp_flag(app, inputs.warp);
 }
 
 void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySettings& settings) {
@@ -203,6 +206,7 @@ DatabaseFamily family_of(const std::string& method) {
 void run(Session& session, const QueryInputs& inputs, const GivenSettings& given,
          const Command& app) {
   GivenSettings settings = given;
+  if (!inputs.warp.empty()) check_warp(inputs.warp);
   const DatabaseFamily family = database_family(inputs.database);
   const std::string_view kind = enum_name(family);
   const std::string method = settings.method.empty() ? std::string(kind) : settings.method;
@@ -226,6 +230,7 @@ int main(int argc, char** argv) {
                   "  vpr-query corridor.vprdb --query tuesday\n"
                   "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
                   "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
+                  "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
                   "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;
   GivenSettings settings;

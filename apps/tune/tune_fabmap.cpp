@@ -14,8 +14,10 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
   const FabmapDatabase database = read_fabmap_database(inputs.database);
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
-    const SequenceWords query = describe_words(open_sequence(source.sequence.sequence), database,
-                                               command.settings.skip_unreadable, monitor);
+    const SequenceWords query =
+        replayed(describe_words(open_sequence(source.sequence.sequence), database,
+                                command.settings.skip_unreadable, monitor),
+                 inputs.warp, session.options.seed);
     return sweep_fabmap(database, query, source.sequence.name, command.settings,
                         grid != nullptr ? *grid : fabmap_grid(inputs.grid), reader,
                         session.options.seed, monitor);

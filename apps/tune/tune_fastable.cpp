@@ -35,8 +35,10 @@ void tune_fastable(Session& session, const FastableTune& command) {
   session.run.memory_limit = command.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
-    const DescriptorSet query = describe_frames(open_sequence(source.sequence.sequence), database,
-                                                settings.skip_unreadable, monitor);
+    const DescriptorSet query =
+        replayed(describe_frames(open_sequence(source.sequence.sequence), database,
+                                 settings.skip_unreadable, monitor),
+                 inputs.warp, session.options.seed);
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "common/warp_flag.h"
 #include "images/sequence_names.h"
 
 namespace vpr {
@@ -70,6 +71,7 @@ TruthReader reader_of(const GroundTruthArgument& argument, const Monitor& monito
 }  // namespace
 
 Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Monitor& monitor) {
+  if (!inputs.warp.empty()) check_warp(inputs.warp);
   Sources sources{find_queries(inputs, family), find_validation(inputs, family)};
   if (!sources.validation) return sources;
   const SequenceArgument& validation = sources.validation->sequence.sequence;
@@ -113,6 +115,7 @@ void add_tune_inputs(const Command& command, TuneInputs& inputs) {
                      "--dataset, the name of another of its queries");
   command.add_option("--validate-ground-truth", inputs.validate_ground_truth,
                      "its ground truth, read like the other");
+  add_warp_flag(command, inputs.warp);
   add_ground_truth_flags(command, inputs.flags);
   command.add_option("--heat-map", inputs.heat_map,
                      "picture (PNG) of correct and incorrect hits over the grid");

@@ -64,6 +64,17 @@ void DescriptorStore::append(const DescriptorRows& more) {
   owned.insert(owned.end(), more.bytes.begin(), more.bytes.end());
 }
 
+DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed) {
+  if (warp.empty()) return set;
+  DescriptorSet result;
+  result.descriptors.kind = set.descriptors.kind;
+  result.frames = replayed(set.frames, replay(warp, set.frames.count(), seed));
+  const DescriptorRows rows = set.rows();
+  for (const uint32_t source : result.frames.replay->sources)
+    result.descriptors.append(rows.subspan(source, 1));
+  return result;
+}
+
 DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames) {
   DescriptorSet set;
   set.descriptors.kind = find_descriptor_kind("ldb");

@@ -65,6 +65,10 @@ struct DescriptorSet {
   DescriptorSpan span() const { return {rows(), frames.unreadable}; }
 };
 
+/// The set with its frames replayed by `warp` (images/warp.h); as it is where that is empty. Rows
+/// are repeated or left out, and no frame is described again. Throws as replay does.
+DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed);
+
 /// LDB codes as a set, and back.
 DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames);
 std::vector<LdbCode> ldb_codes(const DescriptorSet& set);

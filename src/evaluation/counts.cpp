@@ -77,6 +77,7 @@ GroundTruthScope scope_of(const Result& result) {
   scope.query_frames = result.query_frames;
   for (const Target& target : result.targets)
     scope.sequences.push_back({target.name, target.frames, target.searched});
+  scope.replay = result.replay;
   return scope;
 }
 

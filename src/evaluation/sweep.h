@@ -91,6 +91,7 @@ struct ValidatedCell {
 /// One query's sweep, which has a cell.
 struct Sweep {
   std::string query_name;
+  std::optional<Replay> replay = {};                 ///< of what the query's frames are
   const ScoreKind* score = &score_kind(Score::raw);  ///< what thresholds are of
   std::vector<CellCounts> cells;                     ///< by window, then threshold
   Recommendation recommendation;

@@ -13,8 +13,8 @@
 namespace vpr {
 namespace {
 
-InspectedGroundTruth read(GroundTruthArgument argument, const GroundTruthScope& scope, OddPairs odd,
-                          const Monitor& monitor) {
+InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTruthScope& scope,
+                                   OddPairs odd, const Monitor& monitor) {
   if (argument.tolerance_frames < 0)
     throw Error(ErrorKind::usage, fmt::format("the tolerance must be 0 frames or more, found {}",
                                               argument.tolerance_frames));
@@ -28,6 +28,21 @@ InspectedGroundTruth read(GroundTruthArgument argument, const GroundTruthScope& 
   InspectedGroundTruth result =
       builder.finish(preset == nullptr ? protocol : preset_protocol(*preset, protocol));
   result.format = format.name;
+  return result;
+}
+
+// The labels of each frame of the recording become those of all frames that show it again.
+InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruthScope& scope,
+                          OddPairs odd, const Monitor& monitor) {
+  if (!scope.replay) return read_recorded(argument, scope, odd, monitor);
+  GroundTruthScope recorded = scope;
+  recorded.query_frames = scope.replay->recorded_frames;
+  recorded.replay.reset();
+  InspectedGroundTruth result = read_recorded(argument, recorded, odd, monitor);
+  result.truth.pairs = replayed(result.truth.pairs, *scope.replay);
+  result.truth.protocol += ", " + replay_text(*scope.replay);
+  result.scope.query_frames = scope.replay->frames();
+  result.scope.replay = scope.replay;
   return result;
 }
 

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/monitor.h"
 #include "ground_truth/dataset.h"
+#include "images/warp.h"
 
 namespace vpr {
 
@@ -30,6 +32,9 @@ struct GroundTruthScope {
   };
   size_t query_frames = 0;
   std::vector<TrainSequence> sequences;
+  /// Where the query is a recording that is replayed: the files know the recording's frames, labels
+  /// are of the replay's.
+  std::optional<Replay> replay = {};
 };
 
 /// Three-valued, by frames (not windows).

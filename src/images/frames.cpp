@@ -203,6 +203,14 @@ FrameList for_each_video_frame(const Sequence& sequence, PixelFormat format, Unr
 
 }  // namespace
 
+FrameList replayed(const FrameList& recorded, Replay replay) {
+  FrameList frames;
+  frames.names = replayed(recorded.names, replay);
+  frames.unreadable = replayed_frames(replay, recorded.unreadable);
+  frames.replay = std::move(replay);
+  return frames;
+}
+
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor, const FrameBody& body) {
   FrameList frames = sequence.kind == SequenceKind::video

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/monitor.h"
 #include "images/decode.h"
 #include "images/sequence.h"
+#include "images/warp.h"
 
 namespace cv {
 class Mat;
@@ -19,10 +21,14 @@ enum class Unreadable { fail, skip };
 
 /// What a pass over a sequence found.
 struct FrameList {
-  std::vector<std::string> names;  ///< per frame: the image's file name, or "#12" of a video
-  std::vector<size_t> unreadable;  ///< rising; frames that keep their index but had no image
+  std::vector<std::string> names;     ///< per frame: the image's file name, or "#12" of a video
+  std::vector<size_t> unreadable;     ///< rising; frames that keep their index but had no image
+  std::optional<Replay> replay = {};  ///< where they are those of a recording that is replayed
   size_t count() const { return names.size(); }
 };
+
+/// The list with its frames replayed.
+FrameList replayed(const FrameList& recorded, Replay replay);
 
 /// Calls body(index, image) for each readable frame, in any order, from several threads. Files are
 /// decoded in parallel; a video is read frame after frame in one thread, without seeking, while

@@ -1,5 +1,9 @@
 #include "pipeline/evaluate.h"
 
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "base/error.h"
 #include "ground_truth/travelled.h"
 
 namespace vpr {
@@ -10,9 +14,21 @@ GroundTruth truth_of(const JudgedBy& by, const GroundTruthScope& scope, const Mo
                          : unknown_ground_truth(scope);
 }
 
-std::vector<double> way_of(const JudgedBy& by, size_t query_frames, const Monitor& monitor) {
+std::vector<double> way_of(const JudgedBy& by, const GroundTruthScope& scope,
+                           const Monitor& monitor) {
   if (by.poses.empty()) return {};
-  return read_travelled(by.poses, query_frames, monitor);
+  return read_travelled(by.poses, scope.query_frames, monitor, scope.replay);
+}
+
+void set_replay(GroundTruthScope& scope, const Replay& replay) {
+  if (replay.frames() != scope.query_frames)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("the scores are of {} of a query, and of {} the warp {} shows {}; give "
+                    "the warp, its seed and the number of frames that they were made with",
+                    counted(scope.query_frames, "frame"), counted(replay.recorded_frames, "frame"),
+                    replay.warp, replay.frames()));
+  scope.replay = replay;
 }
 
 }  // namespace
@@ -21,9 +37,10 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
                            const Monitor& monitor) {
   Evaluation evaluation;
   evaluation.query_name = result.query_name;
-  evaluation.truth = truth_of(by, scope_of(result), monitor);
+  const GroundTruthScope scope = scope_of(result);
+  evaluation.truth = truth_of(by, scope, monitor);
   const GroundTruth& truth = evaluation.truth;
-  const std::vector<double> travelled = way_of(by, result.query_frames, monitor);
+  const std::vector<double> travelled = way_of(by, scope, monitor);
   evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled, monitor)
                                 : judge(result, truth, travelled, monitor);
   JudgedResult& judged = evaluation.result.emplace();
@@ -41,9 +58,10 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   Evaluation evaluation;
   evaluation.query_name = query_name;
   evaluation.scores = settings;
-  const ScoreLayout layout = layout_of(matrix, settings.window_length);
+  ScoreLayout layout = layout_of(matrix, settings.window_length);
+  if (settings.replay) set_replay(layout.scope, *settings.replay);
   evaluation.truth = truth_of(by, layout.scope, monitor);
-  const std::vector<double> travelled = way_of(by, layout.scope.query_frames, monitor);
+  const std::vector<double> travelled = way_of(by, layout.scope, monitor);
   evaluation.judgement =
       judge(matrix, layout, evaluation.truth, settings.threshold, travelled, monitor);
   evaluation.fingerprint = matrix.fingerprint(monitor);

@@ -22,8 +22,9 @@ struct JudgedBy {
 struct ScoreSettings {
   std::string method = "scores";  ///< a name for tables
   ScoreFormat format;
-  uint64_t window_length = 1;       ///< rows and columns are windows of so many frames
-  std::optional<double> threshold;  ///< of a fix; none: that of recall at 100 % precision
+  uint64_t window_length = 1;         ///< rows and columns are windows of so many frames
+  std::optional<double> threshold;    ///< of a fix; none: that of recall at 100 % precision
+  std::optional<Replay> replay = {};  ///< of which query its rows are, where it is replayed
 };
 
 /// A result as a ground truth sees it.
@@ -50,7 +51,8 @@ struct Evaluation {
 Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, const JudgedBy& by,
                            const Monitor& monitor);
 
-/// Scores alone, of any program. `by` names a ground truth. Throws as evaluate_result does.
+/// Scores alone, of any program. `by` names a ground truth. Throws as evaluate_result does, and
+/// Error(data) for a replay of another number of frames.
 Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
                            const std::string& query_name, const JudgedBy& by,
                            const Monitor& monitor);

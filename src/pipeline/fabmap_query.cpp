@@ -52,6 +52,7 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
   result.query_name = query_name;
   result.query_frames = result.query_windows = query.frames.size();
   result.query_unreadable = query.unreadable;
+  result.replay = query.replay;
   ResultPlaces& places = result.places.emplace();
   places.names = searched.place_names();
   places.views = searched.places().size();
@@ -106,6 +107,9 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
                        const std::string& query_name, const FabmapQuerySettings& settings,
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
   check_query_settings(settings);
+  if (settings.loop && query.replay)
+    throw Error(ErrorKind::usage,
+                "a query that is replayed (--warp) can't be its own places (--loop)");
   std::optional<FabmapDatabase> extended;
   if (settings.loop) extended = with_query(database, query, query_name);
   const FabmapDatabase& searched = extended ? *extended : database;

@@ -103,6 +103,16 @@ cv::Mat make_words(const std::vector<cv::Mat>& frames, const FabmapTrainSettings
 
 }  // namespace
 
+SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed) {
+  if (warp.empty()) return words;
+  SequenceWords result;
+  result.replay = replay(warp, words.frames.size(), seed);
+  result.frames = replayed(words.frames, *result.replay);
+  if (!words.names.empty()) result.names = replayed(words.names, *result.replay);
+  result.unreadable = replayed_frames(*result.replay, words.unreadable);
+  return result;
+}
+
 size_t featureless_frames(const SequenceWords& words) {
   const auto wordless = std::count_if(words.frames.begin(), words.frames.end(),
                                       [](const WordSet& frame) { return frame.empty(); });

@@ -1,12 +1,14 @@
 // FAB-MAP from frames: local features, vocabulary, Chow-Liu tree, words.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/monitor.h"
 #include "database/fabmap_database.h"
 #include "images/sequence.h"
+#include "images/warp.h"
 
 namespace vpr {
 
@@ -22,7 +24,11 @@ struct SequenceWords {
   std::vector<WordSet> frames;  ///< empty for a frame without features, or an unreadable one
   std::vector<std::string> names;
   std::vector<size_t> unreadable;
+  std::optional<Replay> replay = {};  ///< where frames are those of a recording that is replayed
 };
+
+/// The frames replayed by `warp`; as they are where that is empty. Throws as replay does.
+SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed);
 
 /// How many frames show no word, though they could be decoded.
 size_t featureless_frames(const SequenceWords& words);

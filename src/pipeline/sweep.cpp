@@ -170,6 +170,7 @@ Sweep count_cells(const Result& shape, const Grid& grid,
                   uint64_t seed, const Monitor& monitor) {
   Sweep sweep;
   sweep.query_name = shape.query_name;
+  sweep.replay = shape.replay;
   sweep.score = &shape.score();
   sweep.protocol = truth.protocol;
   const size_t thresholds = grid.thresholds.size();

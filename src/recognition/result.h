@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "images/warp.h"
 #include "recognition/clustering.h"
 #include "recognition/query_settings.h"
 #include "recognition/row_scan.h"
@@ -59,6 +60,7 @@ struct Result {
   std::string query_name;
   size_t query_frames = 0;
   std::vector<size_t> query_unreadable;
+  std::optional<Replay> replay = {};  ///< of what its frames are, where a recording is replayed
   size_t query_windows = 0;     ///< frames - window_length() + 1; those with an unreadable frame
                                 ///< included
   std::vector<Target> targets;  ///< training sequences, or one: places
@@ -85,6 +87,7 @@ struct QueryPlan {
   std::string query_name;
   size_t query_frames = 0;
   std::vector<size_t> query_unreadable;
+  std::optional<Replay> replay;
   size_t query_windows = 0;
   std::vector<Target> sequences;
   std::optional<UsedStatistics> statistics;

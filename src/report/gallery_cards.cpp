@@ -52,7 +52,9 @@ void GalleryCards::read_frames(const Monitor& monitor) {
     want(*outcome.best);
     if (item.truth) want(*item.truth);
   }
-  if (sources_.query) query_ = make_thumbnails(*sources_.query, query, kThumbnailSide, monitor);
+  if (sources_.query)
+    query_ = make_replay_thumbnails(*sources_.query, judgement_.layout.scope.replay, query,
+                                    kThumbnailSide, monitor);
   references_.resize(references.size());
   for (size_t s = 0; s < references.size(); ++s)
     if (sources_.references[s])

@@ -94,6 +94,7 @@ Json query_json(const Result& result) {
                {"frames", result.query_frames},
                {"windows", result.query_windows},
                {"unreadable", result.query_unreadable}};
+  if (result.replay) json["warp"] = replay_json(*result.replay);
   if (result.places) json["featureless"] = result.places->featureless;
   return json;
 }
@@ -213,6 +214,10 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   companions.write("best_scores", best.scores);
   if (result.views) companions.write("views", view_rows(*result.views), 2);
   if (result.places) companions.write("new_place", result.places->new_place);
+  if (result.replay) {
+    const std::vector<uint32_t>& sources = result.replay->sources;
+    companions.write("source_frames", std::vector<int32_t>(sources.begin(), sources.end()));
+  }
   json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
   return json;

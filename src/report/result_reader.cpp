@@ -162,6 +162,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   Result& result = stored.result;
   read_settings(json, source, result);
   read_query(source, result);
+  read_replay(source, result);
   const bool has_places = std::holds_alternative<FabmapQuerySettings>(result.settings);
   if (has_places) read_places(source, result);
   read_targets(source, result);

@@ -41,4 +41,8 @@ Json timing_json(const std::map<std::string, double>& seconds) {
   return json;
 }
 
+Json replay_json(const Replay& replay) {
+  return {{"name", replay.warp}, {"seed", replay.seed}, {"frames", replay.recorded_frames}};
+}
+
 }  // namespace vpr

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/json_fwd.h"
+#include "images/warp.h"
 
 namespace vpr {
 
@@ -30,5 +31,8 @@ Json machine_json(const RunInfo& run);
 
 /// Seconds by step, to the millisecond.
 Json timing_json(const std::map<std::string, double>& seconds);
+
+/// "warp": how a query was replayed.
+Json replay_json(const Replay& replay);
 
 }  // namespace vpr

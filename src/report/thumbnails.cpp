@@ -65,4 +65,19 @@ std::map<size_t, Thumbnail> make_thumbnails(const Sequence& sequence,
   return found;
 }
 
+std::map<size_t, Thumbnail> make_replay_thumbnails(const Sequence& sequence,
+                                                   const std::optional<Replay>& replay,
+                                                   const std::set<size_t>& wanted, int side,
+                                                   const Monitor& monitor) {
+  if (!replay) return make_thumbnails(sequence, wanted, side, monitor);
+  std::set<size_t> sources;
+  for (const size_t frame : wanted) sources.insert(replay->sources[frame]);
+  const std::map<size_t, Thumbnail> recorded = make_thumbnails(sequence, sources, side, monitor);
+  std::map<size_t, Thumbnail> found;
+  for (const size_t frame : wanted)
+    if (const auto source = recorded.find(replay->sources[frame]); source != recorded.end())
+      found.insert({frame, source->second});
+  return found;
+}
+
 }  // namespace vpr

@@ -3,12 +3,14 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "base/monitor.h"
 #include "images/sequence.h"
+#include "images/warp.h"
 
 namespace vpr {
 
@@ -23,5 +25,11 @@ struct Thumbnail {
 std::map<size_t, Thumbnail> make_thumbnails(const Sequence& sequence,
                                             const std::set<size_t>& wanted, int side,
                                             const Monitor& monitor);
+
+/// The same for frames of a replay of the sequence, or of itself where there is none.
+std::map<size_t, Thumbnail> make_replay_thumbnails(const Sequence& sequence,
+                                                   const std::optional<Replay>& replay,
+                                                   const std::set<size_t>& wanted, int side,
+                                                   const Monitor& monitor);
 
 }  // namespace vpr

@@ -47,6 +47,12 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   -o "$out/s.json" --quiet
 "$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/building/hall@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
   --validate "$out/building/hall@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --warp varying -o "$out/rw.json" --quiet
+"$bin/vpr-eval" "$out/rw.json" --dataset "$out/building/dataset.json" -o "$out/ew.json" --quiet
+"$bin/vpr-eval" --scores "$out/s.npy" --distance --window 5 --warp reversed --query-frames 104 \
+  --ground-truth aligned -o "$out/esw.json" --quiet
+"$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
+  --warp stops -o "$out/sw.json" --quiet
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 --score standardized -o "$out/t2.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 \
@@ -63,4 +69,5 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   "$out/several.json" "$out/en.json" \
   "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \
   "$out/s3.json" "$out/best.json" \
+  "$out/rw.json" "$out/ew.json" "$out/esw.json" "$out/sw.json" \
   "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/t6.json" "$out/s6.json"

@@ -118,6 +118,17 @@ TEST_CASE("ways are sums of straight lines") {
   CHECK(read_travelled(folder / "all.csv@3:6:2", 2, {}) == std::vector<double>{0, 5});
 }
 
+TEST_CASE("ways of a replay go along what it shows") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n");
+  const auto way = [&](const std::string& warp) {
+    const Replay shown = replay(warp, 3, 1);
+    return read_travelled(folder / "p.csv", shown.frames(), {}, shown);
+  };
+  CHECK(way("0.5") == std::vector<double>{0, 0, 5, 5, 6, 6});
+  CHECK(way("reversed") == std::vector<double>{0, 1, 6});
+}
+
 TEST_CASE("without the pose of a frame there are no metres, which is said once") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n3,1,1\n");

@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "base/output_transaction.h"
+#include "ground_truth/formats.h"
 #include "support.h"
 
 using namespace vpr;
@@ -102,4 +104,60 @@ TEST_CASE("an unknown ground truth ignores every pair of what was searched") {
   CHECK(truth.label(1, 0, 2) == PlaceLabel::ignore);
   CHECK(truth.label(0, 2, 0) == PlaceLabel::ignore);
   CHECK_FALSE(truth.has_match(0));
+}
+
+namespace {
+
+// What a query of `frames` frames gives, replayed frame by frame.
+void check_replayed(const std::string& argument, int tolerance,
+                    const test::TemporaryFolder& folder) {
+  GroundTruthArgument given = parse_ground_truth_argument(argument, tolerance);
+  if (argument.ends_with("poses.csv")) {
+    given.options.radius_m = 2;
+    given.options.reference = folder / "poses.csv";
+  }
+  const GroundTruthScope recorded = {60, {{"ref", 60}}};
+  const GroundTruth truth = read_ground_truth(given, recorded);
+  for (const WarpRule& rule : warp_rules()) {
+    INFO(argument << ", " << rule.name);
+    GroundTruthScope scope = recorded;
+    scope.replay = replay(std::string(rule.name), 60, 3);
+    scope.query_frames = scope.replay->frames();
+    const GroundTruth warped = read_ground_truth(given, scope);
+    REQUIRE(warped.pairs.size() == scope.query_frames);
+    CHECK(warped.protocol.find("query replayed ") != std::string::npos);
+    for (size_t k = 0; k < scope.query_frames; ++k)
+      for (size_t r = 0; r < 60; ++r)
+        if (warped.label(k, 0, r) != truth.label(scope.replay->sources[k], 0, r))
+          FAIL("frame " << k << " of the replay, reference " << r);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A replayed frame has the labels of the frame that it shows, in every format") {
+  const test::TemporaryFolder folder;
+  std::string pairs = "query,reference,label\n";
+  std::string poses = "frame,x,y\n";
+  for (int q = 0; q < 60; ++q) {
+    pairs += std::to_string(q) + "," + std::to_string(59 - q) + ",same\n";
+    if (q % 7 == 0) pairs += std::to_string(q) + "," + std::to_string(q / 2) + ",ignore\n";
+    poses += std::to_string(q) + "," + std::to_string(q * q % 40) + ",0\n";
+  }
+  test::write_text(folder / "pairs.csv", pairs);
+  test::write_text(folder / "poses.csv", poses);
+  const GroundTruthScope scope = {60, {{"ref", 60}}};
+  const InspectedGroundTruth truth =
+      inspect_ground_truth({"pairs", folder / "pairs.csv", 0}, scope);
+  OutputTransaction outputs(Existing::refuse);
+  for (const auto& [name, format] :
+       {std::pair("matrix.npy", "matrix"), {"osl.csv", "openseqslam2"}, {"mask.png", "mask"}}) {
+    outputs.claim_file(folder / name);
+    find_format(format).write(truth, outputs.file(folder / name), {});
+  }
+  outputs.commit();
+  for (const char* name : {"pairs.csv", "poses.csv", "matrix.npy", "osl.csv", "mask.png"})
+    check_replayed(folder / name, 1, folder);
+  check_replayed("aligned", 1, folder);
+  check_replayed("nordland-exact", 0, folder);
 }

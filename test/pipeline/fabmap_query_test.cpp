@@ -115,3 +115,32 @@ TEST_CASE("the lower t_p to try is the first round one that recognises something
   CHECK(lower_place_threshold(result_with({at(0, 1, 0.035)}, 1))->place_threshold == 0.03);
   CHECK_FALSE(lower_place_threshold(result_with({std::nullopt}, 1)));
 }
+
+TEST_CASE("A replayed query of FAB-MAP shows the words of the recording again") {
+  const FabmapDatabase database = make_database(100, 12, {}, 3);
+  RandomEngine engine(5);
+  SequenceWords recording;
+  for (int f = 0; f < 45; ++f) recording.frames.push_back(random_words(100, 3, engine));
+  recording.names.resize(45);
+  recording.frames[9].clear();
+  recording.unreadable = {9};
+  FabmapQuerySettings settings;
+  settings.posterior.motion_model = false;  // so that a frame does not depend on those before it
+  const auto best_of = [&](const SequenceWords& words) {
+    return query_fabmap(database, words, "q", settings, 1, {}, {}).result;
+  };
+  const Result plain = best_of(recording);
+  for (const WarpRule& rule : warp_rules()) {
+    INFO(rule.name);
+    const Result result = best_of(replayed(recording, std::string(rule.name), 2));
+    REQUIRE(result.replay);
+    REQUIRE(result.best.size() == result.replay->frames());
+    for (size_t k = 0; k < result.best.size(); ++k) {
+      const auto& expected = plain.best[result.replay->sources[k]];
+      REQUIRE(result.best[k].has_value() == expected.has_value());
+      if (expected) CHECK(result.best[k]->train == expected->train);
+    }
+  }
+  settings.loop = true;
+  CHECK_THROWS_WITH(best_of(replayed(recording, "2", 1)), Catch::Contains("--loop"));
+}

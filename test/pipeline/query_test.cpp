@@ -339,3 +339,50 @@ TEST_CASE("windows whose sums do not fit the files are refused") {
   const Result result = query_all(database, query, settings).result;
   CHECK(result.hits.size() == 96 * 96);  // all vectors are the same
 }
+
+TEST_CASE("A replayed query gives the rows of the recording again, frame by frame") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(70, 1)};
+  const SequenceDatabase database = make_database(train, 1);
+  const auto record = [] {
+    DescriptorSet recording = make_query(test::walk_codes(50, 3));
+    recording.frames.unreadable = {7, 30};
+    return recording;
+  };
+  const auto best_of = [&](const DescriptorSet& query) {
+    SequenceQuerySettings settings;
+    settings.window_length = 1;
+    settings.distance_threshold = 0.5;
+    return query_all(database, query, settings).result;
+  };
+  const Result plain = best_of(record());
+  CHECK_FALSE(plain.replay);
+  for (const WarpRule& rule : warp_rules()) {
+    INFO(rule.name);
+    const bool is_long_enough = rule.least_frames <= 50;
+    REQUIRE(is_long_enough);
+    const Result result = best_of(replayed(record(), std::string(rule.name), 4));
+    REQUIRE(result.replay);
+    REQUIRE(result.query_frames == result.replay->frames());
+    for (size_t k = 0; k < result.query_frames; ++k) {
+      const auto& best = result.best[k];
+      const auto& expected = plain.best[result.replay->sources[k]];
+      REQUIRE(best.has_value() == expected.has_value());
+      if (!best) continue;
+      CHECK(best->train == expected->train);
+      CHECK(best->score == expected->score);
+      CHECK(best->query == k);
+    }
+  }
+}
+
+TEST_CASE("A warp of nothing leaves a query as it is, and short ones say what they lack") {
+  const DescriptorSet same = replayed(make_query(test::walk_codes(3, 3)), "", 1);
+  CHECK_FALSE(same.frames.replay);
+  CHECK(ldb_codes(same) == test::walk_codes(3, 3));
+  CHECK(test::error_text([] {
+          replayed(make_query(test::walk_codes(3, 3)), "kidnap", 1);
+        }).find("41 frames") != std::string::npos);
+  const DescriptorSet one = replayed(make_query(test::walk_codes(1, 3)), "0.5", 1);
+  CHECK(one.frames.count() == 2);
+  CHECK(one.frames.names == std::vector<std::string>{"0", "0"});
+}

@@ -83,6 +83,28 @@ TEST_CASE("a result that was written is read back") {
                                  "r.hits.npy", "r.json"});
 }
 
+TEST_CASE("A replayed query keeps which frames it shows, and what does not fit is refused") {
+  const test::TemporaryFolder folder;
+  Result expected = example();
+  expected.replay = Replay{"varying", 7, 9, {0, 0, 4, 8, 8}};
+  const Json json = write(folder / "r.json", expected, Existing::refuse);
+  CHECK(json["query"]["warp"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", 9}});
+  const Result result = read_result(folder / "r.json").result;
+  REQUIRE(result.replay);
+  CHECK(result.replay->warp == "varying");
+  CHECK(result.replay->seed == 7);
+  CHECK(result.replay->recorded_frames == 9);
+  CHECK(result.replay->sources == expected.replay->sources);
+  for (const Replay& broken :
+       {Replay{"2", 1, 8, {0, 0, 4, 8, 8}}, Replay{"2", 1, 9, {0, 0, 4, 8}},
+        Replay{"2", 1, 9, {0, 0, 4, 8, 8, 8}}, Replay{"2", 1, 51, {0, 0, 4, 8, 8}}}) {
+    Result other = example();
+    other.replay = broken;
+    write(folder / "r.json", other, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
 TEST_CASE("a result of places is written by the same writer, and read back by the same reader") {
   const test::TemporaryFolder folder;
   const Result expected = places_example();

@@ -1,0 +1,73 @@
+// Replays of a recording at another pace, with stops, backwards or in pieces: what a query is
+// judged with that was not walked like the training sequences.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/random.h"
+
+namespace vpr {
+
+/// Paces that a replay may have, in frames of the recording a frame.
+inline constexpr double kSlowestPace = 0.1;
+inline constexpr double kFastestPace = 10;
+
+/// A row of the table: how a recording of at least one frame is replayed.
+struct WarpRule {
+  std::string_view name;
+  std::string_view summary;
+  bool is_forward = true;  ///< sources never fall
+  /// Frames of the replay for each of the recording, at least and at most, give or take one frame.
+  double shortest = 1;
+  double longest = 1;
+  size_t least_frames = 1;  ///< that a recording must have
+  /// The frame of the recording that each frame of the replay is. It depends on both arguments
+  /// alone.
+  std::vector<uint32_t> (*sources)(size_t frames, RandomEngine& engine);
+};
+
+/// The rows that have a name; any other pace is a number.
+std::span<const WarpRule> warp_rules();
+
+/// A name and a sentence a row, for help texts.
+std::string warp_summaries();
+
+/// A recording as it is replayed.
+struct Replay {
+  std::string warp;               ///< a row's name, or a pace
+  uint64_t seed = 1;              ///< of what is drawn
+  size_t recorded_frames = 0;     ///< of the recording
+  std::vector<uint32_t> sources;  ///< by frame of the replay: its frame of the recording
+
+  size_t frames() const { return sources.size(); }
+};
+
+/// Throws Error(usage) unless `warp` is the name of a row or a pace, a number from kSlowestPace to
+/// kFastestPace.
+void check_warp(const std::string& warp);
+
+/// The replay of a recording of `frames` frames; the same for the same arguments on every machine.
+/// A pace p shows frame floor(k p) as its k-th, with p rounded to thousandths. Throws as check_warp
+/// does, and Error(usage) for a recording that is too short for the rule.
+Replay replay(const std::string& warp, size_t frames, uint64_t seed);
+
+/// "query replayed by varying, seed 1"; without the seed for a pace.
+std::string replay_text(const Replay& replay);
+
+/// What belongs to each frame of the recording, for each frame of the replay.
+template <class T>
+std::vector<T> replayed(const std::vector<T>& recorded, const Replay& replay) {
+  std::vector<T> shown;
+  shown.reserve(replay.frames());
+  for (const uint32_t source : replay.sources) shown.push_back(recorded[source]);
+  return shown;
+}
+
+/// The frames of a replay whose frames of the recording are in `frames`, which rises; rising.
+std::vector<size_t> replayed_frames(const Replay& replay, std::span<const size_t> frames);
+
+}  // namespace vpr
