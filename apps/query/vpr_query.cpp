@@ -71,6 +71,11 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
   const auto group = [](Flag flag) { return flag.group(kSequenceGroup); };
   group(add_setting(app, "--c-l", settings.window_length,
                     "window length c_l in frames (default 40)"));
+  group(app.add_list("--rates", settings.rates,
+                     "windows of these rates, training frames for query frames, of which the best "
+                     "counts, as in 1/2,2/3,1,3/2,2 (default 1)")
+            .comma_separated()
+            .type_name("P/Q"));
   group(
       add_setting(app, "--t-r", settings.distance_threshold,
                   "threshold t_r: a number, or auto (default): from how close different places of "

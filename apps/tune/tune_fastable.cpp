@@ -68,6 +68,11 @@ void add_fastable(Program& program, FastableTune& tune) {
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
               "of the numbers: relative (default), mean or bits, as vpr-query takes them; of "
               "standardized scores mean-z");
+  command
+      .add_list("--rates", tune.settings.rates,
+                "windows of these rates, as vpr-query takes them (default 1)")
+      .comma_separated()
+      .type_name("P/Q");
   add_setting(command, "--safety-margin", tune.settings.safety_margin,
               "taken from the automatic t_r of standardized scores (default 0)");
   command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "matching/fastable_online.h"
+#include "matching/rates.h"
 
 namespace vpr {
 namespace {
@@ -183,6 +184,8 @@ void match_fastable_lengths(const FrameDistances& distances, std::span<const siz
   assert(std::all_of(window_lengths.begin(), window_lengths.end(),
                      [](size_t length) { return length >= 1 && length <= kMaxWindowLength; }));
   if (window_lengths.empty()) return;
+  if (!settings.rates.empty())
+    return match_rates(distances, window_lengths, settings, monitor, consume);
   if (distances.is_in_order())
     return match_in_order(distances, window_lengths, settings, monitor, consume);
   const auto [shortest, longest] =

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "matching/rates.h"
 #include "matching/standardization.h"
 
 namespace vpr {
@@ -203,6 +204,8 @@ void match_in_order(const FrameDistances& distances, std::span<const size_t> win
                     const MatchSettings& settings, const Monitor& monitor,
                     const LengthRowConsumer& consume) {
   if (window_lengths.empty()) return;
+  if (!settings.rates.empty())
+    return match_rates(distances, window_lengths, settings, monitor, consume);
   const size_t shortest = *std::min_element(window_lengths.begin(), window_lengths.end());
   if (!any_window_pair(distances, shortest)) return;
   std::vector<FastableState> states = start_lengths(distances, window_lengths, settings);

@@ -43,7 +43,7 @@ std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDist
 
 /// A whole query, row after row, for windows of several lengths at once: frame distances are
 /// computed once, and rows arrive in order, from the calling thread. Takes distances of any kind;
-/// throws what start_fastable throws.
+/// throws what start_fastable throws. Windows of settings.rates go to match_rates.
 void match_in_order(const FrameDistances& distances, std::span<const size_t> window_lengths,
                     const MatchSettings& settings, const Monitor& monitor,
                     const LengthRowConsumer& consume);

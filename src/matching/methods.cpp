@@ -18,12 +18,13 @@ namespace vpr {
 namespace {
 
 constexpr std::array<SequenceMethod, 4> kMethods = {{
-    {"fastable", "distances re-used from row to row, the whole query at once", true, true,
+    {"fastable", "distances re-used from row to row, the whole query at once", true, true, true,
      match_fastable},
-    {"fastable-online", "the same, one query frame after the other as on a phone", true, true,
+    {"fastable-online", "the same, one query frame after the other as on a phone", true, true, true,
      match_fastable_online},
-    {"openable", "every window distance by its definition (slow)", true, false, match_openable},
-    {"lsh", "hashing, approximate: near windows only, and not all of them", false, false,
+    {"openable", "every window distance by its definition (slow)", true, false, false,
+     match_openable},
+    {"lsh", "hashing, approximate: near windows only, and not all of them", false, false, false,
      match_lsh},
 }};
 

@@ -15,6 +15,7 @@ struct SequenceMethod {
   std::string_view summary;
   bool is_exact;
   bool has_scores;  ///< also takes distances that come in order, as standardized ones
+  bool has_rates;   ///< also takes windows of several rates
   void (*match)(const FrameDistances&, const MatchSettings&, const Monitor&, const RowConsumer&);
 };
 

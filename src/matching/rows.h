@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "base/monitor.h"
 #include "matching/frame_distances.h"
@@ -21,6 +22,7 @@ struct DistanceRow {
   size_t sequence = 0;
   size_t train_window = 0;
   std::span<const uint32_t> distances;
+  std::span<const uint8_t> rates = {};  ///< of windows of several rates: which of them each has
 };
 
 /// Called several times for a row, in any order, from several threads at once. Every cell of every
@@ -47,13 +49,22 @@ void visit_fields(LshSettings& settings, Visitor&& visit) {
 /// Bytes for rings and hits, where the user says nothing.
 inline constexpr size_t kDefaultMemoryLimit = size_t{1} << 33;
 
+/// So many training frames pass while the query passes so many; reduced.
+struct Rate {
+  uint32_t train = 1;
+  uint32_t query = 1;
+
+  bool operator==(const Rate&) const = default;
+};
+
 struct MatchSettings {
   size_t window_length = 40;  ///< c_l, at least 1, at most kMaxWindowLength
   /// Bytes for rings; beyond, work is done twice instead.
   size_t memory_limit = kDefaultMemoryLimit;
   RowKernels kernels;
   LshSettings lsh = {};
-  uint64_t seed = 1;  ///< of lsh
+  uint64_t seed = 1;             ///< of lsh
+  std::vector<Rate> rates = {};  ///< of FastABLE: windows of each (rates.h); empty: of rate 1
 };
 
 /// Sums of distances stay below 2^32.

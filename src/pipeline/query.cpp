@@ -7,6 +7,7 @@
 #include "base/step_parts.h"
 #include "base/stopwatch.h"
 #include "matching/fastable_batch.h"
+#include "matching/rates.h"
 #include "matching/views.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
@@ -37,9 +38,12 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
                  const std::optional<ScoreBasis>& basis, const Monitor& monitor) {
   if (cells.empty()) return;
   const size_t length = plan.settings.window_length;
+  const RatedWindows windows{length, parse_rates(plan.settings.rates)};
   const std::vector<Cell> wrong =
-      basis ? wrong_scores(cells, plan.train, plan.query, length, *basis, monitor)
-            : wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
+      !windows.rates.empty() ? wrong_rated_cells(cells, windows, plan.train, plan.query,
+                                                 basis ? &*basis : nullptr, monitor)
+      : basis                ? wrong_scores(cells, plan.train, plan.query, length, *basis, monitor)
+                             : wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
@@ -106,8 +110,9 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
                    const std::vector<RowConsumer>& observers, const Monitor& monitor) {
   QueryRun run;
   const SequenceMethod& method = find_sequence_method(plan.settings.method);
-  const MatchSettings match{plan.settings.window_length, resources.memory_limit, resources.kernels,
-                            plan.settings.lsh, resources.seed};
+  const MatchSettings match{
+      plan.settings.window_length, resources.memory_limit, resources.kernels,
+      plan.settings.lsh,           resources.seed,         parse_rates(plan.settings.rates)};
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
   FrameDistances distances = searched_distances(plan);
   StepTimer timer(run.seconds);

@@ -7,6 +7,7 @@
 
 #include "base/counted.h"
 #include "base/error.h"
+#include "matching/rates.h"
 #include "pipeline/query.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/thresholds.h"
@@ -42,6 +43,15 @@ void check_exactness(const SequenceQuerySettings& settings) {
     throw Error(ErrorKind::usage,
                 fmt::format("{} does not see every window, and so not max(D); give t_r in bits a "
                             "frame, as in --t-r 200 --t-r-scale bits, or auto",
+                            settings.method));
+}
+
+void check_rates(const SequenceQuerySettings& settings) {
+  parse_rates(settings.rates);
+  if (!settings.rates.empty() && !find_sequence_method(settings.method).has_rates)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has windows of rate 1 alone; --rates is for fastable and "
+                            "fastable-online",
                             settings.method));
 }
 
@@ -96,13 +106,14 @@ const ThresholdTable* stored_table(const SequenceDatabase& database, size_t wind
   return is_old ? nullptr : table;
 }
 
-// What the database holds, or else computed. Closest windows of standardized scores depend on the
-// settings, and are computed for each query.
+// What the database holds, or else computed. Closest windows of standardized scores, and of several
+// rates, depend on the settings, and are computed for each query.
 ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
   const SequenceQuerySettings& settings = plan.settings;
-  const MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
-  if (!score_kind(settings.score).is_stored)
+  MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
+  match.rates = parse_rates(settings.rates);
+  if (!score_kind(settings.score).is_stored || !match.rates.empty())
     return closest_windows(database, settings, match, monitor);
   const ThresholdTable* stored = stored_table(database, settings.window_length);
   if (stored != nullptr) return *stored;
@@ -165,6 +176,7 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
                      const QueryResources& resources, const Monitor& monitor) {
   check_settings(settings);
   check_exactness(settings);
+  check_rates(settings);
   check_names(database.sequences, settings);
   check_descriptors(*database.descriptors.kind, *query.descriptors.kind, settings.window_length);
   QueryPlan plan;

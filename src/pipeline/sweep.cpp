@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "matching/fastable_batch.h"
+#include "matching/rates.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
 
@@ -92,7 +93,8 @@ void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
   std::vector<size_t> windows;
   for (const LengthSweep& length : lengths)
     windows.push_back(length.planned.front().settings.window_length);
-  const MatchSettings match{1, resources.memory_limit, resources.kernels};
+  MatchSettings match{1, resources.memory_limit, resources.kernels};
+  match.rates = parse_rates(first.settings.rates);
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
     match_fastable_lengths(scored(distances, basis, first, monitor), windows, match, monitor,
                            consume);

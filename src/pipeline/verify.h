@@ -33,4 +33,16 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
                                const DescriptorSpan& query, size_t window_length,
                                const ScoreBasis& basis, const Monitor& monitor);
 
+struct RatedWindows {
+  size_t length = 1;
+  std::vector<Rate> rates;  ///< at least one
+};
+
+/// The same for windows of several rates, of distances or, with a basis, of standardized scores. A
+/// cell that no window of any rate fits is not wrong.
+std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWindows& windows,
+                                    std::span<const DescriptorSpan> train,
+                                    const DescriptorSpan& query, const ScoreBasis* basis,
+                                    const Monitor& monitor);
+
 }  // namespace vpr

@@ -13,6 +13,7 @@ Json in_force(SequenceQuerySettings settings) {
   const auto own = score_kind(settings.score).settings;
   for (const std::string_view key : score_settings())
     if (std::find(own.begin(), own.end(), key) == own.end()) json.erase(key);
+  if (settings.rates.empty()) json.erase("rates");
   return json;
 }
 

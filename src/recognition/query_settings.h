@@ -31,6 +31,8 @@ struct SequenceQuerySettings {
   Score score = Score::raw;
   double safety_margin = 0;  ///< subtracted from automatic t_r of standardized scores
   StandardizationSettings standardization;
+  std::vector<std::string>
+      rates;  ///< of windows, "3/2": training frames for query frames; empty: 1
 };
 
 template <class Visitor>
@@ -47,6 +49,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("score", settings.score);
   visit("safety_margin", settings.safety_margin);
   visit("standardization", settings.standardization);
+  visit("rates", settings.rates);
 }
 
 /// Of FAB-MAP.

@@ -1,5 +1,9 @@
 #include "recognition/result.h"
 
+#include <limits>
+
+#include "matching/rates.h"
+
 namespace vpr {
 
 Result make_result(const QueryPlan& plan, const HitScanResult& found) {
@@ -21,6 +25,12 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found) {
   for (const Cell& hit : found.hits) result.hits.push_back(match_of(hit));
   for (const auto& best : found.best)
     result.best.push_back(best ? std::optional(match_of(*best)) : std::nullopt);
+  const std::vector<Rate> rates = parse_rates(plan.settings.rates);
+  for (size_t window = 0; !rates.empty() && window < found.best.size(); ++window) {
+    const auto& best = found.best[window];
+    result.best_rates.push_back(best ? ratio_of(rates[best->rate])
+                                     : std::numeric_limits<double>::quiet_NaN());
+  }
   return result;
 }
 

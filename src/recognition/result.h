@@ -67,8 +67,10 @@ struct Result {
   std::vector<Match> hits;      ///< by query, target, train; each once
   std::vector<std::optional<Match>> best;  ///< per query window; ties to the first. None: a window
                                            ///< with an unreadable frame, or a frame without words
-  std::optional<Clusters> clusters;        ///< of the hits, by target, then first hit
-  std::optional<SearchRecall> recall;      ///< of an approximate method
+  std::vector<double> best_rates;    ///< of windows of several rates: training frames a query frame
+                                     ///< of each best match; no number where there is none
+  std::optional<Clusters> clusters;  ///< of the hits, by target, then first hit
+  std::optional<SearchRecall> recall;        ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of standardized scores
   std::optional<ResultViews> views;          ///< none where no typical distance is known
   std::optional<ResultPlaces> places;        ///< of FAB-MAP

@@ -29,7 +29,8 @@ bool closer(const Cell& a, const Cell& b) {
 
 Cell cell_at(const DistanceRow& row, size_t x) {
   return {static_cast<uint32_t>(row.query_window), static_cast<uint32_t>(row.sequence),
-          static_cast<uint32_t>(row.train_window + x), row.distances[x]};
+          static_cast<uint32_t>(row.train_window + x), row.distances[x],
+          row.rates.empty() ? uint8_t{0} : row.rates[x]};
 }
 
 }  // namespace

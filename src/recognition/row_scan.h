@@ -16,6 +16,7 @@ struct Cell {
   uint32_t sequence = 0;
   uint32_t train_window = 0;
   uint32_t distance = 0;  ///< D, or the biased sum of scores, over the window
+  uint8_t rate = 0;       ///< of windows of several rates: which of them
 
   bool operator==(const Cell&) const = default;
 };

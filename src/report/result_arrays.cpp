@@ -118,6 +118,19 @@ void read_matches(const ResultSource& source, Result& result) {
     source.fields.fail("best matches do not fit the query");
 }
 
+void read_rates(const ResultSource& source, Result& result) {
+  const Fields files = source.fields.object("files");
+  if (!files.has("best_rates")) return;
+  const NpyArray array =
+      read_companion(companion_path(source.path, "best_rates.npy"), files.object("best_rates"));
+  const auto rates = array.values<double>(1);
+  if (rates.size() != result.query_windows) files.fail("best_rates.npy does not fit the query");
+  for (size_t window = 0; window < rates.size(); ++window)
+    if (std::isnan(rates[window]) == result.best[window].has_value() || rates[window] <= 0)
+      files.fail("best_rates.npy holds what is no rate");
+  result.best_rates.assign(rates.begin(), rates.end());
+}
+
 // Results of older versions have none.
 void read_views(const ResultSource& source, Result& result) {
   const Fields files = source.fields.object("files");

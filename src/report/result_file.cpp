@@ -212,6 +212,7 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   const MatchColumns best = best_columns(result);
   companions.write("best", best.indices, best.columns);
   companions.write("best_scores", best.scores);
+  if (!result.best_rates.empty()) companions.write("best_rates", result.best_rates);
   if (result.views) companions.write("views", view_rows(*result.views), 2);
   if (result.places) companions.write("new_place", result.places->new_place);
   if (result.replay) {

@@ -168,6 +168,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   read_targets(source, result);
   if (has_places) check_places(source, result);
   read_matches(source, result);
+  read_rates(source, result);
   if (has_places)
     read_new_place(source, result);
   else

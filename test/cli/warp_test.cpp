@@ -1,6 +1,8 @@
 // --warp as a user gives it: replays of a query, and what is judged of them.
 #include "images/warp.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
@@ -167,4 +169,37 @@ TEST_CASE("What is no warp, or does not fit the query, is a usage error") {
   test::check_failure(of_frames("3", "kidnap"), 2, "41 frames or more, found 3");
   CHECK(of_frames("1", "stops").exit_code == 0);
   CHECK(Json::parse(test::read_text(out / "r.json"))["query"]["frames"] == 1);
+}
+
+TEST_CASE(
+    "Windows of several rates are verified by definition, and keep the rate of best matches") {
+  const test::TemporaryFolder out;
+  const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
+    return run_program("vpr-query", joined({world().database(), "--dataset", world().dataset(),
+                                            "--c-l", "8", "--t-r", "0", "-o", out / name},
+                                           more));
+  };
+  const std::vector<std::string> rates = {"--rates", "1/2,2/3,1,3/2,2"};
+  for (const char* score : {"raw", "standardized"}) {
+    INFO(score);
+    const auto outcome = run(
+        "r.json", joined(rates, {"--score", score, "--warp", "2", "--verify", "300", "--force"}));
+    REQUIRE(outcome.exit_code == 0);
+    CHECK(outcome.out.find("300 cells, 0 differences") != std::string::npos);
+  }
+  const NpyArray array(out / "r.best_rates.npy");
+  const auto found = array.values<double>(1);
+  const Json result = Json::parse(test::read_text(out / "r.json"));
+  CHECK(result["settings"]["rates"] == Json{"1/2", "2/3", "1", "3/2", "2"});
+  REQUIRE(found.size() == result["query"]["windows"].get<size_t>());
+  CHECK(std::count(found.begin(), found.end(), 2.0) > static_cast<long>(found.size() / 2));
+  CHECK(evaluate(out / "r.json")["best_match"]["correct"].get<int>() > 0);
+
+  REQUIRE(run("one.json", {"--rates", "1"}).exit_code == 0);
+  REQUIRE(run("plain.json", {}).exit_code == 0);
+  CHECK(test::read_text(out / "one.best.npy") == test::read_text(out / "plain.best.npy"));
+  CHECK(test::read_text(out / "plain.json").find("rates") == std::string::npos);
+  test::check_failure(run("x.json", joined(rates, {"--method", "openable"})), 2, "--rates");
+  test::check_failure(run("x.json", {"--rates", "0/1"}), 2, "3/2");
+  test::check_failure(run("x.json", {"--rates", "1,2/2"}), 2, "twice");
 }

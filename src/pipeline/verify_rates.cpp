@@ -1,0 +1,112 @@
+// Cells of windows of several rates by their definition.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "base/parallel.h"
+#include "matching/plain.h"
+#include "matching/plain_standardized.h"
+#include "matching/rates.h"
+#include "matching/score_kernels.h"
+#include "pipeline/verify.h"
+#include "recognition/threshold.h"
+
+namespace vpr {
+namespace {
+
+/// What sums are of: of training frame i of a sequence and query frame j.
+using PairValue = std::function<double(size_t sequence, size_t i, size_t j)>;
+
+// The sum of the window of a rate that ends at training frame i and query frame j; nothing where it
+// begins before training frame `first`.
+std::optional<double> plain_sum(const PairValue& value, const Rate& rate, size_t length,
+                                size_t sequence, size_t first, size_t i, size_t j) {
+  if (i + 1 < first + rate_span(rate, length)) return std::nullopt;
+  double sum = 0;
+  for (size_t m = 0; m < length; ++m) sum += value(sequence, i - rate_offset(rate, m), j - m);
+  return sum;
+}
+
+// Where the readable run begins that frame i of a sequence is in.
+size_t run_start(const DescriptorSpan& sequence, size_t i) {
+  const auto behind = std::ranges::upper_bound(sequence.unreadable, i);
+  return behind == sequence.unreadable.begin() ? 0 : *(behind - 1) + 1;
+}
+
+// The best of all rates; nothing where no window fits.
+std::optional<double> plain_best(const PairValue& value, const RatedWindows& windows,
+                                 std::span<const DescriptorSpan> train, const Cell& cell) {
+  const size_t i = cell.train_window + windows.length - 1;
+  const size_t first = run_start(train[cell.sequence], i);
+  std::optional<double> best;
+  for (const Rate& rate : windows.rates)
+    if (const auto sum = plain_sum(value, rate, windows.length, cell.sequence, first, i,
+                                   cell.query_window + windows.length - 1))
+      best = std::min(best.value_or(*sum), *sum);
+  return best;
+}
+
+/// z of all query frames that a cell needs to a training frame, computed once.
+class PlainScores {
+ public:
+  PlainScores(std::span<const DescriptorSpan> train, const DescriptorRows& query,
+              const PlainLessons& lessons, const ScoreBasis& basis)
+      : train_(train), query_(query), lessons_(lessons), basis_(basis) {}
+  double operator()(size_t sequence, size_t i, size_t j) {
+    auto& scores = known_[i];
+    if (scores.empty()) {
+      size_t frame = i;
+      for (size_t s = 0; s < sequence; ++s) frame += train_[s].rows.size();
+      scores = plain_frame_scores(train_[sequence].rows[i], basis_.bias[frame],
+                                  basis_.variance[frame], query_, lessons_, basis_);
+    }
+    return scores[j];
+  }
+
+ private:
+  std::span<const DescriptorSpan> train_;
+  DescriptorRows query_;
+  const PlainLessons& lessons_;
+  const ScoreBasis& basis_;
+  std::map<size_t, std::vector<double>> known_;  // by training frame of the one sequence asked for
+};
+
+}  // namespace
+
+std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWindows& windows,
+                                    std::span<const DescriptorSpan> train,
+                                    const DescriptorSpan& query, const ScoreBasis* basis,
+                                    const Monitor& monitor) {
+  const PlainLessons lessons =
+      basis != nullptr ? plain_lessons(train, query, *basis, monitor) : PlainLessons{};
+  const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
+    return plain_distance(train[sequence].rows, i, query.rows, j);
+  };
+  std::vector<std::optional<double>> right(cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    if (basis == nullptr) {
+      right[c] = plain_best(distance, windows, train, cells[c]);
+      return;
+    }
+    // Only an offline score depends on frames behind the window.
+    const size_t known =
+        basis->offline ? query.rows.size() : cells[c].query_window + windows.length;
+    PlainScores scores(train, query.rows.first(known), lessons, *basis);
+    right[c] = plain_best(std::ref(scores), windows, train, cells[c]);
+    if (right[c])
+      *right[c] = *right[c] * kScoreUnit + static_cast<double>(score_offset(windows.length));
+  });
+  const double tolerance = basis == nullptr ? 0 : score_tolerance(windows.length) * kScoreUnit;
+  std::vector<Cell> wrong;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    if (!right[c] || std::abs(cells[c].distance - *right[c]) <= tolerance) continue;
+    wrong.push_back(cells[c]);
+    wrong.back().distance = static_cast<uint32_t>(std::llround(*right[c]));
+  }
+  return wrong;
+}
+
+}  // namespace vpr
