@@ -9,7 +9,8 @@ matches that are right / recall at 100 per cent precision.
 Columns are replays of the query (--warp; seeds 1 to 3, averaged, where something is drawn), or of a
 world its query walks. Rows are what the programs offer: raw and z-score windows, by margin where
 vpr-query has --decide, of the rates 1/2, 2/3, 1, 3/2 and 2 where it has --rates, and the method
-filter where there is one. --short leaves out rows and columns, as the README's table does."""
+filter where there is one. --into FILE writes the tables between the lines "<!-- speed table: begin -->" and "... end -->"
+of FILE, as of docs/methods.md and the README. --short leaves out rows and columns, as the README's table does."""
 import argparse
 import functools
 import json
@@ -115,6 +116,13 @@ def of_world(options):
         return table(options.world.stem, judge, columns, options.rows)
 
 
+def write_into(path, tables):
+    begin, end = (f"<!-- speed table: {edge} -->\n" for edge in ("begin", "end"))
+    before, rest = path.read_text().split(begin)
+    after = rest.split(end)[1]
+    path.write_text(before + begin + "\n".join(tables) + end + after)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -126,23 +134,32 @@ def main():
     parser.add_argument("--tolerance", type=int, default=0)
     parser.add_argument("--name", default="query")
     parser.add_argument("--short", action="store_true")
+    parser.add_argument("--into", type=pathlib.Path)
     parser.add_argument("--bin", type=pathlib.Path, default=HERE / "build/release/bin")
     options = parser.parse_args()
     options.bin = options.bin.resolve()
     options.rows = methods(run(options.bin / "vpr-query", "--help"), options.short)
     if not options.data and not options.world and not (options.train and options.query):
         parser.error("give --data, --world, or --train and --query with --ground-truth")
+    tables = []
+
+    def add(table):
+        tables.append(table)
+        print(table, flush=True)
+
     if options.data:
         for name, train, query, tolerance in [("corridor", "ref", "query", 3),
                                               ("nordland", "summer", "winter", 2)]:
             images = options.data / name
-            print(of_images(options, name, images / train, images / query,
-                            ["--ground-truth", "aligned", "--tolerance", tolerance]), flush=True)
+            add(of_images(options, name, images / train, images / query,
+                          ["--ground-truth", "aligned", "--tolerance", tolerance]))
     if options.world:
-        print(of_world(options), flush=True)
+        add(of_world(options))
     if options.train:
-        print(of_images(options, options.name, options.train, options.query,
-                        ["--ground-truth", options.ground_truth, "--tolerance", options.tolerance]))
+        add(of_images(options, options.name, options.train, options.query,
+                      ["--ground-truth", options.ground_truth, "--tolerance", options.tolerance]))
+    if options.into:
+        write_into(options.into, tables)
 
 
 main()
