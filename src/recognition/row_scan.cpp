@@ -79,6 +79,10 @@ HitScan::HitScan(HitScanSettings settings)
 HitScan::~HitScan() = default;
 
 void HitScan::operator()(const DistanceRow& row) {
+  take(row, settings_.kernels.minimum(row.distances.data(), row.distances.size()));
+}
+
+void HitScan::take(const DistanceRow& row, uint32_t least) {
   Threads::Local& local = threads_->locals.local();
   if (local.best.empty()) {
     Cell none;
@@ -88,7 +92,6 @@ void HitScan::operator()(const DistanceRow& row) {
   const uint32_t* distances = row.distances.data();
   const size_t count = row.distances.size();
   const RowKernels& kernels = settings_.kernels;
-  const uint32_t least = kernels.minimum(distances, count);
   Cell& best = local.best[row.query_window];
   if (least <= best.distance) {
     const Cell candidate = cell_at(row, kernels.find_below(distances, 0, count, least + 1));

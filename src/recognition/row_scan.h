@@ -59,6 +59,8 @@ class HitScan {
   explicit HitScan(HitScanSettings settings);
   ~HitScan();
   void operator()(const DistanceRow& row);
+  /// The same, where the smallest distance of the row is known.
+  void take(const DistanceRow& row, uint32_t least);
   HitScanResult result();
 
  private:

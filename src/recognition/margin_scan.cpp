@@ -1,0 +1,106 @@
+#include "recognition/margin_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+#include <utility>
+
+#include "recognition/row_outline.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kLocks = 256;
+
+/// What is known of one row: an outline of each sequence.
+using RowOutlines = std::vector<RowOutline>;
+
+RowOutline* find(RowOutlines& row, size_t sequence) {
+  for (RowOutline& outline : row)
+    if (outline.sequence == sequence) return &outline;
+  return nullptr;
+}
+
+// Ties: the smallest sequence.
+const RowOutline* find_best(const RowOutlines& row) {
+  const RowOutline* best = nullptr;
+  for (const RowOutline& outline : row)
+    if (best == nullptr || outline.best.distance < best->best.distance ||
+        (outline.best.distance == best->best.distance && outline.sequence < best->sequence))
+      best = &outline;
+  return best;
+}
+
+// The smallest distance in sequences that show another place than this one.
+uint32_t smallest_of_others(const RowOutlines& row, size_t sequence, const Elsewhere& elsewhere) {
+  uint32_t least = kNoDistance;
+  for (const RowOutline& outline : row)
+    if (outline.sequence != sequence && elsewhere.shared[sequence][outline.sequence] == 0)
+      least = std::min(least, outline.best.distance);
+  return least;
+}
+
+}  // namespace
+
+Elsewhere make_elsewhere(std::vector<uint32_t> widths,
+                         const std::vector<std::pair<size_t, size_t>>& shared_places) {
+  const size_t sequences = widths.size();
+  Elsewhere elsewhere{std::move(widths), {}};
+  elsewhere.shared.assign(sequences, std::vector<uint8_t>(sequences, 0));
+  for (const auto& [a, b] : shared_places) elsewhere.shared[a][b] = elsewhere.shared[b][a] = 1;
+  return elsewhere;
+}
+
+struct MarginScan::Rows {
+  explicit Rows(size_t count) : outlines(count) {}
+  std::vector<RowOutlines> outlines;  // per query window
+  std::array<std::mutex, kLocks> locks;
+};
+
+MarginScan::MarginScan(Elsewhere elsewhere, size_t query_windows, const RowKernels& kernels)
+    : elsewhere_(std::move(elsewhere)),
+      kernels_(kernels),
+      rows_(std::make_unique<Rows>(query_windows)) {}
+
+MarginScan::~MarginScan() = default;
+
+void MarginScan::operator()(const DistanceRow& row) {
+  take(row, kernels_.minimum(row.distances.data(), row.distances.size()));
+}
+
+void MarginScan::take(const DistanceRow& row, uint32_t least) {
+  const uint32_t* distances = row.distances.data();
+  const size_t count = row.distances.size();
+  const std::lock_guard lock(rows_->locks[row.query_window % kLocks]);
+  RowOutlines& outlines = rows_->outlines[row.query_window];
+  RowOutline* outline = find(outlines, row.sequence);
+  if (outline != nullptr && least > outline->best.distance && least >= outline->bound) {
+    note_seen(*outline, row.train_window, row.train_window + count);
+    return;
+  }
+  if (outline == nullptr) {
+    outline = &outlines.emplace_back();
+    outline->sequence = static_cast<uint32_t>(row.sequence);
+    outline->width = elsewhere_.widths[row.sequence];
+  }
+  add_piece(*outline, row, least, kernels_.find_below(distances, 0, count, least + 1), kernels_);
+}
+
+MarginScanResult MarginScan::result() const {
+  MarginScanResult result;
+  for (size_t window = 0; window < rows_->outlines.size(); ++window) {
+    const RowOutlines& row = rows_->outlines[window];
+    auto& best = result.best.emplace_back();
+    auto& margin = result.margins.emplace_back();
+    const RowOutline* outline = find_best(row);
+    if (outline == nullptr) continue;
+    best = {static_cast<uint32_t>(window), outline->sequence, outline->best.window,
+            outline->best.distance};
+    const uint32_t elsewhere = std::min(smallest_outside(*outline, outline->best.window),
+                                        smallest_of_others(row, outline->sequence, elsewhere_));
+    if (elsewhere != kNoDistance) margin = elsewhere - outline->best.distance;
+  }
+  return result;
+}
+
+}  // namespace vpr

@@ -1,0 +1,52 @@
+// How much better the best match of a query window is than the best one elsewhere.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "matching/rows.h"
+#include "recognition/row_scan.h"
+
+namespace vpr {
+
+/// What is elsewhere: in the sequence of the best match, windows more than w before or behind it;
+/// in another sequence, all windows if the two show different places, and none if they are walks of
+/// one place.
+struct Elsewhere {
+  std::vector<uint32_t> widths;              ///< w, by sequence
+  std::vector<std::vector<uint8_t>> shared;  ///< [a][b]: whether a and b show the same place
+};
+
+/// Sequences that all show different places, but for these pairs.
+Elsewhere make_elsewhere(std::vector<uint32_t> widths,
+                         const std::vector<std::pair<size_t, size_t>>& shared_places);
+
+/// Per query window. None where no window came; no margin where none is elsewhere.
+struct MarginScanResult {
+  std::vector<std::optional<Cell>> best;         ///< ties to the smallest sequence and train window
+  std::vector<std::optional<uint32_t>> margins;  ///< the smallest distance elsewhere less the
+                                                 ///< best; never negative
+};
+
+/// Takes rows of any exact method, whose values are whole numbers and the better the smaller they
+/// are. Each cell passes once; about 100 bytes are kept of a row for each sequence. The result does
+/// not depend on the order in which pieces arrive, nor on the number of threads.
+class MarginScan {
+ public:
+  MarginScan(Elsewhere elsewhere, size_t query_windows, const RowKernels& kernels);
+  ~MarginScan();
+  void operator()(const DistanceRow& row);
+  /// The same, where the smallest distance of the row is known.
+  void take(const DistanceRow& row, uint32_t least);
+  MarginScanResult result() const;
+
+ private:
+  struct Rows;
+  Elsewhere elsewhere_;
+  RowKernels kernels_;
+  std::unique_ptr<Rows> rows_;
+};
+
+}  // namespace vpr
