@@ -10,6 +10,7 @@
 #include "base/provenance.h"
 #include "database/archive.h"
 #include "database/family.h"
+#include "database/shared_places_json.h"
 
 namespace vpr {
 namespace {
@@ -23,6 +24,7 @@ Json sequence_to_json(const TrainSequence& sequence) {
                {"frames", sequence.frame_count()},
                {"unreadable", sequence.unreadable}};
   if (sequence.typical_distance) json["typical_distance"] = *sequence.typical_distance;
+  if (sequence.half_width) json["half_width"] = *sequence.half_width;
   return json;
 }
 
@@ -42,6 +44,12 @@ double read_typical_distance(const Archive& archive, const Json& json,
   if (!(typical >= 0 && typical <= most_distance(shape)))
     archive.fail("\"typical_distance\" is out of range");
   return typical;
+}
+
+size_t read_half_width(const Archive& archive, const Json& json, size_t frame_count) {
+  const size_t width = manifest_count(archive, json, "half_width");
+  if (width == 0 || width > frame_count) archive.fail("\"half_width\" is out of range");
+  return width;
 }
 
 Json thresholds_to_json(const ThresholdTable& table) {
@@ -110,6 +118,7 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
     sequence.unreadable = read_unreadable(archive, json, count);
     if (json.contains("typical_distance"))
       sequence.typical_distance = read_typical_distance(archive, json, shape);
+    if (json.contains("half_width")) sequence.half_width = read_half_width(archive, json, count);
     sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
                                 frame_names.begin() + ptrdiff_t(first + count));
     first += count;
@@ -230,6 +239,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
   database.descriptors = {&kind, {}, read_codes(archive, frames, kind.shape)};
   database.statistics = read_statistics(archive, frames, kind.shape);
+  database.shared_places = read_shared_places(archive, database.sequences.size());
   return database;
 }
 
@@ -252,6 +262,8 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   manifest["thresholds"] = Json::array();
   for (const ThresholdTable& table : database.thresholds)
     manifest["thresholds"].push_back(thresholds_to_json(table));
+  if (database.shared_places)
+    manifest["shared_places"] = shared_places_to_json(*database.shared_places);
   if (database.statistics) manifest["statistics"] = statistics_to_json(*database.statistics);
   manifest["provenance"] = {
       {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};

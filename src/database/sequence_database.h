@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/monitor.h"
@@ -23,6 +24,8 @@ struct TrainSequence {
   /// Mean frame distance of its frames that are no neighbours; none in databases of
   /// older date.
   std::optional<double> typical_distance = std::nullopt;
+  /// After how many frames it shows another place; none in databases of older date.
+  std::optional<size_t> half_width = std::nullopt;
   size_t frame_count() const { return frame_names.size(); }
 };
 
@@ -50,6 +53,8 @@ struct SequenceDatabase {
   DescriptorStore descriptors;  ///< of all sequences, one after the other
   std::vector<ThresholdTable> thresholds;
   std::optional<TrainStatistics> statistics;  ///< none in databases of older date
+  /// Pairs of sequences that show the same place, a < b, rising; none in databases of older date.
+  std::optional<std::vector<std::pair<size_t, size_t>>> shared_places;
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 

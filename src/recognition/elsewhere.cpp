@@ -4,29 +4,13 @@
 #include <tuple>
 
 #include "recognition/row_scan.h"
+#include "recognition/stretches.h"
 
 namespace vpr {
 namespace {
 
 constexpr size_t kSampledFrames = 10'000;
-constexpr size_t kStretchFrames = 1000;
 constexpr size_t kStrictness = 5;  // one window in so many has something closer elsewhere
-
-/// Frames of a walk that are one query.
-struct Stretch {
-  size_t first = 0;
-  size_t count = 0;
-};
-
-std::vector<Stretch> choose_stretches(size_t frames, size_t window_length, size_t most_pairs) {
-  const size_t length = std::max(kStretchFrames, 2 * window_length);
-  if (length >= frames || frames <= most_pairs / frames) return {{0, frames}};
-  const size_t count = std::max<size_t>(2, most_pairs / frames / length);
-  std::vector<Stretch> stretches;
-  for (size_t s = 0; s < count; ++s)
-    stretches.push_back({s * (frames - length) / (count - 1), length});
-  return stretches;
-}
 
 // Of a row, what is at least `gap` windows before or behind the query window.
 void hand_on_far(const DistanceRow& row, size_t gap, const RowConsumer& consume) {
@@ -41,14 +25,6 @@ void hand_on_far(const DistanceRow& row, size_t gap, const RowConsumer& consume)
   };
   hand_on(row.train_window, to);
   hand_on(from, end);
-}
-
-std::vector<size_t> unreadable_within(const DescriptorSpan& walk, const Stretch& stretch) {
-  std::vector<size_t> frames;
-  for (const size_t frame : walk.unreadable)
-    if (frame >= stretch.first && frame < stretch.first + stretch.count)
-      frames.push_back(frame - stretch.first);
-  return frames;
 }
 
 }  // namespace
@@ -72,24 +48,27 @@ size_t half_width(const DescriptorSpan& walk, const Monitor& monitor) {
   return std::max<size_t>(frames, 1);
 }
 
+void match_far(const DescriptorSpan& walk, size_t window_length, size_t gap,
+               const WalkMatcher& match, const RowConsumer& consume, size_t most_pairs) {
+  const size_t frames = walk.rows.size();
+  if (frames < window_length || gap > frames - window_length) return;
+  const FrameDistances own = frame_distances({&walk, 1}, {walk.rows.first(0), {}});
+  for (const Stretch& stretch : choose_stretches(walk, frames, window_length, most_pairs))
+    match(own.of_query(stretch.of(walk)), [&](DistanceRow row) {
+      row.query_window += stretch.first;
+      hand_on_far(row, gap, consume);
+    });
+}
+
 std::optional<ClosestWindows> closest_elsewhere(const DescriptorSpan& walk, size_t window_length,
                                                 const RowKernels& kernels, const WalkMatcher& match,
                                                 const Monitor& monitor, size_t most_pairs) {
   const size_t frames = walk.rows.size();
   if (frames < window_length) return std::nullopt;
   const size_t windows = frames - window_length + 1;
-  const size_t gap = half_width(walk, monitor) + window_length;
-  if (gap >= windows) return std::nullopt;
-  const FrameDistances own = frame_distances({&walk, 1}, {walk.rows.first(0), {}});
   HitScan scan({{0}, windows, 0, kernels});  // no hits: only what is closest to each window
-  for (const Stretch& stretch : choose_stretches(frames, window_length, most_pairs)) {
-    const std::vector<size_t> unreadable = unreadable_within(walk, stretch);
-    const DescriptorSpan query{walk.rows.subspan(stretch.first, stretch.count), unreadable};
-    match(own.of_query(query), [&](DistanceRow row) {
-      row.query_window += stretch.first;
-      hand_on_far(row, gap, std::ref(scan));
-    });
-  }
+  match_far(walk, window_length, half_width(walk, monitor) + window_length, match, std::ref(scan),
+            most_pairs);
   std::vector<Cell> closest;
   for (const auto& cell : scan.result().best)
     if (cell) closest.push_back(*cell);

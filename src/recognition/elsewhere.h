@@ -22,12 +22,18 @@ using WalkMatcher =
 /// Window pairs of longer walks are compared for stretches of it only, evenly spread.
 inline constexpr size_t kMostOwnPairs = size_t{1} << 31;
 
+/// Rows of the walk against itself, cut to windows that start `gap` frames or more before or behind
+/// the row's. Nothing comes where no two windows are that far apart. A walk of more than most_pairs
+/// window pairs is compared in stretches of 1000 frames, or two windows, each a query of its own.
+void match_far(const DescriptorSpan& walk, size_t window_length, size_t gap,
+               const WalkMatcher& match, const RowConsumer& consume,
+               size_t most_pairs = kMostOwnPairs);
+
 /// For every window of the walk, the closest one that starts half_width(walk) + window_length or
 /// more frames before or behind it; of these pairs, ordered by distance and then by window, the one
 /// behind the closest fifth: the pair at (count - 1) / 5. Ties: the smallest other window. None
 /// where no two windows are that far apart. ClosestWindows::other_sequence is 0. Nothing of size
-/// n x n is kept; a walk of more than most_pairs window pairs is compared in stretches of 1000
-/// frames, or two windows, each a query of its own.
+/// n x n is kept; long walks are compared in stretches, as match_far says.
 std::optional<ClosestWindows> closest_elsewhere(const DescriptorSpan& walk, size_t window_length,
                                                 const RowKernels& kernels, const WalkMatcher& match,
                                                 const Monitor& monitor,

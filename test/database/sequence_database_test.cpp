@@ -130,6 +130,33 @@ TEST_CASE("statistics that can't be are refused") {
   CHECK(kind([](TrainStatistics& s) { s.typical_distance = -1; }) == ErrorKind::data);
 }
 
+TEST_CASE("half-widths and shared places are read back, and refused where they can't be") {
+  const test::TemporaryFolder folder;
+  const auto stored = [&](size_t half_width, std::vector<std::pair<size_t, size_t>> shared) {
+    SequenceDatabase database = example();
+    database.sequences[0].half_width = half_width;
+    database.shared_places = std::move(shared);
+    write(folder / "d.vprdb", database, Existing::replace);
+    return read_sequence_database(folder / "d.vprdb");
+  };
+  const size_t frames = example().sequences[0].frame_count();
+  REQUIRE(example().sequences.size() == 2);
+  CHECK_FALSE(read_sequence_database(write_example(folder)).shared_places);
+  const SequenceDatabase database = stored(1, {{0, 1}});
+  CHECK(database.sequences[0].half_width == 1);
+  CHECK_FALSE(database.sequences[1].half_width);
+  CHECK(database.shared_places == std::vector<std::pair<size_t, size_t>>{{0, 1}});
+  const auto kind = [&](size_t half_width, std::vector<std::pair<size_t, size_t>> shared) {
+    return test::error_kind([&] { stored(half_width, std::move(shared)); });
+  };
+  CHECK(kind(0, {}) == ErrorKind::data);
+  CHECK(kind(frames + 1, {}) == ErrorKind::data);
+  CHECK(kind(1, {{0, 0}}) == ErrorKind::data);
+  CHECK(kind(1, {{1, 0}}) == ErrorKind::data);
+  CHECK(kind(1, {{0, 2}}) == ErrorKind::data);
+  CHECK(kind(1, {{0, 1}, {0, 1}}) == ErrorKind::data);
+}
+
 TEST_CASE("the same content gives the same bytes") {
   const test::TemporaryFolder a;
   const test::TemporaryFolder b;
