@@ -54,13 +54,16 @@ Table places_table(const Result& result) {
   return table;
 }
 
-// The same query with the threshold that is suggested.
+// The same query with the threshold, or margin, that is suggested.
 std::string suggested_command(const Session& session, const SuggestedThreshold& suggested) {
-  std::vector<std::string> added = {"--t-r", fmt::format("{}", suggested.threshold), "--t-r-scale",
-                                    std::string(enum_name(suggested.scale))};
+  std::vector<std::string> added = {suggested.scale ? "--t-r" : "--margin",
+                                    fmt::format("{}", suggested.threshold)};
+  if (suggested.scale)
+    added.insert(added.end(), {"--t-r-scale", std::string(enum_name(*suggested.scale))});
   if (!session.options.output.empty() && !session.options.force) added.emplace_back("--force");
-  return repeated_command(session.run.command_line,
-                          {"--t-r", "--t-r-scale", "--safety-factor", "--safety-margin"}, added);
+  return repeated_command(
+      session.run.command_line,
+      {"--t-r", "--t-r-scale", "--safety-factor", "--safety-margin", "--margin"}, added);
 }
 
 // Nothing where the threshold tells places apart; a warning, too, where it accepts too much.
@@ -188,7 +191,8 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
   finish_matrix(matrix, inputs.matrix, found.result, truth, context, session);
   const Json json = keep_result(session, found.result, context);
-  if (found.result.hits.empty() && !settings.distance_threshold)
+  if (found.result.hits.empty() && settings.decision == Decision::threshold &&
+      !settings.distance_threshold)
     explain_no_hits(database, settings.window_length, session.kernels, session.monitor);
   const std::string advice = advice_text(session, found.result);
   session.print_result(summary(found) + advice, json);

@@ -55,6 +55,10 @@ std::string method_help() {
   text += "\nVariants of FAB-MAP:\n";
   for (const FabmapVariant& variant : fabmap_variants())
     text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
+  text += "\nDecisions:\n";
+  for (size_t d = 0; d < decision_kinds().size(); ++d)
+    text += fmt::format("  {:<17}{}\n", enum_name(static_cast<Decision>(d)),
+                        decision_kinds()[d].summary);
   return text;
 }
 
@@ -92,6 +96,18 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                     "multiplies the automatic t_r (default: the database's)"));
   group(add_setting(app, "--safety-margin", settings.safety_margin,
                     "taken from the automatic t_r of standardized scores (default 0)"));
+  group(add_setting(app, "--decide", settings.decision,
+                    "what is a hit: threshold (default) or margin; see Decisions below"));
+  group(add_setting(app, "--margin", settings.margin,
+                    "with --decide margin, by how much a best match must be better than the best "
+                    "one elsewhere, in score a frame; or auto (default): from how large it is "
+                    "where training sequences show different places"));
+  group(add_setting(app, "--margin-width", settings.margin_width,
+                    "elsewhere is more than so many frames before or behind the best match "
+                    "(default: after how many a training sequence shows another place)"));
+  group(app.add_list("--same-place", settings.same_place,
+                     "A=B: these training sequences show the same place, so that neither is "
+                     "elsewhere for the other; repeatable; none: all differ (default: as found)"));
   group(app.add_list("--only-sequence", settings.only_sequences,
                      "search only this training sequence; repeatable"));
   group(app.add_option("--save-matrix", inputs.matrix,
@@ -234,6 +250,8 @@ int main(int argc, char** argv) {
   Program program("vpr-query", "Recognise the places of a query sequence in a database.",
                   "  vpr-query corridor.vprdb --query tuesday\n"
                   "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
+                  "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "
+                  "-o result.json\n"
                   "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
                   "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
                   "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");

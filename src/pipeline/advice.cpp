@@ -82,9 +82,9 @@ std::optional<SuggestedThreshold> suggest(const Result& result, const std::vecto
   SuggestedThreshold suggested;
   suggested.scale = target.scale;
   suggested.threshold = (std::floor(reached * steps) + 1) / steps;
-  if (suggested.scale == ThresholdScale::relative || suggested.scale == ThresholdScale::mean)
+  if (target.scale == ThresholdScale::relative || target.scale == ThresholdScale::mean)
     suggested.threshold = std::min(suggested.threshold, 1.0);
-  if (suggested.scale == ThresholdScale::mean_z)
+  if (target.scale == ThresholdScale::mean_z)
     suggested.threshold = std::min(suggested.threshold, 0.0);
   for (const Match& match : best)
     if (value_of(result, match) < suggested.threshold) ++suggested.windows;
@@ -95,6 +95,8 @@ std::optional<SuggestedThreshold> suggest(const Result& result, const std::vecto
 }  // namespace
 
 std::optional<ThresholdAdvice> threshold_advice(const Result& result) {
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  if (decision_kind(settings.decision).accepts != nullptr) return margin_advice(result);
   const std::vector<Match> best = best_matches(result);
   if (best.empty()) return std::nullopt;
   const double share = static_cast<double>(result.hits.size()) / count_cells(result, best.size());

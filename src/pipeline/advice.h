@@ -8,12 +8,12 @@
 
 namespace vpr {
 
-/// A threshold that would recognise the closest tenth of the query windows that have a best match,
-/// at least one.
+/// A threshold, or margin, that would recognise the closest tenth of the query windows that have a
+/// best match, at least one.
 struct SuggestedThreshold {
   double threshold = 0;
-  ThresholdScale scale = ThresholdScale::bits;
-  size_t windows = 0;  ///< that it recognises
+  std::optional<ThresholdScale> scale = ThresholdScale::bits;  ///< none: it is a margin
+  size_t windows = 0;                                          ///< that it recognises
 };
 
 struct ThresholdAdvice {
@@ -24,7 +24,11 @@ struct ThresholdAdvice {
 
 /// For a result without a hit, or one in which more than a fifth of all window pairs are hits;
 /// nothing for others, and for one whose windows have no best match. The suggestion is on the scale
-/// of the result, rounded up to a number that people can read.
+/// of the result, rounded to a number that people can read. Of a decision by margin: the margin
+/// that a tenth of the query windows reach.
 std::optional<ThresholdAdvice> threshold_advice(const Result& result);
+
+/// The same of a result by margin, where nothing is recognised.
+std::optional<ThresholdAdvice> margin_advice(const Result& result);
 
 }  // namespace vpr

@@ -77,9 +77,10 @@ class StepTimer {
   Stopwatch watch_;
 };
 
-/// What is found as all rows pass: hits and best matches, and cells to be verified.
+/// What is found as all rows pass: hits, best matches and their margins, and cells to be verified.
 struct Found {
   HitScanResult matches;
+  std::vector<std::optional<uint32_t>> margins;
   std::vector<Cell> cells;
 };
 
@@ -88,14 +89,19 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method,
                  const QueryResources& resources, const std::vector<RowConsumer>& observers,
                  const Monitor& monitor) {
   HitScan scan(scan_settings(plan, resources));
+  std::optional<MarginScan> margins;
+  if (plan.elsewhere) margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
   CellScan cells(choose_cells(distances.train_runs, distances.query_runs, match.window_length,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
   method.match(distances, match, monitor, [&](const DistanceRow& row) {
-    scan(row);
+    const uint32_t least = resources.kernels.minimum(row.distances.data(), row.distances.size());
+    scan.take(row, least);
+    if (margins) margins->take(row, least);
     cells(row);
     for (const RowConsumer& observe : observers) observe(row);
   });
-  Found found{scan.result(), {}};
+  Found found{scan.result(), {}, {}};
+  if (margins) found.margins = margins->result().margins;
   found.cells = method.is_exact
                     ? cells.result()
                     : choose_found(found.matches, resources.verify_cells, resources.seed);
@@ -128,7 +134,7 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), basis, plan, last_pass);
   Found found = match_rows(plan, method, distances, match, resources, observers, last_pass);
-  run.result = make_result(plan, found.matches);
+  run.result = make_result(plan, found.matches, found.margins);
   timer.end_step("match");
 
   if (!method.is_exact) {

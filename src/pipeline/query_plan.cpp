@@ -8,6 +8,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "matching/rates.h"
+#include "pipeline/margin_plan.h"
 #include "pipeline/query.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/thresholds.h"
@@ -22,6 +23,7 @@ void check_settings(const SequenceQuerySettings& settings) {
   if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
     throw Error(ErrorKind::usage, "t_r must be a finite number or auto");
   check_score(settings);
+  check_decision(settings);
   if (settings.clustering.eps < 0 || settings.clustering.eps > kMaxEps)
     throw Error(ErrorKind::usage, fmt::format("clustering.eps must be from 0 to {}, found {}",
                                               kMaxEps, settings.clustering.eps));
@@ -169,6 +171,15 @@ void plan_limits(QueryPlan& plan) {
   }
 }
 
+// Limits of all pairs, or margins of best matches.
+void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
+                   const QueryResources& resources, const Monitor& monitor) {
+  if (decision_kind(plan.settings.decision).accepts != nullptr)
+    return plan_margins(plan, database, resources, monitor);
+  plan_thresholds(plan, database, resources, monitor);
+  plan_limits(plan);
+}
+
 }  // namespace
 
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
@@ -189,8 +200,9 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   plan.query_name = query_name;
   plan_windows(plan, monitor);
   plan_sequences(plan, database.sequences, monitor);
-  plan_thresholds(plan, database, resources, monitor);
-  plan_limits(plan);
+  if (find_sequence_method(settings.method).is_exact)
+    plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
+  plan_decision(plan, database, resources, monitor);
   if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)
     plan.statistics = {plan.learned->settings, plan.learned->typical_distance};
   return plan;

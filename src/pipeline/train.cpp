@@ -10,6 +10,7 @@
 #include "base/step_parts.h"
 #include "images/sequence.h"
 #include "matching/distance_statistics.h"
+#include "pipeline/margin_plan.h"
 #include "pipeline/thresholds.h"
 
 namespace vpr {
@@ -114,6 +115,7 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   append_sequences(database, sequences, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
   add_typical_distances(database, monitor);
+  ensure_places(database, kernels, monitor);
   add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);
   add_statistics(database, settings.statistics, monitor);
   return database;
@@ -129,6 +131,7 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   extended.descriptors.append(database.descriptors.rows());
   append_sequences(extended, sequences, skip_unreadable, monitor);
   add_typical_distances(extended, monitor);
+  ensure_places(extended, kernels, monitor);
   for (const ThresholdTable& table : database.thresholds) {
     warn_of_short_sequences(extended, table.window_length, monitor);
     add_thresholds(extended, table.window_length, table.safety_factor, kernels, monitor);

@@ -7,9 +7,19 @@
 namespace vpr {
 namespace {
 
+// Those of other decisions, and of margins what is not set.
+void leave_out_decisions(Json& json, const SequenceQuerySettings& settings) {
+  for (size_t d = 0; d < decision_kinds().size(); ++d)
+    if (d != static_cast<size_t>(settings.decision))
+      for (const std::string_view key : decision_kinds()[d].settings) json.erase(key);
+  if (!settings.margin_width) json.erase("margin_width");
+  if (settings.same_place.empty()) json.erase("same_place");
+}
+
 Json in_force(SequenceQuerySettings settings) {
   settings.threshold_scale = scale_of(settings);
   Json json = value_to_json(settings);
+  leave_out_decisions(json, settings);
   const auto own = score_kind(settings.score).settings;
   for (const std::string_view key : score_settings())
     if (std::find(own.begin(), own.end(), key) == own.end()) json.erase(key);

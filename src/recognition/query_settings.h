@@ -10,6 +10,7 @@
 #include "base/json_fwd.h"
 #include "matching/word_model.h"
 #include "recognition/clustering.h"
+#include "recognition/decision.h"
 #include "recognition/fabmap_posterior.h"
 #include "recognition/score_kind.h"
 #include "recognition/threshold.h"
@@ -33,6 +34,11 @@ struct SequenceQuerySettings {
   StandardizationSettings standardization;
   std::vector<std::string>
       rates;  ///< of windows, "3/2": training frames for query frames; empty: 1
+  Decision decision = Decision::threshold;
+  std::optional<double> margin;          ///< X, in score a frame; none: automatic
+  std::optional<uint64_t> margin_width;  ///< w; none: half-widths of the training sequences
+  /// "A=B": sequences that show the same place. Empty: as found; "none": all differ.
+  std::vector<std::string> same_place;
 };
 
 template <class Visitor>
@@ -50,6 +56,10 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("safety_margin", settings.safety_margin);
   visit("standardization", settings.standardization);
   visit("rates", settings.rates);
+  visit("decide", settings.decision);
+  visit("margin", settings.margin);
+  visit("margin_width", settings.margin_width);
+  visit("same_place", settings.same_place);
 }
 
 /// Of FAB-MAP.
@@ -94,8 +104,8 @@ using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
 /// The scale that a number is on: the one that was given, or the score's default.
 ThresholdScale scale_of(const SequenceQuerySettings& settings);
 
-/// The settings as files hold them: the default scale filled in, and those of other scores left out
-/// (score_settings).
+/// The settings as files hold them: the default scale filled in, and those of other scores and
+/// decisions left out, as are a margin_width and a same_place that are not set.
 Json settings_in_force(const QuerySettings& settings);
 
 const std::string& method_of(const QuerySettings& settings);

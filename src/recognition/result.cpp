@@ -6,7 +6,21 @@
 
 namespace vpr {
 
-Result make_result(const QueryPlan& plan, const HitScanResult& found) {
+namespace {
+
+// Where the decision asks best matches, those it accepts are the hits.
+void decide(Result& result, const DecisionKind& decision) {
+  if (decision.accepts == nullptr) return;
+  result.hits.clear();
+  for (size_t window = 0; window < result.best.size(); ++window)
+    if (result.best[window] && decision.accepts(result, window))
+      result.hits.push_back(*result.best[window]);
+}
+
+}  // namespace
+
+Result make_result(const QueryPlan& plan, const HitScanResult& found,
+                   const std::vector<std::optional<uint32_t>>& margins) {
   const int64_t offset = plan.score_offset();
   const auto match_of = [&](const Cell& cell) {
     return Match{cell.query_window, cell.sequence, cell.train_window, 0,
@@ -31,7 +45,14 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found) {
     result.best_rates.push_back(best ? ratio_of(rates[best->rate])
                                      : std::numeric_limits<double>::quiet_NaN());
   }
+  result.margins.assign(margins.begin(), margins.end());
+  decide(result, decision_kind(plan.settings.decision));
   return result;
+}
+
+std::optional<double> frame_margin(const Result& result, size_t query_window) {
+  if (query_window >= result.margins.size() || !result.margins[query_window]) return std::nullopt;
+  return result.score().frame_value(*result.margins[query_window], result.window_length());
 }
 
 void cluster(Result& result, const Monitor& monitor) {

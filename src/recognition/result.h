@@ -7,6 +7,7 @@
 
 #include "images/warp.h"
 #include "recognition/clustering.h"
+#include "recognition/margin_scan.h"
 #include "recognition/query_settings.h"
 #include "recognition/row_scan.h"
 
@@ -24,6 +25,7 @@ struct Target {
   uint32_t distance_limit = 0;            ///< a hit has D (a biased sum of scores) below; on the
                                           ///< scale mean, the largest that a query window has
   std::optional<uint32_t> max_distance;   ///< max(D), where the scale is relative
+  std::optional<double> margin = {};      ///< X, where the decision is by margin
   std::vector<double> window_means = {};  ///< M by query window, where the scale is mean; not in
                                           ///< files
 };
@@ -67,9 +69,13 @@ struct Result {
   std::vector<Match> hits;      ///< by query, target, train; each once
   std::vector<std::optional<Match>> best;  ///< per query window; ties to the first. None: a window
                                            ///< with an unreadable frame, or a frame without words
-  std::vector<double> best_rates;    ///< of windows of several rates: training frames a query frame
-                                     ///< of each best match; no number where there is none
-  std::optional<Clusters> clusters;  ///< of the hits, by target, then first hit
+  std::vector<double> best_rates;  ///< of windows of several rates: training frames a query frame
+                                   ///< of each best match; no number where there is none
+  /// By how much the best match of each query window is better than the best one elsewhere, in its
+  /// score; none where there is no elsewhere. Empty where margins are not known: of approximate
+  /// methods, of FAB-MAP, and of results of older date.
+  std::vector<std::optional<double>> margins;
+  std::optional<Clusters> clusters;          ///< of the hits, by target, then first hit
   std::optional<SearchRecall> recall;        ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of standardized scores
   std::optional<ResultViews> views;          ///< none where no typical distance is known
@@ -93,13 +99,19 @@ struct QueryPlan {
   size_t query_windows = 0;
   std::vector<Target> sequences;
   std::optional<UsedStatistics> statistics;
+  std::optional<Elsewhere> elsewhere;  ///< none: no margins
 
   /// By how much the sums of rows are above the scores that a result holds.
   int64_t score_offset() const { return score_kind(settings.score).offset(settings.window_length); }
 };
 
-/// The result of a plan and of what was found: hits, best matches, and not yet clusters.
-Result make_result(const QueryPlan& plan, const HitScanResult& found = {});
+/// The result of a plan and of what was found: hits, best matches and their margins, and not yet
+/// clusters. Of a decision by margin, the hits are best matches.
+Result make_result(const QueryPlan& plan, const HitScanResult& found = {},
+                   const std::vector<std::optional<uint32_t>>& margins = {});
+
+/// The margin of a query window, in score a frame; none where it has none.
+std::optional<double> frame_margin(const Result& result, size_t query_window);
 
 /// Clusters the hits of a sequence method.
 void cluster(Result& result, const Monitor& monitor = {});

@@ -114,6 +114,19 @@ AutomaticThreshold automatic_score(const ClosestTable& closest, size_t sequence,
                                    settings.safety_margin);
 }
 
+// Means of c_l independent distances, and z, spread by 1 / sqrt(c_l). Measured on the corridor
+// against itself and on rendered buildings (docs/methods.md).
+constexpr double kMarginShare = 0.45;
+constexpr double kMarginDeviations = 3;
+
+double least_distance_margin(double typical_distance, size_t window_length) {
+  return kMarginShare * typical_distance / std::sqrt(static_cast<double>(window_length));
+}
+
+double least_score_margin(double, size_t window_length) {
+  return kMarginDeviations / std::sqrt(static_cast<double>(window_length));
+}
+
 std::string raw_title(const SequenceQuerySettings& settings) {
   return fmt::format("t_r, safety factor {:g}", settings.safety_factor.value_or(1));
 }
@@ -144,6 +157,9 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .check = check_raw,
                             .closest = closest_distances,
                             .automatic = automatic_distance,
+                            .margin_unit = "bits a frame",
+                            .most_margin = 65535,
+                            .least_margin = least_distance_margin,
                             .automatic_title = raw_title};
 
 constexpr ScoreKind standardized_row(bool is_offline) {
@@ -168,6 +184,9 @@ constexpr ScoreKind standardized_row(bool is_offline) {
           .check = check_standardized,
           .closest = closest_scores,
           .automatic = automatic_score,
+          .margin_unit = "deviations",
+          .most_margin = 64,
+          .least_margin = least_score_margin,
           .automatic_title = standardized_title};
 }
 

@@ -59,6 +59,11 @@ struct ScoreKind {
                                   const std::function<double()>& typical_distance,
                                   const SequenceQuerySettings& settings) = nullptr;
 
+  std::string_view margin_unit = {};  ///< of a margin a frame, in sentences: "bits a frame"
+  double most_margin = {};            ///< no margin a frame is larger
+  /// What no automatic margin a frame is below, where training frames differ by typical_distance.
+  double (*least_margin)(double typical_distance, size_t window_length) = nullptr;
+
   /// What the automatic t_r was made with, for titles: "t_r, safety factor 1".
   std::string (*automatic_title)(const SequenceQuerySettings& settings) = nullptr;
 };

@@ -90,6 +90,12 @@ const ScoreKind& score_kind_of(const Json& settings) {
   return score_kind(named.value_or(Score::raw));
 }
 
+// What hits were decided by: t_r, t_p, or the setting of another decision.
+std::string_view decided_by(const Json& settings) {
+  const auto decision = enum_value<Decision>(settings.value("decide", std::string()));
+  return decision ? decision_kind(*decision).symbol : score_kind_of(settings).threshold_symbol;
+}
+
 std::string text(const Json& json) {
   return json.is_string() ? json.get<std::string>() : json.dump();
 }
@@ -188,9 +194,12 @@ std::string evaluation_title(const Json& report) {
 
 std::string title_with_settings(const Json& report) {
   std::string title = evaluation_title(report);
-  for (const ScoreKind* kind : {&score_kind(Score::raw), &probability_kind()})
-    for (const std::string_view symbol : {kind->window_symbol, kind->threshold_symbol})
-      title += setting_text(report["settings"], symbol);
+  title += setting_text(report["settings"], score_kind(Score::raw).window_symbol);
+  for (const DecisionKind& decision : decision_kinds())
+    title += setting_text(report["settings"], decision.symbol);
+  for (const std::string_view symbol :
+       {probability_kind().window_symbol, probability_kind().threshold_symbol})
+    title += setting_text(report["settings"], symbol);
   return title;
 }
 
@@ -234,7 +243,7 @@ Table report_table(const Json& report) {
     row.push_back(value);
   };
   const ScoreKind& score = score_kind_of(settings);
-  for (const std::string_view symbol : {score.window_symbol, score.threshold_symbol})
+  for (const std::string_view symbol : {score.window_symbol, decided_by(settings)})
     add(std::string(symbol), text(settings[std::string(symbol)]));
   if (settings.contains("t_r_scale")) {
     const std::string automatic =

@@ -19,13 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kMostSum = 4294967295.0;  // over a window
+
 // Whether a window, or a place, may have such a score.
 bool is_score(double score, const Result& result) {
   if (!std::isfinite(score)) return false;
   if (result.places) return true;
-  constexpr double kMost = 4294967295.0;  // of sums
   const double sum = score + static_cast<double>(offset_of(result));
-  return sum >= 0 && sum <= kMost && std::floor(score) == score;
+  return sum >= 0 && sum <= kMostSum && std::floor(score) == score;
 }
 
 bool is_inside(const Match& match, const Result& result) {
@@ -129,6 +130,24 @@ void read_rates(const ResultSource& source, Result& result) {
     if (std::isnan(rates[window]) == result.best[window].has_value() || rates[window] <= 0)
       files.fail("best_rates.npy holds what is no rate");
   result.best_rates.assign(rates.begin(), rates.end());
+}
+
+// Results of older date have none.
+void read_margins(const ResultSource& source, Result& result) {
+  const Fields files = source.fields.object("files");
+  if (!files.has("margins")) return;
+  const NpyArray array =
+      read_companion(companion_path(source.path, "margins.npy"), files.object("margins"));
+  const auto values = array.values<double>(1);
+  if (values.size() != result.best.size()) files.fail("margins.npy does not fit the query");
+  for (size_t window = 0; window < values.size(); ++window) {
+    auto& margin = result.margins.emplace_back();
+    if (std::isnan(values[window])) continue;
+    margin = values[window];
+    if (!result.best[window] || result.places || !(*margin >= 0 && *margin <= kMostSum) ||
+        std::floor(*margin) != *margin)
+      files.fail("margins.npy holds a number out of range");
+  }
 }
 
 // Results of older versions have none.

@@ -50,6 +50,13 @@ MatchColumns best_columns(const Result& result) {
   return columns;
 }
 
+std::vector<double> margin_column(const Result& result) {
+  std::vector<double> margins;
+  for (const auto& margin : result.margins)
+    margins.push_back(margin.value_or(std::numeric_limits<double>::quiet_NaN()));
+  return margins;
+}
+
 // First frames of views: the query's with -1 for the target, then those of each target.
 std::vector<int32_t> view_rows(const ResultViews& views) {
   std::vector<int32_t> rows;
@@ -109,6 +116,7 @@ Json target_json(const Target& target, const Result& result) {
   json["t_r_scale"] = enum_name(target.scale);
   json["limit"] = target.distance_limit - result.score().offset(result.window_length());
   if (target.max_distance) json["max_distance"] = *target.max_distance;
+  if (target.margin) json["margin"] = *target.margin;
   return json;
 }
 
@@ -213,6 +221,7 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   companions.write("best", best.indices, best.columns);
   companions.write("best_scores", best.scores);
   if (!result.best_rates.empty()) companions.write("best_rates", result.best_rates);
+  if (!result.margins.empty()) companions.write("margins", margin_column(result));
   if (result.views) companions.write("views", view_rows(*result.views), 2);
   if (result.places) companions.write("new_place", result.places->new_place);
   if (result.replay) {

@@ -64,6 +64,10 @@ void read_threshold(const Fields& item, const Json& json, const Result& result, 
   if (!scale) item.fail("\"t_r_scale\" is no scale");
   target.scale = *scale;
   target.distance_limit = read_sum(item, "limit", offset_of(result));
+  if (json.contains("margin")) {
+    if (!item["margin"].is_number()) item.fail("\"margin\" is no number");
+    target.margin = item["margin"].get<double>();
+  }
   if (json.contains("max_distance")) target.max_distance = read_sum(item, "max_distance", 0);
 }
 
@@ -173,6 +177,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
     read_new_place(source, result);
   else
     read_clusters(source, result, monitor);
+  read_margins(source, result);
   read_views(source, result);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");

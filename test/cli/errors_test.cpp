@@ -207,7 +207,7 @@ TEST_CASE("numbers are read as people write them, and only in range") {
   CHECK(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}).exit_code == 0);
   CHECK(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}).exit_code == 0);
   for (const char* kind : {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy",
-                           "r.best_scores.npy", "r.views.npy"})
+                           "r.best_scores.npy", "r.margins.npy", "r.views.npy"})
     fs::remove(bench().folder / kind);
   check_refused(bench().query({"--threads", "-1"}), 2, "threads");
   check_refused(bench().query({"--seed", "99999999999999999999999"}), 2, "seed");

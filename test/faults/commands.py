@@ -81,7 +81,7 @@ def result(name, also=()):
 
 PAIRS = "--ground-truth in/walks/back.ground_truth.csv"
 ALIGNED = "--ground-truth aligned --tolerance 2"  # of databases with one sequence
-SEQUENCE_RESULT = result("r", ("views.npy",))
+SEQUENCE_RESULT = result("r", ("margins.npy", "views.npy"))
 FABMAP_RESULT = result("f", ("new_place.npy",))
 TRAIN = {"train": ("in/walks/one", "in/walks/two")}
 QUERY = {"query": ("in/walks/two", "in/walks/back")}

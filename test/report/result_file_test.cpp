@@ -105,6 +105,30 @@ TEST_CASE("A replayed query keeps which frames it shows, and what does not fit i
   }
 }
 
+TEST_CASE("margins are written beside the best matches, and missing ones are no number") {
+  const test::TemporaryFolder folder;
+  Result result = example();
+  CHECK(read_result(write_example(folder)).result.margins.empty());
+  result.margins = {3, 0, std::nullopt, std::nullopt};
+  result.targets[0].margin = 1.5;
+  write(folder / "r.json", result, Existing::replace);
+  const NpyArray file(folder / "r.margins.npy");
+  const auto values = file.values<double>(1);
+  REQUIRE(values.size() == 4);
+  CHECK(values[0] == 3);
+  CHECK(std::isnan(values[3]));
+  const Result read = read_result(folder / "r.json").result;
+  CHECK(read.margins == result.margins);
+  CHECK(read.targets[0].margin == 1.5);
+  for (const std::vector<std::optional<double>>& wrong :
+       std::vector<std::vector<std::optional<double>>>{
+           {3, 0, {}}, {-1, 0, {}, {}}, {0.5, 0, {}, {}}, {1e10, 0, {}, {}}, {3, 0, {}, 1}}) {
+    result.margins = wrong;
+    write(folder / "r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
 TEST_CASE("a result of places is written by the same writer, and read back by the same reader") {
   const test::TemporaryFolder folder;
   const Result expected = places_example();

@@ -1,0 +1,115 @@
+#include "recognition/automatic_margin.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "base/step_parts.h"
+#include "matching/fastable_batch.h"
+#include "matching/standardized_frames.h"
+#include "recognition/automatic_score.h"
+#include "recognition/elsewhere.h"
+#include "recognition/same_place.h"
+#include "recognition/stretches.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kStrictness = 100;  // one false margin in so many may be as large
+
+size_t windows_of(size_t frames, size_t window_length) {
+  return frames < window_length ? 0 : frames - window_length + 1;
+}
+
+FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
+                      const Monitor& monitor) {
+  return basis ? standardized(std::move(distances), *basis, monitor) : distances;
+}
+
+std::optional<ScoreBasis> basis_of_kept(const ScoreBasis* basis,
+                                        std::span<const DescriptorSpan> sequences,
+                                        const std::vector<uint8_t>& keep) {
+  return basis == nullptr ? std::nullopt : std::optional(basis_of(*basis, sequences, keep));
+}
+
+// A mean frame distance of windows of one walk.
+double distance_a_frame(const DescriptorSpan& walk, size_t a, size_t b, size_t window_length) {
+  uint64_t sum = 0;
+  for (size_t k = 0; k < window_length; ++k) sum += frame_distance(walk.rows, a + k, b + k);
+  return static_cast<double>(sum) / static_cast<double>(window_length);
+}
+
+void add_own(std::vector<uint32_t>& margins, const DescriptorSpan& walk, uint32_t width,
+             const std::optional<ScoreBasis>& basis, const MatchSettings& settings,
+             const Monitor& monitor, size_t most_pairs) {
+  const size_t length = settings.window_length;
+  const size_t windows = windows_of(walk.rows.size(), length);
+  if (windows == 0) return;
+  MarginScan scan(make_elsewhere({width}, {}), windows, settings.kernels);
+  const auto match = [&](const FrameDistances& distances, const RowConsumer& consume) {
+    match_fastable(scored(distances, basis, monitor), settings, monitor, consume);
+  };
+  match_far(walk, length, half_width(walk, monitor) + length, match, std::ref(scan), most_pairs);
+  const MarginScanResult found = scan.result();
+  const double mean = mean_distance_within(frame_distances({&walk, 1}, walk));
+  for (size_t window = 0; window < windows; ++window) {
+    if (!found.margins[window]) continue;
+    const double distance =
+        distance_a_frame(walk, window, found.best[window]->train_window, length);
+    if (!is_same_place(distance, mean, length, kOwnDepth))
+      margins.push_back(*found.margins[window]);
+  }
+}
+
+void add_others(std::vector<uint32_t>& margins, std::span<const DescriptorSpan> sequences,
+                size_t own, const Elsewhere& elsewhere, const ScoreBasis* basis,
+                const MatchSettings& settings, const Monitor& monitor, size_t most_pairs) {
+  std::vector<DescriptorSpan> others(sequences.begin(), sequences.end());
+  std::vector<uint8_t> keep(sequences.size(), 1);
+  for (size_t s = 0; s < sequences.size(); ++s)
+    if (s == own || elsewhere.shared[own][s] != 0) {
+      others[s] = {sequences[s].rows.first(0), {}};
+      keep[s] = 0;
+    }
+  const DescriptorSpan& walk = sequences[own];
+  const size_t frames = count_frames(others);
+  if (frames == 0 || walk.rows.size() < settings.window_length) return;
+  const FrameDistances distances = frame_distances(others, {walk.rows.first(0), {}});
+  const std::optional<ScoreBasis> own_basis = basis_of_kept(basis, sequences, keep);
+  for (const Stretch& stretch :
+       choose_stretches(walk, frames, settings.window_length, most_pairs)) {
+    MarginScan scan(elsewhere, windows_of(stretch.count, settings.window_length), settings.kernels);
+    match_fastable(scored(distances.of_query(stretch.of(walk)), own_basis, monitor), settings,
+                   monitor, std::ref(scan));
+    for (const auto& margin : scan.result().margins)
+      if (margin) margins.push_back(*margin);
+  }
+}
+
+}  // namespace
+
+std::vector<uint32_t> false_margins(std::span<const DescriptorSpan> sequences,
+                                    const Elsewhere& elsewhere, const ScoreBasis* basis,
+                                    const MatchSettings& settings, const Monitor& monitor,
+                                    size_t most_pairs) {
+  std::vector<uint32_t> margins;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    const Monitor part = part_of(monitor, "training", s, sequences.size());
+    std::vector<uint8_t> keep(sequences.size(), 0);
+    keep[s] = 1;
+    add_own(margins, sequences[s], elsewhere.widths[s], basis_of_kept(basis, sequences, keep),
+            settings, part, most_pairs);
+    add_others(margins, sequences, s, elsewhere, basis, settings, part, most_pairs);
+  }
+  std::sort(margins.begin(), margins.end(), std::greater<>());
+  return margins;
+}
+
+double automatic_margin(std::span<const uint32_t> false_margins, const ScoreKind& score,
+                        double typical_distance, size_t window_length) {
+  const double least = score.least_margin(typical_distance, window_length);
+  if (false_margins.empty()) return least;
+  const uint32_t reached = false_margins[(false_margins.size() - 1) / kStrictness];
+  return std::max(least, score.frame_value(1 + static_cast<double>(reached), window_length));
+}
+
+}  // namespace vpr

@@ -1,0 +1,30 @@
+// The automatic margin: how much better a best match is than elsewhere where all of them are wrong.
+#pragma once
+
+#include "matching/rows.h"
+#include "matching/standardization.h"
+#include "recognition/margin_scan.h"
+#include "recognition/score_kind.h"
+
+namespace vpr {
+
+/// Margins of best matches that are wrong, as sums over a window, the largest first: of every
+/// training sequence as a query against all that show other places than it, and against its own
+/// windows that start half_width + c_l or more frames before or behind. Of the latter those are
+/// left out that seem to show the same place after all: whose distance is that of one
+/// (is_same_place, kOwnDepth). Nothing is elsewhere in one short walk: then there are none.
+/// `basis`: of all sequences, of standardized scores; null for distances. Long sequences are
+/// compared in stretches, so that of each no more than most_pairs frame pairs are. Throws
+/// Error(interrupted) on a stop.
+std::vector<uint32_t> false_margins(std::span<const DescriptorSpan> sequences,
+                                    const Elsewhere& elsewhere, const ScoreBasis* basis,
+                                    const MatchSettings& settings, const Monitor& monitor,
+                                    size_t most_pairs = size_t{1} << 31);
+
+/// X in score a frame: just above what one in a hundred of the false margins reaches (the largest
+/// of fewer than 101), so that a few places that look alike, or a stop, do not decide; but at least
+/// what the score says for a training sequence of this typical distance.
+double automatic_margin(std::span<const uint32_t> false_margins, const ScoreKind& score,
+                        double typical_distance, size_t window_length);
+
+}  // namespace vpr

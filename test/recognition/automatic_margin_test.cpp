@@ -1,0 +1,125 @@
+// Margins of best matches that are all wrong, and what follows from them.
+#include "recognition/automatic_margin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "examples.h"
+#include "matching/plain.h"
+#include "recognition/elsewhere.h"
+#include "recognition/same_place.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+MatchSettings match(size_t length) { return {length, kDefaultMemoryLimit, select_kernels()}; }
+
+size_t apart(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
+
+/// Cells of one row: of which sequence, which window, what distance.
+struct Value {
+  size_t sequence = 0;
+  size_t window = 0;
+  uint32_t distance = 0;
+};
+
+// The best one first; by the definition.
+std::optional<uint32_t> slow_margin(const std::vector<Value>& row, const Elsewhere& elsewhere,
+                                    const Value*& best) {
+  best = nullptr;
+  for (const Value& value : row)
+    if (best == nullptr || value.distance < best->distance) best = &value;
+  std::optional<uint32_t> smallest;
+  for (const Value& value : row) {
+    const bool is_elsewhere =
+        value.sequence == best->sequence
+            ? apart(value.window, best->window) > elsewhere.widths[value.sequence]
+            : elsewhere.shared[value.sequence][best->sequence] == 0;
+    if (is_elsewhere && (!smallest || value.distance < *smallest)) smallest = value.distance;
+  }
+  return smallest ? std::optional(*smallest - best->distance) : std::nullopt;
+}
+
+std::vector<uint32_t> slow_margins(const std::vector<DescriptorSpan>& walks,
+                                   const Elsewhere& elsewhere, size_t length) {
+  std::vector<uint32_t> margins;
+  for (size_t own = 0; own < walks.size(); ++own) {
+    const size_t gap = half_width(walks[own]) + length;
+    const double mean = mean_distance_within(frame_distances({&walks[own], 1}, walks[own]));
+    for (size_t j = 0; j + length <= walks[own].rows.size(); ++j) {
+      std::vector<Value> far;
+      std::vector<Value> others;
+      for (size_t s = 0; s < walks.size(); ++s)
+        for (size_t i = 0; i + length <= walks[s].rows.size(); ++i) {
+          const uint32_t distance =
+              plain_window_distance(walks[s].rows, i, walks[own].rows, j, length);
+          if (s == own && apart(i, j) >= gap) far.push_back({s, i, distance});
+          if (s != own && elsewhere.shared[s][own] == 0) others.push_back({s, i, distance});
+        }
+      const Value* best = nullptr;
+      const auto margin = slow_margin(far, elsewhere, best);
+      if (margin && !is_same_place(best->distance / double(length), mean, length, kOwnDepth))
+        margins.push_back(*margin);
+      if (const auto other = slow_margin(others, elsewhere, best)) margins.push_back(*other);
+    }
+  }
+  std::sort(margins.begin(), margins.end(), std::greater<>());
+  return margins;
+}
+
+}  // namespace
+
+TEST_CASE("false margins are those of the definition, for any number of threads") {
+  const test::Example example = test::make_example({70, 45, 60, 4}, 1, 5);
+  const std::vector<DescriptorSpan> walks = example.spans();
+  for (const auto& shared : std::vector<std::vector<std::pair<size_t, size_t>>>{{}, {{0, 2}}}) {
+    const Elsewhere elsewhere = make_elsewhere({2, 0, 5, 1}, shared);
+    for (const size_t length : {1, 6}) {
+      const std::vector<uint32_t> slow = slow_margins(walks, elsewhere, length);
+      REQUIRE(slow.size() > 100);
+      for (const size_t threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        CHECK(false_margins(walks, elsewhere, nullptr, match(length), {}) == slow);
+      }
+    }
+  }
+}
+
+TEST_CASE("a walk that shows a place twice has no false margins there") {
+  std::vector<LdbCode> walk = test::walk_codes(90, 1, 200);
+  std::copy_n(walk.begin() + 5, 20, walk.begin() + 60);
+  const DescriptorSpan span{walk, {}};
+  const Elsewhere elsewhere = make_elsewhere({2}, {});
+  const std::vector<uint32_t> margins = false_margins({&span, 1}, elsewhere, nullptr, match(5), {});
+  CHECK(margins == slow_margins({span}, elsewhere, 5));
+  CHECK(margins.front() < 5 * 150);  // a true one has half of 1386 bits a frame
+}
+
+TEST_CASE("one short walk has no false margins, and the least margin then") {
+  const std::vector<LdbCode> walk = test::walk_codes(10, 1);
+  const DescriptorSpan span{walk, {}};
+  const auto none = false_margins({&span, 1}, make_elsewhere({1}, {}), nullptr, match(9), {});
+  CHECK(none.empty());
+  CHECK(automatic_margin(none, score_kind(Score::raw), 600, 9) == Approx(0.45 * 600 / 3));
+  CHECK(automatic_margin(none, score_kind(Score::standardized), 600, 9) == 1);
+}
+
+TEST_CASE(
+    "the automatic margin is above what one in a hundred reaches, and never below the least") {
+  std::vector<uint32_t> margins(250, 0);
+  margins[0] = 90'000;
+  margins[1] = 80'000;
+  margins[2] = 40'000;  // (250 - 1) / 100
+  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == 400.01);
+  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 10'000) == 4.0001);
+  CHECK(automatic_margin(margins, score_kind(Score::standardized), 600, 4) ==
+        40'001.0 / (1024 * 4));
+  margins[2] = 0;
+  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == Approx(27));
+}
