@@ -3,6 +3,7 @@
 
 #include "base/stopwatch.h"
 #include "images/sequence.h"
+#include "pipeline/margin_plan.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
@@ -31,6 +32,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
+  ensure_places(database, session.kernels, monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
   session.run.memory_limit = command.memory_limit;
   const Stopwatch watch;
@@ -43,7 +45,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,
         resources, monitor);
-    explain_automatic(found.cells, database, session);
+    if (settings.decision == Decision::threshold) explain_automatic(found.cells, database, session);
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(sources, sweep, monitor);
@@ -57,12 +59,23 @@ void add_fastable(Program& program, FastableTune& tune) {
       "fastable", "All window lengths and thresholds of FastABLE in one pass.",
       "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv\n"
       "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
-      "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json",
+      "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json\n"
+      "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
+      "--score standardized --decide margin --margin 0.2:1:0.1",
       [&tune](Session& session) { tune_fastable(session, tune); });
   program.add_config(command, tune.settings);
   add_tune_inputs(command, tune.inputs);
   command.add_option("--c-l", tune.inputs.grid.windows, window_length_help());
   command.add_option("--t-r", tune.inputs.grid.thresholds, distance_threshold_help());
+  add_setting(command, "--decide", tune.settings.decision,
+              "what is a hit: threshold (default), or margin, which is swept instead of t_r");
+  command.add_option("--margin", tune.inputs.grid.margins, margin_help());
+  add_setting(command, "--margin-width", tune.settings.margin_width,
+              "elsewhere is more than so many frames before or behind the best match (default: "
+              "after how many a training sequence shows another place)");
+  command.add_list("--same-place", tune.settings.same_place,
+                   "A=B: these training sequences show the same place; repeatable; none: all "
+                   "differ (default: as found)");
   add_setting(command, "--score", tune.settings.score,
               "raw (default), standardized or standardized-offline");
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "number_lists.h"
 #include "pipeline/train.h"
 
@@ -18,6 +19,10 @@ constexpr const char* kPlaceThresholds = "0.3:0.9:0.1,0.95,0.99,0.999";
 // By ThresholdScale: relative, bits, mean-z, mean.
 constexpr std::array<const char*, 4> kDistanceThresholds = {"0.3:0.9:0.025", "100:490:15",
                                                             "-4:-0.5:0.125", "0.4:0.98:0.02"};
+
+// Of raw distances, and of standardized scores.
+constexpr const char* kDistanceMargins = "4:80:4,auto";
+constexpr const char* kScoreMargins = "0.1:1.5:0.1,auto";
 
 std::string given_or(const std::string& given, const char* otherwise) {
   return given.empty() ? otherwise : given;
@@ -39,14 +44,26 @@ std::vector<uint64_t> fitting_windows(const SequenceDatabase& database,
   return lengths.empty() ? std::vector{shortest} : lengths;
 }
 
+std::vector<std::optional<double>> swept_thresholds(const GridFlags& flags,
+                                                    const SequenceQuerySettings& settings) {
+  const bool by_margin = settings.decision == Decision::margin;
+  if (!(by_margin ? flags.thresholds : flags.margins).empty())
+    throw Error(ErrorKind::usage,
+                by_margin ? "--t-r decides nothing with --decide margin; sweep --margin"
+                          : "--margin is swept with --decide margin; add it, or sweep --t-r");
+  const char* margins = settings.score == Score::raw ? kDistanceMargins : kScoreMargins;
+  if (by_margin) return parse_thresholds(given_or(flags.margins, margins), "--margin");
+  const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];
+  return parse_thresholds(given_or(flags.thresholds, thresholds), "--t-r");
+}
+
 }  // namespace
 
 Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
                    const SequenceDatabase& database, const DescriptorSet& query) {
-  const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];
   return {flags.windows.empty() ? fitting_windows(database, query)
                                 : parse_counts(flags.windows, "--c-l"),
-          parse_thresholds(given_or(flags.thresholds, thresholds), "--t-r")};
+          swept_thresholds(flags, settings)};
 }
 
 Grid fabmap_grid(const GridFlags& flags) {
@@ -67,6 +84,13 @@ std::string distance_threshold_help() {
       "of them (default: {}; in bits {}; of the mean {}; of standardized scores {})",
       kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[3],
       kDistanceThresholds[2]);
+}
+
+std::string margin_help() {
+  return fmt::format(
+      "with --decide margin, margins in score a frame, as in 0.2:1:0.1; the word auto may be one "
+      "of them (default: {}; of standardized scores {})",
+      kDistanceMargins, kScoreMargins);
 }
 
 std::string fabmap_window_help() {

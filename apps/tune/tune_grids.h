@@ -12,11 +12,12 @@ namespace vpr {
 struct GridFlags {
   std::string windows;     ///< c_l or c_w
   std::string thresholds;  ///< t_r or t_p
+  std::string margins;     ///< instead of t_r, with --decide margin
 };
 
 /// The default c_l are those of 5, 10, 20, 40 and 80 that fit the query and a training sequence (5
-/// where none does); the default t_r go from strict to loose on the scale of the settings. Throws
-/// Error(usage) as the lists do.
+/// where none does); the default t_r, or margins, go over the scale of the settings. Throws
+/// Error(usage) as the lists do, and for the list of the other decision.
 Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
                    const SequenceDatabase& database, const DescriptorSet& query);
 Grid fabmap_grid(const GridFlags& flags);
@@ -24,6 +25,7 @@ Grid fabmap_grid(const GridFlags& flags);
 /// For help: "windows ..., default ...".
 std::string window_length_help();
 std::string distance_threshold_help();
+std::string margin_help();
 std::string fabmap_window_help();
 std::string place_threshold_help();
 

@@ -30,8 +30,9 @@ std::vector<std::string> setting_flags(const QuerySettings& recommended) {
   const Json settings = settings_in_force(recommended);
   std::vector<std::string> flags;
   for (const auto& [key, flag] :
-       {std::pair("c_l", "--c-l"), std::pair("t_r", "--t-r"), std::pair("c_w", "--c-w"),
-        std::pair("t_p", "--t-p"), std::pair("score", "--score")})
+       {std::pair("c_l", "--c-l"), std::pair("t_r", "--t-r"), std::pair("decide", "--decide"),
+        std::pair("margin", "--margin"), std::pair("margin_width", "--margin-width"),
+        std::pair("c_w", "--c-w"), std::pair("t_p", "--t-p"), std::pair("score", "--score")})
     if (settings.contains(key)) {
       const Json& value = settings[key];
       const std::string text = value.is_string() ? value.get<std::string>() : value.dump();

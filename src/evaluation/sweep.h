@@ -18,8 +18,8 @@ namespace vpr {
 /// One setting of a grid, and what it gives.
 struct CellCounts {
   uint64_t window = 0;                  ///< c_l or c_w
-  std::optional<double> threshold;      ///< t_r or t_p; none: automatic
-  std::optional<ThresholdScale> scale;  ///< of t_r; none of a probability
+  std::optional<double> threshold;      ///< t_r, a margin or t_p; none: automatic
+  std::optional<ThresholdScale> scale;  ///< of t_r; none of others
   Counts counts;
 };
 
@@ -30,8 +30,8 @@ struct SweepScore {
   uint64_t correct = 0;             ///< hits
   uint64_t incorrect = 0;           ///< hits
   uint64_t window = 0;              ///< c_l or c_w
-  std::optional<double> looseness;  ///< t_r, or -t_p: more is accepted where it is larger;
-                                    ///< none: automatic
+  std::optional<double> looseness;  ///< t_r, or -t_p, or less the margin: more is accepted where it
+                                    ///< is larger; none: automatic
 };
 
 SweepScore score_of(const CellCounts& cell, ScoreOrder order);
@@ -91,9 +91,12 @@ struct ValidatedCell {
 /// One query's sweep, which has a cell.
 struct Sweep {
   std::string query_name;
-  std::optional<Replay> replay = {};                 ///< of what the query's frames are
-  const ScoreKind* score = &score_kind(Score::raw);  ///< what thresholds are of
-  std::vector<CellCounts> cells;                     ///< by window, then threshold
+  std::optional<Replay> replay = {};  ///< of what the query's frames are
+  const ScoreKind* score = &score_kind(Score::raw);
+  std::string threshold_symbol = "t_r";               ///< what is swept beside the window: or t_p,
+                                                      ///< or a margin
+  ScoreOrder threshold_order = ScoreOrder::distance;  ///< distance: a larger one accepts more
+  std::vector<CellCounts> cells;                      ///< by window, then threshold
   Recommendation recommendation;
   std::optional<QuerySettings> recommended_settings;
   std::optional<SweepIntervals> intervals;

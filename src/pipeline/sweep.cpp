@@ -19,8 +19,9 @@ namespace {
 
 /// One window length: a plan for each threshold, and what is found for all of them.
 struct LengthSweep {
-  std::vector<QueryPlan> planned;  // as many as thresholds
-  HitScanResult found;             // below the largest limit of any of them
+  std::vector<QueryPlan> planned;                // as many as thresholds
+  HitScanResult found;                           // below the largest limit of any of them
+  std::vector<std::optional<uint32_t>> margins;  // where the decision asks for them
 };
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
@@ -45,7 +46,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
     for (const auto& threshold : grid.thresholds) {
       SequenceQuerySettings settings = base;
       settings.window_length = length;
-      settings.distance_threshold = threshold;
+      settings.*decision_kind(base.decision).setting = threshold;
       sweep.planned.push_back(plan_query(database, query, query_name, settings, resources, once));
     }
   }
@@ -109,19 +110,31 @@ void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
         if (needs_maxima(plan)) set_relative_limits(plan, maxima[l].result());
   }
   std::deque<HitScan> hits;
-  for (const LengthSweep& length : lengths)
+  std::deque<MarginScan> margins;
+  for (const LengthSweep& length : lengths) {
     hits.emplace_back(widest_scan(length, share_of(resources, lengths.size())));
-  match_lengths([&](size_t l, const DistanceRow& row) { hits[l](row); });
-  for (size_t l = 0; l < lengths.size(); ++l) lengths[l].found = hits[l].result();
+    if (decision_kind(first.settings.decision).accepts != nullptr)
+      margins.emplace_back(*first.elsewhere, length.planned.front().query_windows,
+                           resources.kernels);
+  }
+  match_lengths([&](size_t l, const DistanceRow& row) {
+    hits[l](row);
+    if (!margins.empty()) margins[l](row);
+  });
+  for (size_t l = 0; l < lengths.size(); ++l) {
+    lengths[l].found = hits[l].result();
+    if (!margins.empty()) lengths[l].margins = margins[l].result().margins;
+  }
 }
 
 // The result of one cell: what the widest search found below its own limits.
-Result cell_result(const QueryPlan& plan, const HitScanResult& widest, const Monitor& monitor) {
+Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monitor& monitor) {
+  const HitScanResult& widest = length.found;
   const HitScanSettings limits = scan_settings(plan, {});
   HitScanResult found{{}, widest.best};
   for (const Cell& hit : widest.hits)
     if (hit.distance < limits.limit(hit.sequence, hit.query_window)) found.hits.push_back(hit);
-  Result result = make_result(plan, found);
+  Result result = make_result(plan, found, length.margins);
   cluster(result, monitor);
   return result;
 }
@@ -158,11 +171,20 @@ void add_once(std::vector<T>& values, const T& value) {
 // The scale of t_r, as it was set or, where it is automatic, found; none of a probability.
 std::optional<ThresholdScale> threshold_scale(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
-  if (settings == nullptr) return std::nullopt;
+  if (settings == nullptr || decision_kind(settings->decision).accepts != nullptr)
+    return std::nullopt;
   if (settings->distance_threshold) return scale_of(*settings);
   for (const Target& target : result.targets)
     if (target.threshold) return target.scale;
   return result.score().automatic_scale;
+}
+
+// What is swept beside the window.
+void name_threshold(Sweep& sweep, const QuerySettings& settings) {
+  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
+  const auto* decision = sequences == nullptr ? nullptr : &decision_kind(sequences->decision);
+  sweep.threshold_symbol = decision == nullptr ? sweep.score->threshold_symbol : decision->symbol;
+  sweep.threshold_order = decision == nullptr ? sweep.score->order : decision->order;
 }
 
 // What both families share: from results of cells to counts, and to a choice. `shape`: the result
@@ -174,6 +196,7 @@ Sweep count_cells(const Result& shape, const Grid& grid,
   sweep.query_name = shape.query_name;
   sweep.replay = shape.replay;
   sweep.score = &shape.score();
+  name_threshold(sweep, shape.settings);
   sweep.protocol = truth.protocol;
   const size_t thresholds = grid.thresholds.size();
   sweep.cells.resize(grid.windows.size() * thresholds);
@@ -184,7 +207,7 @@ Sweep count_cells(const Result& shape, const Grid& grid,
                       threshold_scale(result), count_recognitions(result, truth, monitor)};
     counter.add();
   });
-  sweep.recommendation = recommend(sweep.cells, sweep.score->order);
+  sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
   if (!sweep.recommendation.cell) return sweep;
   const Result recommended = result_of(*sweep.recommendation.cell);
   sweep.recommended_settings = recommended.settings;
@@ -215,7 +238,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
   const size_t thresholds = grid.thresholds.size();
   const auto result_of = [&](size_t cell) {
     const LengthSweep& length = lengths[cell / thresholds];
-    return cell_result(length.planned[cell % thresholds], length.found, monitor);
+    return cell_result(length.planned[cell % thresholds], length, monitor);
   };
   return count_cells(shape, grid, result_of, truth, resources.seed, monitor);
 }

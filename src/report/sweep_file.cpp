@@ -18,11 +18,10 @@ Json best_json(const BestMatchCounts& best) {
   return {{"queries", best.queries}, {"correct", best.correct}, {"ignored", best.ignored}};
 }
 
-Json named_cell_json(const std::string& query, const CellCounts& cell, const ScoreKind& score) {
-  Json json = {
-      {"query", query},
-      {std::string(score.window_symbol), cell.window},
-      {std::string(score.threshold_symbol), cell.threshold ? Json(*cell.threshold) : Json("auto")}};
+Json named_cell_json(const std::string& query, const CellCounts& cell, const Sweep& sweep) {
+  Json json = {{"query", query},
+               {std::string(sweep.score->window_symbol), cell.window},
+               {sweep.threshold_symbol, cell.threshold ? Json(*cell.threshold) : Json("auto")}};
   if (cell.scale) json["t_r_scale"] = enum_name(*cell.scale);
   json["counts"] = counts_json(cell.counts);
   json["best_match"] = best_json(cell.counts.best_match);
@@ -61,7 +60,7 @@ Json choice_json(const Sweep& sweep, size_t first) {
   }
   if (sweep.validation)
     json["validation"] =
-        named_cell_json(sweep.validation->query_name, sweep.validation->cell, *sweep.score);
+        named_cell_json(sweep.validation->query_name, sweep.validation->cell, sweep);
   return json;
 }
 
@@ -71,15 +70,16 @@ Json sweep_json(std::string_view method, const QuerySettings& base,
                 const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds) {
   Json json = {
       {"schema", "vpr.sweep/1"}, {"method", method}, {"settings", settings_in_force(base)}};
-  const ScoreKind& score = score_of(base);
-  for (const std::string_view varied : {score.window_symbol, score.threshold_symbol})
-    json["settings"].erase(std::string(varied));
+  for (const Sweep& sweep : sweeps)
+    for (const std::string& varied :
+         {std::string(sweep.score->window_symbol), sweep.threshold_symbol})
+      json["settings"].erase(varied);
   json["cells"] = Json::array();
   json["queries"] = Json::array();
   for (const Sweep& sweep : sweeps) {
     json["queries"].push_back(choice_json(sweep, json["cells"].size()));
     for (const CellCounts& cell : sweep.cells)
-      json["cells"].push_back(named_cell_json(sweep.query_name, cell, *sweep.score));
+      json["cells"].push_back(named_cell_json(sweep.query_name, cell, sweep));
   }
   json["provenance"] = provenance_json(run);
   json["machine"] = machine_json(run);

@@ -99,7 +99,7 @@ std::vector<SweepCell> sweep_cells(const Sweep& sweep) {
   std::vector<SweepCell> cells;
   for (const CellCounts& cell : sweep.cells)
     cells.push_back({std::to_string(cell.window), cell.threshold ? number(*cell.threshold) : "auto",
-                     score_of(cell, sweep.score->order).looseness,
+                     score_of(cell, sweep.threshold_order).looseness,
                      std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure),
                      cell.counts.hits, cell.counts.clusters, cell.counts.mixed_clusters,
                      cell.counts.distinct, cell.counts.best_match});
@@ -107,8 +107,8 @@ std::vector<SweepCell> sweep_cells(const Sweep& sweep) {
 }
 
 SweepSymbols sweep_symbols(const Sweep& sweep) {
-  const bool is_distance = sweep.score->order == ScoreOrder::distance;
-  return {std::string(sweep.score->window_symbol), std::string(sweep.score->threshold_symbol),
+  const bool is_distance = sweep.threshold_order == ScoreOrder::distance;
+  return {std::string(sweep.score->window_symbol), sweep.threshold_symbol,
           is_distance ? "larger" : "smaller", is_distance ? "smaller" : "larger"};
 }
 

@@ -185,3 +185,36 @@ TEST_CASE("a threshold of FAB-MAP is a number") {
           sweep_fabmap(database, {}, "q", {}, {{1}, {1.5}}, make_truth, 1, {});
         }) == ErrorKind::usage);
 }
+
+TEST_CASE("a sweep by margin gives what single queries by margin give") {
+  const SequenceDatabase database = make_database();
+  std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
+  codes.erase(codes.begin(), codes.begin() + 10);
+  DescriptorSet query = test::make_query(codes);
+  query.frames.unreadable = {30};
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  SequenceQuerySettings base;
+  base.decision = Decision::margin;
+  const Grid grid{{1, 12}, {0, 30, 90, 300, std::nullopt}};
+  const Sweep sweep = sweep_sequences(database, query, "q", base, grid, make_truth, resources, {});
+  CHECK(sweep.threshold_symbol == "margin");
+  CHECK(sweep.threshold_order == ScoreOrder::similarity);
+  REQUIRE(sweep.cells.size() == 10);
+  for (size_t c = 0; c < sweep.cells.size(); ++c) {
+    SequenceQuerySettings settings = base;
+    settings.window_length = grid.windows[c / 5];
+    settings.margin = grid.thresholds[c % 5];
+    const Result result =
+        run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {})
+            .result;
+    const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
+    INFO("cell " << c);
+    CHECK(numbers(sweep.cells[c].counts.hits) == numbers(alone.hits));
+    CHECK(numbers(*sweep.cells[c].counts.clusters) == numbers(*alone.clusters));
+    CHECK_FALSE(sweep.cells[c].scale);
+  }
+  // A smaller margin accepts more.
+  CHECK(sweep.cells[0].counts.hits.correct > sweep.cells[3].counts.hits.correct);
+  CHECK(sweep.cells[1].counts.hits.correct > 0);
+}
