@@ -35,6 +35,7 @@ bool only_looks(const Session& session, const EvalInputs& inputs) {
 JudgedBy judged_by(const Session& session, const EvalInputs& inputs,
                    const std::optional<std::string>& query_name, DatabaseFamily family) {
   JudgedBy by;
+  by.confidence = inputs.confidence;
   by.poses = inputs.scores.poses;
   if (!inputs.ground_truth.empty())
     by.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);

@@ -27,6 +27,7 @@ struct EvalInputs {
   std::string protocols;
   std::string expected;
   TableFormat format = TableFormat::text;
+  Confidence confidence = Confidence::score;
   CsvInputs csv;
   ScoreInputs scores;
   PictureInputs pictures;

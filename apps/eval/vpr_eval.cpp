@@ -29,6 +29,7 @@ template <class Visitor>
 void visit_fields(EvalSettings& settings, Visitor&& visit) {
   visit("tolerance", settings.inputs.flags.tolerance_frames);
   visit("format", settings.inputs.format);
+  visit("confidence", settings.inputs.confidence);
 }
 
 void check_names(const EvalInputs& inputs) {
@@ -152,6 +153,9 @@ int main(int argc, char** argv) {
   add_csv_options(app, inputs.csv);
   EvalSettings settings{inputs};
   program.add_config(app, settings);
+  add_setting(app, "--confidence", inputs.confidence,
+              "what best matches are accepted by, in curves, metrics and pictures: score (default) "
+              "or margin, how much better than the best one elsewhere; the other stands beside it");
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
   app.add_footer(metrics_help());
   CompareInputs compare;

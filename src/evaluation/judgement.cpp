@@ -1,5 +1,6 @@
 #include "evaluation/judgement.h"
 
+#include "base/error.h"
 #include "evaluation/full_precision_recall.h"
 #include "evaluation/pair_curve.h"
 
@@ -12,7 +13,7 @@ void take_matrix(Judgement& judgement, const ScoreMatrix& matrix, const GroundTr
   judgement.all_pairs = PairJudgement{pair_curve(matrix, truth, judgement.layout, scan, monitor),
                                       scan.ignored_pairs, scan.same_without_score};
   judgement.outcomes = std::move(scan.outcomes);
-  judgement.single_best = single_best_curve(judgement.outcomes);
+  order_by(judgement, Confidence::score);
 }
 
 size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
@@ -37,12 +38,27 @@ bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
   return false;
 }
 
+void order_by(Judgement& judgement, Confidence confidence) {
+  const Outcomes& outcomes = judgement.outcomes;
+  if (confidence == Confidence::margin && !outcomes.has_margins)
+    throw Error(ErrorKind::usage,
+                "there are no margins: FAB-MAP, lsh and score matrices have none, and results of "
+                "older date do not hold them; leave --confidence out, or run vpr-query again");
+  judgement.confidence = confidence;
+  judgement.single_best = single_best_curve(outcomes, confidence);
+  judgement.other_best.reset();
+  if (!outcomes.has_margins) return;
+  const bool by_score = confidence == Confidence::score;
+  judgement.other_best =
+      single_best_curve(outcomes, by_score ? Confidence::margin : Confidence::score);
+}
+
 Judgement judge(const Result& result, const GroundTruth& truth, std::span<const double> travelled_m,
                 const Monitor& monitor) {
   Judgement judgement;
   judgement.layout = layout_of(result);
   judgement.outcomes = outcomes_of(result, truth);
-  judgement.single_best = single_best_curve(judgement.outcomes);
+  order_by(judgement, Confidence::score);
   for (const Match& hit : result.hits) {
     check_stop(monitor);
     judgement.recognised.push_back({hit.query, column_of(judgement.layout, hit.target, hit.train)});
@@ -78,7 +94,10 @@ Judgement judge(const Result& result, const ScoreMatrix& matrix, const GroundTru
                 std::span<const double> travelled_m, const Monitor& monitor) {
   Judgement judgement = judge(result, truth, travelled_m, monitor);
   require_fit(matrix, judgement.layout);
-  if (truth.is_known) take_matrix(judgement, matrix, truth, monitor);
+  if (!truth.is_known) return judgement;
+  take_matrix(judgement, matrix, truth, monitor);
+  add_margins(judgement.outcomes, result);
+  order_by(judgement, Confidence::score);
   return judgement;
 }
 

@@ -26,7 +26,9 @@ struct RecognisedCell {
 struct Judgement {
   ScoreLayout layout;
   Outcomes outcomes;
+  Confidence confidence = Confidence::score;  ///< that best matches are ordered by
   Curve single_best;
+  std::optional<Curve> other_best;  ///< the same by the other confidence, where margins are known
   std::optional<PairJudgement> all_pairs;  ///< where there is a matrix
   std::vector<RecognisedCell> recognised;  ///< hits of a result, accepted best matches of scores
   std::optional<double> threshold;         ///< of accepted best matches
@@ -38,6 +40,10 @@ struct Judgement {
 /// other in pictures: with a threshold for each sequence, the hit may be another than the best
 /// match.
 bool is_recognised(const Judgement& judgement, const QueryOutcome& query);
+
+/// Orders best matches by this confidence from now on. Throws Error(usage) where it is margin, and
+/// no margins are known.
+void order_by(Judgement& judgement, Confidence confidence);
 
 /// `travelled_m` is what localise takes: one value a query frame, or none.
 Judgement judge(const Result& result, const GroundTruth& truth, std::span<const double> travelled_m,

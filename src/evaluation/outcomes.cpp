@@ -45,7 +45,30 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
       query.verdict = Verdict::unreadable;
     }
   }
+  add_margins(outcomes, result);
   return outcomes;
+}
+
+void add_margins(Outcomes& outcomes, const Result& result) {
+  outcomes.has_margins = !result.margins.empty();
+  for (size_t window = 0; window < result.margins.size(); ++window) {
+    QueryOutcome& query = outcomes.queries[window];
+    const auto& best = result.best[window];
+    if (best && query.best && query.best->sequence == best->target &&
+        query.best->reference == anchor_of(best->train, result.window_length())) {
+      query.margin = frame_margin(result, window);
+      query.asked_margin = result.targets[best->target].margin;
+    }
+  }
+}
+
+uint64_t confidence_key(const QueryOutcome& query, Confidence by) {
+  if (by == Confidence::score) return query.key;
+  return query.margin ? score_key(*query.margin, ScoreOrder::similarity) : kNoScore;
+}
+
+ScoreOrder confidence_order(const Outcomes& outcomes, Confidence by) {
+  return by == Confidence::score ? outcomes.kind : ScoreOrder::similarity;
 }
 
 uint64_t judged_queries(const Outcomes& outcomes) {
@@ -77,12 +100,13 @@ BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   return counts;
 }
 
-Curve single_best_curve(const Outcomes& outcomes) {
+Curve single_best_curve(const Outcomes& outcomes, Confidence by) {
   std::vector<ScoredItem> items;
   for (const QueryOutcome& query : outcomes.queries)
-    if (is_judged(query)) items.push_back({query.key, query.verdict == Verdict::correct});
+    if (is_judged(query))
+      items.push_back({confidence_key(query, by), query.verdict == Verdict::correct});
   sort_items(items);
-  return curve_of(items, judged_queries(outcomes), outcomes.kind);
+  return curve_of(items, judged_queries(outcomes), confidence_order(outcomes, by));
 }
 
 }  // namespace vpr

@@ -1,9 +1,12 @@
 // What became of every query: its best match, and whether it is right.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string_view>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "evaluation/counts.h"
 #include "evaluation/curve.h"
 #include "evaluation/score_layout.h"
@@ -17,6 +20,12 @@ enum class Verdict {
   unreadable  ///< the query has no scores: not judged
 };
 
+/// What best matches are accepted by: their score, or their margin, how much better they are than
+/// the best one elsewhere.
+enum class Confidence { score, margin };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<Confidence> = {"score", "margin"};
+
 struct QueryOutcome {
   size_t frame = 0;  ///< of the query: a window's anchor
   Verdict verdict = Verdict::incorrect;
@@ -28,6 +37,9 @@ struct QueryOutcome {
   /// 1 + references in front of the first correct one, ties to the first, ignored ones left out;
   /// known from a matrix only, and none where no correct one has a score.
   std::optional<size_t> rank;
+  std::optional<double> margin = {};  ///< of the best match, in score a frame; none: not known
+  std::optional<double> asked_margin =
+      {};  ///< that makes it a hit, where the decision is by margin
 };
 
 struct Outcomes {
@@ -36,10 +48,14 @@ struct Outcomes {
   size_t window_length = 1;
   bool has_ranks = false;             ///< from a matrix
   std::vector<QueryOutcome> queries;  ///< by frame
+  bool has_margins = false;           ///< from a result that holds them
 };
 
 /// Sets has_match and is_unreachable of the query whose frame is set.
 void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout);
+
+/// Gives best matches the margins that a result holds of the same ones.
+void add_margins(Outcomes& outcomes, const Result& result);
 
 /// Best matches of a result, judged at anchors; a best match that is labelled ignore is `ignored`
 /// (what would have come next is not known). A readable window without one is incorrect.
@@ -52,9 +68,13 @@ uint64_t tied_queries(const Outcomes& outcomes);
 /// As a report counts best matches.
 BestMatchCounts best_match_counts(const Outcomes& outcomes);
 
-/// Whether a query's best match is accepted or not at each threshold: correct and incorrect best
-/// matches, those of queries without a match among the incorrect ones; unreadable and ignored ones
-/// left out. Recall is over judged_queries.
-Curve single_best_curve(const Outcomes& outcomes);
+/// Smaller keys are more confident; kNoScore where the best match has none: it is never accepted.
+uint64_t confidence_key(const QueryOutcome& query, Confidence by);
+ScoreOrder confidence_order(const Outcomes& outcomes, Confidence by);
+
+/// Whether a query's best match is accepted or not at each threshold of its score, or its margin:
+/// correct and incorrect best matches, those of queries without a match among the incorrect ones;
+/// unreadable and ignored ones left out. Recall is over judged_queries.
+Curve single_best_curve(const Outcomes& outcomes, Confidence by = Confidence::score);
 
 }  // namespace vpr

@@ -43,6 +43,7 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   const std::vector<double> travelled = way_of(by, scope, monitor);
   evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled, monitor)
                                 : judge(result, truth, travelled, monitor);
+  order_by(evaluation.judgement, by.confidence);
   JudgedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
   judged.by_view = count_by_view(result, truth, monitor);
@@ -64,6 +65,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   const std::vector<double> travelled = way_of(by, layout.scope, monitor);
   evaluation.judgement =
       judge(matrix, layout, evaluation.truth, settings.threshold, travelled, monitor);
+  order_by(evaluation.judgement, by.confidence);
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);
   return evaluation;

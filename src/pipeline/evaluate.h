@@ -16,6 +16,7 @@ namespace vpr {
 struct JudgedBy {
   std::optional<GroundTruthArgument> ground_truth;  ///< none: what is found counts as unjudged
   std::filesystem::path poses;  ///< of the query's frames, for metres; empty: frames only
+  Confidence confidence = Confidence::score;  ///< of best matches
 };
 
 /// What is known of a score matrix of another program.
@@ -47,7 +48,7 @@ struct Evaluation {
 };
 
 /// A result, with the matrix that was saved with it, if there is one. Throws what
-/// read_ground_truth, read_travelled and judge throw.
+/// read_ground_truth, read_travelled, judge and order_by throw.
 Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, const JudgedBy& by,
                            const Monitor& monitor);
 

@@ -80,6 +80,7 @@ struct ScoreAxis {
 
 /// Scores as thresholds are given: t_r in bits a frame or as mean z, t_p, or as they are.
 ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
+  if (judgement.confidence == Confidence::margin) return {"the margin, from the largest on", 1};
   const auto length = static_cast<double>(judgement.layout.window_length);
   if (!report.contains("counts")) return {score_words(report), 1};
   if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
@@ -93,13 +94,23 @@ size_t accepted_as(const QueryOutcome& query) {
   return query.verdict == Verdict::correct ? 0 : query.verdict == Verdict::incorrect ? 1 : 2;
 }
 
-std::vector<const QueryOutcome*> strictest_first(const Outcomes& outcomes) {
-  std::vector<const QueryOutcome*> order;
-  for (const QueryOutcome& query : outcomes.queries)
-    if (query.best && std::isfinite(score_of_key(query.key, outcomes.kind)))
-      order.push_back(&query);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const QueryOutcome* a, const QueryOutcome* b) { return a->key < b->key; });
+/// A best match, by the confidence in force.
+struct RankedMatch {
+  double value = 0;
+  const QueryOutcome* query = nullptr;
+};
+
+std::vector<RankedMatch> strictest_first(const Judgement& judgement) {
+  const Outcomes& outcomes = judgement.outcomes;
+  const ScoreOrder kind = confidence_order(outcomes, judgement.confidence);
+  std::vector<RankedMatch> order;
+  for (const QueryOutcome& query : outcomes.queries) {
+    const double value = score_of_key(confidence_key(query, judgement.confidence), kind);
+    if (query.best && std::isfinite(value)) order.push_back({value, &query});
+  }
+  std::stable_sort(order.begin(), order.end(), [&](const RankedMatch& a, const RankedMatch& b) {
+    return is_better(a.value, b.value, kind);
+  });
   return order;
 }
 
@@ -121,7 +132,12 @@ Chart curve_chart(const Json& report, const Judgement& judgement) {
   chart.x.range = chart.y.range = {0, 1};
   if (judgement.all_pairs)
     chart.series.push_back(curve_series(Meaning::all_pairs, judgement.all_pairs->curve));
-  chart.series.push_back(curve_series(Meaning::best_matches, judgement.single_best));
+  const bool by_score = judgement.confidence == Confidence::score;
+  chart.series.push_back(
+      curve_series(by_score ? Meaning::best_matches : Meaning::by_margin, judgement.single_best));
+  if (judgement.other_best)
+    chart.series.push_back(
+        curve_series(by_score ? Meaning::by_margin : Meaning::best_matches, *judgement.other_best));
   leave_out_empty(chart);
   return chart;
 }
@@ -132,23 +148,39 @@ Chart threshold_chart(const Json& report, const Judgement& judgement) {
   chart.y.label = "best matches accepted";
   for (const Meaning meaning : kAccepted)
     chart.series.push_back(series_of(meaning, SeriesStyle::line));
-  const auto order = strictest_first(judgement.outcomes);
-  const auto threshold = [&](const QueryOutcome& query) {
-    return score_of_key(query.key, judgement.outcomes.kind) / axis.divisor;
-  };
-  if (!order.empty() && threshold(*order.front()) != threshold(*order.back()))
-    chart.x.range = {threshold(*order.front()), threshold(*order.back())};
+  const std::vector<RankedMatch> order = strictest_first(judgement);
+  const auto threshold = [&](const RankedMatch& match) { return match.value / axis.divisor; };
+  if (!order.empty() && threshold(order.front()) != threshold(order.back()))
+    chart.x.range = {threshold(order.front()), threshold(order.back())};
   std::array<size_t, 3> counts = {};
   const size_t thinning = std::max<size_t>(1, order.size() / kMostPoints);
   for (size_t i = 0; i < order.size(); ++i) {
-    ++counts[accepted_as(*order[i])];
+    ++counts[accepted_as(*order[i].query)];
     if (i % thinning != 0 && i + 1 < order.size()) continue;
     for (size_t kind = 0; kind < kAccepted.size(); ++kind)
-      chart.series[kind].points.emplace_back(threshold(*order[i]), counts[kind]);
+      chart.series[kind].points.emplace_back(threshold(order[i]), counts[kind]);
   }
   std::erase_if(chart.series, [](const Series& series) {
     return series.points.empty() || series.points.back().second == 0;
   });
+  return chart;
+}
+
+Chart margin_chart(const Json& report, const Judgement& judgement) {
+  Chart chart{"margins", evaluation_title(report)};
+  chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);
+  chart.y.label = "margin, a frame";
+  for (const Meaning meaning : kAccepted)
+    chart.series.push_back(series_of(meaning, SeriesStyle::points, SeriesMark::dot));
+  Series asked = series_of(Meaning::asked_margin, SeriesStyle::line);
+  for (const QueryOutcome& query : judgement.outcomes.queries) {
+    const double frame = static_cast<double>(query.frame) + 0.5;
+    if (query.margin) chart.series[accepted_as(query)].points.emplace_back(frame, *query.margin);
+    if (query.margin && query.asked_margin) asked.points.emplace_back(frame, *query.asked_margin);
+  }
+  chart.series.push_back(asked);
+  leave_out_empty(chart);
+  chart.width = 1000;
   return chart;
 }
 
@@ -217,6 +249,7 @@ void draw_evaluation(const Json& report, const Judgement& judgement, const Groun
   if (judgement.outcomes.has_ranks && judged_queries(judgement.outcomes) > 0)
     charts.push_back(recall_chart(report, judgement));
   charts.push_back(timeline_chart(report, judgement, truth, monitor));
+  charts.push_back(margin_chart(report, judgement));
   for (const Chart& chart : charts)
     if (!chart.series.empty()) draw_chart(chart, folder);
   const ScorePicture picture = draw_scores(judgement, truth, matrix, kMatrixSide, monitor);

@@ -13,13 +13,18 @@ namespace vpr {
 class RowPixels;
 struct ScorePicture;
 
-/// Precision against recall: best matches and, where there are some, all pairs. It has no series
-/// where nothing is judged.
+/// Precision against recall: best matches, those by margin where margins are known, and, where
+/// there are some, all pairs. It has no series where nothing is judged.
 Chart curve_chart(const Json& report, const Judgement& judgement);
 
 /// Best matches that a threshold accepts, from the strictest to the loosest, in the unit in which
 /// thresholds are given: right ones, wrong ones, and those that are not judged.
 Chart threshold_chart(const Json& report, const Judgement& judgement);
+
+/// The margin of every query frame's best match, a frame of its window: right ones, wrong ones and
+/// those that are not judged, and as a line the margin that was asked for, where the decision is by
+/// margin. It has no series where no margins are known.
+Chart margin_chart(const Json& report, const Judgement& judgement);
 
 /// Best matches and ground truth along the query's path, frames of the training sequences upwards,
 /// band by band, and below, a bar of fixes. It has no series where there are neither.
@@ -39,7 +44,8 @@ Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const G
 /// The meanings that a chart shows, for a legend outside it.
 std::vector<Meaning> meanings_of(const Chart& chart);
 
-/// Writes precision-recall, recall@K (where ranks are known), timeline and matrix as SVG and PNG
+/// Writes precision-recall, recall@K (where ranks are known), timeline, margins (where they are
+/// known) and matrix as SVG and PNG
 /// into the folder of an output. Throws Error(output).
 void draw_evaluation(const Json& report, const Judgement& judgement, const GroundTruth& truth,
                      const ScoreMatrix* matrix, const std::filesystem::path& folder,

@@ -85,6 +85,17 @@ std::string curves_html(const Json& report, const Judgement& judgement) {
          "</div>";
 }
 
+/// Margins along the path, with their legend; nothing where none are known.
+std::string margins_html(const Json& report, const Judgement& judgement) {
+  Chart chart = margin_chart(report, judgement);
+  if (chart.series.empty()) return "";
+  chart.title = "margin of every query frame's best match";
+  chart.height = 300;
+  return "<h3>Margins: how much better than elsewhere</h3>\n<p class=\"legend\">" +
+         legend_html(meanings_of(chart)) + "</p>" + scroll_begin(html_escaped(chart.title)) +
+         page_svg(chart) + "</div>\n";
+}
+
 /// What the first table says, without the protocol, which stands above.
 std::string tables_html(const Json& report, bool is_judged) {
   if (!is_judged) return table_html(unjudged_table(report));
@@ -168,6 +179,7 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
        {"curves", curves_html(report, judgement)},
        {"timeline_legend", legend_html(meanings_of(timeline))},
        {"timeline", page_svg(timeline)},
+       {"margins", margins_html(report, judgement)},
        {"matrix_title", matrix != nullptr ? "Scores of all pairs" : "Recognitions of all pairs"},
        {"matrix_legend", legend_html(meanings_of(pairs))},
        {"matrix", page_svg(pairs)},

@@ -33,10 +33,17 @@ Json curve_metrics_json(const Curve& curve) {
   return json;
 }
 
+// The key of best matches by the confidence that is not in force.
+const char* other_key(Confidence confidence) {
+  return confidence == Confidence::score ? "by_margin" : "by_score";
+}
+
 Json metrics_json(const Judgement& judgement) {
   Json json = {{"single_best", curve_metrics_json(judgement.single_best)}};
   if (judgement.outcomes.has_ranks)
     json["single_best"]["tied_queries"] = tied_queries(judgement.outcomes);
+  if (judgement.other_best)
+    json[other_key(judgement.confidence)] = curve_metrics_json(*judgement.other_best);
   if (judgement.all_pairs) {
     json["all_pairs"] = curve_metrics_json(judgement.all_pairs->curve);
     json["all_pairs"]["same_without_score"] = judgement.all_pairs->same_without_score;
@@ -88,17 +95,20 @@ Json outcomes_json(const Outcomes& outcomes) {
   std::string letters;
   std::string scores;
   std::string ranks;
+  std::string margins;
   for (const QueryOutcome& query : outcomes.queries) {
     const std::string space = letters.empty() ? "" : " ";
     letters += letter_of(query);
     scores += query.best ? fmt::format("{}{}", space, score_of_key(query.key, outcomes.kind))
                          : space + "-";
     ranks += query.rank ? fmt::format("{}{}", space, *query.rank) : space + "-";
+    margins += query.margin ? fmt::format("{}{}", space, *query.margin) : space + "-";
   }
   Json json = {{"first_frame", outcomes.window_length - 1},
                {"scores_are", enum_name(outcomes.kind)},
                {"best", letters},
                {"scores", scores}};
+  if (outcomes.has_margins) json["margins"] = margins;
   if (outcomes.has_ranks) json["ranks"] = ranks;
   return json;
 }
@@ -138,7 +148,11 @@ Table curve_table(const Json& report) {
     table.rows.push_back({name, mode["to_find"].dump()});
     for (std::string& cell : metric_cells(mode)) table.rows.back().push_back(std::move(cell));
   };
-  add("best matches", metrics["single_best"]);
+  const bool by_margin = report.contains("confidence");
+  add(by_margin ? "best matches, by margin" : "best matches", metrics["single_best"]);
+  for (const auto& [key, name] :
+       {std::pair("by_margin", "the same by margin"), std::pair("by_score", "the same by score")})
+    if (metrics.contains(key)) add(name, metrics[key]);
   if (metrics.contains("all_pairs")) add("all pairs", metrics["all_pairs"]);
   return table;
 }
@@ -184,7 +198,11 @@ std::vector<CurvePoint> thinned(const Curve& curve, size_t most) {
 void add_judgement(Json& report, const Judgement& judgement) {
   report["metrics"] = metrics_json(judgement);
   report["localisation"] = localisation_json(judgement.localisation);
+  if (judgement.confidence != Confidence::score)
+    report["confidence"] = enum_name(judgement.confidence);
   report["curves"] = {{"single_best", curve_json(judgement.single_best)}};
+  if (judgement.other_best)
+    report["curves"][other_key(judgement.confidence)] = curve_json(*judgement.other_best);
   if (judgement.all_pairs) report["curves"]["all_pairs"] = curve_json(judgement.all_pairs->curve);
   report["outcomes"] = outcomes_json(judgement.outcomes);
 }
@@ -197,6 +215,10 @@ void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_re
           "queries with a match; the best match of a query without one is incorrect; ") +
       (has_ranks ? "references labelled ignore are passed over"
                  : "a query whose best match is labelled ignore is left out");
+  if (judgement.outcomes.has_margins)
+    protocol["margin"] =
+        "how much better the best match is than the best one elsewhere, in score a frame; a best "
+        "match without one is never accepted by its margin";
   if (judgement.all_pairs)
     protocol["all_pairs"] =
         "a threshold accepts pairs that score at least as good; recall is over all pairs of the "
@@ -225,7 +247,8 @@ void append_metrics(Table& table, const Json& report) {
     table.rows.front().push_back(value);
   };
   for (const auto& [key, name] :
-       {std::pair("single_best", "best"), std::pair("all_pairs", "pairs")}) {
+       {std::pair("single_best", "best"), std::pair("by_margin", "margin"),
+        std::pair("by_score", "score"), std::pair("all_pairs", "pairs")}) {
     if (!report["metrics"].contains(key)) continue;
     const std::vector<std::string> cells = metric_cells(report["metrics"][key]);
     for (size_t m = 0; m < cells.size(); ++m)

@@ -51,7 +51,8 @@ std::string prefix(const std::string& name, const std::string& query) {
 }  // namespace
 
 std::string outcomes_csv_header() {
-  return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank\n";
+  return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank,"
+         "margin\n";
 }
 
 std::string recognitions_csv_header() {
@@ -71,10 +72,11 @@ std::string outcomes_csv(const Judgement& judgement, const std::string& name,
                           csv_field(judgement.layout.scope.sequences[query.best->sequence].name),
                           query.best->reference, score_of_key(query.key, outcomes.kind))
             : ",,";
-    text += fmt::format("{}{},{},{},{},{},{},{}\n", start, query.frame + 1 - outcomes.window_length,
-                        query.frame, best, word_of(query.verdict), match_word(query),
-                        word_of(judgement.fixes[query.frame]),
-                        query.rank ? std::to_string(*query.rank) : "");
+    text += fmt::format(
+        "{}{},{},{},{},{},{},{},{}\n", start, query.frame + 1 - outcomes.window_length, query.frame,
+        best, word_of(query.verdict), match_word(query), word_of(judgement.fixes[query.frame]),
+        query.rank ? std::to_string(*query.rank) : "",
+        query.margin ? fmt::format("{}", *query.margin) : "");
   }
   return text;
 }

@@ -10,7 +10,7 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<PaletteColour, 16> kPalette = {{
+constexpr std::array<PaletteColour, 18> kPalette = {{
     {Meaning::right, "right", "recognised, right", 0x1668c7, 0x5aa5f5},
     {Meaning::wrong, "wrong", "recognised, wrong", 0xd9480f, 0xff8552},
     {Meaning::unjudged, "unjudged", "recognised, not judged", 0xc2268f, 0xffc4ec},
@@ -28,6 +28,8 @@ constexpr std::array<PaletteColour, 16> kPalette = {{
     {Meaning::divider, "divider", "border of sequences", 0xb48ead, 0x7a5c86},
     {Meaning::best_matches, "best-matches", "best matches", 0x334155, 0xcbd5e1},
     {Meaning::all_pairs, "all-pairs", "all pairs", 0x0f8a7a, 0x12a08d},
+    {Meaning::by_margin, "by-margin", "best matches by margin", 0xb45309, 0xfbbf24},
+    {Meaning::asked_margin, "asked-margin", "margin asked for", 0x111827, 0x8a8f98},
 }};
 
 // From dark to light, so that neighbours differ in brightness, too.

@@ -32,7 +32,9 @@ enum class Meaning {
   wall,
   divider,  ///< between sequences
   best_matches,
-  all_pairs
+  all_pairs,
+  by_margin,
+  asked_margin
 };
 
 /// A row of the palette: 0xrrggbb on white and on dark paper.

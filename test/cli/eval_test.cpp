@@ -304,8 +304,8 @@ TEST_CASE("single queries are written as rows for data frames") {
   REQUIRE(run_program("vpr-eval", words).exit_code == 0);
   const std::string text = test::read_text(folder / "o.csv");
   CHECK(text.starts_with(
-      "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank\n"
-      "\"a,b\",queries,0,0,references,0,1,right,yes,right,1\n"));
+      "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank,"
+      "margin\n\"a,b\",queries,0,0,references,0,1,right,yes,right,1,\n"));
   CHECK(text.find("\"a,b\",queries,11,11,references,0,11,wrong,yes,none,") != std::string::npos);
   CHECK(std::count(text.begin(), text.end(), '\n') == 13);
   CHECK(run_program("vpr-eval", words).exit_code == 2);  // it exists

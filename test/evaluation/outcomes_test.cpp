@@ -2,8 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/error.h"
 #include "base/random.h"
+#include "evaluation/judgement.h"
 #include "evaluation/recall_at.h"
+#include "support.h"
 
 using namespace vpr;
 
@@ -84,4 +87,56 @@ TEST_CASE("a probability is a similarity, and a frame without words is wrong") {
   REQUIRE(curve.points.size() == 2);
   CHECK(curve.threshold(curve.points[0]) == 0.9);
   CHECK(curve.points[1].correct == 1);
+}
+
+TEST_CASE("a margin can be what best matches are accepted by, and one without it never is") {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 2;
+  result.settings = settings;
+  result.query_frames = 5;
+  result.query_windows = 4;
+  result.targets = {{"ref", 9, 8, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.best = {Match{0, 0, 0, 0, 40}, Match{1, 0, 1, 0, 10}, Match{2, 0, 7, 0, 5},
+                 Match{3, 0, 3, 0, 50}};
+  result.margins = {30, 20, 4, std::nullopt};  // sums over two frames
+  result.targets[0].margin = 12;
+  GroundTruth truth;
+  for (uint32_t frame = 0; frame < 5; ++frame)
+    truth.pairs.push_back({{0, frame, PlaceLabel::same}});
+  const Outcomes outcomes = outcomes_of(result, truth);
+  CHECK(outcomes.has_margins);
+  CHECK(outcomes.queries[0].margin == 15);
+  CHECK(outcomes.queries[0].asked_margin == 12);
+  CHECK_FALSE(outcomes.queries[3].margin);
+  CHECK(single_best_curve(outcomes).points.front().incorrect == 1);
+  const Curve curve = single_best_curve(outcomes, Confidence::margin);
+  CHECK(curve.kind == ScoreOrder::similarity);
+  CHECK(curve.to_find == 4);
+  REQUIRE(curve.points.size() == 3);
+  CHECK(curve.threshold(curve.points[0]) == 15);
+  CHECK(curve.threshold(curve.points[1]) == 10);
+  CHECK(curve.points[1].correct == 2);
+  CHECK(curve.points[1].incorrect == 0);
+  CHECK(curve.points[2].correct == 2);
+  CHECK(curve.points[2].incorrect == 1);
+}
+
+TEST_CASE("judgements are ordered by either confidence, and by margins only where there are some") {
+  RandomEngine engine(4);
+  Result result = random_result(engine);
+  const GroundTruth truth = random_truth(engine);
+  Judgement without = judge(result, truth, {});
+  CHECK_FALSE(without.other_best);
+  CHECK(test::error_kind([&] { order_by(without, Confidence::margin); }) == ErrorKind::usage);
+  for (size_t window = 0; window < result.best.size(); ++window)
+    result.margins.push_back(result.best[window] ? std::optional<double>(3 * window)
+                                                 : std::nullopt);
+  Judgement judgement = judge(result, truth, {});
+  CHECK(judgement.single_best == without.single_best);
+  REQUIRE(judgement.other_best);
+  const Curve by_margin = *judgement.other_best;
+  order_by(judgement, Confidence::margin);
+  CHECK(judgement.single_best == by_margin);
+  CHECK(judgement.other_best == without.single_best);
 }

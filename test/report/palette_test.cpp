@@ -79,7 +79,7 @@ TEST_CASE("the palette has every meaning in its place, and no colour twice") {
     CHECK(static_cast<size_t>(palette()[i].meaning) == i);
     CHECK(colours.insert(palette()[i].light).second);
   }
-  CHECK(palette().size() == static_cast<size_t>(Meaning::all_pairs) + 1);
+  CHECK(palette().size() == static_cast<size_t>(Meaning::asked_margin) + 1);
   CHECK(hex_of(Meaning::right) == "#1668c7");
   CHECK(bgr_of(Meaning::right) == cv::Vec3b(0xc7, 0x68, 0x16));
 }
@@ -91,7 +91,8 @@ TEST_CASE("colours that stand side by side differ for every eye, on light and on
       {Meaning::unjudged, Meaning::weak_unjudged},
       {Meaning::right, Meaning::wrong, Meaning::missed, Meaning::unmapped, Meaning::train_path,
        Meaning::place, Meaning::unreachable},
-      {Meaning::best_matches, Meaning::all_pairs}};
+      {Meaning::best_matches, Meaning::all_pairs, Meaning::by_margin},
+      {Meaning::right, Meaning::wrong, Meaning::unjudged, Meaning::asked_margin}};
   for (const auto& picture : pictures)
     for (size_t i = 0; i < picture.size(); ++i) {
       const PaletteColour& a = colour_of(picture[i]);
