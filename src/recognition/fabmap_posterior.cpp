@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "recognition/exponentials.h"
+#include "base/exponentials.h"
 
 namespace vpr {
 namespace {

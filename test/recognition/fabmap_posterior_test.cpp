@@ -5,9 +5,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/exponentials.h"
 #include "base/random.h"
 #include "base/simd.h"
-#include "recognition/exponentials.h"
 
 using namespace vpr;
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "recognition/exponentials.h"
+#include "base/exponentials.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "recognition/exponentials.cpp"
+#define HWY_TARGET_INCLUDE "base/exponentials.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
