@@ -53,6 +53,9 @@ struct FrameDistances {
   /// be asked for at any time.
   std::function<void(size_t query)> start_row;
 
+  /// Of distances that come in order: that of unrelated training frames, before they were scored.
+  double typical_distance = 0;
+
   /// The distances of another query to the same training frames, which are not prepared again. Not
   /// set where they come in order.
   std::function<FrameDistances(const DescriptorSpan& query)> of_query;

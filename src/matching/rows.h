@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/monitor.h"
+#include "matching/filter_settings.h"
 #include "matching/frame_distances.h"
 #include "matching/row_kernels.h"
 
@@ -46,6 +48,15 @@ void visit_fields(LshSettings& settings, Visitor&& visit) {
   visit("probe_level", settings.probe_level);
 }
 
+/// What the method `filter` knows of a query frame besides its row, in units of the row's values.
+struct PathReport {
+  size_t query_frame = 0;
+  uint32_t margin = 0;   ///< of the best match to the best one elsewhere and to being nowhere; 0
+                         ///< where it is not to be trusted
+  uint32_t nowhere = 0;  ///< the value of being at no training frame
+  std::optional<double> rate;  ///< training frames a query frame; none while little was seen
+};
+
 /// Bytes for rings and hits, where the user says nothing.
 inline constexpr size_t kDefaultMemoryLimit = size_t{1} << 33;
 
@@ -65,6 +76,10 @@ struct MatchSettings {
   LshSettings lsh = {};
   uint64_t seed = 1;             ///< of lsh
   std::vector<Rate> rates = {};  ///< of FastABLE: windows of each (rates.h); empty: of rate 1
+  FilterSettings filter = {};
+  /// Of the method filter: which training sequences are walks of one place, [a][b]; empty: none.
+  std::vector<std::vector<uint8_t>> shared_places = {};
+  std::function<void(const PathReport&)> on_path = {};  ///< of filter: told of every row
 };
 
 /// Sums of distances stay below 2^32.

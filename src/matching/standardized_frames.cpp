@@ -120,6 +120,7 @@ FrameDistances standardized(const std::shared_ptr<StandardizedState>& state) {
   FrameDistances scores = state->distances;
   scores.largest = std::numeric_limits<uint16_t>::max();
   scores.unit = {"standard deviations", 1.0 / kScoreUnit};
+  scores.typical_distance = state->typical_distance;
   scores.row_total = nullptr;
   scores.of_query = nullptr;
   scores.start_row = [state](size_t query) { begin_frame(*state, query); };

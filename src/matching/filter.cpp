@@ -1,0 +1,225 @@
+#include "matching/filter.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/exponentials.h"
+#include "base/parallel.h"
+#include "matching/score_kernels.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kChunkCells = 32768;  // shared between threads; sums are added chunk by chunk
+constexpr size_t kPartialSums = 8;
+constexpr double kWorstZ = 8;  // farther away counts as much
+constexpr uint32_t kMantissas = 1024;
+constexpr uint32_t kMantissaShift = 13;  // of a float's 23 bits, the upper 10 are looked up
+constexpr uint32_t kFraction = 256;      // units of logarithms in a unit of values
+
+constexpr std::array<FilterRate, kRates> kFilterRates = {{
+    {0.02, {1, 0, 0}},
+    {0.06, {0.5, 0.5, 0}},
+    {0.1, {0.34, 0.65, 0.01}},
+    {0.64, {0.05, 0.9, 0.05}},
+    {0.1, {0.5, 0.49, 0.01}},
+    {0.08, {0.05, 0.9, 0.05}},
+}};
+
+void require(bool is_fine, const char* key, const char* range, double found) {
+  if (!is_fine)
+    throw Error(ErrorKind::usage, fmt::format("filter.{} must be {}, found {}", key, range, found));
+}
+
+void require_chance(const char* key, double chance) {
+  require(chance >= 1e-9 && chance <= 0.5, key, "from 1e-9 to 0.5", chance);
+}
+
+// exp(-sharpness * (z - unmatched)), for z in the middle of kScoresPerLikelihood scores.
+std::vector<float> likelihood_table(const FilterSettings& settings) {
+  constexpr size_t kEntries = 65536 / kScoresPerLikelihood;
+  std::vector<double> powers;
+  for (size_t k = 0; k < kEntries; ++k) {
+    const double score = (static_cast<double>(k) + 0.5) * kScoresPerLikelihood;
+    const double z = std::min((score - kScoreBias) / kScoreUnit, kWorstZ);
+    powers.push_back(-settings.sharpness * z);
+  }
+  powers.push_back(-settings.sharpness * settings.unmatched);
+  exponentiate(powers);
+  std::vector<float> table(kEntries);
+  for (size_t k = 0; k < kEntries; ++k) table[k] = static_cast<float>(powers[k] / powers.back());
+  return table;
+}
+
+// ln((1 + y) / (1 - y)) = 2 (y + y^3 / 3 + y^5 / 5 ...), by operations that all machines round
+// alike; |y| <= 1/3.
+double natural_logarithm(double x) {
+  const double y = (x - 1) / (x + 1);
+  double power = y;
+  double sum = 0;
+  for (int k = 1; k <= 35; k += 2) {
+    sum += power / k;
+    power *= y * y;
+  }
+  return 2 * sum;
+}
+
+uint32_t logarithm(const FilterState& state, float mass) {
+  const auto bits = std::bit_cast<uint32_t>(mass);
+  return (bits >> 23) * state.octave +
+         state.logarithms[(bits >> kMantissaShift) & (kMantissas - 1)];
+}
+
+void find_likelihoods(FilterState& state, std::span<const uint16_t> scores, size_t first,
+                      size_t last) {
+  const FilterCells& cells = state.cells;
+  for (const CellRun& run : cells.runs) {
+    const size_t end = std::min(last, run.first + run.count);
+    for (size_t cell = std::max(first, run.first); cell < end; ++cell)
+      state.likelihoods[cell] =
+          state.likelihood_of[scores[cells.frames[cell]] / kScoresPerLikelihood];
+  }
+}
+
+double sum_masses(const FilterState& state, size_t first, size_t last) {
+  std::array<double, kPartialSums> sums = {};
+  for (size_t cell = first; cell < last; ++cell)
+    sums[(cell - first) % kPartialSums] += state.masses[cell];
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+FilterStep next_step(const FilterState& state) {
+  const FilterSettings& settings = state.settings;
+  const double nowhere = state.nowhere / state.total;
+  const double kept = (1 - settings.jump) * (1 - settings.enter) / state.total;
+  const double born =
+      ((1 - nowhere) * settings.jump * (1 - settings.enter) + nowhere * settings.leave) /
+      static_cast<double>(state.cells.places);
+  FilterStep step;
+  for (size_t r = 0; r < kRates; ++r) {
+    const FilterRate& rate = kFilterRates[r];
+    for (size_t s = 0; s < kSteps; ++s)
+      step.weights[r][s] = static_cast<float>(rate.steps[s] * kept);
+    step.born[r] = static_cast<float>(rate.prior * born);
+    step.change[r] = static_cast<float>(settings.rate_change * rate.prior);
+  }
+  step.stay = static_cast<float>(1 - settings.rate_change);
+  return step;
+}
+
+// Calls body(first, last) for cells that are shared between threads.
+template <class Body>
+void for_chunks(size_t cells, const Body& body) {
+  const size_t chunks = (cells - kLongestStep + kChunkCells - 1) / kChunkCells;
+  const auto chunk = [&](size_t c) {
+    const size_t first = kLongestStep + c * kChunkCells;
+    body(c, first, std::min(first + kChunkCells, cells));
+  };
+  if (chunks == 1) return chunk(0);
+  parallel_for(chunks, Monitor{}, chunk);
+}
+
+void find_values(FilterState& state) {
+  const uint32_t whole = logarithm(state, static_cast<float>(state.total));
+  const auto value_of = [&](float mass) {
+    return kScoreBias + (whole - std::min(whole, logarithm(state, mass))) / kFraction;
+  };
+  state.nowhere_value = value_of(static_cast<float>(state.nowhere));
+  for_chunks(state.cells.size(), [&](size_t, size_t first, size_t last) {
+    for (size_t cell = first; cell < last; ++cell)
+      state.values[cell] = state.masses[cell] > 0 ? value_of(state.masses[cell]) : kNoValue;
+  });
+}
+
+}  // namespace
+
+const std::array<FilterRate, kRates>& filter_rates() { return kFilterRates; }
+
+void check_filter(const FilterSettings& settings) {
+  require(settings.view_change >= 0 && settings.view_change <= 10, "view_change", "from 0 to 10",
+          settings.view_change);
+  require(settings.sharpness >= 0.05 && settings.sharpness <= 2, "sharpness", "from 0.05 to 2",
+          settings.sharpness);
+  require(settings.unmatched >= -8 && settings.unmatched <= 8, "unmatched", "from -8 to 8",
+          settings.unmatched);
+  require_chance("jump", settings.jump);
+  require_chance("enter", settings.enter);
+  require_chance("leave", settings.leave);
+  require_chance("rate_change", settings.rate_change);
+  require(settings.near_views <= 1'000'000, "near_views", "from 0 to 1000000",
+          static_cast<double>(settings.near_views));
+  require(settings.establish_views <= 1'000'000, "establish_views", "from 0 to 1000000",
+          static_cast<double>(settings.establish_views));
+  require(settings.establish_margin >= 0 && settings.establish_margin <= 1000, "establish_margin",
+          "from 0 to 1000 deviations", settings.establish_margin);
+  require(settings.support >= -32 && settings.support <= 32, "support", "from -32 to 32",
+          settings.support);
+}
+
+FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,
+                         double least_change) {
+  check_filter(settings);
+  FilterState state;
+  state.settings = settings;
+  state.cells = find_cells(distances, least_change);
+  state.kernels = select_filter_kernels();
+  state.likelihood_of = likelihood_table(settings);
+  const double octave = kScoreUnit * kFraction / settings.sharpness;
+  for (uint32_t m = 0; m < kMantissas; ++m)
+    state.logarithms.push_back(
+        static_cast<uint32_t>(octave * natural_logarithm(1 + (m + 0.5) / kMantissas) + 0.5));
+  state.octave = static_cast<uint32_t>(octave * natural_logarithm(2) + 0.5);
+  const size_t cells = state.cells.size();
+  for (size_t r = 0; r < kRates; ++r) {
+    state.before[r].resize(cells);
+    state.after[r].resize(cells);
+  }
+  state.likelihoods.resize(cells);
+  state.masses.resize(cells);
+  state.values.assign(cells, kNoValue);
+  restart_filter(state);
+  return state;
+}
+
+void restart_filter(FilterState& state) {
+  state.nowhere = 0.5;
+  state.total = 1;
+  const double everywhere = 0.5 / static_cast<double>(std::max<size_t>(state.cells.places, 1));
+  for (size_t r = 0; r < kRates; ++r) {
+    // Changes of rate leave the priors as they are.
+    const double each = everywhere * kFilterRates[r].prior;
+    for (const CellRun& run : state.cells.runs)
+      std::fill_n(state.before[r].begin() + static_cast<ptrdiff_t>(run.first), run.count,
+                  static_cast<float>(each));
+  }
+}
+
+void advance_filter(FilterState& state, std::span<const uint16_t> scores) {
+  if (state.cells.places == 0) return;
+  const FilterStep step = next_step(state);
+  ConstRateArrays before;
+  RateArrays after;
+  for (size_t r = 0; r < kRates; ++r) {
+    before[r] = state.before[r].data();
+    after[r] = state.after[r].data();
+  }
+  std::vector<double> sums(state.cells.size() / kChunkCells + 1);
+  for_chunks(state.cells.size(), [&](size_t chunk, size_t first, size_t last) {
+    find_likelihoods(state, scores, first, last);
+    state.kernels.step(step, state.likelihoods.data(), before, after, state.masses.data(), first,
+                       last - first);
+    sums[chunk] = sum_masses(state, first, last);
+  });
+  std::swap(state.before, state.after);
+  const double nowhere = state.nowhere / state.total;
+  state.nowhere = nowhere * (1 - state.settings.leave) + (1 - nowhere) * state.settings.enter;
+  state.total = std::accumulate(sums.begin(), sums.end(), state.nowhere);
+  find_values(state);
+}
+
+}  // namespace vpr

@@ -1,0 +1,112 @@
+#include "matching/filter_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "matching/score_kernels.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kRecentViews = 16;
+constexpr size_t kFewViews = 6;  // fewer say nothing of the rate
+
+struct BestPlace {
+  size_t cell = 0;
+  uint32_t value = kNoValue;
+};
+
+uint32_t least_of(const PathTrack& track, const FilterState& state, size_t first, size_t last) {
+  return first < last ? track.kernels.minimum(state.values.data() + first, last - first) : kNoValue;
+}
+
+BestPlace find_best(const PathTrack& track, const FilterState& state) {
+  const std::vector<uint32_t>& values = state.values;
+  BestPlace best;
+  best.value = track.kernels.minimum(values.data(), values.size());
+  best.cell = track.kernels.find_below(values.data(), 0, values.size(), best.value + 1);
+  return best;
+}
+
+uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_t cell) {
+  const size_t sequence = run_of(state.cells, cell).sequence;
+  const size_t near = state.settings.near_views;
+  const size_t before = cell - std::min(cell, near);  // the first cell that is near
+  uint32_t least = kNoValue;
+  for (const CellRun& run : state.cells.runs) {
+    const size_t end = run.first + run.count;
+    if (run.sequence == sequence) {
+      least = std::min({least, least_of(track, state, run.first, std::min(end, before)),
+                        least_of(track, state, std::max(run.first, cell + near + 1), end)});
+    } else if (track.shared.empty() || track.shared[sequence][run.sequence] == 0) {
+      least = std::min(least, least_of(track, state, run.first, end));
+    }
+  }
+  return least;
+}
+
+bool goes_on(const PathTrack& track, const FilterState& state, size_t cell) {
+  if (track.views == 0) return false;
+  const size_t last = track.last.cell;
+  const size_t gap = std::max(cell, last) - std::min(cell, last);
+  return gap <= state.settings.near_views &&
+         run_of(state.cells, cell).sequence == run_of(state.cells, last).sequence;
+}
+
+uint32_t in_scores(double deviations) {
+  return static_cast<uint32_t>(std::lround(deviations * kScoreUnit));
+}
+
+// Before: whether the path was established. `margin` is what the place has, trusted or not.
+void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin) {
+  const size_t cell = track.last.cell;
+  const size_t passed = cell - std::min(cell, track.start);
+  const auto support = static_cast<int32_t>(std::lround(settings.support * kScoreUnit));
+  if (track.views == 1 || margin == 0 || track.support < 0) track.is_established = false;
+  if (margin >= in_scores(settings.establish_margin) && track.support >= support &&
+      track.views + passed >= 2 * settings.establish_views)
+    track.is_established = true;
+  track.last.margin = track.is_established && track.support >= support ? margin : 0;
+}
+
+}  // namespace
+
+void follow_view(PathTrack& track, const FilterState& state, std::span<const uint16_t> scores,
+                 size_t query_frame) {
+  const BestPlace best = find_best(track, state);
+  if (!goes_on(track, state, best.cell)) {
+    track.views = 0;
+    track.start = best.cell;
+    track.support = 0;
+    track.recent.clear();
+  }
+  const size_t frame = state.cells.frames[best.cell];
+  ++track.views;
+  // Rounded down, also below 0.
+  track.support =
+      (track.support + static_cast<int32_t>(kScoreBias) - static_cast<int32_t>(scores[frame])) >> 1;
+  track.recent.push_back({query_frame, frame});
+  if (track.recent.size() > kRecentViews) track.recent.pop_front();
+  track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt};
+  if (track.recent.size() >= kFewViews) {
+    const PathTrack::Point& from = track.recent.front();
+    const size_t passed = frame - std::min(frame, from.train_frame);
+    track.last.rate =
+        static_cast<double>(passed) / static_cast<double>(query_frame - from.query_frame);
+  }
+  const uint32_t elsewhere =
+      std::min(least_elsewhere(track, state, best.cell), state.nowhere_value);
+  judge(track, state.settings, elsewhere - std::min(elsewhere, best.value));
+}
+
+PathFrame path_at(const PathTrack& track, const FilterCells& cells, size_t query_frame) {
+  PathFrame now = track.last;
+  const size_t elapsed = query_frame - track.recent.back().query_frame;
+  const double passed = std::floor(static_cast<double>(elapsed) * now.rate.value_or(1) + 0.5);
+  const size_t end = view_end(cells, run_of(cells, now.cell), now.cell);
+  const size_t rest = end - 1 - now.frame;
+  now.frame += static_cast<size_t>(std::min(passed, static_cast<double>(rest)));
+  return now;
+}
+
+}  // namespace vpr
