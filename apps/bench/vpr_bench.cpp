@@ -112,7 +112,8 @@ void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {
         return result;
       });
   add_names(command, "--methods", bench.settings.methods,
-            "of fastable, fastable-batch, openable, lsh, plain-fastable, plain-openable");
+            "of fastable, fastable-batch, standardized, filter, openable, lsh, plain-fastable, "
+            "plain-openable");
   add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
   add_numbers(command, "--c-l", bench.settings.window_lengths, "window lengths c_l");
   add_numbers(command, "--query-frames", bench.settings.query_frames, "query lengths in frames");
@@ -135,7 +136,8 @@ void add_nordland(Program& program, Bench<NordlandBenchSettings>& bench, std::st
                               session.monitor);
       });
   add_names(command, "--methods", bench.settings.methods,
-            "of fastable, fastable-batch, openable, plain-fastable, plain-openable, lsh");
+            "of fastable, fastable-batch, standardized, filter, openable, plain-fastable, "
+            "plain-openable, lsh");
   add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
   add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 300)");
   add_setting(command, "--query-frames", bench.settings.query_frames,
@@ -195,8 +197,10 @@ BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
     result = bench_realtime(query, fabmap_work(database, {}), settings, session.monitor);
   } else {
     const SequenceDatabase database = read_sequence_database(inputs.database);
-    result = bench_realtime(query, fastable_work(database, settings.window_length, session.kernels),
-                            settings, session.monitor);
+    const FrameWork work = settings.method == "filter"
+                               ? filter_work(database, settings.frames, session.kernels)
+                               : fastable_work(database, settings.window_length, session.kernels);
+    result = bench_realtime(query, work, settings, session.monitor);
   }
   if (inputs.find_largest)
     find_largest_database(result, settings, session.kernels, session.options.seed, session.monitor);
@@ -212,6 +216,9 @@ void add_realtime(Program& program, Bench<RealtimeBenchSettings>& bench, Realtim
       });
   command.add_option("DB", inputs.database, "database of either method").required();
   command.add_option("--query", inputs.query, "folder or list of images").required();
+  add_setting(command, "--method", bench.settings.method,
+              "of a database of sequences: fastable (default) or filter")
+      .choices("METHOD", {"fastable", "filter"});
   add_setting(command, "--rate", bench.settings.rate_hz, "frames a second (default 10)");
   add_setting(command, "--frames", bench.settings.frames, "of the query at most (default 100)");
   add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 40)");

@@ -1,5 +1,6 @@
 // vpr-query against a database of sequences: FastABLE, OpenABLE.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -34,6 +35,12 @@ std::string query_fingerprint(const DescriptorSet& query) {
   return checksum(std::as_bytes(query.rows().bytes));
 }
 
+// How many training frames a query frame passes there.
+std::string rate_text(const ResultPath& path, size_t query_frame) {
+  const double rate = path.rates[query_frame];
+  return std::isnan(rate) ? "-" : fmt::format("{:.2f}", rate);
+}
+
 Table places_table(const Result& result) {
   Table table;
   table.title =
@@ -42,14 +49,17 @@ Table places_table(const Result& result) {
                   recognised_windows(result), counted(result.query_windows, "window"));
   const ScoreKind& kind = result.score();
   const size_t length = result.window_length();
-  table.columns = {"sequence", "query frame", "train frame", "hits", std::string(kind.frame_unit)};
+  table.columns = {"sequence", "query frame", "train frame", "hits",
+                   result.path ? "rate" : std::string(kind.frame_unit)};
   for (const Cluster& cluster : result.clusters->all) {
     if (table.rows.size() == kTableRows) break;
-    table.rows.push_back(
-        {result.targets[cluster.target].name,
-         std::to_string(anchor_of(cluster.query_window, length)),
-         std::to_string(anchor_of(cluster.train_window, length)), std::to_string(cluster.hits),
-         fmt::format("{:.{}f}", kind.frame_value(cluster.best_score, length), kind.frame_digits)});
+    const std::string value =
+        fmt::format("{:.{}f}", kind.frame_value(cluster.best_score, length), kind.frame_digits);
+    table.rows.push_back({result.targets[cluster.target].name,
+                          std::to_string(anchor_of(cluster.query_window, length)),
+                          std::to_string(anchor_of(cluster.train_window, length)),
+                          std::to_string(cluster.hits),
+                          result.path ? rate_text(*result.path, cluster.query_window) : value});
   }
   return table;
 }
@@ -145,11 +155,17 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
 }  // namespace
 
 void run_sequence_query(Session& session, const QueryInputs& inputs,
-                        const SequenceQuerySettings& settings) {
+                        const SequenceQuerySettings& given) {
+  const SequenceQuerySettings settings = with_implied(given);
   const CommonOptions& options = session.options;
   if (!options.output.empty()) claim_result(options.output, session.outputs);
   claim_matrix(inputs, session.outputs);
-  if (!find_sequence_method(settings.method).is_exact && !inputs.matrix.empty())
+  if (has_paths(settings.method) && inputs.verify_cells > 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("--verify recomputes windows; the values of {} are those of paths",
+                            settings.method));
+  if (!find_sequence_method(settings.method).is_exact && !has_paths(settings.method) &&
+      !inputs.matrix.empty())
     throw Error(ErrorKind::usage, fmt::format("{} does not see every window: there is no whole "
                                               "matrix to save",
                                               settings.method));

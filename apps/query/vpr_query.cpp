@@ -217,6 +217,30 @@ void refuse_keys(const CommonOptions& options, const FamilyQuery& family, std::s
                                                   options.config, key, kind));
 }
 
+// What the filter implies can't be asked for otherwise.
+void refuse_other_than_implied(const Command& app, const CommonOptions& options,
+                               const SequenceQuerySettings& settings) {
+  if (!has_paths(settings.method)) return;
+  const std::vector<std::string> flags = app.given_flags(kSequenceGroup);
+  const auto is_given = [&](const std::string& flag, const std::string& key) {
+    return std::find(flags.begin(), flags.end(), flag) != flags.end() ||
+           std::find(options.config_keys.begin(), options.config_keys.end(), key) !=
+               options.config_keys.end();
+  };
+  const auto refuse = [&](const char* flag, const char* why) {
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has no effect with --method {}, {}", flag, settings.method, why));
+  };
+  if (is_given("--c-l", "c_l") && settings.window_length != 1)
+    refuse("--c-l", "which takes frame after frame; leave it out");
+  if (is_given("--score", "score") && settings.score == Score::raw)
+    refuse("--score raw", "which needs standardized scores; leave it out");
+  if (is_given("--decide", "decide") && settings.decision != Decision::margin)
+    refuse("--decide threshold", "which decides by margin; leave it out");
+  if (settings.margin_width)
+    refuse("--margin-width", "which counts views: set filter.near_views in a configuration");
+}
+
 /// Throws Error(usage) for a method that there is not.
 DatabaseFamily family_of(const std::string& method) {
   if (method == enum_name(DatabaseFamily::fabmap)) return DatabaseFamily::fabmap;
@@ -238,6 +262,8 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
   refuse_flags(app, query, kind);
   refuse_keys(session.options, query, kind);
   settings.sequence.method = settings.fabmap.method = method;
+  if (family == DatabaseFamily::sequences)
+    refuse_other_than_implied(app, session.options, settings.sequence);
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
   query.run(session, inputs, settings);
 }
@@ -252,6 +278,7 @@ int main(int argc, char** argv) {
                   "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
                   "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "
                   "-o result.json\n"
+                  "  vpr-query corridor.vprdb --query tuesday --method filter\n"
                   "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
                   "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
                   "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");

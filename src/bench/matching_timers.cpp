@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/named_table.h"
 #include "base/stopwatch.h"
+#include "bench/filter_timer.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/fastable_online.h"
@@ -83,6 +84,11 @@ void time_standardized(const MatchingCase& example, const Effort& effort, const 
   row.time = summarise(time_repeatedly(effort, advance, monitor));
   row.values.emplace_back("learned_share",
                           static_cast<double>(learned) / static_cast<double>(seen));
+}
+
+void time_filtered(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
+                   BenchRow& row) {
+  time_filter(example, score_basis(example), effort, monitor, row);
 }
 
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
@@ -179,10 +185,11 @@ void time_plain_openable(const MatchingCase& example, const Effort& effort, cons
   if (sum == 1) row.note += ".";
 }
 
-constexpr std::array<MatchingTimer, 7> kTimers = {{
+constexpr std::array<MatchingTimer, 8> kTimers = {{
     {"fastable", "online, one query frame after the other", time_online},
     {"fastable-batch", "the whole query at once", time_batch},
     {"standardized", "online, standardized scores", time_standardized},
+    {"filter", "online, over places and rates, of standardized scores", time_filtered},
     {"openable", "no re-use, same kernels", time_openable},
     {"lsh", "multi-probe hashing, approximate", time_lsh},
     {"plain-fastable", "as in the paper's time: scalar, two distances a cell", time_plain_fastable},
@@ -254,6 +261,8 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   if (std::find(methods.begin(), methods.end(), "standardized") != methods.end() &&
       has_room_for_scores(example))
     check_scores(example, monitor);
+  if (std::find(methods.begin(), methods.end(), "filter") != methods.end())
+    check_filter_values(example, score_basis(example), monitor);
 }
 
 }  // namespace vpr

@@ -16,7 +16,10 @@
 #include "bench/matching_timers.h"
 #include "images/decode.h"
 #include "matching/fastable_online.h"
+#include "matching/match_filter.h"
+#include "matching/standardized_frames.h"
 #include "pipeline/fabmap_matcher.h"
+#include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "recognition/fabmap_posterior.h"
 
@@ -45,6 +48,16 @@ void check_settings(const RealtimeBenchSettings& settings) {
   if (settings.window_length < 1 || settings.window_length > kMaxWindowLength)
     throw Error(ErrorKind::usage, fmt::format("c_l must be from 1 to {}, found {}",
                                               kMaxWindowLength, settings.window_length));
+}
+
+void check_described(const SequenceDatabase& database) {
+  const std::string_view name = database.descriptors.kind->name;
+  if (name != "ldb")
+    throw Error(ErrorKind::usage,
+                fmt::format("a replay describes frames by ldb, but the database by {}", name));
+  if (database.descriptor.illumination_invariant)
+    throw Error(ErrorKind::usage,
+                "a replay decodes in grey; train the database without --illumination-invariant");
 }
 
 /// Milliseconds of one online step against a generated database.
@@ -77,13 +90,7 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
     FastableState state;
     size_t best = 0;  // kept, so that the search for it is not left out
   };
-  const std::string_view name = database.descriptors.kind->name;
-  if (name != "ldb")
-    throw Error(ErrorKind::usage,
-                fmt::format("a replay describes frames by ldb, but the database by {}", name));
-  if (database.descriptor.illumination_invariant)
-    throw Error(ErrorKind::usage,
-                "a replay decodes in grey; train the database without --illumination-invariant");
+  check_described(database);
   auto online = std::make_shared<Online>();
   online->codes.resize(window_length + 1);
   online->distances = frame_distances(code_spans(database), {online->codes, {}});
@@ -100,6 +107,35 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
                online->best =
                    kernels.find_below(row.distances.data(), 0, row.distances.size(), least + 1);
              });
+  };
+}
+
+FrameWork filter_work(const SequenceDatabase& database, size_t frames, const RowKernels& kernels) {
+  struct Online {
+    std::vector<LdbCode> codes;  // of all frames: views are compared with later ones
+    FrameDistances distances;
+    std::shared_ptr<StandardizedState> learned;
+    FrameDistances scores;
+    FilteredQuery query;
+    size_t frame = 0;
+    PathReport last;  // kept, so that nothing is left out
+  };
+  check_described(database);
+  SequenceQuerySettings settings;
+  settings.score = Score::standardized;
+  const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
+  const std::optional<ScoreBasis> basis = score_basis(statistics, settings);
+  auto online = std::make_shared<Online>();
+  online->codes.resize(frames);
+  online->distances = frame_distances(code_spans(database), {online->codes, {}});
+  online->learned = start_standardized(online->distances, *basis, {});
+  online->scores = standardized(online->learned);
+  online->query = start_filtered(online->scores, {1, kRingBytes, kernels});
+  return [online](const cv::Mat& grey) {
+    online->codes.at(online->frame) = describe_ldb(grey);
+    online->learned->distances = online->distances.of_query({online->codes, {}});
+    online->last = take_frame(online->query, online->scores, online->frame);
+    ++online->frame;
   };
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "bench/bench_result.h"
 #include "database/fabmap_database.h"
@@ -13,6 +14,7 @@
 namespace vpr {
 
 struct RealtimeBenchSettings {
+  std::string method = "fastable";  ///< of databases of sequences: or "filter"
   double rate_hz = 10;
   uint64_t frames = 100;             ///< of the query at most
   uint64_t window_length = 40;       ///< c_l
@@ -22,6 +24,7 @@ struct RealtimeBenchSettings {
 
 template <class Visitor>
 void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
+  visit("method", settings.method);
   visit("rate", settings.rate_hz);
   visit("frames", settings.frames);
   visit("c_l", settings.window_length);
@@ -36,6 +39,10 @@ using FrameWork = std::function<void(const cv::Mat&)>;
 /// outlive it. Throws Error(usage) for illumination-invariant codes, which need colour.
 FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
                         const RowKernels& kernels);
+
+/// LDB, standardized scores and one step of the filter over places and rates, of `frames` frames at
+/// most; else as fastable_work. Throws Error(usage) too if the database has no statistics.
+FrameWork filter_work(const SequenceDatabase& database, size_t frames, const RowKernels& kernels);
 
 /// Features, words, likelihoods and the posterior. The database must outlive it.
 FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings);

@@ -88,8 +88,10 @@ void find_likelihoods(FilterState& state, std::span<const uint16_t> scores, size
 
 double sum_masses(const FilterState& state, size_t first, size_t last) {
   std::array<double, kPartialSums> sums = {};
-  for (size_t cell = first; cell < last; ++cell)
-    sums[(cell - first) % kPartialSums] += state.masses[cell];
+  size_t cell = first;
+  for (; cell + kPartialSums <= last; cell += kPartialSums)
+    for (size_t k = 0; k < kPartialSums; ++k) sums[k] += state.masses[cell + k];
+  for (size_t k = 0; cell + k < last; ++k) sums[k] += state.masses[cell + k];
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 

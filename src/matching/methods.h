@@ -16,6 +16,7 @@ struct SequenceMethod {
   bool is_exact;
   bool has_scores;  ///< also takes distances that come in order, as standardized ones
   bool has_rates;   ///< also takes windows of several rates
+  bool has_paths;  ///< takes only these; windows are of one frame, and cells what is believed of it
   void (*match)(const FrameDistances&, const MatchSettings&, const Monitor&, const RowConsumer&);
 };
 
@@ -23,5 +24,8 @@ std::span<const SequenceMethod> sequence_methods();
 
 /// Throws Error(usage) listing the names for an unknown one.
 const SequenceMethod& find_sequence_method(std::string_view name);
+
+/// Of a method of that name; false for an unknown one.
+bool has_paths(std::string_view method);
 
 }  // namespace vpr

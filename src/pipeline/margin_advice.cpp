@@ -49,6 +49,15 @@ std::optional<ThresholdAdvice> margin_advice(const Result& result) {
   if (!result.hits.empty() || result.best.empty()) return std::nullopt;
   const std::vector<WindowMargin> margins = largest_margins(result);
   ThresholdAdvice advice;
+  if (result.path) {
+    const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+    advice.sentence = fmt::format(
+        "No path through training frames was followed for {} views with a margin of {:g} at its "
+        "best (establish_views and establish_margin of \"filter\"). Both walks must go the same "
+        "way: the way back is another training sequence.",
+        settings.filter.establish_views, settings.filter.establish_margin);
+    return advice;
+  }
   if (margins.empty()) {
     advice.sentence =
         "No best match has a margin, for no training window is elsewhere: the training sequences "

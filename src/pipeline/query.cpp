@@ -1,5 +1,7 @@
 #include "pipeline/query.h"
 
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "base/counted.h"
@@ -77,20 +79,43 @@ class StepTimer {
   Stopwatch watch_;
 };
 
-/// What is found as all rows pass: hits, best matches and their margins, and cells to be verified.
+/// What is found as all rows pass: hits, best matches and their margins, cells to be verified, and
+/// what the method filter tells.
 struct Found {
   HitScanResult matches;
   std::vector<std::optional<uint32_t>> margins;
   std::vector<Cell> cells;
+  std::optional<ResultPath> path;
 };
 
+// Query frames of which nothing is told keep no number.
+void start_path(Found& found, const QueryPlan& plan) {
+  const std::vector<double> none(plan.query_frames, std::numeric_limits<double>::quiet_NaN());
+  found.path = {none, none};
+  found.margins.resize(plan.query_frames);
+}
+
+void take_report(Found& found, const PathReport& report, int64_t score_offset) {
+  found.margins[report.query_frame] = report.margin;
+  found.path->nowhere[report.query_frame] = static_cast<double>(report.nowhere - score_offset);
+  if (report.rate) found.path->rates[report.query_frame] = *report.rate;
+}
+
 Found match_rows(const QueryPlan& plan, const SequenceMethod& method,
-                 const FrameDistances& distances, const MatchSettings& match,
+                 const FrameDistances& distances, MatchSettings match,
                  const QueryResources& resources, const std::vector<RowConsumer>& observers,
                  const Monitor& monitor) {
+  Found found;
+  if (method.has_paths) {
+    start_path(found, plan);
+    match.on_path = [&](const PathReport& report) {
+      take_report(found, report, plan.score_offset());
+    };
+  }
   HitScan scan(scan_settings(plan, resources));
   std::optional<MarginScan> margins;
-  if (plan.elsewhere) margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
+  if (plan.elsewhere && !method.has_paths)
+    margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
   CellScan cells(choose_cells(distances.train_runs, distances.query_runs, match.window_length,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
   method.match(distances, match, monitor, [&](const DistanceRow& row) {
@@ -100,7 +125,7 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method,
     cells(row);
     for (const RowConsumer& observe : observers) observe(row);
   });
-  Found found{scan.result(), {}, {}};
+  found.matches = scan.result();
   if (margins) found.margins = margins->result().margins;
   found.cells = method.is_exact
                     ? cells.result()
@@ -116,9 +141,11 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
                    const std::vector<RowConsumer>& observers, const Monitor& monitor) {
   QueryRun run;
   const SequenceMethod& method = find_sequence_method(plan.settings.method);
-  const MatchSettings match{
+  MatchSettings match{
       plan.settings.window_length, resources.memory_limit, resources.kernels,
-      plan.settings.lsh,           resources.seed,         parse_rates(plan.settings.rates)};
+      plan.settings.lsh,           resources.seed,         parse_rates(plan.settings.rates),
+      plan.settings.filter};
+  if (plan.elsewhere) match.shared_places = plan.elsewhere->shared;
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
   FrameDistances distances = searched_distances(plan);
   StepTimer timer(run.seconds);
@@ -135,9 +162,10 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   distances = scored(std::move(distances), basis, plan, last_pass);
   Found found = match_rows(plan, method, distances, match, resources, observers, last_pass);
   run.result = make_result(plan, found.matches, found.margins);
+  run.result.path = std::move(found.path);
   timer.end_step("match");
 
-  if (!method.is_exact) {
+  if (!method.is_exact && !method.has_paths) {
     run.result.recall = measure_recall(plan, found.matches, distances, match, resources, monitor);
     timer.end_step("recall");
   }

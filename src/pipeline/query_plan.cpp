@@ -24,6 +24,7 @@ void check_settings(const SequenceQuerySettings& settings) {
     throw Error(ErrorKind::usage, "t_r must be a finite number or auto");
   check_score(settings);
   check_decision(settings);
+  if (has_paths(settings.method)) check_filter(settings.filter);
   if (settings.clustering.eps < 0 || settings.clustering.eps > kMaxEps)
     throw Error(ErrorKind::usage, fmt::format("clustering.eps must be from 0 to {}, found {}",
                                               kMaxEps, settings.clustering.eps));
@@ -40,7 +41,7 @@ void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySe
 
 // Of an approximate method, the largest distance is not known.
 void check_exactness(const SequenceQuerySettings& settings) {
-  if (find_sequence_method(settings.method).is_exact) return;
+  if (find_sequence_method(settings.method).is_exact || has_paths(settings.method)) return;
   if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
     throw Error(ErrorKind::usage,
                 fmt::format("{} does not see every window, and so not max(D); give t_r in bits a "
@@ -183,8 +184,9 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
 }  // namespace
 
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const std::string& query_name, const SequenceQuerySettings& given,
                      const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings settings = with_implied(given);
   check_settings(settings);
   check_exactness(settings);
   check_rates(settings);
@@ -200,7 +202,7 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   plan.query_name = query_name;
   plan_windows(plan, monitor);
   plan_sequences(plan, database.sequences, monitor);
-  if (find_sequence_method(settings.method).is_exact)
+  if (find_sequence_method(settings.method).is_exact || has_paths(settings.method))
     plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
   plan_decision(plan, database, resources, monitor);
   if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)

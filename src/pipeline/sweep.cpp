@@ -30,6 +30,11 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
                                     const QueryResources& resources, const Monitor& monitor) {
   if (grid.windows.empty() || grid.thresholds.empty())
     throw Error(ErrorKind::usage, "give at least one c_l and one t_r");
+  if (has_paths(base.method))
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has neither c_l nor t_r, which a sweep is over; vpr-query --method "
+                            "{} needs no tuning",
+                            base.method, base.method));
   if (!find_sequence_method(base.method).is_exact)
     throw Error(
         ErrorKind::usage,

@@ -23,7 +23,8 @@ void check_threshold(const SequenceQuerySettings& settings) {
 }
 
 void check_margin(const SequenceQuerySettings& settings) {
-  if (!find_sequence_method(settings.method).is_exact)
+  const SequenceMethod& method = find_sequence_method(settings.method);
+  if (!method.is_exact && !method.has_paths)
     throw Error(ErrorKind::usage,
                 fmt::format("{} does not see every window, and so not the best one elsewhere, "
                             "which a margin needs; take fastable, or --decide threshold",

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/json.h"
+#include "matching/methods.h"
 
 namespace vpr {
 namespace {
@@ -20,6 +21,7 @@ Json in_force(SequenceQuerySettings settings) {
   settings.threshold_scale = scale_of(settings);
   Json json = value_to_json(settings);
   leave_out_decisions(json, settings);
+  if (!has_paths(settings.method)) json.erase("filter");
   const auto own = score_kind(settings.score).settings;
   for (const std::string_view key : score_settings())
     if (std::find(own.begin(), own.end(), key) == own.end()) json.erase(key);
@@ -38,6 +40,15 @@ size_t length_of_one(const SequenceQuerySettings& settings) { return settings.wi
 size_t length_of_one(const FabmapQuerySettings&) { return 1; }
 
 }  // namespace
+
+SequenceQuerySettings with_implied(SequenceQuerySettings settings) {
+  if (!has_paths(settings.method)) return settings;
+  settings.window_length = 1;
+  if (settings.score == Score::raw) settings.score = Score::standardized;
+  settings.decision = Decision::margin;
+  if (!settings.margin) settings.margin = kFilterMargin;
+  return settings;
+}
 
 ThresholdScale scale_of(const SequenceQuerySettings& settings) {
   return settings.threshold_scale.value_or(score_kind(settings.score).number_scale);

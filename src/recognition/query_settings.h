@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/json_fwd.h"
+#include "matching/filter_settings.h"
 #include "matching/word_model.h"
 #include "recognition/clustering.h"
 #include "recognition/decision.h"
@@ -17,7 +18,7 @@
 
 namespace vpr {
 
-/// Of the sequence methods: FastABLE, OpenABLE, LSH.
+/// Of the sequence methods: FastABLE, OpenABLE, LSH, the filter.
 struct SequenceQuerySettings {
   std::string method = "fastable";
   uint64_t window_length = 40;               ///< c_l
@@ -39,6 +40,7 @@ struct SequenceQuerySettings {
   std::optional<uint64_t> margin_width;  ///< w; none: half-widths of the training sequences
   /// "A=B": sequences that show the same place. Empty: as found; "none": all differ.
   std::vector<std::string> same_place;
+  FilterSettings filter;  ///< of the method filter
 };
 
 template <class Visitor>
@@ -60,6 +62,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("margin", settings.margin);
   visit("margin_width", settings.margin_width);
   visit("same_place", settings.same_place);
+  visit("filter", settings.filter);
 }
 
 /// Of FAB-MAP.
@@ -100,6 +103,13 @@ void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
 
 /// Of any method.
 using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
+
+/// The margin, in deviations, from which the method filter accepts: its default.
+inline constexpr double kFilterMargin = 3;
+
+/// The settings with what their method implies: the filter has windows of one frame, standardized
+/// scores, a decision by margin, and a margin where none is set. Others are as they were.
+SequenceQuerySettings with_implied(SequenceQuerySettings settings);
 
 /// The scale that a number is on: the one that was given, or the score's default.
 ThresholdScale scale_of(const SequenceQuerySettings& settings);

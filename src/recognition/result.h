@@ -57,6 +57,13 @@ struct ResultPlaces {
   std::vector<double> new_place;   ///< probability, per frame; 0 for an unreadable one
 };
 
+/// What the filter knows of query frames besides their best matches; no number where a frame can't
+/// be read.
+struct ResultPath {
+  std::vector<double> nowhere;  ///< the score of being at no training frame
+  std::vector<double> rates;    ///< training frames a query frame; no number while little was seen
+};
+
 struct Result {
   QuerySettings settings;
   std::string query_name;
@@ -78,6 +85,7 @@ struct Result {
   std::optional<Clusters> clusters;          ///< of the hits, by target, then first hit
   std::optional<SearchRecall> recall;        ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of standardized scores
+  std::optional<ResultPath> path;            ///< of the filter
   std::optional<ResultViews> views;          ///< none where no typical distance is known
   std::optional<ResultPlaces> places;        ///< of FAB-MAP
 

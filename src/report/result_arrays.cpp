@@ -150,6 +150,26 @@ void read_margins(const ResultSource& source, Result& result) {
   }
 }
 
+void read_path(const ResultSource& source, Result& result) {
+  const Fields files = source.fields.object("files");
+  if (!files.has("path")) return;
+  const NpyArray array =
+      read_companion(companion_path(source.path, "path.npy"), files.object("path"));
+  const auto rows = array.values<double>(2);
+  if (array.shape()[1] != 2 || array.shape()[0] != result.query_frames)
+    files.fail("path.npy does not fit the query");
+  ResultPath& path = result.path.emplace();
+  for (size_t frame = 0; frame < result.query_frames; ++frame) {
+    const double nowhere = rows[2 * frame];
+    const double rate = rows[2 * frame + 1];
+    const bool is_fine = (std::isnan(nowhere) || is_score(nowhere, result)) &&
+                         (std::isnan(rate) || (rate >= 0 && rate <= kMostSum));
+    if (!is_fine) files.fail("path.npy holds a number out of range");
+    path.nowhere.push_back(nowhere);
+    path.rates.push_back(rate);
+  }
+}
+
 // Results of older versions have none.
 void read_views(const ResultSource& source, Result& result) {
   const Fields files = source.fields.object("files");

@@ -57,6 +57,14 @@ std::vector<double> margin_column(const Result& result) {
   return margins;
 }
 
+// By query frame: the score of being nowhere, and the rate.
+std::vector<double> path_rows(const ResultPath& path) {
+  std::vector<double> rows;
+  for (size_t frame = 0; frame < path.nowhere.size(); ++frame)
+    rows.insert(rows.end(), {path.nowhere[frame], path.rates[frame]});
+  return rows;
+}
+
 // First frames of views: the query's with -1 for the target, then those of each target.
 std::vector<int32_t> view_rows(const ResultViews& views) {
   std::vector<int32_t> rows;
@@ -222,6 +230,7 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   companions.write("best_scores", best.scores);
   if (!result.best_rates.empty()) companions.write("best_rates", result.best_rates);
   if (!result.margins.empty()) companions.write("margins", margin_column(result));
+  if (result.path) companions.write("path", path_rows(*result.path), 2);
   if (result.views) companions.write("views", view_rows(*result.views), 2);
   if (result.places) companions.write("new_place", result.places->new_place);
   if (result.replay) {

@@ -178,6 +178,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   else
     read_clusters(source, result, monitor);
   read_margins(source, result);
+  read_path(source, result);
   read_views(source, result);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");

@@ -1,0 +1,34 @@
+// The filter over places and rates as it is stated, in double precision and cell by cell: the
+// oracle.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "matching/filter.h"
+
+namespace vpr {
+
+/// What is believed: masses that sum to 1.
+struct PlainFilter {
+  FilterCells cells;
+  FilterSettings settings;
+  std::vector<std::vector<double>> rates;  ///< by rate and cell
+  std::vector<double> masses;              ///< by cell, over rates; 0 for one that is no place
+  double nowhere = 0.5;
+};
+
+PlainFilter start_plain_filter(const FilterCells& cells, const FilterSettings& settings);
+
+/// As advance_filter.
+void advance_plain_filter(PlainFilter& filter, std::span<const uint16_t> scores);
+
+/// Values in deviations: -log(mass) / sharpness.
+double plain_value(const PlainFilter& filter, size_t cell);
+double plain_nowhere_value(const PlainFilter& filter);
+
+/// The largest difference of a value, in deviations: scores are grouped, and logarithms and values
+/// rounded. It grows with the views taken.
+double filter_tolerance(size_t views);
+
+}  // namespace vpr
