@@ -15,6 +15,7 @@
 #include "database/family.h"
 #include "descriptors/frame_descriptors.h"
 #include "images/sequence.h"
+#include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 
 namespace vpr {
@@ -196,7 +197,8 @@ BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
     const FabmapDatabase database = read_fabmap_database(inputs.database);
     result = bench_realtime(query, fabmap_work(database, {}), settings, session.monitor);
   } else {
-    const SequenceDatabase database = read_sequence_database(inputs.database);
+    SequenceDatabase database = read_sequence_database(inputs.database);
+    if (settings.method == "filter") ensure_statistics(database, session.monitor);
     const FrameWork work = settings.method == "filter"
                                ? filter_work(database, settings.frames, session.kernels)
                                : fastable_work(database, settings.window_length, session.kernels);

@@ -10,6 +10,7 @@
 #include "base/named_table.h"
 #include "base/stopwatch.h"
 #include "bench/filter_timer.h"
+#include "matching/components.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/fastable_online.h"
@@ -56,11 +57,9 @@ void time_online(const MatchingCase& example, const Effort& effort, const Monito
 
 ScoreBasis score_basis(const MatchingCase& example) {
   TrainStatistics statistics = compute_statistics(example.distances.train, {}, {});
-  return {{},
-          false,
-          statistics.typical_distance,
-          std::move(statistics.bias),
-          std::move(statistics.variance)};
+  statistics.components =
+      compute_components(example.distances.train, statistics.typical_distance, {});
+  return make_score_basis({}, false, statistics);
 }
 
 void time_standardized(const MatchingCase& example, const Effort& effort, const Monitor& monitor,

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
+
+#include "database/train_components.h"
 
 namespace vpr {
 
@@ -34,6 +37,8 @@ struct TrainStatistics {
   /// A frame's own mean distance less the typical one: below 0 for a popular frame.
   std::vector<float> bias;
   std::vector<float> variance;  ///< of its distances
+  /// Found when a score asks for them, and not stored.
+  std::optional<TrainComponents> components = std::nullopt;
 
   bool operator==(const TrainStatistics&) const = default;
 };

@@ -128,6 +128,33 @@ uint32_t cosine_distance(DescriptorRow a, DescriptorRow b) {
   return rounded(cosine(product, norm_of(a) * norm_of(b)));
 }
 
+Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights) {
+  struct Sums {
+    ComponentValues of_weights = {};
+    std::vector<ComponentValues> of_units;  ///< of vectors of length 1, times their weights
+  };
+  const auto sums = std::make_shared<Sums>();
+  sums->of_units.resize(to.shape.length);
+  for (size_t i = 0; i < to.size(); ++i) {
+    const double norm = norm_of(to[i]);
+    for (size_t k = 0; k < kMostComponents; ++k) {
+      sums->of_weights[k] += weights[i][k];
+      for (size_t x = 0; norm > 0 && x < to.shape.length; ++x)
+        sums->of_units[x][k] += weights[i][k] * (numbers(to[i])[x] / norm);
+    }
+  }
+  return [sums](DescriptorRow row) {
+    ComponentValues values = {};
+    for (size_t x = 0; x < row.size(); ++x)
+      for (size_t k = 0; k < kMostComponents; ++k)
+        values[k] += numbers(row)[x] * sums->of_units[x][k];
+    const double norm = norm_of(row);
+    for (size_t k = 0; k < kMostComponents; ++k)
+      values[k] = (sums->of_weights[k] - (norm > 0 ? values[k] / norm : 0)) * (kLargest / 2);
+    return values;
+  };
+}
+
 FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                                 std::span<const DescriptorSpan> centred_over) {
   const size_t length = query.rows.shape.length;

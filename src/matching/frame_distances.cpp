@@ -20,6 +20,8 @@ constexpr std::array<DistanceKind, 2> kKinds = {{
      largest_hamming,
      hamming_distance,
      plain_hamming,
+     plain_hamming_unrounded,
+     hamming_projector,
      hamming_distances},
     {"cosine",
      ElementType::whole_numbers,
@@ -27,6 +29,8 @@ constexpr std::array<DistanceKind, 2> kKinds = {{
      largest_cosine,
      cosine_distance,
      plain_cosine,
+     plain_cosine_unrounded,
+     cosine_projector,
      cosine_distances},
 }};
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "database/train_components.h"
 #include "matching/frame_runs.h"
 
 namespace vpr {
@@ -63,14 +64,22 @@ struct FrameDistances {
   bool is_in_order() const { return static_cast<bool>(start_row); }
 };
 
+/// Sums over a few fixed descriptors of the distance to one, times weights.
+using Projector = std::function<ComponentValues(DescriptorRow)>;
+
 /// A row of the table of distances: what two descriptors of an element type are compared by.
 struct DistanceKind {
   std::string_view name;
   ElementType element;
   DistanceUnit unit;
   uint16_t (*largest)(const DescriptorShape& shape);
-  uint32_t (*pair)(DescriptorRow a, DescriptorRow b);   ///< for few pairs; as the tiles say
-  uint32_t (*plain)(DescriptorRow a, DescriptorRow b);  ///< the oracle: as the method is stated
+  uint32_t (*pair)(DescriptorRow a, DescriptorRow b);     ///< for few pairs; as the tiles say
+  uint32_t (*plain)(DescriptorRow a, DescriptorRow b);    ///< the oracle: as the method is stated
+  double (*unrounded)(DescriptorRow a, DescriptorRow b);  ///< the oracle's, before it is rounded
+  /// By what each element of a descriptor adds to the sums. `weights` has an entry a descriptor;
+  /// of multiples of 2^-20 sums of bits are exact, those of cosine distances are to the rounding of
+  /// doubles in a fixed order. The descriptors may end before the projector.
+  Projector (*projector)(const DescriptorRows& to, std::span<const ComponentValues> weights);
   /// `centred_over`: what row_total is over.
   FrameDistances (*make)(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                          std::span<const DescriptorSpan> centred_over);
@@ -92,6 +101,7 @@ FrameDistances frame_distances(std::span<const DescriptorSpan> train, const Desc
 FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                                  std::span<const DescriptorSpan> centred_over);
 uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
+Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 uint16_t largest_hamming(const DescriptorShape& shape);
 
 /// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to the nearest, a half up; of vectors of
@@ -100,6 +110,7 @@ uint16_t largest_hamming(const DescriptorShape& shape);
 FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                                 std::span<const DescriptorSpan> centred_over);
 uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
+Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 uint16_t largest_cosine(const DescriptorShape& shape);
 
 /// What makers of distances begin with: all members but those that give distances.

@@ -119,6 +119,39 @@ uint32_t hamming_distance(DescriptorRow a, DescriptorRow b) {
   return static_cast<uint32_t>(distance);
 }
 
+// A bit that is not set differs from the descriptors that have it, one that is set from the others.
+Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentValues> weights) {
+  struct Sums {
+    ComponentValues of_none = {};              ///< of a descriptor without a bit
+    std::vector<ComponentValues> more_of_bit;  ///< what each bit adds
+  };
+  const auto sums = std::make_shared<Sums>();
+  sums->more_of_bit.resize(8 * to.shape.row_bytes());
+  for (size_t i = 0; i < to.size(); ++i) {
+    const DescriptorRow row = to[i];
+    for (size_t bit = 0; bit < sums->more_of_bit.size(); ++bit) {
+      const bool is_set = (row[bit / 8] >> bit % 8 & 1) != 0;
+      for (size_t k = 0; k < kMostComponents; ++k) {
+        sums->more_of_bit[bit][k] += is_set ? -weights[i][k] : weights[i][k];
+        if (is_set) sums->of_none[k] += weights[i][k];
+      }
+    }
+  }
+  return [sums](DescriptorRow row) {
+    ComponentValues values = sums->of_none;
+    for (size_t byte = 0; byte < row.size(); byte += kWordBytes) {
+      uint64_t bits = 0;
+      std::memcpy(&bits, row.data() + byte, kWordBytes);
+      for (; bits != 0; bits &= bits - 1) {
+        const ComponentValues& more =
+            sums->more_of_bit[8 * byte + static_cast<size_t>(std::countr_zero(bits))];
+        for (size_t k = 0; k < kMostComponents; ++k) values[k] += more[k];
+      }
+    }
+    return values;
+  };
+}
+
 FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                                  std::span<const DescriptorSpan> centred_over) {
   const size_t row_bytes = query.rows.shape.row_bytes();

@@ -34,7 +34,9 @@ uint32_t plain_hamming(DescriptorRow a, DescriptorRow b) {
   return distance;
 }
 
-uint32_t plain_cosine(DescriptorRow a, DescriptorRow b) {
+double plain_hamming_unrounded(DescriptorRow a, DescriptorRow b) { return plain_hamming(a, b); }
+
+double plain_cosine_unrounded(DescriptorRow a, DescriptorRow b) {
   int64_t product = 0;
   int64_t square_a = 0;
   int64_t square_b = 0;
@@ -48,7 +50,11 @@ uint32_t plain_cosine(DescriptorRow a, DescriptorRow b) {
   const double lengths =
       std::sqrt(static_cast<double>(square_a)) * std::sqrt(static_cast<double>(square_b));
   const double cosine = lengths > 0 ? static_cast<double>(product) / lengths : 0;
-  return static_cast<uint32_t>(std::clamp((1 - cosine) * 65535 / 2 + 0.5, 0.0, 65535.0));
+  return (1 - cosine) * 65535 / 2;
+}
+
+uint32_t plain_cosine(DescriptorRow a, DescriptorRow b) {
+  return static_cast<uint32_t>(std::clamp(plain_cosine_unrounded(a, b) + 0.5, 0.0, 65535.0));
 }
 
 uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,

@@ -16,6 +16,10 @@ uint32_t plain_hamming(DescriptorRow a, DescriptorRow b);
 /// with cos 0 for a vector of zeros.
 uint32_t plain_cosine(DescriptorRow a, DescriptorRow b);
 
+/// The same before they are rounded, and not cut off.
+double plain_hamming_unrounded(DescriptorRow a, DescriptorRow b);
+double plain_cosine_unrounded(DescriptorRow a, DescriptorRow b);
+
 /// The plain distance of two frames, by the element type of their descriptors.
 uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,
                         size_t frame_b);

@@ -29,6 +29,17 @@ double mean_over(std::span<const DescriptorSpan> sequences, const DescriptorRows
   return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
+CommonWeights plain_common(const DescriptorRows& query, size_t frame, const ScoreBasis& basis) {
+  const TrainComponents& components = basis.components;
+  const auto unrounded = distance_of(query.shape.element).unrounded;
+  ComponentValues values = {};
+  for (size_t l = 0; l < components.landmarks.size(); ++l) {
+    const double distance = unrounded(components.rows()[l], query[frame]);
+    for (size_t k = 0; k < kMostComponents; ++k) values[k] += components.weights[l][k] * distance;
+  }
+  return common_weights(components, basis.settings.components, values);
+}
+
 std::vector<std::optional<size_t>> plain_schedule(const DescriptorSpan& query,
                                                   const ScoreBasis& basis) {
   std::vector<std::optional<size_t>> learned(query.rows.size());
@@ -88,20 +99,29 @@ PlainLessons plain_lessons(std::span<const DescriptorSpan> centred_over,
   if (basis.settings.centre)
     parallel_for(query.rows.size(), monitor,
                  [&](size_t j) { lessons.row_means[j] = mean_over(centred_over, query.rows, j); });
+  lessons.common.resize(query.rows.size());
+  parallel_for(query.rows.size(), monitor,
+               [&](size_t j) { lessons.common[j] = plain_common(query.rows, j, basis); });
   lessons.learned = plain_schedule(query, basis);
   return lessons;
 }
 
-std::vector<double> plain_frame_scores(DescriptorRow train, double bias, double variance,
+std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
                                        const DescriptorRows& query, const PlainLessons& lessons,
                                        const ScoreBasis& basis) {
   const StandardizationSettings& settings = basis.settings;
   const double weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
   const double forgetting = basis.offline ? 1 : settings.forgetting;
-  Sums sums{weight, weight * bias, weight * (variance + bias * bias), bias, variance};
+  const double start = basis.mean[frame];
+  Sums sums{weight, weight * start, weight * (basis.variance + start * start), start,
+            basis.variance};
   const auto plain = distance_of(query.shape.element).plain;
   const uint16_t largest = largest_distance(query.shape);
-  const auto centred = [&](size_t j) { return plain(train, query[j]) - lessons.row_means[j]; };
+  const double unit = common_unit(query.shape);
+  const auto centred = [&](size_t j) {
+    return plain(train, query[j]) - lessons.row_means[j] -
+           unit * common_sum(basis.components, lessons.common[j], frame);
+  };
   if (basis.offline)
     for (const auto& view : lessons.learned)
       if (view) sums.add(centred(*view), forgetting);

@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "matching/components.h"
 #include "matching/standardization.h"
 
 namespace vpr {
 
 /// What the scores of a query need that does not depend on the training frame.
 struct PlainLessons {
-  std::vector<double> row_means;  ///< per query frame: mean distance over the training frames
+  std::vector<double> row_means;      ///< per query frame: mean distance over the training frames
+  std::vector<CommonWeights> common;  ///< per query frame
   /// Per query frame: the frame whose distances are learned before it is scored.
   std::vector<std::optional<size_t>> learned;
 };
@@ -24,9 +26,9 @@ PlainLessons plain_lessons(std::span<const DescriptorSpan> centred_over,
                            const Monitor& monitor);
 
 /// z of every query frame to one training frame, within [-32, 32). W, S1 and S2 are the weight, the
-/// sum and the sum of squares: mean S1 / W, variance S2 / W - mean^2. `bias` and `variance`: what
-/// the training statistics say of the frame.
-std::vector<double> plain_frame_scores(DescriptorRow train, double bias, double variance,
+/// sum and the sum of squares: mean S1 / W, variance S2 / W - mean^2. `frame`: which of the
+/// basis's training frames it is.
+std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
                                        const DescriptorRows& query, const PlainLessons& lessons,
                                        const ScoreBasis& basis);
 

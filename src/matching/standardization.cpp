@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "matching/components.h"
 
 namespace vpr {
 namespace {
@@ -27,12 +29,37 @@ void check_standardization(const StandardizationSettings& settings) {
           "from 0 to 1000000", settings.start_weight);
   require(settings.offline_start_weight >= 0 && settings.offline_start_weight <= kMostWeight,
           "offline_start_weight", "from 0 to 1000000", settings.offline_start_weight);
+  require(settings.start_bias >= 0 && settings.start_bias <= 1, "start_bias", "from 0 to 1",
+          settings.start_bias);
   require(settings.deviation_floor >= 1 && settings.deviation_floor <= kLdbBits, "deviation_floor",
           "from 1 to 1386 bits", settings.deviation_floor);
   require(settings.view_change >= 0 && settings.view_change <= 10, "view_change", "from 0 to 10",
           settings.view_change);
+  require(settings.components <= kMostComponents, "components", "from 0 to 6",
+          static_cast<double>(settings.components));
   require(settings.lag_views >= 1 && settings.lag_views <= kMostLag, "lag_views", "from 1 to 10000",
           static_cast<double>(settings.lag_views));
+}
+
+ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offline,
+                            const TrainStatistics& statistics) {
+  ScoreBasis basis{settings, offline, statistics.typical_distance, {}, 0, {}};
+  basis.components = statistics.components.value_or(no_components(statistics.bias.size()));
+  ComponentValues of_bias = {};
+  for (size_t l = 0; l < basis.components.landmarks.size(); ++l)
+    for (size_t k = 0; k < kMostComponents; ++k)
+      of_bias[k] += settings.start_bias * statistics.bias[basis.components.landmarks[l]] *
+                    basis.components.weights[l][k];
+  const CommonWeights weights = common_weights(basis.components, settings.components, of_bias);
+  const double unit = common_unit(basis.components.shape);
+  for (size_t i = 0; i < statistics.bias.size(); ++i)
+    basis.mean.push_back(static_cast<float>(settings.start_bias * statistics.bias[i] -
+                                            unit * common_sum(basis.components, weights, i)));
+  const double sum =
+      std::accumulate(statistics.variance.begin(), statistics.variance.end(), double{0});
+  const double frames = std::max<double>(1, static_cast<double>(statistics.variance.size()));
+  basis.variance = static_cast<float>(sum / frames);
+  return basis;
 }
 
 double deviation_floor(const StandardizationSettings& settings, uint16_t largest) {

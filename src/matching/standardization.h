@@ -25,15 +25,20 @@ struct StandardizationSettings {
   double forgetting = 0.98;         ///< weight that is left of what was learned, one view later
   double start_weight = 20;         ///< of the training statistics, in views
   double offline_start_weight = 2;  ///< the same where the whole query is known
+  /// Share of how much closer than others a frame is to the training frames that is taken to hold
+  /// for the query's frames, too.
+  double start_bias = 0.5;
   /// Smallest standard deviation, in bits of LDB: of another largest distance, the same share.
   double deviation_floor = 10;
   /// A frame shows a new view if it differs from the last ones by at least this share of the
   /// typical distance of training frames. 0: every frame does.
   double view_change = 0.25;
   uint64_t lag_views = 5;  ///< a view is learned when so many newer ones have been seen
-  bool centre = true;      ///< false: rows keep their mean
-  bool learn = true;       ///< false: the training statistics only
-  bool divide = true;      ///< false: every standard deviation is unknown_deviation
+  /// Of the training frames, that are taken from distances in part; at most 6. 0: none.
+  uint64_t components = kMostComponents;
+  bool centre = true;  ///< false: rows keep their mean
+  bool learn = true;   ///< false: the training statistics only
+  bool divide = true;  ///< false: every standard deviation is unknown_deviation
 };
 
 template <class Visitor>
@@ -41,9 +46,11 @@ void visit_fields(StandardizationSettings& settings, Visitor&& visit) {
   visit("forgetting", settings.forgetting);
   visit("start_weight", settings.start_weight);
   visit("offline_start_weight", settings.offline_start_weight);
+  visit("start_bias", settings.start_bias);
   visit("deviation_floor", settings.deviation_floor);
   visit("view_change", settings.view_change);
   visit("lag_views", settings.lag_views);
+  visit("components", settings.components);
   visit("centre", settings.centre);
   visit("learn", settings.learn);
   visit("divide", settings.divide);
@@ -55,15 +62,21 @@ void check_standardization(const StandardizationSettings& settings);
 /// Sums of 16-bit scores stay below 2^32.
 inline constexpr size_t kMaxScoredWindow = 65536;
 
-/// What standardized scores of a query start from. `bias` and `variance` have one entry a training
-/// frame that is matched.
+/// What standardized scores of a query start from.
 struct ScoreBasis {
   StandardizationSettings settings;
   bool offline = false;
   double typical_distance = 0;
-  std::vector<float> bias;
-  std::vector<float> variance;
+  std::vector<float> mean;     ///< of centred distances; one a training frame that is matched
+  float variance = 0;          ///< of centred distances, the same for all training frames
+  TrainComponents components;  ///< loadings: one a training frame that is matched
 };
+
+/// The start that training statistics give: of every frame `start_bias` of its bias, less what is
+/// taken from distances because of it, and the mean variance of all, for how far a frame's own
+/// distances to the training walk spread says next to nothing of those to a query.
+ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offline,
+                            const TrainStatistics& statistics);
 
 /// The smallest standard deviation, in units of distances whose largest is `largest`.
 double deviation_floor(const StandardizationSettings& settings, uint16_t largest);

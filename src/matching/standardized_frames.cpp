@@ -23,6 +23,23 @@ float row_offset(const StandardizedState& state, size_t frame) {
                                                   : state.typical_distance);
 }
 
+// What of the training frames' components is taken from the distances of a query frame.
+void find_common(StandardizedState& state, size_t frame) {
+  if (!state.project) return;
+  state.common[frame] = common_weights(state.components, state.settings.components,
+                                       state.project(state.distances.query.rows[frame]));
+}
+
+// What a query frame has in common with the training frames from `first` on.
+CommonPart common_part(const StandardizedState& state, size_t frame, size_t first) {
+  if (!state.project) return {};
+  CommonPart common{
+      {}, state.common[frame], static_cast<float>(common_unit(state.components.shape))};
+  for (size_t k = 0; k < kMostComponents; ++k)
+    common.loadings[k] = state.components.loadings[k].data() + first;
+  return common;
+}
+
 // The weights of what was known and of the new view, and the share of the new one in the sum.
 void teach(StandardizedState& state, size_t view) {
   state.weight = state.forgetting * state.weight + 1;
@@ -30,7 +47,8 @@ void teach(StandardizedState& state, size_t view) {
 }
 
 void learn_chunk(StandardizedState& state, const uint16_t* distances, size_t first, size_t count) {
-  state.kernels.learn(distances, state.lesson->offset, state.lesson->gain,
+  state.kernels.learn(distances, state.lesson->offset,
+                      common_part(state, state.lesson->view, first), state.lesson->gain,
                       state.mean.data() + first, state.variance.data() + first, count);
 }
 
@@ -54,6 +72,7 @@ void learn_query(StandardizedState& state, const Monitor& monitor) {
       counter.add();
       if (!is_new_view(state.views, rows, f)) continue;
       push_view(state.views, f);
+      find_common(state, f);
       teach(state, f);
       learn_everywhere(state);
     }
@@ -65,6 +84,7 @@ void learn_query(StandardizedState& state, const Monitor& monitor) {
 void begin_frame(StandardizedState& state, size_t frame) {
   state.frame = frame;
   state.offset = row_offset(state, frame);
+  find_common(state, frame);
   state.lesson.reset();
   if (state.offline || !state.settings.learn || state.readable[frame] == 0) return;
   if (!is_new_view(state.views, state.distances.query.rows, frame)) return;
@@ -82,7 +102,8 @@ void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t*
     state.distances.tile(std::span(queries).first(state.lesson ? 2 : 1), chunk, chunk + count,
                          distances.data(), kRowStride);
     if (state.lesson) learn_chunk(state, distances.data() + kRowStride, chunk, count);
-    state.kernels.standardize(distances.data(), state.offset, state.mean.data() + chunk,
+    state.kernels.standardize(distances.data(), state.offset,
+                              common_part(state, state.frame, chunk), state.mean.data() + chunk,
                               state.variance.data() + chunk, state.least_variance,
                               state.most_variance, out + (chunk - first), count);
   }
@@ -93,15 +114,18 @@ void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t*
 std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
                                                       const ScoreBasis& basis,
                                                       const Monitor& monitor) {
-  assert(basis.bias.size() == distances.train_frames);
-  assert(basis.variance.size() == distances.train_frames && !distances.is_in_order());
+  assert(basis.mean.size() == distances.train_frames && !distances.is_in_order());
   const StandardizationSettings& settings = basis.settings;
   auto state = std::make_shared<StandardizedState>();
   state->settings = settings;
   state->offline = basis.offline;
   state->typical_distance = basis.typical_distance;
-  state->mean = basis.bias;
-  state->variance = basis.variance;
+  state->mean = basis.mean;
+  state->variance.assign(basis.mean.size(), basis.variance);
+  state->components = basis.components;
+  if (settings.components > 0 && !basis.components.landmarks.empty())
+    state->project = make_projector(basis.components);
+  state->common.resize(distances.query_frames);
   state->views = make_view_queue(settings, basis.typical_distance);
   state->readable = readable_flags(distances.query_runs, distances.query_frames);
   state->kernels = select_score_kernels();

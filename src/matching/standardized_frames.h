@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "matching/components.h"
 #include "matching/frame_distances.h"
 #include "matching/score_kernels.h"
 #include "matching/standardization.h"
@@ -24,6 +25,9 @@ struct StandardizedState {
   double forgetting = 1;
   ViewQueue views;
   std::vector<uint8_t> readable;  ///< per query frame
+  TrainComponents components;
+  Projector project;                  ///< not set: no component is taken away
+  std::vector<CommonWeights> common;  ///< per query frame, of those that began
   ScoreKernels kernels;
   float least_variance = 0;
   float most_variance = 0;

@@ -1,6 +1,9 @@
 #include "pipeline/score_basis.h"
 
+#include <cassert>
+
 #include "base/error.h"
+#include "matching/components.h"
 #include "matching/distance_statistics.h"
 #include "matching/standardized_frames.h"
 #include "pipeline/train.h"
@@ -9,11 +12,15 @@
 namespace vpr {
 
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
-  if (database.statistics) return;
-  warn(monitor,
-       "the database has no training statistics, which standardized scores start from: computing "
-       "them; a database that is trained again holds them");
-  database.statistics = compute_statistics(code_spans(database), {}, monitor);
+  if (!database.statistics) {
+    warn(monitor,
+         "the database has no training statistics, which standardized scores start from: computing "
+         "them; a database that is trained again holds them");
+    database.statistics = compute_statistics(code_spans(database), {}, monitor);
+  }
+  if (!database.statistics->components)
+    database.statistics->components =
+        compute_components(code_spans(database), database.statistics->typical_distance, monitor);
 }
 
 std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
@@ -24,8 +31,8 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
     throw Error(ErrorKind::usage,
                 "the database has no training statistics, which standardized scores start from; "
                 "train it again");
-  return ScoreBasis{settings.standardization, kind.is_offline, learned->typical_distance,
-                    learned->bias, learned->variance};
+  assert(learned->components);
+  return make_score_basis(settings.standardization, kind.is_offline, *learned);
 }
 
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,

@@ -7,12 +7,13 @@
 
 namespace vpr {
 
-/// Gives a database of older date the training statistics that it lacks, with default settings, and
-/// says so. Nothing happens to one that has them.
+/// Gives a database what standardized scores start from: the components of its training frames,
+/// which are not stored, and, with a warning and default settings, the statistics that one of older
+/// date lacks. Throws Error(interrupted) once the user wants to stop.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
 /// For all sequences of a database; none for a score that needs no statistics. `learned`: the
-/// database's, or null. Throws Error(usage) if they are needed and it has none.
+/// database's, with components, or null. Throws Error(usage) if they are needed and it has none.
 std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                                       const SequenceQuerySettings& settings);
 

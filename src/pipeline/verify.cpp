@@ -112,9 +112,8 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
     for (size_t k = 0; k < window_length; ++k) {
       const size_t i = cell.train_window + k;
       const size_t frame = first_frame[cell.sequence] + i;
-      right[c] +=
-          plain_frame_scores(train[cell.sequence].rows[i], basis.bias[frame], basis.variance[frame],
-                             query.rows.first(known), lessons, basis)[cell.query_window + k];
+      right[c] += plain_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known),
+                                     lessons, basis)[cell.query_window + k];
     }
   });
   std::vector<Cell> wrong;

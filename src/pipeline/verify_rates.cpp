@@ -60,8 +60,7 @@ class PlainScores {
     if (scores.empty()) {
       size_t frame = i;
       for (size_t s = 0; s < sequence; ++s) frame += train_[s].rows.size();
-      scores = plain_frame_scores(train_[sequence].rows[i], basis_.bias[frame],
-                                  basis_.variance[frame], query_, lessons_, basis_);
+      scores = plain_frame_scores(train_[sequence].rows[i], frame, query_, lessons_, basis_);
     }
     return scores[j];
   }

@@ -28,9 +28,7 @@ Searched prepare(const DescriptorSpan& walk, uint32_t width, const Monitor& moni
   StatisticsSettings settings;
   settings.samples = kSamples;
   const TrainStatistics statistics = compute_statistics({&walk, 1}, settings, monitor);
-  return {walk,
-          make_elsewhere({width}, {}),
-          {{}, true, statistics.typical_distance, statistics.bias, statistics.variance}};
+  return {walk, make_elsewhere({width}, {}), make_score_basis({}, true, statistics)};
 }
 
 /// Windows of a query that leave a trace, of those that could.

@@ -5,6 +5,7 @@
 #include "fuzz.h"
 #include "pipeline/fabmap_query.h"
 #include "pipeline/query.h"
+#include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "report/result_file.h"
 
@@ -28,6 +29,7 @@ SequenceDatabase make_database() {
   database.descriptors.append(generate_walk(kFrames, 1));
   database.statistics =
       TrainStatistics{{}, 400, std::vector<float>(kFrames, 0), std::vector<float>(kFrames, 4096)};
+  ensure_statistics(database, {});
   return database;
 }
 

@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "matching/components.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/methods.h"
@@ -161,11 +162,11 @@ TEST_CASE("standardized scores of vectors are those of the oracle") {
   const Vectors one = walk_vectors(80, 32, 9);
   const Vectors query = walk_vectors(50, 32, 10);
   const DescriptorSpan train = one.span();
-  const TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
+  TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
+  statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});
   const size_t length = 5;
   for (const bool offline : {false, true}) {
-    const ScoreBasis basis{
-        {}, offline, statistics.typical_distance, statistics.bias, statistics.variance};
+    const ScoreBasis basis = make_score_basis({}, offline, statistics);
     Cells cells;
     std::mutex mutex;
     match_fastable(standardized(frame_distances({&train, 1}, query.span()), basis, {}),
@@ -174,8 +175,7 @@ TEST_CASE("standardized scores of vectors are those of the oracle") {
     const PlainLessons lessons = plain_lessons({&train, 1}, query.span(), basis, {});
     std::vector<std::vector<double>> plain;
     for (size_t i = 0; i < 80; ++i)
-      plain.push_back(plain_frame_scores(train.rows[i], basis.bias[i], basis.variance[i],
-                                         query.span().rows, lessons, basis));
+      plain.push_back(plain_frame_scores(train.rows[i], i, query.span().rows, lessons, basis));
     for (const auto& [cell, biased] : cells) {
       const auto& [j, s, i] = cell;
       double expected = 0;

@@ -145,8 +145,7 @@ struct Believed {
 Believed believed(const test::Example& example) {
   const std::vector<DescriptorSpan> spans = example.spans();
   const TrainStatistics statistics = compute_statistics(spans, {}, {});
-  const ScoreBasis basis{
-      {}, false, statistics.typical_distance, statistics.bias, statistics.variance};
+  const ScoreBasis basis = make_score_basis({}, false, statistics);
   Believed found;
   MatchSettings settings{1, size_t{1} << 30, select_kernels()};
   settings.on_path = [&](const PathReport& report) { found.reports[report.query_frame] = report; };

@@ -141,8 +141,8 @@ TEST_CASE("Standardized scores take rates, too, and several lengths share a pass
   for (const DescriptorSpan& span : spans) frames += span.rows.size();
   ScoreBasis basis;
   basis.typical_distance = 60;
-  basis.bias.assign(frames, 1);
-  basis.variance.assign(frames, 900);
+  basis.mean.assign(frames, 1);
+  basis.variance = 900;
   const auto scores = [&] { return standardized(frame_distances(spans, query), basis, {}); };
   const auto pairs = all_pairs(scores());
   const std::vector<size_t> lengths = {2, 5, 9};

@@ -12,6 +12,7 @@
 #include "base/random.h"
 #include "base/simd.h"
 #include "examples.h"
+#include "matching/components.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/plain.h"
@@ -30,8 +31,9 @@ namespace {
 ScoreBasis make_basis(const Example& example, const StandardizationSettings& settings = {},
                       bool offline = false) {
   const std::vector<DescriptorSpan> spans = example.spans();
-  const TrainStatistics statistics = compute_statistics(spans, {}, {});
-  return {settings, offline, statistics.typical_distance, statistics.bias, statistics.variance};
+  TrainStatistics statistics = compute_statistics(spans, {}, {});
+  statistics.components = compute_components(spans, statistics.typical_distance, {});
+  return make_score_basis(settings, offline, statistics);
 }
 
 FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
@@ -66,8 +68,7 @@ double check_against_oracle(const Example& example, const ScoreBasis& basis, siz
   size_t frame = 0;
   for (size_t s = 0; s < example.train.size(); ++s)
     for (const LdbCode& code : example.train[s]) {
-      plain[s].push_back(plain_frame_scores(code, basis.bias[frame], basis.variance[frame],
-                                            example.query, lessons, basis));
+      plain[s].push_back(plain_frame_scores(code, frame, example.query, lessons, basis));
       ++frame;
     }
   double worst = 0;
@@ -101,14 +102,34 @@ TEST_CASE("a score worked out by hand") {
   for (size_t byte = 0; byte < 10; ++byte) example.train[0][1][byte] = 0xff;
   example.query = {LdbCode{}};
   for (size_t byte = 0; byte < 2; ++byte) example.query[0][byte] = 0xff;
-  // Distances 16 and 64, mean 40: x = -24 and 24.
+  // Distances 16 and 64, mean 40: x = -24 and 24. No component is taken away.
   ScoreBasis basis = make_basis(example);
-  basis.bias = {-4, 4};
-  basis.variance = {400, 25};  // the second is below the floor of 10 bits
+  basis.settings.components = 0;
+  basis.mean = {-4, 8};
+  basis.variance = 256;
   const Cells cells = fast_cells(example, basis, 1);
   REQUIRE(cells.size() == 2);
-  CHECK(score(cells.at({0, 0, 0}), 1) == -1.0);  // (-24 + 4) / 20
-  CHECK(score(cells.at({0, 0, 1}), 1) == 2.0);   // (24 - 4) / 10
+  CHECK(score(cells.at({0, 0, 0}), 1) == -1.25);  // (-24 + 4) / 16
+  CHECK(score(cells.at({0, 0, 1}), 1) == 1.0);    // (24 - 8) / 16
+  basis.variance = 25;                            // below the floor of 10 bits
+  CHECK(score(fast_cells(example, basis, 1).at({0, 0, 1}), 1) ==
+        Approx(1.6).margin(0.5 / kScoreUnit));
+}
+
+TEST_CASE("the start holds a share of every frame's bias, and the mean variance") {
+  TrainStatistics statistics;
+  statistics.typical_distance = 300;
+  statistics.bias = {-40, 12, 28};
+  statistics.variance = {100, 400, 250};
+  const ScoreBasis basis = make_score_basis({}, true, statistics);
+  CHECK(basis.mean == std::vector<float>{-20, 6, 14});
+  CHECK(basis.variance == 250);
+  CHECK(basis.typical_distance == 300);
+  CHECK(basis.offline);
+  StandardizationSettings settings;
+  settings.start_bias = 0.25;
+  CHECK(make_score_basis(settings, false, statistics).mean == std::vector<float>{-10, 3, 7});
+  CHECK(make_score_basis({}, false, {}).variance == 0);
 }
 
 TEST_CASE("what is learned, worked out by hand") {
@@ -124,9 +145,10 @@ TEST_CASE("what is learned, worked out by hand") {
   settings.view_change = 0;
   settings.lag_views = 1;
   settings.deviation_floor = 1;
+  settings.components = 0;
   ScoreBasis basis = make_basis(example, settings);
-  basis.bias = {0, 0};
-  basis.variance = {16, 16};
+  basis.mean = {0, 0};
+  basis.variance = 16;
   // Distances 0 and 8, mean 4: x = -4 and 4 in both frames. After the first: mean -2 and 2,
   // variance (16 + 16) / 2 - 4 = 12.
   const Cells cells = fast_cells(example, basis, 1);
@@ -158,7 +180,7 @@ TEST_CASE("scores are those of the oracle within a unit a frame, on every SIMD t
 
 TEST_CASE("every step can be left out, and still is what the oracle says") {
   const Example example = make_example({50, 30}, 70, 3);
-  for (const int without : {0, 1, 2, 3, 4, 5}) {
+  for (const int without : {0, 1, 2, 3, 4, 5, 6, 7}) {
     StandardizationSettings settings;
     settings.centre = without != 0;
     settings.learn = without != 1;
@@ -166,6 +188,8 @@ TEST_CASE("every step can be left out, and still is what the oracle says") {
     if (without == 3) settings.start_weight = settings.offline_start_weight = 0;
     if (without == 4) settings.view_change = 0;
     if (without == 5) settings.lag_views = 1;
+    if (without == 6) settings.components = 0;
+    if (without == 7) settings.components = 3;
     for (const bool offline : {false, true})
       check_against_oracle(example, make_basis(example, settings, offline), 5);
   }
@@ -180,7 +204,7 @@ TEST_CASE("sets larger than a chunk give the same on any threads") {
   for (const size_t threads : {1, 5}) {
     const ThreadLimit limit(threads);
     CHECK(fast_cells(example, basis, 7) == expected);
-    CHECK(make_basis(example).bias == basis.bias);
+    CHECK(make_basis(example).mean == basis.mean);
     CHECK(make_basis(example).variance == basis.variance);
   }
 }
@@ -270,8 +294,8 @@ TEST_CASE("constant images all have the score 0") {
 TEST_CASE("scores beyond 32 deviations are cut off, not wrapped around") {
   Example example = make_example({40}, 1, 8);
   ScoreBasis basis = make_basis(example);
-  for (size_t i = 0; i < 40; ++i) basis.bias[i] = i % 2 == 0 ? 1386 : -1386;
-  std::fill(basis.variance.begin(), basis.variance.end(), 0.0F);
+  for (size_t i = 0; i < 40; ++i) basis.mean[i] = i % 2 == 0 ? 1386 : -1386;
+  basis.variance = 0;
   const Cells cells = fast_cells(example, basis, 1);
   CHECK(score(cells.at({0, 0, 0}), 1) == -32);
   CHECK(cells.at({0, 0, 1}) == 65535);
@@ -341,6 +365,8 @@ TEST_CASE("settings of standardized scores out of range are refused") {
   CHECK(refused([](StandardizationSettings& s) { s.forgetting = std::nan(""); }));
   CHECK(refused([](StandardizationSettings& s) { s.start_weight = -1; }));
   CHECK(refused([](StandardizationSettings& s) { s.offline_start_weight = 1e7; }));
+  CHECK(refused([](StandardizationSettings& s) { s.start_bias = 1.5; }));
+  CHECK(refused([](StandardizationSettings& s) { s.components = 7; }));
   CHECK(refused([](StandardizationSettings& s) { s.deviation_floor = 0; }));
   CHECK(refused([](StandardizationSettings& s) { s.view_change = -0.1; }));
   CHECK(refused([](StandardizationSettings& s) { s.lag_views = 0; }));
