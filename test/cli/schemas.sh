@@ -71,3 +71,11 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   "$out/s3.json" "$out/best.json" \
   "$out/rw.json" "$out/ew.json" "$out/esw.json" "$out/sw.json" \
   "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/t6.json" "$out/s6.json"
+# Settings are checked: a key that no program knows, and a value of another type.
+for wrong in '"c_ll": 10' '"c_l": "ten"' '"clustering": {"eps": 1.5}'; do
+  echo "{\"schema\": \"vpr.config/1\", $wrong}" >"$out/wrong.json"
+  if "$python" "$source/scripts/check_schemas.py" "$out/wrong.json" >"$out/said" || [[ $? != 1 ]]; then
+    echo "config.schema.json takes $wrong"
+    exit 1
+  fi
+done
