@@ -62,6 +62,27 @@ ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offlin
   return basis;
 }
 
+ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
+                    const std::vector<uint8_t>& keep) {
+  ScoreBasis basis = all;
+  basis.mean.clear();
+  for (std::vector<int8_t>& loadings : basis.components.loadings) loadings.clear();
+  ptrdiff_t first = 0;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    const auto end = first + static_cast<ptrdiff_t>(sequences[s].rows.size());
+    if (keep[s] != 0) {
+      basis.mean.insert(basis.mean.end(), all.mean.begin() + first, all.mean.begin() + end);
+      for (size_t k = 0; k < kMostComponents; ++k) {
+        const std::vector<int8_t>& from = all.components.loadings[k];
+        std::vector<int8_t>& to = basis.components.loadings[k];
+        to.insert(to.end(), from.begin() + first, from.begin() + end);
+      }
+    }
+    first = end;
+  }
+  return basis;
+}
+
 double deviation_floor(const StandardizationSettings& settings, uint16_t largest) {
   return settings.deviation_floor * reference_bit(largest);
 }

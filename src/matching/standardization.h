@@ -21,6 +21,7 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<Score> = {"raw", "standardized",
                                                                       "standardized-offline"};
 
+/// How z-scores are taken, and what of the query is learned.
 struct StandardizationSettings {
   double forgetting = 0.98;         ///< weight that is left of what was learned, one view later
   double start_weight = 20;         ///< of the training statistics, in views
@@ -56,7 +57,7 @@ void visit_fields(StandardizationSettings& settings, Visitor&& visit) {
   visit("divide", settings.divide);
 }
 
-/// Throws Error(usage) for settings out of range.
+/// Checks settings. Throws Error(usage) for what is out of range.
 void check_standardization(const StandardizationSettings& settings);
 
 /// Sums of 16-bit scores stay below 2^32.
@@ -78,6 +79,11 @@ struct ScoreBasis {
 ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offline,
                             const TrainStatistics& statistics);
 
+/// The basis for the training sequences that are left when those whose `keep` is 0 have no frames.
+/// `all` is that of all of them together.
+ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
+                    const std::vector<uint8_t>& keep);
+
 /// The smallest standard deviation, in units of distances whose largest is `largest`.
 double deviation_floor(const StandardizationSettings& settings, uint16_t largest);
 
@@ -89,6 +95,7 @@ struct ViewQueue {
   std::vector<size_t> pending;  ///< frames seen and not learned yet; at most `lag`, oldest first
 };
 
+/// An empty queue. typical_distance is that of training frames.
 ViewQueue make_view_queue(const StandardizationSettings& settings, double typical_distance);
 
 /// Whether a frame of `rows` differs from every pending view, also of `rows`, by at least

@@ -7,7 +7,6 @@
 #include "matching/distance_statistics.h"
 #include "matching/standardized_frames.h"
 #include "pipeline/train.h"
-#include "recognition/automatic_score.h"
 
 namespace vpr {
 

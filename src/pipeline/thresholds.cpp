@@ -4,6 +4,7 @@
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "recognition/automatic_threshold.h"
+#include "recognition/closest_windows.h"
 #include "recognition/same_place.h"
 
 namespace vpr {
@@ -27,7 +28,7 @@ ThresholdTable compute_thresholds(std::span<const DescriptorSpan> sequences, siz
                                   double safety_factor, const RowKernels& kernels,
                                   const Monitor& monitor) {
   const MatchSettings match{window_length, kDefaultMemoryLimit, kernels};
-  return {window_length, safety_factor, find_closest_windows(sequences, match, monitor)};
+  return {window_length, safety_factor, find_closest_windows(sequences, nullptr, match, monitor)};
 }
 
 ThresholdTable closest_windows(const SequenceDatabase& database,
@@ -36,8 +37,7 @@ ThresholdTable closest_windows(const SequenceDatabase& database,
   const std::optional<ScoreBasis> basis =
       score_basis(database.statistics ? &*database.statistics : nullptr, settings);
   return {settings.window_length, settings.safety_factor.value_or(1),
-          score_kind(settings.score)
-              .closest(code_spans(database), basis ? &*basis : nullptr, match, monitor)};
+          find_closest_windows(code_spans(database), basis ? &*basis : nullptr, match, monitor)};
 }
 
 AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, ThresholdTable table,

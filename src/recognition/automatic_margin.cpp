@@ -6,7 +6,6 @@
 #include "base/step_parts.h"
 #include "matching/fastable_batch.h"
 #include "matching/standardized_frames.h"
-#include "recognition/automatic_score.h"
 #include "recognition/elsewhere.h"
 #include "recognition/same_place.h"
 #include "recognition/stretches.h"

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "matching/methods.h"
 #include "matching/score_kernels.h"
-#include "recognition/automatic_score.h"
 #include "recognition/automatic_threshold.h"
 #include "recognition/query_settings.h"
 
@@ -89,16 +88,6 @@ double deviations_a_frame(double sum, size_t window_length) {
   return sum / (kScoreUnit * static_cast<double>(window_length));
 }
 
-ClosestTable closest_distances(std::span<const DescriptorSpan> sequences, const ScoreBasis*,
-                               const MatchSettings& match, const Monitor& monitor) {
-  return find_closest_windows(sequences, match, monitor);
-}
-
-ClosestTable closest_scores(std::span<const DescriptorSpan> sequences, const ScoreBasis* basis,
-                            const MatchSettings& match, const Monitor& monitor) {
-  return find_closest_scores(sequences, *basis, match, monitor);
-}
-
 AutomaticThreshold automatic_distance(const ClosestTable& closest, size_t sequence,
                                       const std::function<double()>& typical_distance,
                                       const SequenceQuerySettings& settings) {
@@ -155,7 +144,6 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .offset = no_offset,
                             .frame_value = bits_a_frame,
                             .check = check_raw,
-                            .closest = closest_distances,
                             .automatic = automatic_distance,
                             .margin_unit = "bits a frame",
                             .most_margin = 65535,
@@ -182,7 +170,6 @@ constexpr ScoreKind standardized_row(bool is_offline) {
           .offset = score_offset,
           .frame_value = deviations_a_frame,
           .check = check_standardized,
-          .closest = closest_scores,
           .automatic = automatic_score,
           .margin_unit = "deviations",
           .most_margin = 64,

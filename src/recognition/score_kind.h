@@ -10,6 +10,7 @@
 #include "database/sequence_database.h"
 #include "matching/standardization.h"
 #include "recognition/automatic_threshold.h"
+#include "recognition/closest_windows.h"
 #include "recognition/score_order.h"
 
 namespace vpr {
@@ -48,13 +49,9 @@ struct ScoreKind {
   /// not fit this one.
   void (*check)(const SequenceQuerySettings& settings) = nullptr;
 
-  /// How close training sequences come to each other, by this score. `basis` is there where
-  /// needs_statistics is true. ClosestWindows::distance is a sum as rows hold it.
-  ClosestTable (*closest)(std::span<const DescriptorSpan> sequences, const ScoreBasis* basis,
-                          const MatchSettings& match, const Monitor& monitor) = nullptr;
-
   /// The automatic t_r of a sequence that has a window, from the closest windows of all. settings:
-  /// safety_factor (none: 1) and safety_margin. typical_distance gives the sequence's, in bits.
+  /// safety_factor (none: 1) and safety_margin. typical_distance gives the sequence's, a frame
+  /// distance.
   AutomaticThreshold (*automatic)(const ClosestTable& closest, size_t sequence,
                                   const std::function<double()>& typical_distance,
                                   const SequenceQuerySettings& settings) = nullptr;
@@ -68,10 +65,11 @@ struct ScoreKind {
   std::string (*automatic_title)(const SequenceQuerySettings& settings) = nullptr;
 };
 
+/// All rows, that of FAB-MAP last.
 std::span<const ScoreKind> score_kinds();
-/// Of windows of a sequence method.
+/// The row of a score of windows.
 const ScoreKind& score_kind(Score score);
-/// Of FAB-MAP: how likely a frame shows a place.
+/// The row of FAB-MAP: how likely a frame shows a place.
 const ScoreKind& probability_kind();
 
 /// Whether score a is better than b; not if they are equal.
@@ -79,7 +77,7 @@ inline bool is_better(double a, double b, ScoreOrder order) {
   return order == ScoreOrder::distance ? a < b : a > b;
 }
 
-/// As ScoreKind::check, of the score that is set.
+/// Checks the settings of the score that is set (ScoreKind::check).
 void check_score(const SequenceQuerySettings& settings);
 
 /// Keys of settings that only some scores have, and that stand in files only of those.

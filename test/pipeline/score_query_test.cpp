@@ -12,7 +12,7 @@
 #include "pipeline/sweep.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
-#include "recognition/automatic_score.h"
+#include "recognition/automatic_threshold.h"
 #include "support.h"
 
 using namespace vpr;

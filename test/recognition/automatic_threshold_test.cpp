@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "matching/plain.h"
+#include "recognition/closest_windows.h"
 #include "support.h"
 
 using namespace vpr;
@@ -48,8 +49,8 @@ TEST_CASE("the closest windows are those of all against all others") {
       const test::ChosenTarget chosen(target);
       const RowKernels kernels = select_kernels();
       for (const size_t length : {1, 4, 8, 26, 41}) {
-        const auto found =
-            find_closest_windows(spans_of(sequences), {length, size_t{1} << 30, kernels}, {});
+        const auto found = find_closest_windows(spans_of(sequences), nullptr,
+                                                {length, size_t{1} << 30, kernels}, {});
         const auto expected = slow_closest(sequences, length);
         for (size_t s = 0; s < sequences.size(); ++s) {
           INFO("sequence " << s << ", c_l " << length);

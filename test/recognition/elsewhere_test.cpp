@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "matching/fastable_batch.h"
 #include "matching/plain.h"
-#include "recognition/automatic_threshold.h"
+#include "recognition/closest_windows.h"
 #include "support.h"
 
 using namespace vpr;
@@ -123,7 +123,8 @@ TEST_CASE("stretches that cover a walk give what the whole walk gives") {
 TEST_CASE("a single sequence has the automatic threshold of its own windows") {
   const std::vector<LdbCode> walk = test::walk_codes(60, 1, 120);
   const DescriptorSpan span{walk, {}};
-  const auto found = find_closest_windows({&span, 1}, {6, size_t{1} << 30, select_kernels()}, {});
+  const auto found =
+      find_closest_windows({&span, 1}, nullptr, {6, size_t{1} << 30, select_kernels()}, {});
   REQUIRE(found.size() == 1);
   CHECK(same(found[0], slow_elsewhere(span, 6)));
 }

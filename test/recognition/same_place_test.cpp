@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "recognition/automatic_threshold.h"
+#include "recognition/closest_windows.h"
 #include "support.h"
 
 using namespace vpr;
@@ -28,7 +28,8 @@ std::string warning_of(const std::vector<std::vector<LdbCode>>& walks, size_t le
         named(std::string(1, static_cast<char>('a' + sequences.size())), walk.size()));
   }
   const ThresholdTable table{
-      length, 1, find_closest_windows(spans, {length, size_t{1} << 30, select_kernels()}, {})};
+      length, 1,
+      find_closest_windows(spans, nullptr, {length, size_t{1} << 30, select_kernels()}, {})};
   return overlap_warning(table, sequences, spans).value_or("");
 }
 
