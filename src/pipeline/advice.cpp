@@ -72,7 +72,7 @@ std::string closest_text(const Result& result, const Match& match) {
   if (target.scale == ThresholdScale::mean)
     text +=
         fmt::format("{:.3f} of what this window differs by on average, ", value_of(result, match));
-  return text + fmt::format("{:.1f} bits a frame", frame_value(result, match));
+  return text + fmt::format("mean frame distance {:.1f}", frame_value(result, match));
 }
 
 std::optional<SuggestedThreshold> suggest(const Result& result, const std::vector<Match>& best) {

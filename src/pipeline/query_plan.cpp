@@ -44,8 +44,8 @@ void check_exactness(const SequenceQuerySettings& settings) {
   if (find_sequence_method(settings.method).is_exact || has_paths(settings.method)) return;
   if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
     throw Error(ErrorKind::usage,
-                fmt::format("{} does not see every window, and so not max(D); give t_r in bits a "
-                            "frame, as in --t-r 200 --t-r-scale bits, or auto",
+                fmt::format("{} does not see every window, and so not max(D); give t_r as a "
+                            "mean frame distance, as in --t-r 200 --t-r-scale bits, or auto",
                             settings.method));
 }
 

@@ -37,8 +37,8 @@ void check_raw(const SequenceQuerySettings& settings) {
   if (threshold > 1 && scale_of(settings) == ThresholdScale::relative)
     throw Error(ErrorKind::usage,
                 fmt::format("t_r is relative to the largest distance, where {} accepts everything; "
-                            "for bits a frame give --t-r {} --t-r-scale bits, else a share, as in "
-                            "--t-r 0.6",
+                            "for a mean frame distance give --t-r {} --t-r-scale bits, else a "
+                            "share, as in --t-r 0.6",
                             threshold, threshold));
   if (threshold > 1 && scale_of(settings) == ThresholdScale::mean)
     throw Error(
@@ -52,8 +52,8 @@ void check_standardized(const SequenceQuerySettings& settings) {
   const ThresholdScale scale = scale_of(settings);
   if (scale != ThresholdScale::mean_z)
     throw Error(ErrorKind::usage,
-                fmt::format("t_r_scale {} means nothing for standardized scores, which have no "
-                            "bits; leave it out, or give mean-z, as in --t-r -1.5",
+                fmt::format("t_r_scale {} means nothing for standardized scores, which are "
+                            "no distances; leave it out, or give mean-z, as in --t-r -1.5",
                             enum_name(scale)));
   if (settings.distance_threshold && *settings.distance_threshold > 0)
     throw Error(ErrorKind::usage,
@@ -80,7 +80,7 @@ void check_standardized(const SequenceQuerySettings& settings) {
 
 int64_t no_offset(size_t) { return 0; }
 
-double bits_a_frame(double sum, size_t window_length) {
+double distance_a_frame(double sum, size_t window_length) {
   return sum / static_cast<double>(window_length);
 }
 
@@ -127,10 +127,10 @@ std::string standardized_title(const SequenceQuerySettings& settings) {
 
 constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .measure = "distance",
-                            .title = "distance (bits, summed)",
+                            .title = "distance (summed over the window)",
                             .window_symbol = "c_l",
                             .threshold_symbol = "t_r",
-                            .frame_unit = "bits/frame",
+                            .frame_unit = "mean distance",
                             .frame_digits = 1,
                             .number_scale = ThresholdScale::relative,
                             .automatic_scale = ThresholdScale::bits,
@@ -142,7 +142,7 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .is_stored = true,
                             .settings = kRawSettings,
                             .offset = no_offset,
-                            .frame_value = bits_a_frame,
+                            .frame_value = distance_a_frame,
                             .check = check_raw,
                             .automatic = automatic_distance,
                             .margin_unit = "bits a frame",

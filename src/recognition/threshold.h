@@ -11,7 +11,8 @@
 namespace vpr {
 
 /// relative: D / max(D) < t_r, the maximum over all cells of that training sequence and the query
-/// (the paper's 0.3, 0.4, 0.5). bits: D / c_l < t_r, in bits a frame. mean_z: the mean z of the
+/// (the paper's 0.3, 0.4, 0.5). bits: D / c_l < t_r, the mean frame distance in its own unit
+/// (frame_distances; of LDB bits). mean_z: the mean z of the
 /// window < t_r, in standard deviations; of standardized scores. mean: D / M < t_r, where M is what
 /// the query window's frames differ by on average from all frames of the training sequence, summed
 /// over the window: how much closer than usual, whatever the light.

@@ -78,14 +78,14 @@ struct ScoreAxis {
   double divisor = 1;
 };
 
-/// Scores as thresholds are given: t_r in bits a frame or as mean z, t_p, or as they are.
+/// Scores as thresholds are given: t_r as a mean frame distance or as mean z, t_p, or as they are.
 ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
   if (judgement.confidence == Confidence::margin) return {"the margin, from the largest on", 1};
   const auto length = static_cast<double>(judgement.layout.window_length);
   if (!report.contains("counts")) return {score_words(report), 1};
   if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
   if (report["settings"].contains("score")) return {"the mean z (t_r)", length * kScoreUnit};
-  return {"so many bits a frame (t_r with --t-r-scale bits)", length};
+  return {"a mean frame distance (t_r with --t-r-scale bits)", length};
 }
 
 constexpr std::array<Meaning, 3> kAccepted = {Meaning::right, Meaning::wrong, Meaning::unjudged};

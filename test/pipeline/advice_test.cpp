@@ -45,7 +45,7 @@ TEST_CASE("without a hit, the closest windows and a threshold for a tenth of the
   const auto bits = threshold_advice(planned_result(ThresholdScale::bits, 10));
   REQUIRE(bits);
   CHECK_FALSE(bits->is_too_large);
-  CHECK(bits->sentence.find("query frame 1 and walk frame 4: 50.0 bits a frame") !=
+  CHECK(bits->sentence.find("query frame 1 and walk frame 4: mean frame distance 50.0") !=
         std::string::npos);
   REQUIRE(bits->suggested);
   CHECK(bits->suggested->threshold == 55.1);  // the second closest has 110 / 2
@@ -53,7 +53,7 @@ TEST_CASE("without a hit, the closest windows and a threshold for a tenth of the
   CHECK(bits->suggested->windows == 2);
   const auto relative = threshold_advice(planned_result(ThresholdScale::relative, 0.05));
   REQUIRE(relative);
-  CHECK(relative->sentence.find("0.100 of the largest distance, 50.0 bits a frame") !=
+  CHECK(relative->sentence.find("0.100 of the largest distance, mean frame distance 50.0") !=
         std::string::npos);
   REQUIRE(relative->suggested);
   CHECK(relative->suggested->threshold == Approx(0.111));
