@@ -9,6 +9,8 @@
 
 namespace vpr {
 
+/// The 128-bit XXH3 checksum of bytes as text: "xxh3:" and 32 hexadecimal digits. No bytes have
+/// one, too.
 std::string checksum(std::span<const std::byte> bytes);
 std::string checksum(std::string_view text);
 

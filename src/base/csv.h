@@ -7,6 +7,7 @@
 
 namespace vpr {
 
+/// One row of a CSV file: its fields as text, without quotes.
 struct CsvRow {
   size_t line = 0;  ///< one-based, where the row starts
   std::vector<std::string> fields;

@@ -12,12 +12,13 @@ namespace vpr {
 template <class E>
 inline constexpr std::array<std::string_view, 0> kEnumNames{};
 
+/// The name of a value of E, which must be one of its enumerators.
 template <class E>
 std::string_view enum_name(E value) {
   return kEnumNames<E>[static_cast<size_t>(value)];
 }
 
-/// Nothing for a name that no value has.
+/// The value of E that has a name; nothing where none has it.
 template <class E>
 std::optional<E> enum_value(std::string_view name) {
   for (size_t i = 0; i < kEnumNames<E>.size(); ++i)

@@ -6,6 +6,7 @@
 
 namespace vpr {
 
+/// Whose mistake an error is; the programs turn it into their exit code.
 enum class ErrorKind {
   usage,        ///< wrong flags or settings, or an output that exists (exit code 2)
   input,        ///< something to read is missing or can't be decoded (3)

@@ -26,8 +26,8 @@
 
 namespace vpr {
 
-/// Nothing if the text is no JSON, or nested deeper than any file of ours (so that what works
-/// through it may recurse).
+/// The value that a text holds; nothing if it is no JSON, or nested deeper than any file of ours
+/// (so that what works through it may recurse).
 std::optional<Json> parse_json(std::string_view text);
 
 /// Reads a whole file. Throws Error(input) if it can't be read, Error(kind) if it is not JSON.
@@ -54,6 +54,7 @@ inline constexpr bool kIsOptional = false;
 template <class T>
 inline constexpr bool kIsOptional<std::optional<T>> = true;
 
+/// A visitor that takes any field: what tells settings structs from other types.
 struct AnyVisitor {
   template <class T>
   void operator()(const char*, T&) const {}
@@ -68,11 +69,14 @@ std::string one_of(std::span<const std::string_view> names);
 
 }  // namespace detail
 
+/// A struct that a visit_fields describes.
 template <class S>
 concept Settings = requires(S& s, detail::AnyVisitor v) {
   visit_fields(s, v);
 };
 
+/// A setting as files hold it: a struct becomes an object with all its keys in the order of
+/// visit_fields, a name its text, and an optional without a value "auto".
 template <class T>
 Json value_to_json(const T& value) {
   if constexpr (Settings<T>) {

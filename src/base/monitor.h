@@ -18,9 +18,10 @@ struct Monitor {
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Throws Error(interrupted) once the user wants to stop.
+/// Ends work that the user wants to stop: throws Error(interrupted) then.
 void check_stop(const Monitor& monitor);
 
+/// Passes a warning on, one whole sentence, to who listens; without a listener it is lost.
 void warn(const Monitor& monitor, const std::string& sentence);
 
 /// Counts units of one step that are finished in any thread and order.

@@ -17,9 +17,9 @@
 
 namespace vpr {
 
-/// Throws Error(usage) when `path` exists and is to be refused, or is a folder or no regular file,
-/// and Error(output) when its parent folder is missing, or its name is too long. Call it before
-/// long work; commit checks again.
+/// Checks whether a file can be written. Throws Error(usage) when `path` exists and is to be
+/// refused, or is a folder or no regular file, and Error(output) when its parent folder is missing,
+/// or its name is too long. Call it before long work; commit checks again.
 void check_output_file(const std::filesystem::path& path, Existing existing);
 
 /// One file. Throws Error(output) on any failure, a full disk included.

@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// What happens to an output that exists already.
 enum class Existing { refuse, replace };
 
 /// Throws Error(usage) that offers --force.

@@ -7,6 +7,7 @@
 
 namespace vpr {
 
+/// The only source of chance: the standard fixes its numbers for every seed.
 using RandomEngine = std::mt19937_64;
 
 /// An engine of its own for every purpose: (seed, name) starts it, by the standard's seed_seq.

@@ -16,6 +16,7 @@ double quantile(std::vector<double> values, double p);
 /// The middle value, or the mean of the two middle values. values must not be empty.
 double median(std::vector<double> values);
 
+/// A confidence interval, both ends included.
 struct Interval {
   double low = 0;
   double high = 0;

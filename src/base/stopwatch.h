@@ -5,6 +5,7 @@
 
 namespace vpr {
 
+/// The time since it was made, by a clock that never runs backwards.
 class Stopwatch {
  public:
   double elapsed_s() const {

@@ -9,6 +9,8 @@
 
 namespace vpr {
 
+/// A benchmark as vpr.bench holds it: settings, rows, what was left out, the paper's numbers,
+/// provenance and machine.
 Json bench_json(const BenchResult& result, const RunInfo& run);
 
 /// Rows, name and settings of a stored benchmark. Throws Error(input) if it can't be read,

@@ -15,6 +15,7 @@ namespace vpr {
 /// Names and numbers, in the order in which they are shown.
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 
+/// One measurement.
 struct BenchRow {
   std::string work;         ///< what was timed: "fastable", "surf", ...
   NamedNumbers parameters;  ///< with `work`, they name the row
@@ -26,6 +27,7 @@ struct BenchRow {
   double parameter(const std::string& name) const;  ///< 0 if there is none
 };
 
+/// The first number of a name; nothing where no number has it.
 std::optional<double> find_number(const NamedNumbers& numbers, const std::string& name);
 
 /// A number of the paper, and ours in its place.
@@ -41,6 +43,7 @@ struct PaperNumber {
   std::string our_work;  ///< the row that stands in its place
 };
 
+/// What one command of vpr-bench measured.
 struct BenchResult {
   std::string bench;
   Json settings;

@@ -21,12 +21,14 @@ struct BenchRatio {
   double high = 0;   ///< new upper quartile / old lower quartile
 };
 
+/// What two runs of one benchmark have in common.
 struct BenchComparison {
   std::vector<BenchRatio> ratios;        ///< in the order of the old run
   std::vector<std::string> only_in_one;  ///< rows without a partner, in words
 };
 
-/// Throws Error(data) if the two are different benchmarks, or have no row in common.
+/// Compares two runs row by row. Throws Error(data) if the two are different benchmarks, or have no
+/// row in common.
 BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer);
 
 /// Whether a median is more than `factor` times the old one, and the spread agrees: the lower
@@ -36,6 +38,7 @@ bool is_slower(const BenchRatio& row, double factor);
 /// Rows that are slower are marked, and those whose ratio is above the factor although their spread
 /// reaches down to the old time ("unsure").
 Table comparison_table(const BenchComparison& comparison, double factor);
+/// The same as vpr.bench-comparison holds it, with all rows in the order of the old run.
 Json comparison_json(const BenchComparison& comparison, double factor);
 
 /// Rows that are slower.

@@ -7,6 +7,7 @@
 
 namespace vpr {
 
+/// What vpr-bench describe times.
 struct DescribeBenchSettings {
   std::vector<std::string> features = {"surf", "sift", "kaze", "akaze", "orb", "brisk"};
   uint64_t frames = 20;  ///< different ones, in turn

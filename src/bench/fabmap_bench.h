@@ -5,6 +5,7 @@
 
 namespace vpr {
 
+/// What vpr-bench fabmap times: every variant with every combination of the numbers.
 struct FabmapBenchSettings {
   std::vector<std::string> variants = {"fabmap2", "fabmap2-fixed", "fbo", "lut", "fabmap1"};
   std::vector<uint64_t> places = {10, 100, 1000, 10'000, 100'000};

@@ -7,6 +7,7 @@
 
 namespace vpr {
 
+/// What vpr-bench matching times: every method with every combination of the numbers.
 struct MatchingBenchSettings {
   std::vector<std::string> methods = {"fastable", "fastable-batch", "standardized",
                                       "openable", "plain-fastable", "plain-openable"};

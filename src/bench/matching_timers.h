@@ -24,6 +24,7 @@ struct MatchingCase {
   size_t rows() const { return query_codes.size() - settings.window_length + 1; }
 };
 
+/// A row of the table of what is timed.
 struct MatchingTimer {
   std::string_view name;
   std::string_view summary;
@@ -31,8 +32,9 @@ struct MatchingTimer {
   void (*measure)(const MatchingCase&, const Effort&, const Monitor&, BenchRow&);
 };
 
+/// All of them, in the order in which help and reports list them.
 std::span<const MatchingTimer> matching_timers();
-/// Throws Error(usage) listing the names for an unknown one.
+/// The timer of a name. Throws Error(usage), listing the names, for an unknown one.
 const MatchingTimer& find_matching_timer(std::string_view name);
 
 /// Standardized scores need the whole ring.

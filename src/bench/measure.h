@@ -9,6 +9,7 @@
 
 namespace vpr {
 
+/// Repeated measurements of one time, in milliseconds.
 struct TimeSummary {
   double median_ms = 0;
   double lower_quartile_ms = 0;

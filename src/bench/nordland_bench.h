@@ -5,6 +5,7 @@
 
 namespace vpr {
 
+/// What vpr-bench nordland times.
 struct NordlandBenchSettings {
   std::vector<std::string> methods = {"fastable", "fastable-batch", "standardized",
                                       "openable", "plain-fastable", "plain-openable",
@@ -40,7 +41,8 @@ struct RecordedCodes {
   std::vector<LdbCode> query;
 };
 
-/// As bench_matching; a database that does not fit the memory is left out, and said.
+/// Times methods as bench_matching does; a database that does not fit the memory is left out, and
+/// said.
 BenchResult bench_nordland(const NordlandBenchSettings& settings,
                            const std::optional<RecordedCodes>& recorded, uint64_t seed,
                            const RowKernels& kernels, const Monitor& monitor);

@@ -14,9 +14,11 @@ struct PaperSpeedUp {
   double ratio;
 };
 
+/// The phones that the paper measured on.
 inline constexpr const char* kGalaxy = "Samsung Galaxy Note 3";
 inline constexpr const char* kLenovo = "Lenovo S8-50";
 
+/// The whole of table 6: each phone, number of frames and c_l.
 inline constexpr std::array<PaperSpeedUp, 40> kPaperSpeedUps = {{
     {kGalaxy, 500, 20, 11.4},  {kGalaxy, 1000, 20, 9.8},  {kGalaxy, 2000, 20, 9.3},
     {kGalaxy, 4000, 20, 9.2},  {kGalaxy, 8000, 20, 9.2},  {kGalaxy, 500, 40, 22.3},
@@ -42,8 +44,10 @@ struct PaperNordlandTime {
   std::array<double, 3> ms;
 };
 
+/// Frames of the databases to which the times of a row belong.
 inline constexpr std::array<uint64_t, 3> kPaperNordlandFrames = {1000, 10'000, 100'000};
 
+/// Milliseconds per query frame on the Nordland data, c_l 300, by database size.
 inline constexpr std::array<PaperNordlandTime, 8> kPaperNordlandTimes = {{
     {"tab5", "OpenABLE, PC (laptop i5)", "openable", {169, 2273, 24476}},
     {"tab5", "OpenABLE, Samsung Galaxy Note 3", "openable", {627, 8593, 85480}},
@@ -62,6 +66,7 @@ struct PaperFrameTime {
   double ms;
 };
 
+/// What one frame of 640x480 pixels took the paper.
 inline constexpr std::array<PaperFrameTime, 4> kPaperFrameTimes = {{
     {"SURF, Samsung Galaxy Note 3", "surf", 156 + 89},
     {"SURF, Lenovo S8-50", "surf", 92 + 89},

@@ -13,6 +13,7 @@
 
 namespace vpr {
 
+/// What vpr-bench realtime asks for.
 struct RealtimeBenchSettings {
   std::string method = "fastable";  ///< of databases of sequences: or "filter"
   double rate_hz = 10;

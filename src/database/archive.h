@@ -14,6 +14,7 @@
 
 namespace vpr {
 
+/// The file of a database folder that lists all others.
 inline constexpr std::string_view kManifestName = "manifest.json";
 
 /// Whether a folder is a database, of any kind or version, and holds nothing else.
@@ -77,7 +78,9 @@ class Archive {
 
 /// A non-negative whole number of a manifest; throws Error(data) through `archive` if it is none.
 size_t manifest_count(const Archive& archive, const Json& object, const std::string& key);
+/// A text of a manifest; throws like that.
 std::string manifest_text(const Archive& archive, const Json& object, const std::string& key);
+/// A list of a manifest; throws like that.
 const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key);
 
 }  // namespace vpr

@@ -9,6 +9,7 @@
 
 namespace vpr {
 
+/// Words of a block of WordColumns.
 inline constexpr size_t kColumnLanes = 16;
 
 /// Words in blocks of 16 that lie one after the other, so that all words are counted in one pass.
@@ -23,6 +24,7 @@ struct WordColumns {
   }
 };
 
+/// The columns of frames, each given by its word ids below `words`, rising.
 WordColumns make_word_columns(std::span<const WordSet> frames, size_t words);
 
 /// Frames that show both words.

@@ -13,10 +13,12 @@
 
 namespace vpr {
 
+/// How descriptors become words.
 enum class Clustering { kmeans, radius };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<Clustering> = {"kmeans", "radius"};
 
+/// How a vocabulary and a Chow-Liu tree are learned from pretraining frames.
 struct FabmapTrainSettings {
   FeatureSettings features;
   Clustering clustering = Clustering::kmeans;
@@ -50,6 +52,7 @@ struct ViewOrigin {
   size_t frame = 0;  ///< within the group
 };
 
+/// All that FAB-MAP needs of training: the content of its database folder.
 struct FabmapDatabase {
   FabmapTrainSettings settings;
   uint64_t seed = 1;

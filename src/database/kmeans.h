@@ -12,6 +12,7 @@ class Mat;
 
 namespace vpr {
 
+/// How k-means makes words.
 struct KmeansSettings {
   size_t words = 1000;
   size_t iterations = 20;  ///< Lloyd steps at most; fewer when no point changes its centre

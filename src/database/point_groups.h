@@ -38,10 +38,10 @@ inline std::vector<uint32_t> row_range(size_t begin, size_t end) {
 /// A copy of some rows, in the order of `indices`.
 cv::Mat rows_of(const cv::Mat& points, const std::vector<size_t>& indices);
 
-/// Of row i of a and row j of b.
+/// The squared Euclidean distance of row i of a and row j of b.
 double squared_distance(const cv::Mat& a, size_t i, const cv::Mat& b, size_t j);
 
-/// By score; the lower index among equals.
+/// Whether a is nearer than b, by score; of equals the lower index is.
 inline bool nearer(const NearestCentre& a, const NearestCentre& b) {
   return a.score < b.score || (a.score == b.score && a.centre < b.centre);
 }

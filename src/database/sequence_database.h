@@ -17,6 +17,7 @@
 
 namespace vpr {
 
+/// One training sequence of a database; its descriptors are in the database's store.
 struct TrainSequence {
   std::string name;
   std::vector<std::string> frame_names;
@@ -47,6 +48,7 @@ struct ThresholdTable {
   std::vector<std::optional<ClosestWindows>> closest;
 };
 
+/// All that sequence methods need of training: the content of their database folder.
 struct SequenceDatabase {
   DescriptorSettings descriptor;
   std::vector<TrainSequence> sequences;

@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// Which training frames each training frame is compared with.
 struct StatisticsSettings {
   /// Frames of the same sequence up to max(neighbour_frames, neighbour_share * its frames) away
   /// show nearly the same place, and are left out.

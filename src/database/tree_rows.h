@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// A tree as such rows: 4 x words numbers.
 std::vector<double> tree_rows(const ChowLiuTree& tree);
 
 /// The tree of such rows, none of which is trusted: parents are words and lead to a root (a word

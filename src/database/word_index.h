@@ -13,6 +13,7 @@ namespace vpr {
 /// Views in blocks of 65536, so that two bytes name one, and the sums of a block stay in a cache.
 inline constexpr size_t kIndexBlock = 65536;
 
+/// For every word the views that show it, by blocks of kIndexBlock views.
 struct WordIndex {
   size_t words = 0;
   size_t views = 0;

@@ -13,7 +13,7 @@ namespace vpr {
 /// What a descriptor is made of: bits, or signed whole numbers of 8 bits.
 enum class ElementType { bits, whole_numbers };
 
-/// Of what, and of how many, every descriptor of a kind consists.
+/// The elements of which every descriptor of a kind consists: their type and their number.
 struct DescriptorShape {
   ElementType element = ElementType::bits;
   size_t length = kLdbBits;  ///< bits or whole numbers; at least 1
@@ -27,6 +27,7 @@ struct DescriptorShape {
   }
 };
 
+/// The shape of LDB codes.
 inline constexpr DescriptorShape kLdbShape = {ElementType::bits, kLdbBits};
 static_assert(kLdbShape.row_bytes() == kLdbBytes && sizeof(LdbCode) == kLdbBytes);
 

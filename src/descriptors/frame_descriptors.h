@@ -71,6 +71,7 @@ DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed
 
 /// LDB codes as a set, and back.
 DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames);
+/// The codes of a set, which must hold LDB codes.
 std::vector<LdbCode> ldb_codes(const DescriptorSet& set);
 
 }  // namespace vpr

@@ -12,10 +12,12 @@ class Mat;
 
 namespace vpr {
 
+/// Bits of a code: 3 for every pair of cells of the grids 2x2 to 5x5.
 inline constexpr size_t kLdbBits = 1386;
 inline constexpr size_t kLdbBytes =
     176;  ///< bit b in byte b / 8, least significant first, 0-padded
 
+/// LDB (Yang & Cheng 2012) as a frame is described by it: 176 bytes, the last 22 bits 0.
 using LdbCode = std::array<uint8_t, kLdbBytes>;
 
 /// `grey`: 8 bits, one channel, at least 1x1. Resized to 64x64, blurred, cut to 60x60; then cells

@@ -11,6 +11,7 @@
 
 namespace vpr {
 
+/// Kinds of local features: how points are found, and what describes them.
 enum class FeatureKind { surf, sift, kaze, akaze, orb, brisk };
 template <>
 inline constexpr std::array<std::string_view, 6> kEnumNames<FeatureKind> = {
@@ -42,9 +43,10 @@ void visit_fields(FeatureSettings& settings, Visitor&& visit) {
   visit("brisk_threshold", settings.brisk_threshold);
 }
 
-/// Throws Error(usage) for a value out of range.
+/// Checks the settings of every kind. Throws Error(usage) for a value out of range.
 void check_feature_settings(const FeatureSettings& settings);
 
+/// The features of one frame: descriptors and, row by row, where they are.
 struct LocalFeatures {
   /// One row a feature: CV_32F (surf 64, sift 128, kaze 64) or CV_8U (akaze 61, orb 32, brisk 64
   /// bytes of bits). No rows where the frame has no feature, or is too small to have one.

@@ -9,6 +9,7 @@
 
 namespace vpr {
 
+/// Centres of a block of CentreBlocks.
 inline constexpr size_t kCentreLanes = 32;
 
 /// Centres in blocks of 32, dimension by dimension, so that a SIMD lane is a centre.
@@ -19,6 +20,8 @@ struct CentreBlocks {
   std::vector<float> half_norms;  ///< |c|^2 / 2; infinite in the padding
 };
 
+/// The blocks of centres, one a row; the last block is filled up with centres that are infinitely
+/// far.
 CentreBlocks make_centre_blocks(MatrixView<const float> centres);
 
 /// |p - c|^2 / 2 - |p|^2 / 2 of the nearest centre c of point p: smaller is nearer.

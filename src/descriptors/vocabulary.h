@@ -21,7 +21,8 @@ struct Vocabulary {
   CentreBlocks blocks;  ///< of float words
 };
 
-/// Throws nothing; `words` is CV_32F or CV_8U with at least one row.
+/// The vocabulary of words, one a row. It throws nothing; `words` is CV_32F or CV_8U with at least
+/// one row.
 Vocabulary make_vocabulary(const cv::Mat& words);
 
 /// The nearest word of each of the given rows of `descriptors` (exact; ties to the lower word),

@@ -35,6 +35,7 @@ struct PairedCounts {
   uint64_t neither = 0;
 };
 
+/// Several methods on the same query frames, metric by metric.
 struct Comparison {
   size_t common = 0;        ///< query frames that all methods judge
   size_t judged = 0;        ///< of these, with a match

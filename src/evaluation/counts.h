@@ -10,12 +10,14 @@
 
 namespace vpr {
 
+/// Pairs by what the ground truth calls them.
 struct LabelCounts {
   uint64_t correct = 0;
   uint64_t incorrect = 0;
   uint64_t ignored = 0;  ///< pairs labelled ignore: neither
 };
 
+/// Query windows by whether their best match is right.
 struct BestMatchCounts {
   uint64_t queries = 0;  ///< windows (frames) with a match in the ground truth, ignored ones too
   uint64_t correct = 0;
@@ -29,6 +31,7 @@ struct BestMatchCounts {
   std::optional<double> rate() const;
 };
 
+/// How often a result is right: its hits, their clusters, and its best matches.
 struct Counts {
   LabelCounts hits;                     ///< judged at both anchors; of FAB-MAP frame and place
   std::optional<LabelCounts> clusters;  ///< judged at their representative's anchors

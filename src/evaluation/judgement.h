@@ -23,6 +23,7 @@ struct RecognisedCell {
   size_t column = 0;
 };
 
+/// All that ground truth says about a result or a score matrix.
 struct Judgement {
   ScoreLayout layout;
   Outcomes outcomes;

@@ -7,6 +7,7 @@
 
 namespace vpr {
 
+/// What one pass over a score matrix finds.
 struct MatrixScan {
   Outcomes outcomes;
   uint64_t same_pairs = 0;          ///< of readable queries, those without a score included

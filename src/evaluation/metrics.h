@@ -17,6 +17,7 @@ struct CurveMetric {
   MetricValue (*compute)(const Curve& curve);
 };
 
+/// All metrics, in the order in which reports and help list them.
 std::span<const CurveMetric> curve_metrics();
 
 /// K of recall@K.

@@ -13,6 +13,7 @@
 
 namespace vpr {
 
+/// What a best match is worth.
 enum class Verdict {
   correct,    ///< the best match shows the query's place
   incorrect,  ///< it does not, or nothing was found
@@ -26,6 +27,7 @@ enum class Confidence { score, margin };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<Confidence> = {"score", "margin"};
 
+/// One query window (of FAB-MAP: frame), and its best match.
 struct QueryOutcome {
   size_t frame = 0;  ///< of the query: a window's anchor
   Verdict verdict = Verdict::incorrect;
@@ -42,6 +44,7 @@ struct QueryOutcome {
       {};  ///< that makes it a hit, where the decision is by margin
 };
 
+/// The best matches of all query windows: what curves and metrics are computed from.
 struct Outcomes {
   ScoreOrder kind = ScoreOrder::distance;
   size_t query_frames = 0;  ///< of the whole path
@@ -63,9 +66,10 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth);
 
 /// Queries that have a match and are judged: neither unreadable nor ignored.
 uint64_t judged_queries(const Outcomes& outcomes);
+/// Queries of which two references score the same and best.
 uint64_t tied_queries(const Outcomes& outcomes);
 
-/// As a report counts best matches.
+/// The outcomes as a report counts best matches.
 BestMatchCounts best_match_counts(const Outcomes& outcomes);
 
 /// Smaller keys are more confident; kNoScore where the best match has none: it is never accepted.

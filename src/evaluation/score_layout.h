@@ -35,9 +35,10 @@ ScoreLayout layout_of(const Result& result);
 
 /// Rows and columns of the whole matrix.
 size_t row_count(const ScoreLayout& layout);
+/// Columns of the whole matrix: windows of all searched training sequences.
 size_t column_count(const ScoreLayout& layout);
 
-/// Throws Error(data) if the matrix has another size.
+/// Checks that a matrix has as many rows and columns as a layout. Throws Error(data) if it has not.
 void require_fit(const ScoreMatrix& matrix, const ScoreLayout& layout);
 
 /// The labels of all columns for the query window `row`: `labels` is made that long.
@@ -55,6 +56,7 @@ struct FrameMatch {
 
   bool operator==(const FrameMatch&) const = default;
 };
+/// The training sequence of a column, and the anchor of its window.
 FrameMatch match_of_column(const ScoreLayout& layout, size_t column);
 
 }  // namespace vpr

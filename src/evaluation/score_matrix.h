@@ -13,6 +13,7 @@
 
 namespace vpr {
 
+/// What the numbers of a matrix of scores mean.
 struct ScoreFormat {
   ScoreOrder kind = ScoreOrder::distance;
   bool references_first = false;  ///< rows of the file are references, columns are queries

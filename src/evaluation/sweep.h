@@ -34,6 +34,7 @@ struct SweepScore {
                                     ///< is larger; none: automatic
 };
 
+/// The numbers of a cell that a recommendation looks at.
 SweepScore score_of(const CellCounts& cell, ScoreOrder order);
 
 /// What a grid allows to say.
@@ -52,6 +53,7 @@ inline constexpr std::array<std::string_view, 7> kEnumNames<Advice> = {
     "recommended", "no_hits",   "no_correct_hits", "always_errors",
     "next_errs",   "grid_ends", "only_automatic"};
 
+/// The setting to take, or why there is none.
 struct Recommendation {
   Advice advice = Advice::no_hits;
   /// The cell with most correct hits among those whose threshold, every stricter and the next
@@ -69,6 +71,7 @@ struct Recommendation {
   std::vector<size_t> pareto;  ///< cells that no other beats in both correct and incorrect hits
 };
 
+/// Chooses among the cells of a grid, which may be in any order.
 Recommendation recommend(std::span<const SweepScore> scores);
 /// The same for the cells of a sweep.
 Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order);

@@ -18,6 +18,7 @@ struct ViewCounts {
   uint64_t ignored = 0;    ///< all are ignored, which otherwise count for nothing
 };
 
+/// Counts in which every view counts once, however many frames show it.
 struct CountsByView {
   size_t query_views = 0;
   size_t train_views = 0;    ///< of the searched sequences

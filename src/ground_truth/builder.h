@@ -25,6 +25,7 @@ struct FrameCount {
   bool grows = false;
 };
 
+/// What readers of formats fill: it checks indices and labels, and counts what is odd.
 class GroundTruthBuilder {
  public:
   GroundTruthBuilder(const GroundTruthArgument& argument, const GroundTruthScope& scope,

@@ -25,9 +25,11 @@ struct GroundTruthSummary {
   std::vector<std::string> one_sided_examples;
 };
 
+/// Counts the pairs of a ground truth; its time grows with runs of frames, not with pairs.
 GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Monitor& monitor = {});
 
-/// Throws Error(data), with the first of them, if a pair is out of range or contradicts another.
+/// Checks that a ground truth can be trusted. Throws Error(data), with the first of them, if a pair
+/// is out of range or contradicts another.
 void require_undamaged(const InspectedGroundTruth& ground_truth, const std::string& name);
 
 }  // namespace vpr

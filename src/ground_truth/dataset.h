@@ -12,6 +12,7 @@
 
 namespace vpr {
 
+/// A sequence of a data set, and what results call it.
 struct NamedSequence {
   std::string name;
   SequenceArgument sequence;
@@ -55,17 +56,20 @@ struct GroundTruthArgument {
   GroundTruthOptions options = {};
 };
 
+/// A query of a data set and its ground truths.
 struct DatasetQuery {
   NamedSequence sequence;
   std::optional<GroundTruthArgument> sequence_ground_truth;  ///< query frame against train frames
   std::optional<GroundTruthArgument> place_ground_truth;     ///< query frame against places
 };
 
+/// A place of FAB-MAP: its views.
 struct DatasetPlace {
   std::string name;
   std::vector<SequenceArgument> views;
 };
 
+/// A data set description.
 struct Dataset {
   std::string name;
   double frames_per_second = 0;  ///< 0: not stated

@@ -6,6 +6,7 @@
 
 namespace vpr {
 
+/// A file and a line or row of it, for errors.
 struct FileLocation {
   std::string file;
   std::string_view unit = {};  ///< "line" or "row"; empty: the file as a whole

@@ -43,19 +43,21 @@ std::span<const GroundTruthFormat> ground_truth_formats();
 
 /// "pairs, aligned, ...": the names of those for which `wanted` is true.
 std::string format_names(bool (*wanted)(const GroundTruthFormat& format));
-/// A line each, for help texts.
+/// Names and summaries, a line each, for help texts.
 std::string format_summaries();
-/// All of them.
+/// The names of all formats.
 std::vector<std::string> format_names();
 
-/// Throws Error(usage), naming the nearest, if there is none.
+/// The format of a name. Throws Error(usage), naming the nearest, if there is none.
 const GroundTruthFormat& find_format(std::string_view name);
 
-/// By content. Throws Error(input) if the file can't be read, Error(usage) if it is of no format
-/// that can be told; a .csv file that is none is taken for pairs, whose reader says what is wrong.
+/// The format of a file by its content. Throws Error(input) if the file can't be read, Error(usage)
+/// if it is of no format that can be told; a .csv file that is none is taken for pairs, whose
+/// reader says what is wrong.
 const GroundTruthFormat& recognise_format(const std::filesystem::path& path);
 
-/// Throws Error(usage) if the format lacks its path, or an option is given that it does not use.
+/// Checks what an argument gives. Throws Error(usage) if the format lacks its path, or an option is
+/// given that it does not use.
 void require_options(const GroundTruthFormat& format, const GroundTruthArgument& argument);
 
 }  // namespace vpr

@@ -15,6 +15,7 @@
 
 namespace vpr {
 
+/// What a pair of frames shows: another place, the same one, or what is not to be judged.
 enum class PlaceLabel { different, same, ignore };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"different", "same",
@@ -67,7 +68,7 @@ struct GroundTruth {
   bool has_match(size_t query) const;
 };
 
-/// Where nothing is known: every pair is labelled ignore.
+/// The ground truth where nothing is known: every pair is labelled ignore.
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope);
 
 /// What is odd about a ground truth.
@@ -76,11 +77,13 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<FindingKind> = {
     "out_of_range", "contradiction", "duplicate"};
 
+/// How often something odd was found.
 struct GroundTruthFinding {
   uint64_t count = 0;                 ///< pairs
   std::vector<std::string> examples;  ///< the first of them, in words
 };
 
+/// A ground truth together with what is odd about its file.
 struct InspectedGroundTruth {
   GroundTruth truth;       ///< without what is out of range; of two labels, the first stays
   GroundTruthScope scope;  ///< with the numbers of frames that were unknown

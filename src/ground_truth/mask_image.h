@@ -19,6 +19,7 @@ class GroundTruthBuilder;
 /// JPEG, whose values are not what was drawn.
 std::string read_mask_image(GroundTruthBuilder& builder);
 
+/// Whether a file starts as a picture does; also as a JPEG, so that its reader can refuse it.
 bool is_mask_image(const FileStart& start);
 
 /// A PNG; 128 is ignored.

@@ -19,6 +19,7 @@ class GroundTruthBuilder;
 /// searched sequence. Throws Error(data), naming the line.
 std::string read_openseqslam_csv(GroundTruthBuilder& builder);
 
+/// Whether the first line holds two or three whole numbers with commas between them.
 bool is_openseqslam_csv(const FileStart& start);
 
 /// One line for every run of references with a common tolerance; runs of even length take two.

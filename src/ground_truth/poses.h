@@ -16,16 +16,19 @@ class GroundTruthBuilder;
 /// CSV with columns frame, x, y and maybe heading (others are not looked at): metres, and degrees.
 /// Frames may be missing and in any order; pairs with a missing one are ignored.
 std::string read_poses(GroundTruthBuilder& builder);
+/// Whether the first line is a header that names frame, x and y.
 bool is_pose_csv(const FileStart& start);
 
 /// One pose a line, time x y z qx qy qz qw (the RGB-D benchmark of the TU Munich); lines that start
 /// with # are skipped. Line i is frame i; times are not looked at.
 std::string read_tum_poses(GroundTruthBuilder& builder);
+/// Whether the first line holds eight numbers with spaces between them.
 bool is_tum(const FileStart& start);
 
 /// One pose a line, the 3 x 4 matrix (rotation, position) row by row (the KITTI odometry
 /// benchmark). Line i is frame i. A matrix whose first three columns are no rotation is refused.
 std::string read_kitti_poses(GroundTruthBuilder& builder);
+/// Whether the first line holds twelve numbers with spaces between them.
 bool is_kitti(const FileStart& start);
 
 }  // namespace vpr

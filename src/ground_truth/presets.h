@@ -22,9 +22,10 @@ struct GroundTruthPreset {
   std::string_view source;  ///< who reports so
 };
 
+/// All protocols, in the order in which help lists them.
 std::span<const GroundTruthPreset> ground_truth_presets();
 
-/// Null if there is none.
+/// The protocol of a name; null if there is none.
 const GroundTruthPreset* find_preset(std::string_view name);
 
 /// The presets that `text` names: their names with commas, or DATASET-all for all of a data set

@@ -15,6 +15,7 @@ struct RoutePoint {
   std::string floor;  ///< empty where the file names none
 };
 
+/// A straight wall, from end to end.
 struct WallLine {
   RoutePoint from;
   RoutePoint to;

@@ -25,7 +25,8 @@ class MegapixelLimit {
   uint64_t before_;
 };
 
-/// Throws Error(usage), naming the file, for a frame of more pixels than are allowed.
+/// Checks a frame before it is decoded. Throws Error(usage), naming the file, for a frame of more
+/// pixels than are allowed.
 void check_frame_size(const std::filesystem::path& file, uint64_t width, uint64_t height);
 
 /// Surrounds calls of image libraries that decode `file`, in one thread. OpenCV asks for the memory

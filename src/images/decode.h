@@ -9,6 +9,7 @@ class Mat;
 
 namespace vpr {
 
+/// What a frame is decoded to: 8 bits, one channel, or blue, green and red.
 enum class PixelFormat { grey, bgr };
 
 /// 8 bits a channel, as OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR decodes, EXIF orientation

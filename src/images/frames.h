@@ -17,6 +17,8 @@ class Mat;
 
 namespace vpr {
 
+/// What a frame that can't be decoded does: it ends the work, or keeps its index and is passed
+/// over.
 enum class Unreadable { fail, skip };
 
 /// What a pass over a sequence found.

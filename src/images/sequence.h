@@ -8,6 +8,7 @@
 
 namespace vpr {
 
+/// What frames come from.
 enum class SequenceKind { images, video };
 
 /// Frames in order, not read yet. For images `files` holds the range's files; a video is cut to its

@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// How many frames have each bit.
 struct BitCounts {
   size_t frames = 0;
   std::vector<uint32_t> ones;  ///< frames that have the bit, for every bit of a row, with padding

@@ -10,6 +10,7 @@ namespace vpr {
 /// What is assumed of training data too short to tell, as a share of the largest distance: about
 /// what unrelated indoor frames give, 400 and 64 of LDB's 1386 bits.
 constexpr double unknown_distance(uint16_t largest) { return 400 * reference_bit(largest); }
+/// The standard deviation that goes with it.
 constexpr double unknown_deviation(uint16_t largest) { return 64 * reference_bit(largest); }
 
 /// Bias and variance of every training frame, over its distances to the sampled readable frames

@@ -38,6 +38,7 @@ struct FabmapQuery {
   std::span<const size_t> unreadable = {};
 };
 
+/// A row of the table of variants: a way to compute the log-likelihoods of views.
 struct FabmapVariant {
   std::string_view name;
   std::string_view summary;
@@ -45,8 +46,9 @@ struct FabmapVariant {
   std::vector<double> (*log_likelihoods)(const FabmapQuery&);
 };
 
+/// All variants, in the order in which help lists them.
 std::span<const FabmapVariant> fabmap_variants();
-/// Throws Error(usage) listing the names for an unknown one.
+/// The variant of a name. Throws Error(usage), listing the names, for an unknown one.
 const FabmapVariant& find_fabmap_variant(std::string_view name);
 
 /// The definition: every word of every view. The oracle. Sums run in the order of words.

@@ -8,6 +8,7 @@
 
 namespace vpr {
 
+/// What one word says for or against a view.
 struct WordEvidence {
   uint32_t word = 0;
   bool in_frame = false;

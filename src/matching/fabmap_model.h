@@ -12,6 +12,7 @@
 
 namespace vpr {
 
+/// How reliably a word is seen (z) where its cause is there (e): FAB-MAP's detector.
 struct DetectorModel {
   double p_seen_if_there = 0.39;  ///< P(z = 1 | e = 1)
   double p_seen_if_not = 0;       ///< P(z = 1 | e = 0)
@@ -35,8 +36,8 @@ struct FabmapModel {
   size_t words() const { return log_p.size(); }
 };
 
-/// Throws Error(usage) unless the detector's probabilities are in [0, 1), and seeing what is there
-/// is possible and more likely than what is not.
+/// The model of a tree and a detector. Throws Error(usage) unless the detector's probabilities are
+/// in [0, 1), and seeing what is there is possible and more likely than what is not.
 FabmapModel make_fabmap_model(const ChowLiuTree& tree, const DetectorModel& detector,
                               WordModel words);
 

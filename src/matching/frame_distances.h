@@ -87,6 +87,7 @@ struct DistanceKind {
 
 /// One row for every element type.
 std::span<const DistanceKind> distance_kinds();
+/// The row of an element type, of which there is one.
 const DistanceKind& distance_of(ElementType element);
 
 /// The distances of a query to training sequences, by the kind of their descriptors, which is the
@@ -100,8 +101,11 @@ FrameDistances frame_distances(std::span<const DescriptorSpan> train, const Desc
 /// of 22 words (LDB) have a kernel of their own.
 FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                                  std::span<const DescriptorSpan> centred_over);
+/// Differing bits of two codes of one length.
 uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
+/// Projections of Hamming distances to the rows of `to` on `weights`, one entry a row.
 Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
+/// The bits of a shape, which has at most 65472.
 uint16_t largest_hamming(const DescriptorShape& shape);
 
 /// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to the nearest, a half up; of vectors of
@@ -109,8 +113,11 @@ uint16_t largest_hamming(const DescriptorShape& shape);
 /// lengths are exact integers, so that every machine gives the same numbers.
 FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                                 std::span<const DescriptorSpan> centred_over);
+/// The cosine distance of two vectors of one length, in units of 2/65535.
 uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
+/// Projections of cosine distances to the rows of `to` on `weights`, one entry a row.
 Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
+/// 65535, whatever the shape.
 uint16_t largest_cosine(const DescriptorShape& shape);
 
 /// What makers of distances begin with: all members but those that give distances.

@@ -20,9 +20,10 @@ struct SequenceMethod {
   void (*match)(const FrameDistances&, const MatchSettings&, const Monitor&, const RowConsumer&);
 };
 
+/// All methods, in the order in which help lists them.
 std::span<const SequenceMethod> sequence_methods();
 
-/// Throws Error(usage) listing the names for an unknown one.
+/// The method of a name. Throws Error(usage), listing the names, for an unknown one.
 const SequenceMethod& find_sequence_method(std::string_view name);
 
 /// Of a method of that name; false for an unknown one.

@@ -34,7 +34,7 @@ using RowConsumer = std::function<void(const DistanceRow&)>;
 /// The same of several window lengths at once: rows of windows of window_lengths[index].
 using LengthRowConsumer = std::function<void(size_t index, const DistanceRow&)>;
 
-/// Of the method `lsh`.
+/// What only the method `lsh` takes.
 struct LshSettings {
   uint64_t tables = 8;
   uint64_t key_bits = 0;     ///< of a bucket; 0: log2 of the windows of a sequence, and three
@@ -68,6 +68,7 @@ struct Rate {
   bool operator==(const Rate&) const = default;
 };
 
+/// What all methods take.
 struct MatchSettings {
   size_t window_length = 40;  ///< c_l, at least 1, at most kMaxWindowLength
   /// Bytes for rings; beyond, work is done twice instead.

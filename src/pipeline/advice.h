@@ -16,13 +16,14 @@ struct SuggestedThreshold {
   size_t windows = 0;                                          ///< that it recognises
 };
 
+/// What a t_r could be instead.
 struct ThresholdAdvice {
   bool is_too_large = false;                    ///< else nothing is recognised
   std::string sentence;                         ///< what is wrong, and what the closest windows are
   std::optional<SuggestedThreshold> suggested;  ///< none if it would not be another one
 };
 
-/// For a result without a hit, or one in which more than a fifth of all window pairs are hits;
+/// Advice for a result without a hit, or one in which more than a fifth of all window pairs are hits;
 /// nothing for others, and for one whose windows have no best match. The suggestion is on the scale
 /// of the result, rounded to a number that people can read. Of a decision by margin: the margin
 /// that a tenth of the query windows reach.

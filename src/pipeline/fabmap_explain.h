@@ -11,6 +11,7 @@
 
 namespace vpr {
 
+/// One place that a frame was taken for, or could have been.
 struct PlaceExplanation {
   Match match;
   std::string place;
@@ -20,6 +21,7 @@ struct PlaceExplanation {
   std::vector<WordEvidence> against;  ///< strongest first
 };
 
+/// Why a frame was recognised as what it was.
 struct Explanation {
   size_t frame = 0;
   double new_place = 0;  ///< its posterior
@@ -42,7 +44,8 @@ struct FrameFeatures {
   std::vector<uint32_t> words;  ///< per point
 };
 
-/// Throws Error(input) if the sequence has no such frame, or it can't be decoded.
+/// Decodes one frame of a sequence and describes it. Throws Error(input) if the sequence has no
+/// such frame, or it can't be decoded.
 FrameFeatures locate_words(const Sequence& sequence, size_t frame, const FabmapDatabase& database,
                            const Monitor& monitor);
 

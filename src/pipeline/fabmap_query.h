@@ -12,6 +12,7 @@
 
 namespace vpr {
 
+/// A result, and how long each step took.
 struct FabmapRun {
   Result result;
   std::map<std::string, double> seconds;  ///< by step
@@ -22,7 +23,7 @@ struct FabmapRun {
 /// known.
 using PosteriorObserver = std::function<void(size_t frame, std::span<const double> posterior)>;
 
-/// Throws Error(usage) for settings out of range.
+/// Checks settings. Throws Error(usage) for what is out of range.
 void check_query_settings(const FabmapQuerySettings& settings);
 
 /// Appends the places whose views have been above t_p for so many frames in a row, each by its
@@ -36,7 +37,8 @@ void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double>
 FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
                           const std::string& query_name);
 
-/// Throws Error(usage) for settings out of range, or a database without places unless `loop`.
+/// Recognises every frame of the query in order. The same for any number of threads. Throws
+/// Error(usage) for settings out of range, or a database without places unless `loop`.
 FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                        const std::string& query_name, const FabmapQuerySettings& settings,
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);

@@ -19,6 +19,7 @@ struct QueryResources {
   uint64_t seed = 1;                          ///< of their choice
 };
 
+/// A result, and how long each step took.
 struct QueryRun {
   Result result;
   std::map<std::string, double> seconds;  ///< by step

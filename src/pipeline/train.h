@@ -12,6 +12,7 @@
 
 namespace vpr {
 
+/// How sequences are described, and what is computed for them in advance.
 struct SequenceTrainSettings {
   std::string descriptor_kind = "ldb";  ///< of descriptor_kinds()
   DescriptorSettings descriptor;
@@ -31,6 +32,7 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("statistics", settings.statistics);
 }
 
+/// A sequence to open, and what results call it.
 struct NamedArgument {
   std::string name;
   SequenceArgument sequence;

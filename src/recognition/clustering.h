@@ -9,10 +9,12 @@
 
 namespace vpr {
 
+/// Which hits are neighbours.
 struct ClusterSettings {
   int64_t eps = 2;            ///< Euclidean, in frames of the (train, query) plane; 0 to kMaxEps
   bool eps_inclusive = true;  ///< is a distance of exactly eps inside? (published program: no)
 };
+/// The largest eps.
 inline constexpr int64_t kMaxEps = 1000;
 
 template <class Visitor>

@@ -8,6 +8,7 @@
 
 namespace vpr {
 
+/// How likelihoods become probabilities.
 struct PosteriorSettings {
   double smoothing = 0.99;       ///< p becomes smoothing * p + (1 - smoothing) / (views + 1)
   bool motion_model = false;     ///< neighbours of what was likely before are likely now

@@ -18,12 +18,13 @@
 
 namespace vpr {
 
-/// Of the sequence methods: FastABLE, OpenABLE, LSH, the filter.
+/// The settings of the sequence methods: FastABLE, OpenABLE, LSH, the filter.
 struct SequenceQuerySettings {
   std::string method = "fastable";
   uint64_t window_length = 40;               ///< c_l
   std::optional<double> distance_threshold;  ///< t_r; none: automatic
-  /// Of a number; automatic ones are mean, bits or mean_z. None: relative, or mean_z.
+  /// The scale of a t_r that is a number; automatic ones have their own. None: the default of the
+  /// score (scale_of).
   std::optional<ThresholdScale> threshold_scale;
   std::optional<double> safety_factor;      ///< of automatic t_r; none: the database's
   std::vector<std::string> only_sequences;  ///< empty: all
@@ -65,7 +66,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("filter", settings.filter);
 }
 
-/// Of FAB-MAP.
+/// The settings of FAB-MAP.
 struct FabmapQuerySettings {
   std::string method = "fabmap";
   std::string variant = "fabmap2";
@@ -101,7 +102,7 @@ void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
   visit("posterior", settings.posterior);
 }
 
-/// Of any method.
+/// The settings of any method.
 using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
 
 /// The margin, in deviations, from which the method filter accepts: its default.
@@ -118,7 +119,9 @@ ThresholdScale scale_of(const SequenceQuerySettings& settings);
 /// decisions left out, as are a margin_width and a same_place that are not set.
 Json settings_in_force(const QuerySettings& settings);
 
+/// The name of the method: a row of sequence_methods(), or "fabmap".
 const std::string& method_of(const QuerySettings& settings);
+/// What the method's scores are.
 const ScoreKind& score_of(const QuerySettings& settings);
 /// Frames of what is compared: c_l, or 1 for FAB-MAP, which compares frames.
 size_t window_length_of(const QuerySettings& settings);

@@ -64,6 +64,7 @@ struct ResultPath {
   std::vector<double> rates;    ///< training frames a query frame; no number while little was seen
 };
 
+/// What a query gave, whatever its method.
 struct Result {
   QuerySettings settings;
   std::string query_name;

@@ -36,6 +36,7 @@ class MaximumScan {
   std::unique_ptr<Threads> threads_;
 };
 
+/// What a HitScan looks for.
 struct HitScanSettings {
   std::vector<uint32_t> limits;  ///< per sequence: a cell with distance < limit is a hit
   size_t query_windows = 0;
@@ -47,6 +48,7 @@ struct HitScanSettings {
   uint32_t limit(size_t sequence, size_t query_window) const;
 };
 
+/// What a HitScan found.
 struct HitScanResult {
   std::vector<Cell> hits;                 ///< by query window, sequence, train window
   std::vector<std::optional<Cell>> best;  ///< per query window; none where the window has no cell.

@@ -39,6 +39,7 @@ struct Series {
 /// A series that has the colour and, in the legend, the words of a meaning.
 Series series_of(Meaning meaning, SeriesStyle style, SeriesMark mark = SeriesMark::disc);
 
+/// A mark on an axis.
 struct ChartTick {
   double at = 0;
   std::string text;
@@ -50,6 +51,7 @@ struct ChartBand {
   std::string name;
 };
 
+/// One axis: what it counts, and what stands along it.
 struct ChartAxis {
   std::string label;
   bool is_log = false;
@@ -82,6 +84,7 @@ struct ChartRun {
   Meaning meaning = Meaning::right;
 };
 
+/// A chart as data. Parts that are empty are not drawn.
 struct Chart {
   std::string file;  ///< name without extension, and in a page the SVG's class
   std::string title;

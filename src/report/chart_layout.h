@@ -38,6 +38,7 @@ struct LegendEntry {
   double y = 0;
 };
 
+/// The layout of one chart, in units of the SVG.
 struct ChartLayout {
   double width = 0;  ///< of the whole
   double height = 0;

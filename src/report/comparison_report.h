@@ -26,7 +26,8 @@ struct StoredReport {
   Outcomes outcomes;                ///< without the references of best matches
 };
 
-/// Throws Error(input) if the file can't be read, Error(data) if it is no report, or damaged.
+/// Reads a report for comparison. Throws Error(input) if the file can't be read, Error(data) if it
+/// is no report, or damaged.
 StoredReport read_report(const std::filesystem::path& path);
 
 /// Whether reports are judged by one ground truth. of_places_and_frames: places of some, frames of
@@ -36,7 +37,8 @@ template <>
 inline constexpr std::array<std::string_view, 4> kEnumNames<GroundTruths> = {
     "same", "different", "unknown", "of-places-and-frames"};
 
-/// By fingerprints; unknown where those that are there agree and one is missing.
+/// Whether reports have one ground truth, by fingerprints; unknown where those that are there agree
+/// and one is missing.
 GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports);
 
 /// What tables call the reports, whose files `paths` are: the names that users gave, which always

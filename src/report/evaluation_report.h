@@ -15,6 +15,7 @@ Json report_json(const Evaluation& evaluation, const RunInfo& run, const Monitor
 
 /// "counts" of a report, or of a cell of a sweep.
 Json counts_json(const Counts& counts);
+/// Counts of best matches as reports hold them.
 Json best_match_json(const BestMatchCounts& counts);
 /// What the ground truth is, in words.
 Json protocol_json(const GroundTruth& truth);

@@ -30,9 +30,10 @@ std::vector<FrameBand> row_bands(const ScoreLayout& layout);
 /// Frames of all bands.
 size_t length_of(const std::vector<FrameBand>& bands);
 
-/// Where a frame stands; it is in one of the bands, which are by sequence.
+/// Where a frame stands on the axis; it is in one of the bands, which are by sequence.
 size_t position_of(const std::vector<FrameBand>& bands, const FrameMatch& match);
 
+/// A mark on an axis of frames.
 struct AxisTick {
   double position = 0;  ///< of the middle of the frame
   size_t frame = 0;

@@ -8,11 +8,13 @@
 
 namespace vpr {
 
+/// What a picture pair shows.
 enum class GalleryKind { mistake, hit, weak };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<GalleryKind> = {"mistake", "hit",
                                                                             "weak"};
 
+/// A query frame beside the training frame that it was taken for.
 struct GalleryItem {
   GalleryKind kind = GalleryKind::mistake;
   size_t query = 0;                 ///< index into Outcomes::queries; it has a best match

@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// A ground truth's counts and findings as vpr.ground-truth-check holds them.
 Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
                               const GroundTruthSummary& summary, const RunInfo& run);
 

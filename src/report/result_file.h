@@ -41,7 +41,7 @@ void claim_result(const std::filesystem::path& path, OutputTransaction& outputs)
 /// The object of a whole file in the JSON.
 Json file_entry(const std::filesystem::path& path, size_t rows, const Monitor& monitor);
 
-/// Of everything but "machine", "timing" and the checksum itself.
+/// The checksum of everything but "machine", "timing" and the checksum itself.
 std::string result_checksum(Json json);
 
 /// A result file as it stands, its checksum verified. Throws as read_result does.
@@ -54,6 +54,7 @@ Json result_json(const Result& result, const ResultContext& context);
 Json write_result(const std::filesystem::path& path, const Result& result,
                   const ResultContext& context, OutputTransaction& outputs);
 
+/// A result file as it was read.
 struct StoredResult {
   Result result;
   std::string fingerprint;  ///< of everything but "machine" and "timing"

@@ -21,6 +21,7 @@ struct MatchLayout {
   size_t score = kNone;  ///< none: in an array of its own
 };
 
+/// The layout of a version, 1 or 2, of results with places (FAB-MAP) or without.
 MatchLayout match_layout(int version, bool has_places);
 
 }  // namespace vpr

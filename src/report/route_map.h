@@ -21,6 +21,7 @@ struct MapPanel {
   bool shows_places = false;      ///< of FAB-MAP: the map's places are its training data, too
 };
 
+/// What a map shows.
 struct RouteMap {
   std::vector<WallLine> walls;
   std::vector<std::vector<std::optional<RoutePoint>>> train;  ///< by sequence

@@ -11,6 +11,7 @@
 
 namespace vpr {
 
+/// Scores as a picture with its axes.
 struct ScorePicture {
   ChartImage image;
   std::vector<Meaning> shown;  ///< colours that occur, for a legend

@@ -31,7 +31,9 @@ struct SweepSymbols {
   std::string stricter;
 };
 
+/// The cells of a sweep, in its order.
 std::vector<SweepCell> sweep_cells(const Sweep& sweep);
+/// c_l and t_r, or c_w and t_p.
 SweepSymbols sweep_symbols(const Sweep& sweep);
 
 /// The values of one setting, in the order in which they first come.

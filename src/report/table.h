@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// How a table is written.
 enum class TableFormat { text, csv, markdown, latex };
 template <>
 inline constexpr std::array<std::string_view, 4> kEnumNames<TableFormat> = {"text", "csv",

@@ -14,6 +14,7 @@
 
 namespace vpr {
 
+/// A small picture of a frame.
 struct Thumbnail {
   std::string name;             ///< the frame's file, or "#12" of a video
   std::vector<std::byte> jpeg;  ///< empty where the frame could not be read

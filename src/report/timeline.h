@@ -16,7 +16,7 @@ struct TimelineMark {
   Meaning meaning = Meaning::right;
 };
 
-/// By frame; queries without a best match have none.
+/// One mark a query frame, by frame; queries without a best match have none.
 std::vector<TimelineMark> timeline_marks(const Judgement& judgement,
                                          const std::vector<FrameBand>& bands);
 

@@ -15,12 +15,14 @@ struct MarkedPoint {
   bool speaks_for = true;
 };
 
+/// A frame, and where on it words were seen.
 struct MarkedImage {
   cv::Mat grey;  ///< 8 bits; empty: left blank
   std::vector<MarkedPoint> points;
   std::string title;
 };
 
+/// A query frame and a view, side by side.
 struct ImagePair {
   MarkedImage query;
   MarkedImage view;

@@ -9,6 +9,7 @@
 
 namespace vpr {
 
+/// A point on the floor, in metres.
 struct Point {
   double x = 0;
   double y = 0;
@@ -18,6 +19,7 @@ struct Point {
 /// processors in the last digit.
 double distance(Point a, Point b);
 
+/// A side of a cell or room, on the plan.
 enum class Side { right, up, left, down };
 
 /// A straight piece of wall, from corner to corner, as seen from the room: `start` is its left end.
@@ -32,6 +34,7 @@ struct Wall {
 /// Which way `along` grows on a wall that lies at `side`: to the right of who looks at it.
 Point wall_direction(Side side);
 
+/// A floor on a grid of kPlanCellM: where one can walk, and the walls around it.
 struct FloorPlan {
   Point origin;  ///< lower left corner of the grid, outside all rooms
   int columns = 0;
@@ -44,8 +47,11 @@ struct FloorPlan {
   bool is_open(Point point) const;
 };
 
+/// The plan of a floor. Where a corridor and a hall overlap, there is a hall; pillars stand in
+/// both.
 FloorPlan make_floor_plan(const Floor& floor);
 
+/// Where a ray meets a wall.
 struct WallHit {
   double distance = 0;  ///< in lengths of the ray's direction
   int32_t wall = 0;

@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// How wide the picture of a person is, in metres.
 inline constexpr double kFigureWidthM = 0.8;
 inline constexpr double kFigureHeightM = 1.9;  ///< of the picture; people are a little smaller
 
@@ -21,6 +22,7 @@ struct Looks {
 /// A cast of people, the same for all walks of a world.
 std::vector<Looks> make_cast(uint64_t seed);
 
+/// A person at one moment: where, who of the cast, and in which posture.
 struct Figure {
   Point position;
   size_t looks = 0;

@@ -9,6 +9,7 @@
 
 namespace vpr {
 
+/// How much was rendered.
 struct RecordingSize {
   size_t frames = 0;  ///< of walks
   size_t views = 0;   ///< of places
@@ -17,7 +18,7 @@ struct RecordingSize {
 /// What was rendered (vpr.world-info/1).
 Json recording_json(const World& world, const RecordingSize& size);
 
-/// Into an existing folder:
+/// Renders a world into an existing folder:
 ///   WALK/00000.jpg ..., WALK/poses.csv  frame,time,x,y,heading,floor of every walk
 ///   places/PLACE/0.jpg ..., places.csv  place,view,x,y,heading,floor of every view of a place
 ///   plan.csv                            floor,x0,y0,x1,y1,kind of every wall

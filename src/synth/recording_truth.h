@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// A walk and the camera's pose of each of its frames.
 struct RecordedWalk {
   const Walk* walk = nullptr;  ///< of the world
   std::vector<CameraPose> poses;

@@ -10,6 +10,7 @@
 
 namespace vpr {
 
+/// What one floor looks like.
 struct Scene {
   FloorPlan plan;
   std::vector<Texture> walls;  ///< as plan.walls

@@ -23,6 +23,7 @@ class Path {
   std::vector<double> way_;  // metres from the start, as points_
 };
 
+/// Where a camera is, and which way it looks.
 struct CameraPose {
   double time_s = 0;
   double way_m = 0;  ///< along the path

@@ -13,6 +13,7 @@
 
 namespace vpr {
 
+/// Halls are wider, brighter and furnished otherwise than corridors.
 enum class RoomKind { corridor, hall };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<RoomKind> = {"corridor", "hall"};
@@ -102,6 +103,7 @@ void visit_fields(WorldPlace& place, Visitor&& visit) {
   visit("headings", place.headings);
 }
 
+/// What frames of a walk are for.
 enum class WalkUse { train, query, pretrain };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<WalkUse> = {"train", "query",
@@ -161,6 +163,7 @@ void visit_fields(WalkCut& cut, Visitor&& visit) {
   visit("to_m", cut.to_m);
 }
 
+/// A path that somebody walks along with a phone.
 struct Walk {
   std::string name;
   WalkUse use = WalkUse::train;
@@ -194,10 +197,12 @@ void visit_fields(Walk& walk, Visitor&& visit) {
   visit("conditions", walk.conditions);
 }
 
+/// The files that frames become.
 enum class FrameFormat { jpg, png };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<FrameFormat> = {"jpg", "png"};
 
+/// All that a recording is rendered from.
 struct World {
   std::string name;
   uint64_t seed = 1;
@@ -237,12 +242,14 @@ void visit_fields(World& world, Visitor&& visit) {
   visit("walks", world.walks);
 }
 
+/// The grid of floor plans, in metres.
 inline constexpr double kPlanCellM = 0.5;
+/// From floor to ceiling, in metres.
 inline constexpr double kRoomHeightM = 2.9;
 inline constexpr double kEyeHeightM = 1.45;  ///< of the phone
 
-/// Throws Error(input) if it can't be read, Error(usage) if it is no world or a value is out of
-/// range.
+/// Reads a world. Throws Error(input) if it can't be read, Error(usage) if it is no world or a
+/// value is out of range.
 World read_world(const std::filesystem::path& path);
 
 /// The index of a floor; it exists in a world that was read.
