@@ -113,7 +113,7 @@ void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {
         return result;
       });
   add_names(command, "--methods", bench.settings.methods,
-            "of fastable, fastable-batch, standardized, filter, openable, lsh, plain-fastable, "
+            "of fastable-online, fastable, standardized, filter, openable, lsh, plain-fastable, "
             "plain-openable");
   add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
   add_numbers(command, "--c-l", bench.settings.window_lengths, "window lengths c_l");
@@ -137,7 +137,7 @@ void add_nordland(Program& program, Bench<NordlandBenchSettings>& bench, std::st
                               session.monitor);
       });
   add_names(command, "--methods", bench.settings.methods,
-            "of fastable, fastable-batch, standardized, filter, openable, plain-fastable, "
+            "of fastable-online, fastable, standardized, filter, openable, plain-fastable, "
             "plain-openable, lsh");
   add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
   add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 300)");

@@ -31,10 +31,16 @@ double read_time(const Fields& row, const std::string& key) {
   return value.get<double>();
 }
 
+// Version 1 called the method of vpr-query's fastable-online fastable, and fastable fastable-batch.
+std::string work_of_version_1(const std::string& work) {
+  if (work == "fastable") return "fastable-online";
+  return work == "fastable-batch" ? "fastable" : work;
+}
+
 }  // namespace
 
 Json bench_json(const BenchResult& result, const RunInfo& run) {
-  Json json = {{"schema", "vpr.bench/1"}, {"bench", result.bench}, {"settings", result.settings}};
+  Json json = {{"schema", "vpr.bench/2"}, {"bench", result.bench}, {"settings", result.settings}};
   json["rows"] = Json::array();
   for (const BenchRow& row : result.rows)
     json["rows"].push_back({{"work", row.work},
@@ -68,7 +74,7 @@ Json bench_json(const BenchResult& result, const RunInfo& run) {
 BenchResult read_bench(const std::filesystem::path& path) {
   const std::string where = path.string();
   const Json json = read_json(path, ErrorKind::data);
-  require_schema(json, "bench", where, ErrorKind::data);
+  const int version = require_schema(json, "bench", where, ErrorKind::data, 2);
   const Fields fields(json, where);
   BenchResult result;
   result.bench = fields.text("bench");
@@ -76,6 +82,7 @@ BenchResult read_bench(const std::filesystem::path& path) {
     const Fields row(item, where);
     BenchRow& read = result.rows.emplace_back();
     read.work = row.text("work");
+    if (version == 1) read.work = work_of_version_1(read.work);
     read.per = row.text("per");
     read.parameters = read_numbers(row["parameters"], row);
     read.time = {read_time(row, "median_ms"),         read_time(row, "lower_quartile_ms"),

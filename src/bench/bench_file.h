@@ -1,4 +1,4 @@
-// Benchmarks as files (vpr.bench/1).
+// Benchmarks as files (vpr.bench/2, and version 1).
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ namespace vpr {
 /// provenance and machine.
 Json bench_json(const BenchResult& result, const RunInfo& run);
 
-/// Rows, name and settings of a stored benchmark. Throws Error(input) if it can't be read,
-/// Error(data) if it is none, or damaged.
+/// Rows and name of a stored benchmark, of this version or of version 1. Throws Error(input) if it
+/// can't be read, Error(data) if it is none, or damaged.
 BenchResult read_bench(const std::filesystem::path& path);
 
 }  // namespace vpr

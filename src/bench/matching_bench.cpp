@@ -136,7 +136,7 @@ void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& 
     Series series{fmt::format("c_l {}", length), {}};
     for (const uint64_t frames : settings.databases) {
       const NamedNumbers parameters = parameters_of(frames, length, settings.query_frames.front());
-      const BenchRow* fast = find_row(result, "fastable", parameters);
+      const BenchRow* fast = find_row(result, "fastable-online", parameters);
       const BenchRow* slow = find_row(result, "openable", parameters);
       if (fast == nullptr || slow == nullptr) continue;
       series.points.emplace_back(static_cast<double>(frames),

@@ -9,8 +9,8 @@ namespace vpr {
 
 /// What vpr-bench matching times: every method with every combination of the numbers.
 struct MatchingBenchSettings {
-  std::vector<std::string> methods = {"fastable", "fastable-batch", "standardized",
-                                      "openable", "plain-fastable", "plain-openable"};
+  std::vector<std::string> methods = {"fastable-online", "fastable",       "standardized",
+                                      "openable",        "plain-fastable", "plain-openable"};
   std::vector<uint64_t> databases = {500, 1000, 2000, 4000, 8000};  ///< frames
   std::vector<uint64_t> window_lengths = {20, 40, 60, 80};          ///< c_l
   std::vector<uint64_t> query_frames = {1000};

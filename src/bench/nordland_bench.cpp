@@ -90,7 +90,7 @@ void add_paper_numbers(BenchResult& result, const NordlandBenchSettings& setting
   // What matters of approximate search: is it faster than exact search?
   for (size_t i = 0; i < kPaperNordlandFrames.size(); ++i) {
     const NamedNumbers parameters = parameters_of(settings, kPaperNordlandFrames[i]);
-    if (const BenchRow* exact = find_row(result, "fastable", parameters))
+    if (const BenchRow* exact = find_row(result, "fastable-online", parameters))
       result.paper.push_back(paper_time("tab5",
                                         "multi-probe LSH of ABLE-M's authors; ours: exact FastABLE",
                                         kPaperNordlandTimes[4].ms[i], *exact));

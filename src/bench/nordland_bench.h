@@ -7,9 +7,9 @@ namespace vpr {
 
 /// What vpr-bench nordland times.
 struct NordlandBenchSettings {
-  std::vector<std::string> methods = {"fastable", "fastable-batch", "standardized",
-                                      "openable", "plain-fastable", "plain-openable",
-                                      "lsh"};
+  std::vector<std::string> methods = {
+      "fastable-online", "fastable",       "standardized", "openable",
+      "plain-fastable",  "plain-openable", "lsh"};
   std::vector<uint64_t> databases = {1000, 10'000, 100'000, 1'000'000};  ///< frames
   uint64_t window_length = 300;                                          ///< c_l
   uint64_t query_frames = 1000;

@@ -39,10 +39,10 @@ TEST_CASE("every method has a row for every case, and the paper's number beside 
   }
   REQUIRE(result.paper.size() == 2);  // 500 frames, c_l 20, two devices
   CHECK(result.paper[0].paper == 11.4);
-  CHECK(result.paper[0].our_work == "fastable");
+  CHECK(result.paper[0].our_work == "fastable-online");
   CHECK(result.paper[0].low <= result.paper[0].ours);
   CHECK(result.paper[0].ours <= result.paper[0].high);
-  CHECK(find_row(result, "fastable", result.rows.front().parameters) == &result.rows.front());
+  CHECK(find_row(result, "fastable-online", result.rows.front().parameters) == &result.rows.front());
   CHECK(find_row(result, "fastable", {{"frames", 3}}) == nullptr);
 }
 
@@ -65,14 +65,14 @@ TEST_CASE("nothing is timed where a distance is wrong") {
   };
   const MatchingCase example(train, walk_again(train, 0, 50, 30, 2),
                              {5, size_t{1} << 30, broken, {}, 1});
-  CHECK(test::error_kind([&] { check_methods(example, {"fastable"}, {}); }) ==
+  CHECK(test::error_kind([&] { check_methods(example, {"fastable-online"}, {}); }) ==
         ErrorKind::expectation);
   CHECK(!test::error_kind([&] { check_methods(example, {"openable"}, {}); }));
 }
 
 TEST_CASE("hashing is timed at every probe level, and finds more with each") {
   NordlandBenchSettings settings;
-  settings.methods = {"fastable", "lsh"};
+  settings.methods = {"fastable-online", "lsh"};
   settings.databases = {400};
   settings.window_length = 5;
   settings.query_frames = 100;

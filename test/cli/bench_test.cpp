@@ -26,7 +26,7 @@ TEST_CASE("a benchmark gives JSON, tables and plots") {
   const auto outcome =
       run_program("vpr-bench", small({"-o", out / "b.json", "--plot", out / "plots"}));
   REQUIRE(outcome.exit_code == 0);
-  CHECK(outcome.out.find("fastable-batch") != std::string::npos);
+  CHECK(outcome.out.find("fastable-online") != std::string::npos);
   const Json json = Json::parse(test::read_text(out / "b.json"));
   CHECK(json["machine"]["threads"] == 1);
   CHECK(json["rows"].size() == 4 * 6 + 1);
