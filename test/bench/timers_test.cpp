@@ -42,7 +42,8 @@ TEST_CASE("every method has a row for every case, and the paper's number beside 
   CHECK(result.paper[0].our_work == "fastable-online");
   CHECK(result.paper[0].low <= result.paper[0].ours);
   CHECK(result.paper[0].ours <= result.paper[0].high);
-  CHECK(find_row(result, "fastable-online", result.rows.front().parameters) == &result.rows.front());
+  CHECK(find_row(result, "fastable-online", result.rows.front().parameters) ==
+        &result.rows.front());
   CHECK(find_row(result, "fastable", {{"frames", 3}}) == nullptr);
 }
 
