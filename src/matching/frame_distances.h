@@ -103,7 +103,7 @@ FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const De
                                  std::span<const DescriptorSpan> centred_over);
 /// Differing bits of two codes of one length.
 uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
-/// Projections of Hamming distances to the rows of `to` on `weights`, one entry a row.
+/// The projector of Hamming distances: `weights` has one entry a row of `to`.
 Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 /// The bits of a shape, which has at most 65472.
 uint16_t largest_hamming(const DescriptorShape& shape);
@@ -115,7 +115,7 @@ FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const Des
                                 std::span<const DescriptorSpan> centred_over);
 /// The cosine distance of two vectors of one length, in units of 2/65535.
 uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
-/// Projections of cosine distances to the rows of `to` on `weights`, one entry a row.
+/// The projector of cosine distances: `weights` has one entry a row of `to`.
 Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 /// 65535, whatever the shape.
 uint16_t largest_cosine(const DescriptorShape& shape);
