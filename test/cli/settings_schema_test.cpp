@@ -92,7 +92,7 @@ Json schema_of(T& value, const Json& old, Form form) {
   Json schema = Json::object();
   if (old.contains("description")) schema["description"] = old["description"];
   schema.update(type_of(value, old.is_object() ? old : Json::object(), form));
-  for (const char* bound : {"exclusiveMinimum", "minimum", "maximum"})
+  for (const char* bound : {"exclusiveMinimum", "minimum", "maximum", "pattern"})
     if (old.contains(bound)) schema[bound] = old[bound];
   return schema;
 }
