@@ -46,7 +46,8 @@ class ValueCounter {
   bool after_dash_ = false;
 };
 
-// OpenCV's parser calls itself for every level, and takes a file for as large as it says.
+// OpenCV's parser calls itself for every level, takes a file for as large as it says, and does not
+// survive every zero byte.
 void check_text(const fs::path& path) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
   if (!file)
@@ -64,7 +65,10 @@ void check_text(const fs::path& path) {
       fail(path, fmt::format("holds more than {} MiB when it is unpacked; if that is meant, unpack "
                              "it and name the file that gunzip makes",
                              kMostUnpacked >> 20));
-    values.add({bytes.data(), static_cast<size_t>(got)});
+    const std::string_view text(bytes.data(), static_cast<size_t>(got));
+    if (text.find('\0') != std::string_view::npos)
+      fail(path, "expected OpenCV's YAML, XML or JSON, found a zero byte, which no text has");
+    values.add(text);
     if (values.count() > kMostValues)
       fail(path, fmt::format("expected one of OpenFABMAP's matrices, found more than {} nested or "
                              "named values",

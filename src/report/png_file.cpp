@@ -8,7 +8,8 @@ namespace vpr {
 
 std::string png_of(const cv::Mat& image) {
   std::vector<uint8_t> png;
-  cv::imencode(".png", image, png, {cv::IMWRITE_PNG_COMPRESSION, 9});
+  // Level 9 is sixteen times slower than 6 for a seventh less.
+  cv::imencode(".png", image, png, {cv::IMWRITE_PNG_COMPRESSION, 6});
   return {png.begin(), png.end()};
 }
 

@@ -110,6 +110,15 @@ TEST_CASE("OpenCV's parser takes as many nested values as are let through") {
   }
 }
 
+TEST_CASE("a zero byte is refused before it is parsed") {
+  const test::TemporaryFolder folder;
+  const std::string zeros(2, '\0');
+  test::write_text(folder / "t.xml", "<?xml v=" + zeros + "/" + zeros + "opt^rage>\n");
+  const auto read = [&] { read_openfabmap_tree(folder / "t.xml"); };
+  CHECK(test::error_kind(read) == ErrorKind::data);
+  CHECK(test::error_text(read).find("zero byte") != std::string::npos);
+}
+
 TEST_CASE("numbers of any sign and exponent are no nested values") {
   const test::TemporaryFolder folder;
   std::string values = "-.5, 1e-05";

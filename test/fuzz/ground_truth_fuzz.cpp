@@ -1,4 +1,4 @@
-// Any bytes as a ground truth of one format (VPR_FUZZ_FORMAT): they are refused with an Error, or
+// Any bytes as a ground truth of one format: they are refused with an Error, or
 // give a ground truth that is sound.
 #include "fuzz.h"
 #include "ground_truth/check.h"
@@ -6,6 +6,9 @@
 
 using namespace vpr;
 using fuzz::require;
+
+/// Its name; each program has its own.
+extern const char* const kFuzzedFormat;
 
 namespace {
 
@@ -38,7 +41,7 @@ void read(const GroundTruthArgument& argument, size_t query_frames, size_t train
 
 void fuzz::run(std::string_view input) {
   GroundTruthArgument argument;
-  argument.format = VPR_FUZZ_FORMAT;
+  argument.format = kFuzzedFormat;
   argument.path = memory_file(input);
   const auto& uses = find_format(argument.format).options;
   for (const auto& option : uses) {

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Has every fuzz target read the inputs of its corpus once, so that targets stay built and what
+# was found stays mended.
+#   corpora.sh PROGRAMS
+set -euo pipefail
+cd "$(dirname "$0")/corpus"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+for name in *; do
+  if ! "$1/fuzz_$name" "$name" 2>"$log"; then
+    tail -n 5 "$log" >&2
+    echo "corpora: fuzz_$name failed at the last input named above" >&2
+    exit 1
+  fi
+done
