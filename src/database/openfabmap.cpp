@@ -76,6 +76,13 @@ void check_text(const fs::path& path) {
   }
 }
 
+// OpenCV makes room for as many rows and columns as are claimed before it looks at the values.
+bool is_as_large_as_it_says(const cv::FileNode& matrix) {
+  const int rows = static_cast<int>(matrix["rows"]);
+  const int columns = static_cast<int>(matrix["cols"]);
+  return rows >= 0 && columns >= 0 && size_t(rows) * size_t(columns) == matrix["data"].size();
+}
+
 cv::Mat read_node(const fs::path& path, const std::string& name, int type) {
   std::error_code error;
   if (!fs::is_regular_file(path, error))
@@ -84,7 +91,7 @@ cv::Mat read_node(const fs::path& path, const std::string& name, int type) {
   cv::Mat mat;
   try {
     const cv::FileStorage file(path.string(), cv::FileStorage::READ);
-    if (file.isOpened()) file[name] >> mat;
+    if (file.isOpened() && is_as_large_as_it_says(file[name])) file[name] >> mat;
   } catch (const cv::Exception&) {
     mat.release();
   }

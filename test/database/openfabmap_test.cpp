@@ -110,6 +110,15 @@ TEST_CASE("OpenCV's parser takes as many nested values as are let through") {
   }
 }
 
+TEST_CASE("a matrix that claims more values than it has is refused before there is room for them") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "v.yml", yaml("Vocabulary", 2000000000, 2000000000, "f", "1., 2."));
+  const auto read = [&] { read_openfabmap_vocabulary(folder / "v.yml"); };
+  CHECK(test::error_kind(read) == ErrorKind::data);
+  test::write_text(folder / "v.yml", yaml("Vocabulary", 1, 2, "f", "1., 2."));
+  CHECK(read_openfabmap_vocabulary(folder / "v.yml").cols == 2);
+}
+
 TEST_CASE("a zero byte is refused before it is parsed") {
   const test::TemporaryFolder folder;
   const std::string zeros(2, '\0');
