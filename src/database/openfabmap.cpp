@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -21,58 +22,84 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMostUnpacked = uint64_t{128} << 20;  // bytes of a compressed file
-constexpr size_t kMostValues = 1000;                     // a matrix has six
+constexpr size_t kMostValues = 40;                       // a matrix has ten, in XML thirteen
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw Error(ErrorKind::data, fmt::format("{}: {}", path.string(), what));
 }
 
-/// Counts what nested values may begin with in OpenCV's YAML, XML and JSON. None is nested deeper
-/// than that, whatever quotes and comments hide.
-class ValueCounter {
+/// Reads a text piece by piece and says what is in it that no matrix of OpenCV's YAML, XML or JSON
+/// has. OpenCV's parser calls itself for every nested value, takes a matrix for as large as it
+/// says, and neither ends nor survives on every text.
+class TextCheck {
  public:
-  void add(std::string_view text) {
+  /// Nothing, or what is wrong.
+  std::optional<std::string> add(std::string_view text) {
     for (const char c : text) {
-      const bool is_number = (c >= '0' && c <= '9') || c == '.';
-      if (after_dash_ && !is_number) ++count_;
-      after_dash_ = c == '-';
-      if (c == '[' || c == '{' || c == '<' || c == ':') ++count_;
+      const bool is_text = (c >= ' ' && c <= '~') || c == '\n' || c == '\r' || c == '\t';
+      if (!is_text) return "a byte that no such text has";
+      if (c == '-') {
+        if (dashes_++ == 0) before_ = last_;
+      } else if (dashes_ > 0) {
+        if (!may_follow_dashes(c)) return kNestedList;
+        dashes_ = 0;
+      }
+      if (dashes_ > 3) return kNestedList;
+      // None is nested deeper than that, whatever quotes and comments hide.
+      if (c == '[' || c == '{' || c == '<' || c == ':') ++values_;
+      if (values_ > kMostValues)
+        return fmt::format("more than {} nested or named values", kMostValues);
+      last_ = c;
     }
+    return std::nullopt;
   }
-  size_t count() const { return count_; }
 
  private:
-  size_t count_ = 0;
-  bool after_dash_ = false;
+  static constexpr const char* kNestedList = "nested values: a '-' that is no sign";
+
+  static bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
+
+  // A sign, "opencv-matrix", or the line "---" of YAML.
+  bool may_follow_dashes(char c) const {
+    if (dashes_ == 3) return before_ == '\n' && (c == '\n' || c == '\r');
+    const bool is_sign = (c >= '0' && c <= '9') || c == '.';
+    return dashes_ == 1 && (is_sign || (is_letter(before_) && is_letter(c)));
+  }
+
+  size_t values_ = 0;
+  size_t dashes_ = 0;   ///< just read
+  char before_ = '\n';  ///< these
+  char last_ = '\n';
 };
 
-// OpenCV's parser calls itself for every level, takes a file for as large as it says, and does not
-// survive every zero byte.
+// OpenCV's parser of XML does not survive every first line.
+void check_start(const fs::path& path, std::string_view text) {
+  for (const std::string_view start :
+       {"%YAML:1.0\n", "%YAML:1.0\r\n", "<?xml version=\"1.0\"?>", "{"})
+    if (text.starts_with(start)) return;
+  fail(path, "expected one of OpenFABMAP's matrices in OpenCV's YAML, XML or JSON");
+}
+
 void check_text(const fs::path& path) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
   if (!file)
     throw Error(ErrorKind::input,
                 fmt::format("{}: can't be read: {}", path.string(), system_error_text(errno)));
   std::vector<char> bytes(size_t{1} << 16);
-  ValueCounter values;
+  TextCheck check;
   uint64_t size = 0;
   for (;;) {
     const int got = ::gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
     if (got < 0) fail(path, "its compressed data are damaged");
     if (got == 0) return;
+    if (size == 0) check_start(path, {bytes.data(), static_cast<size_t>(got)});
     size += static_cast<uint64_t>(got);
     if (size > kMostUnpacked && ::gzdirect(file.get()) == 0)
       fail(path, fmt::format("holds more than {} MiB when it is unpacked; if that is meant, unpack "
                              "it and name the file that gunzip makes",
                              kMostUnpacked >> 20));
-    const std::string_view text(bytes.data(), static_cast<size_t>(got));
-    if (text.find('\0') != std::string_view::npos)
-      fail(path, "expected OpenCV's YAML, XML or JSON, found a zero byte, which no text has");
-    values.add(text);
-    if (values.count() > kMostValues)
-      fail(path, fmt::format("expected one of OpenFABMAP's matrices, found more than {} nested or "
-                             "named values",
-                             kMostValues));
+    if (const auto wrong = check.add({bytes.data(), static_cast<size_t>(got)}))
+      fail(path, "expected one of OpenFABMAP's matrices, found " + *wrong);
   }
 }
 

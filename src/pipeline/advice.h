@@ -23,10 +23,10 @@ struct ThresholdAdvice {
   std::optional<SuggestedThreshold> suggested;  ///< none if it would not be another one
 };
 
-/// Advice for a result without a hit, or one in which more than a fifth of all window pairs are hits;
-/// nothing for others, and for one whose windows have no best match. The suggestion is on the scale
-/// of the result, rounded to a number that people can read. Of a decision by margin: the margin
-/// that a tenth of the query windows reach.
+/// Advice for a result without a hit, or one in which more than a fifth of all window pairs are
+/// hits; nothing for others, and for one whose windows have no best match. The suggestion is on the
+/// scale of the result, rounded to a number that people can read. Of a decision by margin: the
+/// margin that a tenth of the query windows reach.
 std::optional<ThresholdAdvice> threshold_advice(const Result& result);
 
 /// The same of a result by margin, where nothing is recognised.

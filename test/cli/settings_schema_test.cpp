@@ -103,22 +103,17 @@ Json stored(const Json& old) {
   return schema_of(settings, old, Form::stored);
 }
 
-// Of settings in force: those that only some scores have stand in files only of those.
+// Of settings in force: which of them stand in a file depends on others, and the schema says how.
 template <class S>
 Json in_force(const Json& old) {
   Json schema = stored<S>(old);
-  const Json always = settings_in_force(S{});
-  Json& required = schema["required"];
-  required.erase(std::remove_if(required.begin(), required.end(),
-                                [&](const Json& key) { return !always.contains(key); }),
-                 required.end());
+  for (const char* key : {"required", "dependentRequired", "if", "then", "else"}) {
+    schema.erase(key);
+    if (old.contains(key)) schema[key] = old[key];
+  }
   if (!schema["properties"].contains("score")) return schema;
   Json& scores = schema["properties"]["score"]["enum"];
   scores.erase(std::find(scores.begin(), scores.end(), enum_name(Score{})));
-  const auto keys = score_settings();
-  schema["dependentRequired"] = {{keys.front(), Json::array()}};
-  for (const std::string_view key : keys.subspan(1))
-    schema["dependentRequired"][std::string(keys.front())].push_back(key);
   return schema;
 }
 

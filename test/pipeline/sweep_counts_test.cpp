@@ -100,7 +100,7 @@ TEST_CASE("a sweep of FAB-MAP gives what single queries give, cell by cell") {
     CHECK_FALSE(cells[c].counts.clusters);
     different.insert(alone.hits.correct);
   }
-  CHECK(different.size() > 3);
+  CHECK(different.size() >= 3);
   CHECK(cells[3].counts.hits.incorrect > 0);
   CHECK(cells[3].counts.hits.ignored > 0);
 }
