@@ -59,7 +59,9 @@ Json type_of(T& value, const Json& old, Form form) {
       required.push_back(key);
     });
     Json schema = {{"type", "object"}, {"properties", properties}};
-    if (form == Form::stored) schema["required"] = required;
+    // A key that is new may be missing in files that are older.
+    if (form == Form::stored)
+      schema["required"] = old.contains("required") ? old["required"] : required;
     schema["additionalProperties"] = false;
     return schema;
   } else if constexpr (detail::kIsOptional<T>) {
@@ -107,10 +109,8 @@ Json stored(const Json& old) {
 template <class S>
 Json in_force(const Json& old) {
   Json schema = stored<S>(old);
-  for (const char* key : {"required", "dependentRequired", "if", "then", "else"}) {
-    schema.erase(key);
+  for (const char* key : {"dependentRequired", "if", "then", "else"})
     if (old.contains(key)) schema[key] = old[key];
-  }
   if (!schema["properties"].contains("score")) return schema;
   Json& scores = schema["properties"]["score"]["enum"];
   scores.erase(std::find(scores.begin(), scores.end(), enum_name(Score{})));

@@ -121,7 +121,7 @@ TEST_CASE("a matrix that claims more values than it has is refused before there 
 TEST_CASE("a zero byte is refused before it is parsed") {
   const test::TemporaryFolder folder;
   const std::string zeros(2, '\0');
-  test::write_text(folder / "t.xml", "<?xml v=" + zeros + "/" + zeros + "opt^rage>\n");
+  test::write_text(folder / "t.xml", "<?xml version=\"1.0\"?>\n<opt" + zeros + "rage>\n");
   const auto read = [&] { read_openfabmap_tree(folder / "t.xml"); };
   CHECK(test::error_kind(read) == ErrorKind::data);
   CHECK(test::error_text(read).find("no such text") != std::string::npos);
