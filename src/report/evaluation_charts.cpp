@@ -170,14 +170,17 @@ Chart margin_chart(const Json& report, const Judgement& judgement) {
   Chart chart{"margins", evaluation_title(report)};
   chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);
   chart.y.label = "margin, a frame";
-  for (const Meaning meaning : kAccepted)
-    chart.series.push_back(series_of(meaning, SeriesStyle::points, SeriesMark::dot));
-  Series asked = series_of(Meaning::asked_margin, SeriesStyle::line);
-  for (const QueryOutcome& query : judgement.outcomes.queries) {
-    const double frame = static_cast<double>(query.frame) + 0.5;
-    if (query.margin) chart.series[accepted_as(query)].points.emplace_back(frame, *query.margin);
-    if (query.margin && query.asked_margin) asked.points.emplace_back(frame, *query.asked_margin);
+  for (const Meaning meaning : kMarkOrder) {
+    Series series = series_of(meaning, SeriesStyle::points, SeriesMark::dot);
+    for (const QueryOutcome& query : judgement.outcomes.queries)
+      if (query.margin && meaning_of(judgement, query) == meaning)
+        series.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.margin);
+    chart.series.push_back(series);
   }
+  Series asked = series_of(Meaning::asked_margin, SeriesStyle::line);
+  for (const QueryOutcome& query : judgement.outcomes.queries)
+    if (query.margin && query.asked_margin)
+      asked.points.emplace_back(static_cast<double>(query.frame) + 0.5, *query.asked_margin);
   chart.series.push_back(asked);
   leave_out_empty(chart);
   chart.width = 1000;
