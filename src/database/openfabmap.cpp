@@ -54,6 +54,11 @@ class TextCheck {
     return std::nullopt;
   }
 
+  /// Nothing, or what is wrong with a text that ends here.
+  std::optional<std::string> end() const {
+    return dashes_ == 0 ? std::nullopt : std::optional<std::string>(kNestedList);
+  }
+
  private:
   static constexpr const char* kNestedList = "nested values: a '-' that is no sign";
 
@@ -91,7 +96,7 @@ void check_text(const fs::path& path) {
   for (;;) {
     const int got = ::gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
     if (got < 0) fail(path, "its compressed data are damaged");
-    if (got == 0) return;
+    if (got == 0) break;
     if (size == 0) check_start(path, {bytes.data(), static_cast<size_t>(got)});
     size += static_cast<uint64_t>(got);
     if (size > kMostUnpacked && ::gzdirect(file.get()) == 0)
@@ -101,6 +106,8 @@ void check_text(const fs::path& path) {
     if (const auto wrong = check.add({bytes.data(), static_cast<size_t>(got)}))
       fail(path, "expected one of OpenFABMAP's matrices, found " + *wrong);
   }
+  if (const auto wrong = check.end())
+    fail(path, "expected one of OpenFABMAP's matrices, found " + *wrong);
 }
 
 // OpenCV makes room for as many rows and columns as are claimed before it looks at the values.

@@ -79,6 +79,7 @@ TEST_CASE("values nested deeper than a matrix are refused before they are parsed
       {"t.yml", yaml_start + repeated("[")},
       {"t.yml", yaml_start + repeated("{a: ")},
       {"t.yml", yaml_start + "\n" + repeated("-")},
+      {"t.yml", yaml_start + "2\n.0\n-"},
       {"t.yml", yaml_start + "\n" + repeated("- ")},
       {"t.yml", yaml_start + "\"" + repeated("]\", [ \"") + "\""},
       {"t.json", "{\"ChowLiuTree\": " + repeated("[")},
