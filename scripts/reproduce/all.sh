@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# All tables and figures of the paper; what was rendered and trained is shared.
+# All tables and figures of the paper, then its findings (docs/reproduction.md); what was rendered
+# and trained is shared.
 #   all.sh [--data DIR]        (VPR_BIN=DIR takes built programs, see run.sh)
 set -euo pipefail
-here=$(dirname "$0")
-for name in tab1 tab2 tab3 tab4 floor1 tab5 tab6 tab7; do "$here/$name.sh" "$@"; done
-"$here/figures.sh" "$@"
+here=$(cd "$(dirname "$0")" && pwd)
+names=(tab1 tab2 tab3 tab4 floor1 figures tab5 tab6 tab7 times)
+for name in "${names[@]}"; do "$here/$name.sh" "$@"; done
+python3 "$here/findings.py" "${names[@]}"

@@ -22,7 +22,6 @@ if [[ -z ${VPR_BIN:-} ]]; then
   else
     programs=(vpr-synth vpr-train vpr-query vpr-eval vpr-tune)
   fi
-  [[ $experiment == figures ]] && programs+=(vpr-bench)
   "$root/scripts/install-deps.sh"
   echo "building ${programs[*]} into build/release (VPR_BIN=DIR takes built ones)" >&2
   (cd "$root" && cmake --preset release >/dev/null &&

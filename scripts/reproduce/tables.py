@@ -1,6 +1,8 @@
-"""What an experiment writes: one entry a number as JSON and CSV, and a table to read."""
+"""What an experiment writes: one entry a number as JSON and CSV, a table to read, and findings."""
 import csv
 import json
+
+import findings
 
 
 def cells_of(rows):
@@ -38,31 +40,60 @@ def count_table(cells):
 
 
 def time_table(cells):
-    """The paper's grid: a column for each number of frames; what was measured here with its
-    quartiles, below it what the paper has in its place."""
-    unit = cells[0]["measure"]
+    """The times, and how many times as fast one work is as another, each in the paper's grid, where
+    it has one, or as a list."""
+    lines = []
+    for measure in dict.fromkeys(cell["measure"] for cell in cells):
+        alike = [cell for cell in cells if cell["measure"] == measure]
+        has_grid = all("frames" in cell and "query_frames" not in cell for cell in alike)
+        per = "milliseconds a frame" if measure == "ms" else "times as fast"
+        lines += [f"Ours: {per}, median (from quartile to quartile).", "",
+                  *(time_grid(alike) if has_grid else time_list(alike)), ""]
+    return lines[:-1]
+
+
+def ours_of(cell):
+    return f"{cell['ours']:g} ({cell['low']:g} to {cell['high']:g})"
+
+
+def paper_of(cell):
+    return cell["paper"] if isinstance(cell["paper"], str) else f"{cell['paper']:g}"
+
+
+def time_grid(cells):
+    """A column for each number of database frames; what was measured here with its quartiles, below
+    it what the paper has in its place."""
     frames = sorted({cell["frames"] for cell in cells})
     blocks = {}
     for cell in cells:
         block = blocks.setdefault((cell["c_l"], cell["our_work"]), {})
-        block.setdefault(f"ours: {cell['our_work']}", {})[cell["frames"]] = (
-            f"{cell['ours']:g} ({cell['low']:g} to {cell['high']:g})")
-        block.setdefault(f"paper: {cell['what']}", {})[cell["frames"]] = f"{cell['paper']:g}"
+        block.setdefault(f"ours: {cell['our_work']}", {})[cell["frames"]] = ours_of(cell)
+        if not isinstance(cell["paper"], str):
+            block.setdefault(f"paper: {cell['what']}", {})[cell["frames"]] = paper_of(cell)
     rows = [[str(c_l), who, *(values.get(n, "") for n in frames)]
             for (c_l, _), block in blocks.items() for who, values in block.items()]
-    per = "milliseconds a query frame" if unit == "ms" else "times as fast"
-    return [f"Against database frames, {per}; ours: median (from quartile to quartile).", "",
-            *markdown_table(["c_l", "whose", *map(str, frames)], 2, rows)]
+    return markdown_table(["c_l", "whose", *map(str, frames)], 2, rows)
 
 
-def write_markdown(path, title, kind, cells, notes):
+def time_list(cells):
+    """A row for each number, with the settings that any of them has."""
+    keys = [key for key in ("frames", "c_l", "query_frames", "places")
+            if any(key in cell for cell in cells)]
+    rows = [[cell["what"], cell["our_work"], *(str(cell.get(key, "")) for key in keys),
+             paper_of(cell), ours_of(cell)] for cell in cells]
+    return markdown_table(["the paper's work", "our work", *keys, "the paper's", "ours"], 2, rows)
+
+
+def write_markdown(path, title, kind, cells, notes, outcomes):
     table = time_table(cells) if kind == "bench" else count_table(cells)
-    path.write_text("\n".join([f"# {title}", "", *table, *(f"\n{note}" for note in notes)]) + "\n")
+    path.write_text("\n".join([f"# {title}", "", *table, *(f"\n{note}" for note in notes), "",
+                               "The paper's findings:", "", *findings.lines(outcomes)]) + "\n")
 
 
-def write_json(path, experiment, title, data, cells, provenance, machine):
-    content = {"schema": "vpr.reproduction/1", "experiment": path.stem, "title": title,
+def write_json(path, experiment, title, data, cells, outcomes, provenance, machine):
+    content = {"schema": "vpr.reproduction/2", "experiment": path.stem, "title": title,
                "paper": experiment["paper"], "data": data, "cells": cells,
+               "findings": outcomes, "summary": findings.summary(outcomes),
                "notes": experiment.get("notes", []), "provenance": provenance}
     if machine:
         content["machine"] = machine

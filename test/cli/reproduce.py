@@ -10,6 +10,7 @@ import tempfile
 source = pathlib.Path(sys.argv[1])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(source / "scripts/reproduce"))
+import findings  # noqa: E402
 import tables  # noqa: E402
 
 
@@ -41,29 +42,43 @@ def check_files(folder):
            "c_l": 20, "times": paper}, {"times": 12.5}, {"low": 11.0, "high": 14.0})
          for phone, papers in (("A", (11.4, 9.8)), ("B", (15.3, 11.0)))
          for frames, paper in zip((500, 1000), papers)])
-    tables.write_markdown(folder / "tab6.md", "Table 6", "bench", times, [])
+    tables.write_markdown(folder / "tab6.md", "Table 6", "bench", times, [], [])
     lines = (folder / "tab6.md").read_text().splitlines()
     check("| c_l | whose | 500 | 1000 |" in lines, lines)
     check("| 20 | ours: fastable | 12.5 (11 to 14) | 12.5 (11 to 14) |" in lines, lines)
     check("| 20 | paper: FastABLE over OpenABLE, A | 11.4 | 9.8 |" in lines, lines)
-    check(len(lines) == 9, lines)
+    check(len(lines) == 14 and lines[-1] == "0 of 0 findings hold.", lines)
 
     counts = tables.cells_of([({"sequence": "S", "data": "d", "query": "q", "c_l": 40, "hits": 3},
                                {"hits": 5})])
-    tables.write_markdown(folder / "tab4.md", "Table 4", "sequence", counts, ["A note."])
+    outcomes = findings.check_all(
+        [{"finding": "F", "place": "table 4", "kind": "zero", "where": {"measure": "hits"}},
+         {"finding": "G", "place": "table 4", "kind": "zero", "where": {"measure": "places"}},
+         {"finding": "H", "place": "table 4", "kind": "falls with", "where": {"measure": "hits"},
+          "over": ["c_l"], "contradicted": "table 4 rises"}],
+        [{**counts[0], "c_l": 20}, *counts])
+    tables.write_markdown(folder / "tab4.md", "Table 4", "sequence", counts, ["A note."], outcomes)
     text = (folder / "tab4.md").read_text()
-    check("| S | 40 | 5 (3) |" in text and text.endswith("\nA note.\n"), text)
+    check("| S | 40 | 5 (3) |" in text and "\nA note.\n\nThe paper's findings:\n" in text, text)
+    check(text.endswith("\n- F (table 4): does not hold (ours c_l 20: 5; c_l 40: 5)\n"
+                        "- G (table 4): not measured\n- H (table 4): not counted, since table 4 "
+                        "rises; does not hold (ours 5, 5)\n\n0 of 1 findings hold.\n"), text)
 
     maker = {"program": "vpr-tune", "version": "0.1.0", "commit": "unknown", "seed": 1}
     provenance = {**maker, "program": "reproduce.py", "programs": [maker],
                   "data": [{"name": "d", "title": "D", "stand_in": True, "dataset_sha256": "0" * 64}],
                   "databases": {"d.fastable": "xxh3:" + "0" * 32}}
-    for name, cells, machine in (("tab4", counts, None),
-                                 ("tab6", times, {"host": "h", "threads": 1, "simd": "AVX2"})):
-        tables.write_json(folder / f"{name}.json", {"paper": "P"}, "T", ["D"], cells, provenance,
-                          machine)
+    machine = {"host": "h", "threads": 1, "simd": "AVX2"}
+    tables.write_json(folder / "tab4.json", {"paper": "P"}, "T", ["D"], counts, outcomes,
+                      provenance, None)
+    tables.write_json(folder / "tab6.json", {"paper": "P"}, "T", ["D"], times, [], provenance,
+                      machine)
+    older = json.loads((folder / "tab4.json").read_text())
+    check(older["summary"] == {"hold": 0, "of": 1}, older["summary"])
+    del older["findings"], older["summary"]
+    (folder / "older.json").write_text(json.dumps({**older, "schema": "vpr.reproduction/1"}))
     done = subprocess.run([sys.executable, source / "scripts/check_schemas.py",
-                           folder / "tab4.json", folder / "tab6.json"])
+                           folder / "tab4.json", folder / "tab6.json", folder / "older.json"])
     if done.returncode != 0:
         sys.exit(done.returncode)  # 77: cannot be checked here
 
