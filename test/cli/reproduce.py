@@ -11,6 +11,7 @@ source = pathlib.Path(sys.argv[1])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(source / "scripts/reproduce"))
 import findings  # noqa: E402
+import reproduce  # noqa: E402
 import tables  # noqa: E402
 
 
@@ -83,6 +84,21 @@ def check_files(folder):
         sys.exit(done.returncode)  # 77: cannot be checked here
 
 
+def check_ratio():
+    """A ratio is of the medians of two works, with the least and the most of their quartiles."""
+    settings = {"frames": 500, "c_l": 20}
+    measured = [{"work": work, "parameters": {**settings, "query_frames": 1000},
+                 "median_ms": median, "lower_quartile_ms": low, "upper_quartile_ms": high}
+                for work, low, median, high in (("openable", 8, 10, 12),
+                                                ("fastable-online", 1, 2, 4))]
+    row = {"what": "W", "our_work": "openable / fastable-online", **settings, "times": 9.2}
+    found = reproduce.times_of(row, measured)
+    check(found == ({"times": 5}, {"low": 2, "high": 12}), found)
+    found = reproduce.times_of({"what": "W", "our_work": "openable", **settings, "ms": 1}, measured)
+    check(found == ({"ms": 10}, {"low": 8, "high": 12}), found)
+    check(reproduce.times_of({**row, "frames": 1000}, measured) is None, "1000 frames")
+
+
 def check_experiments():
     """Settings that experiments share quote the same number of the paper (tables win)."""
     rows = {name: json.loads((source / f"configs/paper/{name}.json").read_text())["rows"]
@@ -105,6 +121,7 @@ def check_experiments():
 
 
 check_mistyped_name()
+check_ratio()
 check_experiments()
 with tempfile.TemporaryDirectory() as out:
     check_files(pathlib.Path(out))
