@@ -31,7 +31,7 @@ std::string given_or(const std::string& given, const char* otherwise) {
 // Those that are no usage error for this query.
 std::vector<uint64_t> fitting_windows(const SequenceDatabase& database,
                                       const DescriptorSet& query) {
-  const std::vector<DescriptorSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   const std::vector<FrameRun> query_runs = readable_runs(query.span());
   std::vector<uint64_t> lengths = parse_counts(kWindowLengths, "--c-l");
   const uint64_t shortest = lengths.front();

@@ -28,7 +28,7 @@ namespace {
 constexpr size_t kCheckedCells = 300;
 constexpr size_t kSampledCells = 20'000;  // of a row of the plain methods
 
-void ignore(const DistanceRow&) {}
+void ignore(const ScoreRow&) {}
 
 // The distances of so many query windows, or all.
 FrameDistances first_rows(const MatchingCase& example, size_t rows) {
@@ -75,7 +75,7 @@ void time_standardized(const MatchingCase& example, const Effort& effort, const 
   size_t learned = 0;
   const auto advance = [&] {
     advance_fastable(state, scores, example.settings.kernels, next);
-    learned += learning->lesson ? 1 : 0;
+    learned += learning->update ? 1 : 0;
     ++seen;
     next = (next + 1) % scores.query_frames;
   };
@@ -138,7 +138,7 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
   for (size_t w = 0; w < example.rows(); ++w) {
     const auto candidates = index.find(example.query_codes[w].data());
     found += std::any_of(candidates.begin(), candidates.end(), [&](const LshCandidate& candidate) {
-      return candidate.distance == exact[w]->distance;
+      return candidate.distance == exact[w]->score;
     });
   }
   row.values.emplace_back("recall",

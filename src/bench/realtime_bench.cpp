@@ -93,7 +93,7 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
   check_described(database);
   auto online = std::make_shared<Online>();
   online->codes.resize(window_length + 1);
-  online->distances = frame_distances(code_spans(database), {online->codes, {}});
+  online->distances = frame_distances(descriptor_spans(database), {online->codes, {}});
   online->state = start_fastable(online->distances, {window_length, kRingBytes, kernels});
   return [online, kernels, window_length](const cv::Mat& grey) {
     const size_t frame = online->state.frames_seen % online->codes.size();
@@ -102,10 +102,10 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
     const auto sums = advance_fastable(online->state, online->distances, kernels, frame);
     if (online->state.frames_seen < window_length) return;
     emit_row(online->distances, window_length, online->state.frames_seen - 1, 0, sums,
-             [&](const DistanceRow& row) {
-               const uint32_t least = kernels.minimum(row.distances.data(), row.distances.size());
+             [&](const ScoreRow& row) {
+               const uint32_t least = kernels.minimum(row.scores.data(), row.scores.size());
                online->best =
-                   kernels.find_below(row.distances.data(), 0, row.distances.size(), least + 1);
+                   kernels.find_below(row.scores.data(), 0, row.scores.size(), least + 1);
              });
   };
 }
@@ -127,7 +127,7 @@ FrameWork filter_work(const SequenceDatabase& database, size_t frames, const Row
   const std::optional<ScoreBasis> basis = score_basis(statistics, settings);
   auto online = std::make_shared<Online>();
   online->codes.resize(frames);
-  online->distances = frame_distances(code_spans(database), {online->codes, {}});
+  online->distances = frame_distances(descriptor_spans(database), {online->codes, {}});
   online->learned = start_standardized(online->distances, *basis, {});
   online->scores = standardized(online->learned);
   online->query = start_filtered(online->scores, {1, kRingBytes, kernels});

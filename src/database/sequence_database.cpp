@@ -59,7 +59,7 @@ Json thresholds_to_json(const ThresholdTable& table) {
       closest.push_back(nullptr);
       continue;
     }
-    closest.push_back({{"distance", item->distance},
+    closest.push_back({{"distance", item->score},
                        {"window", item->window},
                        {"other_sequence", item->other_sequence},
                        {"other_window", item->other_window}});

@@ -34,8 +34,8 @@ struct TrainSequence {
 /// database's only sequence: two windows of its own that show different places, and
 /// `other_sequence` is itself.
 struct ClosestWindows {
-  uint32_t distance = 0;  ///< D, summed over the window
-  size_t window = 0;      ///< of this sequence
+  uint32_t score = 0;  ///< D, summed over the window, or the biased sum of scores
+  size_t window = 0;   ///< of this sequence
   size_t other_sequence = 0;
   size_t other_window = 0;
 };

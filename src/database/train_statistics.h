@@ -35,7 +35,8 @@ struct TrainStatistics {
   StatisticsSettings settings;
   /// Mean frame distance of training frames that are no neighbours.
   double typical_distance = 0;
-  /// A frame's own mean distance less the typical one: below 0 for a popular frame.
+  /// A frame's own mean distance less the typical one: below 0 for a hub, a frame that is close to
+  /// everything.
   std::vector<float> bias;
   std::vector<float> variance;  ///< of its distances
   /// Found when a score asks for them, and not stored.

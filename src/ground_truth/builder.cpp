@@ -28,11 +28,11 @@ FrameCount frame_count(size_t frames) {
 }  // namespace
 
 GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument,
-                                       const GroundTruthScope& scope, OddPairs odd,
-                                       const Monitor& monitor)
+                                       const GroundTruthScope& scope,
+                                       InconsistentPairs inconsistent, const Monitor& monitor)
     : argument_(argument),
       scope_(scope),
-      odd_(odd),
+      inconsistent_(inconsistent),
       monitor_(monitor),
       query_(frame_count(scope.query_frames)),
       location_{argument.path.string()} {
@@ -90,7 +90,7 @@ void GroundTruthBuilder::require_train_frames(size_t sequence, size_t frames) {
 }
 
 void GroundTruthBuilder::note(FindingKind kind, uint64_t count, const std::string& what) {
-  if (odd_ == OddPairs::refuse && kind != FindingKind::duplicate) fail(what);
+  if (inconsistent_ == InconsistentPairs::refuse && kind != FindingKind::duplicate) fail(what);
   GroundTruthFinding& finding = findings_[static_cast<size_t>(kind)];
   finding.count += count;
   if (finding.examples.size() < kMostExamples)
@@ -107,8 +107,9 @@ void GroundTruthBuilder::note_out_of_range(std::string_view what, std::string_vi
                                                : fmt::format("; there are {} frames (0 to {})",
                                                              side.frames, side.frames - 1);
   note(FindingKind::out_of_range, 1,
-       fmt::format("{} {} is out of range{}{}", what, text, there,
-                   &side == &query_ && odd_ == OddPairs::refuse ? query_hint_ : ""));
+       fmt::format(
+           "{} {} is out of range{}{}", what, text, there,
+           &side == &query_ && inconsistent_ == InconsistentPairs::refuse ? query_hint_ : ""));
 }
 
 bool GroundTruthBuilder::accept(size_t index, FrameCount& side, std::string_view what) {

@@ -14,7 +14,7 @@
 namespace vpr {
 
 /// What to do about pairs that are out of range or contradict each other.
-enum class OddPairs { refuse, count };
+enum class InconsistentPairs { refuse, count };
 
 /// A side that grows must not grow by one large index in a broken file.
 inline constexpr size_t kMostGrownFrames = size_t{1} << 22;
@@ -29,7 +29,7 @@ struct FrameCount {
 class GroundTruthBuilder {
  public:
   GroundTruthBuilder(const GroundTruthArgument& argument, const GroundTruthScope& scope,
-                     OddPairs odd, const Monitor& monitor);
+                     InconsistentPairs inconsistent, const Monitor& monitor);
 
   const GroundTruthArgument& argument() const { return argument_; }
   const FrameCount& query() const { return query_; }
@@ -78,7 +78,7 @@ class GroundTruthBuilder {
 
   const GroundTruthArgument& argument_;
   GroundTruthScope scope_;
-  OddPairs odd_;
+  InconsistentPairs inconsistent_;
   Monitor monitor_;
   std::string query_hint_;
   FrameCount query_;

@@ -14,7 +14,7 @@ namespace vpr {
 namespace {
 
 InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTruthScope& scope,
-                                   OddPairs odd, const Monitor& monitor) {
+                                   InconsistentPairs inconsistent, const Monitor& monitor) {
   if (argument.tolerance_frames < 0)
     throw Error(ErrorKind::usage, fmt::format("the tolerance must be 0 frames or more, found {}",
                                               argument.tolerance_frames));
@@ -23,7 +23,7 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
   const GroundTruthFormat& format =
       argument.format.empty() ? recognise_format(argument.path) : find_format(argument.format);
   require_options(format, argument);
-  GroundTruthBuilder builder(argument, scope, odd, monitor);
+  GroundTruthBuilder builder(argument, scope, inconsistent, monitor);
   const std::string protocol = format.read(builder);
   InspectedGroundTruth result =
       builder.finish(preset == nullptr ? protocol : preset_protocol(*preset, protocol));
@@ -33,12 +33,12 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
 
 // The labels of each frame of the recording become those of all frames that show it again.
 InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruthScope& scope,
-                          OddPairs odd, const Monitor& monitor) {
-  if (!scope.replay) return read_recorded(argument, scope, odd, monitor);
+                          InconsistentPairs inconsistent, const Monitor& monitor) {
+  if (!scope.replay) return read_recorded(argument, scope, inconsistent, monitor);
   GroundTruthScope recorded = scope;
   recorded.query_frames = scope.replay->recorded_frames;
   recorded.replay.reset();
-  InspectedGroundTruth result = read_recorded(argument, recorded, odd, monitor);
+  InspectedGroundTruth result = read_recorded(argument, recorded, inconsistent, monitor);
   result.truth.pairs = replayed(result.truth.pairs, *scope.replay);
   result.truth.protocol += ", " + replay_text(*scope.replay);
   result.scope.query_frames = scope.replay->frames();
@@ -108,12 +108,12 @@ GroundTruth unknown_ground_truth(const GroundTruthScope& scope) {
 
 GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope,
                               const Monitor& monitor) {
-  return read(argument, scope, OddPairs::refuse, monitor).truth;
+  return read(argument, scope, InconsistentPairs::refuse, monitor).truth;
 }
 
 InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
                                           const GroundTruthScope& scope, const Monitor& monitor) {
-  return read(argument, scope, OddPairs::count, monitor);
+  return read(argument, scope, InconsistentPairs::count, monitor);
 }
 
 namespace {

@@ -38,21 +38,21 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
                      counted(frames, "frame"), missing - poses.begin()));
     return {};
   }
-  std::vector<double> travelled;
+  std::vector<double> travelled_m;
   for (size_t frame = 0; frame < frames; ++frame) {
     if (frame == 0) {
-      travelled.push_back(0);
+      travelled_m.push_back(0);
       continue;
     }
     const double x = poses[frame]->x - poses[frame - 1]->x;
     const double y = poses[frame]->y - poses[frame - 1]->y;
     // Rounded correctly everywhere, which hypot is not.
-    travelled.push_back(travelled.back() + std::sqrt(x * x + y * y));
+    travelled_m.push_back(travelled_m.back() + std::sqrt(x * x + y * y));
   }
-  if (!travelled.empty() && !std::isfinite(travelled.back()))
+  if (!travelled_m.empty() && !std::isfinite(travelled_m.back()))
     throw Error(ErrorKind::data,
                 fmt::format("{}: its positions are too far apart for metres", path.string()));
-  return travelled;
+  return travelled_m;
 }
 
 }  // namespace vpr

@@ -142,7 +142,7 @@ class StripMatcher {
         slide_without_ring(l, query, from, to, entering, sums);
       if (ends_window(distances_, lengths_[l], query))
         emit_row(distances_, lengths_[l], query, from, {sums, to - from},
-                 [&](const DistanceRow& row) { consume_(l, row); });
+                 [&](const ScoreRow& row) { consume_(l, row); });
     }
     if (!ring_.empty()) std::copy(entering, entering + (to - from), ring_row(query) + lane);
   }
@@ -206,7 +206,7 @@ void match_fastable_lengths(const FrameDistances& distances, std::span<const siz
 void match_fastable(const FrameDistances& distances, const MatchSettings& settings,
                     const Monitor& monitor, const RowConsumer& consume) {
   match_fastable_lengths(distances, {&settings.window_length, 1}, settings, monitor,
-                         [&](size_t, const DistanceRow& row) { consume(row); });
+                         [&](size_t, const ScoreRow& row) { consume(row); });
 }
 
 }  // namespace vpr

@@ -221,7 +221,7 @@ void match_in_order(const FrameDistances& distances, std::span<const size_t> win
                                                    static_cast<uint32_t>(frame));
       if (ends_window(distances, window_lengths[l], frame))
         emit_row(distances, window_lengths[l], frame, 0, sums,
-                 [&](const DistanceRow& row) { consume(l, row); });
+                 [&](const ScoreRow& row) { consume(l, row); });
     }
     counter.add();
   }
@@ -230,7 +230,7 @@ void match_in_order(const FrameDistances& distances, std::span<const size_t> win
 void match_fastable_online(const FrameDistances& distances, const MatchSettings& settings,
                            const Monitor& monitor, const RowConsumer& consume) {
   match_in_order(distances, {&settings.window_length, 1}, settings, monitor,
-                 [&](size_t, const DistanceRow& row) { consume(row); });
+                 [&](size_t, const ScoreRow& row) { consume(row); });
 }
 
 }  // namespace vpr

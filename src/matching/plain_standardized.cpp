@@ -91,23 +91,23 @@ double standardized(double x, const Sums& sums, const StandardizationSettings& s
 
 }  // namespace
 
-PlainLessons plain_lessons(std::span<const DescriptorSpan> centred_over,
+PlainUpdates plain_updates(std::span<const DescriptorSpan> centred_over,
                            const DescriptorSpan& query, const ScoreBasis& basis,
                            const Monitor& monitor) {
-  PlainLessons lessons;
-  lessons.row_means.assign(query.rows.size(), basis.typical_distance);
+  PlainUpdates updates;
+  updates.row_means.assign(query.rows.size(), basis.typical_distance);
   if (basis.settings.centre)
     parallel_for(query.rows.size(), monitor,
-                 [&](size_t j) { lessons.row_means[j] = mean_over(centred_over, query.rows, j); });
-  lessons.common.resize(query.rows.size());
+                 [&](size_t j) { updates.row_means[j] = mean_over(centred_over, query.rows, j); });
+  updates.common.resize(query.rows.size());
   parallel_for(query.rows.size(), monitor,
-               [&](size_t j) { lessons.common[j] = plain_common(query.rows, j, basis); });
-  lessons.learned = plain_schedule(query, basis);
-  return lessons;
+               [&](size_t j) { updates.common[j] = plain_common(query.rows, j, basis); });
+  updates.learned = plain_schedule(query, basis);
+  return updates;
 }
 
 std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
-                                       const DescriptorRows& query, const PlainLessons& lessons,
+                                       const DescriptorRows& query, const PlainUpdates& updates,
                                        const ScoreBasis& basis) {
   const StandardizationSettings& settings = basis.settings;
   const double weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
@@ -119,15 +119,15 @@ std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
   const uint16_t largest = largest_distance(query.shape);
   const double unit = common_unit(query.shape);
   const auto centred = [&](size_t j) {
-    return plain(train, query[j]) - lessons.row_means[j] -
-           unit * common_sum(basis.components, lessons.common[j], frame);
+    return plain(train, query[j]) - updates.row_means[j] -
+           unit * common_sum(basis.components, updates.common[j], frame);
   };
   if (basis.offline)
-    for (const auto& view : lessons.learned)
+    for (const auto& view : updates.learned)
       if (view) sums.add(centred(*view), forgetting);
   std::vector<double> scores;
   for (size_t j = 0; j < query.size(); ++j) {
-    if (!basis.offline && lessons.learned[j]) sums.add(centred(*lessons.learned[j]), forgetting);
+    if (!basis.offline && updates.learned[j]) sums.add(centred(*updates.learned[j]), forgetting);
     scores.push_back(standardized(centred(j), sums, settings, largest));
   }
   return scores;

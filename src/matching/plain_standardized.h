@@ -13,7 +13,7 @@
 namespace vpr {
 
 /// What the scores of a query need that does not depend on the training frame.
-struct PlainLessons {
+struct PlainUpdates {
   std::vector<double> row_means;      ///< per query frame: mean distance over the training frames
   std::vector<CommonWeights> common;  ///< per query frame
   /// Per query frame: the frame whose distances are learned before it is scored.
@@ -21,7 +21,7 @@ struct PlainLessons {
 };
 
 /// `centred_over`: all training frames that rows are centred over, with what can't be read.
-PlainLessons plain_lessons(std::span<const DescriptorSpan> centred_over,
+PlainUpdates plain_updates(std::span<const DescriptorSpan> centred_over,
                            const DescriptorSpan& query, const ScoreBasis& basis,
                            const Monitor& monitor);
 
@@ -29,7 +29,7 @@ PlainLessons plain_lessons(std::span<const DescriptorSpan> centred_over,
 /// sum and the sum of squares: mean S1 / W, variance S2 / W - mean^2. `frame`: which of the
 /// basis's training frames it is.
 std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
-                                       const DescriptorRows& query, const PlainLessons& lessons,
+                                       const DescriptorRows& query, const PlainUpdates& updates,
                                        const ScoreBasis& basis);
 
 /// The largest difference of a window's score in fixed point from that in double precision: half a

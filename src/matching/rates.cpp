@@ -227,7 +227,7 @@ void match_rates(const FrameDistances& distances, std::span<const size_t> window
       advance(states[l], settings.kernels, frame);
       if (!ends_window(distances, window_lengths[l], frame)) continue;
       for (const FrameRun& run : distances.train_runs)
-        emit_run(states[l], run, frame, [&](const DistanceRow& row) { consume(l, row); });
+        emit_run(states[l], run, frame, [&](const ScoreRow& row) { consume(l, row); });
     }
     counter.add();
   }

@@ -1,9 +1,10 @@
-// What every matcher produces: rows of the distance matrix, piece by piece, never the whole.
+// What every matcher produces: rows of the score matrix, piece by piece, never the whole.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,24 +16,27 @@
 
 namespace vpr {
 
-/// Adjacent cells of one row: distances[x] = D(query_window, train_window + x), the frame distances
+/// Adjacent cells of one row: scores[x] = D(query_window, train_window + x), the frame distances
 /// of the windows, summed; of standardized scores, biased sums that order as the scores do
 /// (score_kernels.h).
 /// Windows are named by their first frame, train windows within their sequence.
-struct DistanceRow {
+struct ScoreRow {
   size_t query_window = 0;
   size_t sequence = 0;
   size_t train_window = 0;
-  std::span<const uint32_t> distances;
+  std::span<const uint32_t> scores;
   std::span<const uint8_t> rates = {};  ///< of windows of several rates: which of them each has
 };
 
+/// Where there is no cell; no sum is as large.
+inline constexpr uint32_t kNoCell = std::numeric_limits<uint32_t>::max();
+
 /// Called several times for a row, in any order, from several threads at once. Every cell of every
 /// valid window pair arrives exactly once; of an approximate method, some.
-using RowConsumer = std::function<void(const DistanceRow&)>;
+using RowConsumer = std::function<void(const ScoreRow&)>;
 
 /// The same of several window lengths at once: rows of windows of window_lengths[index].
-using LengthRowConsumer = std::function<void(size_t index, const DistanceRow&)>;
+using LengthRowConsumer = std::function<void(size_t index, const ScoreRow&)>;
 
 /// What only the method `lsh` takes.
 struct LshSettings {

@@ -41,20 +41,20 @@ CommonPart common_part(const StandardizedState& state, size_t frame, size_t firs
 }
 
 // The weights of what was known and of the new view, and the share of the new one in the sum.
-void teach(StandardizedState& state, size_t view) {
+void plan_update(StandardizedState& state, size_t view) {
   state.weight = state.forgetting * state.weight + 1;
-  state.lesson = {view, row_offset(state, view), static_cast<float>(1 / state.weight)};
+  state.update = {view, row_offset(state, view), static_cast<float>(1 / state.weight)};
 }
 
 void learn_chunk(StandardizedState& state, const uint16_t* distances, size_t first, size_t count) {
-  state.kernels.learn(distances, state.lesson->offset,
-                      common_part(state, state.lesson->view, first), state.lesson->gain,
+  state.kernels.learn(distances, state.update->offset,
+                      common_part(state, state.update->view, first), state.update->gain,
                       state.mean.data() + first, state.variance.data() + first, count);
 }
 
 void learn_everywhere(StandardizedState& state) {
   const size_t frames = state.distances.train_frames;
-  const auto view = static_cast<uint32_t>(state.lesson->view);
+  const auto view = static_cast<uint32_t>(state.update->view);
   parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
     Distances distances;
     const size_t first = chunk * kChunkFrames;
@@ -73,11 +73,11 @@ void learn_query(StandardizedState& state, const Monitor& monitor) {
       if (!is_new_view(state.views, rows, f)) continue;
       push_view(state.views, f);
       find_common(state, f);
-      teach(state, f);
+      plan_update(state, f);
       learn_everywhere(state);
     }
   }
-  state.lesson.reset();
+  state.update.reset();
 }
 
 // Decides what is learned before the frame is scored.
@@ -85,23 +85,23 @@ void begin_frame(StandardizedState& state, size_t frame) {
   state.frame = frame;
   state.offset = row_offset(state, frame);
   find_common(state, frame);
-  state.lesson.reset();
+  state.update.reset();
   if (state.offline || !state.settings.learn || state.readable[frame] == 0) return;
   if (!is_new_view(state.views, state.distances.query.rows, frame)) return;
-  if (const auto view = push_view(state.views, frame)) teach(state, *view);
+  if (const auto view = push_view(state.views, frame)) plan_update(state, *view);
 }
 
-// Learns these training frames' share of the lesson first.
+// Learns these training frames' share of the update first.
 void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t* out) {
   assert(first % kStretchFrames == 0);
   std::array<uint32_t, 2> queries = {static_cast<uint32_t>(state.frame), 0};
-  if (state.lesson) queries[1] = static_cast<uint32_t>(state.lesson->view);
+  if (state.update) queries[1] = static_cast<uint32_t>(state.update->view);
   Distances distances;
   for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
     const size_t count = std::min(kChunkFrames, last - chunk);
-    state.distances.tile(std::span(queries).first(state.lesson ? 2 : 1), chunk, chunk + count,
+    state.distances.tile(std::span(queries).first(state.update ? 2 : 1), chunk, chunk + count,
                          distances.data(), kRowStride);
-    if (state.lesson) learn_chunk(state, distances.data() + kRowStride, chunk, count);
+    if (state.update) learn_chunk(state, distances.data() + kRowStride, chunk, count);
     state.kernels.standardize(distances.data(), state.offset,
                               common_part(state, state.frame, chunk), state.mean.data() + chunk,
                               state.variance.data() + chunk, state.least_variance,

@@ -33,12 +33,12 @@ struct StandardizedState {
   float most_variance = 0;
 
   /// A view whose distances are learned together with the next pass over the training frames.
-  struct Lesson {
+  struct ViewUpdate {
     size_t view = 0;
     float offset = 0;
     float gain = 0;
   };
-  std::optional<Lesson> lesson;
+  std::optional<ViewUpdate> update;
   size_t frame = 0;
   float offset = 0;  ///< of the frame
 };

@@ -40,9 +40,9 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   const GroundTruthScope scope = scope_of(result);
   evaluation.truth = truth_of(by, scope, monitor);
   const GroundTruth& truth = evaluation.truth;
-  const std::vector<double> travelled = way_of(by, scope, monitor);
-  evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled, monitor)
-                                : judge(result, truth, travelled, monitor);
+  const std::vector<double> travelled_m = way_of(by, scope, monitor);
+  evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled_m, monitor)
+                                : judge(result, truth, travelled_m, monitor);
   order_by(evaluation.judgement, by.confidence);
   JudgedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
@@ -62,9 +62,9 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   ScoreLayout layout = layout_of(matrix, settings.window_length);
   if (settings.replay) set_replay(layout.scope, *settings.replay);
   evaluation.truth = truth_of(by, layout.scope, monitor);
-  const std::vector<double> travelled = way_of(by, layout.scope, monitor);
+  const std::vector<double> travelled_m = way_of(by, layout.scope, monitor);
   evaluation.judgement =
-      judge(matrix, layout, evaluation.truth, settings.threshold, travelled, monitor);
+      judge(matrix, layout, evaluation.truth, settings.threshold, travelled_m, monitor);
   order_by(evaluation.judgement, by.confidence);
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);

@@ -22,7 +22,7 @@ constexpr std::string_view kAllDiffer = "none";
 
 std::vector<uint32_t> widths_of(const SequenceDatabase& database,
                                 const std::optional<uint64_t>& width, const Monitor& monitor) {
-  const std::vector<DescriptorSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   std::vector<uint32_t> widths;
   for (size_t s = 0; s < spans.size(); ++s) {
     const auto& stored = database.sequences[s].half_width;
@@ -36,7 +36,7 @@ std::vector<uint32_t> widths_of(const SequenceDatabase& database,
 SharedPlaces found_places(const SequenceDatabase& database, const RowKernels& kernels,
                           const Monitor& monitor) {
   if (database.shared_places) return *database.shared_places;
-  return find_shared_places(code_spans(database), widths_of(database, std::nullopt, monitor),
+  return find_shared_places(descriptor_spans(database), widths_of(database, std::nullopt, monitor),
                             kernels, monitor);
 }
 
@@ -80,7 +80,7 @@ std::vector<uint32_t> margins_of(const QueryPlan& plan, const QueryResources& re
 }  // namespace
 
 void add_half_widths(SequenceDatabase& database, const Monitor& monitor) {
-  const std::vector<DescriptorSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   for (size_t s = 0; s < spans.size(); ++s)
     if (!database.sequences[s].half_width)
       database.sequences[s].half_width = half_width(spans[s], monitor);

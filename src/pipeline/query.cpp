@@ -31,7 +31,7 @@ SearchRecall measure_recall(const QueryPlan& plan, const HitScanResult& approxim
     if (!exact.best[window]) continue;
     ++recall.windows;
     const auto& found = approximate.best[window];
-    if (found && found->distance == exact.best[window]->distance) ++recall.found_best;
+    if (found && found->score == exact.best[window]->score) ++recall.found_best;
   }
   return recall;
 }
@@ -53,7 +53,7 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
                           "which should be {}",
                           counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
                           first.query_window, plan.sequences[first.sequence].name,
-                          first.train_window, first.distance));
+                          first.train_window, first.score));
 }
 
 std::optional<ResultViews> find_views(const QueryPlan& plan) {
@@ -118,8 +118,8 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method,
     margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
   CellScan cells(choose_cells(distances.train_runs, distances.query_runs, match.window_length,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
-  method.match(distances, match, monitor, [&](const DistanceRow& row) {
-    const uint32_t least = resources.kernels.minimum(row.distances.data(), row.distances.size());
+  method.match(distances, match, monitor, [&](const ScoreRow& row) {
+    const uint32_t least = resources.kernels.minimum(row.scores.data(), row.scores.size());
     scan.take(row, least);
     if (margins) margins->take(row, least);
     cells(row);

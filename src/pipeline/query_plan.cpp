@@ -197,7 +197,7 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   plan.settings.threshold_scale = scale_of(settings);
   plan.query = query.span();
   plan.replay = query.frames.replay;
-  plan.train = code_spans(database);
+  plan.train = descriptor_spans(database);
   plan.learned = database.statistics ? &*database.statistics : nullptr;
   plan.query_name = query_name;
   plan_windows(plan, monitor);

@@ -15,11 +15,11 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
     warn(monitor,
          "the database has no training statistics, which standardized scores start from: computing "
          "them; a database that is trained again holds them");
-    database.statistics = compute_statistics(code_spans(database), {}, monitor);
+    database.statistics = compute_statistics(descriptor_spans(database), {}, monitor);
   }
   if (!database.statistics->components)
-    database.statistics->components =
-        compute_components(code_spans(database), database.statistics->typical_distance, monitor);
+    database.statistics->components = compute_components(
+        descriptor_spans(database), database.statistics->typical_distance, monitor);
 }
 
 std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,

@@ -109,7 +109,7 @@ void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
     std::deque<MaximumScan> maxima;
     for (size_t l = 0; l < lengths.size(); ++l)
       maxima.emplace_back(first.sequences.size(), resources.kernels);
-    match_lengths([&](size_t l, const DistanceRow& row) { maxima[l](row); });
+    match_lengths([&](size_t l, const ScoreRow& row) { maxima[l](row); });
     for (size_t l = 0; l < lengths.size(); ++l)
       for (QueryPlan& plan : lengths[l].planned)
         if (needs_maxima(plan)) set_relative_limits(plan, maxima[l].result());
@@ -122,7 +122,7 @@ void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
       margins.emplace_back(*first.elsewhere, length.planned.front().query_windows,
                            resources.kernels);
   }
-  match_lengths([&](size_t l, const DistanceRow& row) {
+  match_lengths([&](size_t l, const ScoreRow& row) {
     hits[l](row);
     if (!margins.empty()) margins[l](row);
   });
@@ -138,7 +138,7 @@ Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monit
   const HitScanSettings limits = scan_settings(plan, {});
   HitScanResult found{{}, widest.best};
   for (const Cell& hit : widest.hits)
-    if (hit.distance < limits.limit(hit.sequence, hit.query_window)) found.hits.push_back(hit);
+    if (hit.score < limits.limit(hit.sequence, hit.query_window)) found.hits.push_back(hit);
   Result result = make_result(plan, found, length.margins);
   cluster(result, monitor);
   return result;

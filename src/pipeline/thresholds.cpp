@@ -36,8 +36,9 @@ ThresholdTable closest_windows(const SequenceDatabase& database,
                                const Monitor& monitor) {
   const std::optional<ScoreBasis> basis =
       score_basis(database.statistics ? &*database.statistics : nullptr, settings);
-  return {settings.window_length, settings.safety_factor.value_or(1),
-          find_closest_windows(code_spans(database), basis ? &*basis : nullptr, match, monitor)};
+  return {
+      settings.window_length, settings.safety_factor.value_or(1),
+      find_closest_windows(descriptor_spans(database), basis ? &*basis : nullptr, match, monitor)};
 }
 
 AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, ThresholdTable table,
@@ -45,7 +46,7 @@ AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, Thres
                                          const Monitor& monitor) {
   SequenceQuerySettings used = settings;
   used.window_length = table.window_length;
-  const std::vector<DescriptorSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   AutomaticThresholds automatic{std::move(table), {}};
   for (size_t s = 0; s < spans.size(); ++s) {
     auto& threshold = automatic.sequences.emplace_back();
@@ -77,14 +78,14 @@ ThresholdScale automatic_scale(size_t sequences, const SequenceQuerySettings& se
 
 void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
                       const Monitor& monitor) {
-  const auto sentence = overlap_warning(table, database.sequences, code_spans(database));
+  const auto sentence = overlap_warning(table, database.sequences, descriptor_spans(database));
   if (sentence) warn(monitor, *sentence);
 }
 
 void explain_no_hits(const SequenceDatabase& database, size_t window_length,
                      const RowKernels& kernels, const Monitor& monitor) {
   const ThresholdTable* stored = find_thresholds(database.thresholds, window_length);
-  const std::vector<DescriptorSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   if (stored == nullptr && is_left_to_queries(spans)) return;
   warn_of_overlaps(
       database,

@@ -38,7 +38,7 @@ void append_sequences(SequenceDatabase& database, const std::vector<NamedArgumen
 
 void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
                              const Monitor& monitor) {
-  const std::vector<DescriptorSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   for (size_t s = 0; s < spans.size(); ++s)
     if (count_windows(readable_runs(spans[s]), window_length) == 0)
       warn(monitor, fmt::format("{}: has no {} readable frames in a row, so it can't be recognised "
@@ -48,20 +48,20 @@ void warn_of_short_sequences(const SequenceDatabase& database, size_t window_len
 
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
                     const RowKernels& kernels, const Monitor& monitor) {
-  if (is_left_to_queries(code_spans(database))) {
+  if (is_left_to_queries(descriptor_spans(database))) {
     warn(monitor, fmt::format("the training sequences are long: their automatic t_r is computed "
                               "when a query needs it; vpr-tune threshold DB --c-l {} --write does "
                               "so once and keeps it",
                               window_length));
     return;
   }
-  database.thresholds.push_back(
-      compute_thresholds(code_spans(database), window_length, safety_factor, kernels, monitor));
+  database.thresholds.push_back(compute_thresholds(descriptor_spans(database), window_length,
+                                                   safety_factor, kernels, monitor));
   warn_of_overlaps(database, database.thresholds.back(), monitor);
 }
 
 void add_typical_distances(SequenceDatabase& database, const Monitor& monitor) {
-  const std::vector<DescriptorSpan> spans = code_spans(database);
+  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   for (size_t s = 0; s < spans.size(); ++s)
     if (!database.sequences[s].typical_distance)
       database.sequences[s].typical_distance = typical_distance(spans[s], monitor);
@@ -69,7 +69,7 @@ void add_typical_distances(SequenceDatabase& database, const Monitor& monitor) {
 
 void add_statistics(SequenceDatabase& database, const StatisticsSettings& settings,
                     const Monitor& monitor) {
-  database.statistics = compute_statistics(code_spans(database), settings, monitor);
+  database.statistics = compute_statistics(descriptor_spans(database), settings, monitor);
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void check_safety_factor(double factor) {
                 fmt::format("the safety factor must be above 0, found {}", factor));
 }
 
-std::vector<DescriptorSpan> code_spans(const SequenceDatabase& database) {
+std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database) {
   std::vector<DescriptorSpan> spans;
   const DescriptorRows rows = database.descriptors.rows();
   size_t first = 0;

@@ -60,7 +60,7 @@ DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& 
 
 /// Descriptors and unreadable frames of every sequence, as the matchers take them. They point into
 /// the database.
-std::vector<DescriptorSpan> code_spans(const SequenceDatabase& database);
+std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database);
 
 /// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.
 void check_window_length(uint64_t window_length);

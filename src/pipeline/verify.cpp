@@ -87,9 +87,9 @@ std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const Descr
   });
   std::vector<Cell> wrong;
   for (size_t i = 0; i < cells.size(); ++i) {
-    if (cells[i].distance == right[i]) continue;
+    if (cells[i].score == right[i]) continue;
     wrong.push_back(cells[i]);
-    wrong.back().distance = right[i];
+    wrong.back().score = right[i];
   }
   return wrong;
 }
@@ -97,7 +97,7 @@ std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const Descr
 std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
                                const DescriptorSpan& query, size_t window_length,
                                const ScoreBasis& basis, const Monitor& monitor) {
-  const PlainLessons lessons = plain_lessons(train, query, basis, monitor);
+  const PlainUpdates updates = plain_updates(train, query, basis, monitor);
   std::vector<size_t> first_frame;
   size_t frames = 0;
   for (const DescriptorSpan& sequence : train) {
@@ -113,16 +113,16 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
       const size_t i = cell.train_window + k;
       const size_t frame = first_frame[cell.sequence] + i;
       right[c] += plain_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known),
-                                     lessons, basis)[cell.query_window + k];
+                                     updates, basis)[cell.query_window + k];
     }
   });
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
-    const double found = static_cast<double>(cells[c].distance - score_offset(window_length));
+    const double found = static_cast<double>(cells[c].score - score_offset(window_length));
     const double expected = right[c] * kScoreUnit;
     if (std::abs(found - expected) <= score_tolerance(window_length) * kScoreUnit) continue;
     wrong.push_back(cells[c]);
-    wrong.back().distance =
+    wrong.back().score =
         static_cast<uint32_t>(std::llround(expected) + score_offset(window_length));
   }
   return wrong;

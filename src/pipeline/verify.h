@@ -1,4 +1,4 @@
-// Recomputes randomly chosen cells of a distance matrix by their definition.
+// Recomputes randomly chosen cells of a score matrix by their definition.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@
 namespace vpr {
 
 /// Up to `count` different cells of valid window pairs, uniformly chosen, sorted as CellScan needs
-/// them; fewer where the matrix is smaller. Their distance is not set.
+/// them; fewer where the matrix is smaller. Their score is not set.
 std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
                                const std::vector<FrameRun>& query_runs, size_t window_length,
                                size_t count, uint64_t seed);
@@ -21,7 +21,7 @@ std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
 /// matches, uniformly chosen and sorted in the same way; all where there are fewer.
 std::vector<Cell> choose_found(const HitScanResult& found, size_t count, uint64_t seed);
 
-/// The cells whose distance is not that of the plain scalar definition, with the right distance.
+/// The cells whose score is not that of the plain scalar definition, with the right score.
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
                               const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor);

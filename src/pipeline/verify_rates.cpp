@@ -53,14 +53,14 @@ std::optional<double> plain_best(const PairValue& value, const RatedWindows& win
 class PlainScores {
  public:
   PlainScores(std::span<const DescriptorSpan> train, const DescriptorRows& query,
-              const PlainLessons& lessons, const ScoreBasis& basis)
-      : train_(train), query_(query), lessons_(lessons), basis_(basis) {}
+              const PlainUpdates& updates, const ScoreBasis& basis)
+      : train_(train), query_(query), updates_(updates), basis_(basis) {}
   double operator()(size_t sequence, size_t i, size_t j) {
     auto& scores = known_[i];
     if (scores.empty()) {
       size_t frame = i;
       for (size_t s = 0; s < sequence; ++s) frame += train_[s].rows.size();
-      scores = plain_frame_scores(train_[sequence].rows[i], frame, query_, lessons_, basis_);
+      scores = plain_frame_scores(train_[sequence].rows[i], frame, query_, updates_, basis_);
     }
     return scores[j];
   }
@@ -68,7 +68,7 @@ class PlainScores {
  private:
   std::span<const DescriptorSpan> train_;
   DescriptorRows query_;
-  const PlainLessons& lessons_;
+  const PlainUpdates& updates_;
   const ScoreBasis& basis_;
   std::map<size_t, std::vector<double>> known_;  // by training frame of the one sequence asked for
 };
@@ -79,8 +79,8 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
                                     std::span<const DescriptorSpan> train,
                                     const DescriptorSpan& query, const ScoreBasis* basis,
                                     const Monitor& monitor) {
-  const PlainLessons lessons =
-      basis != nullptr ? plain_lessons(train, query, *basis, monitor) : PlainLessons{};
+  const PlainUpdates updates =
+      basis != nullptr ? plain_updates(train, query, *basis, monitor) : PlainUpdates{};
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
     return plain_distance(train[sequence].rows, i, query.rows, j);
   };
@@ -93,7 +93,7 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
     // Only an offline score depends on frames behind the window.
     const size_t known =
         basis->offline ? query.rows.size() : cells[c].query_window + windows.length;
-    PlainScores scores(train, query.rows.first(known), lessons, *basis);
+    PlainScores scores(train, query.rows.first(known), updates, *basis);
     right[c] = plain_best(std::ref(scores), windows, train, cells[c]);
     if (right[c])
       *right[c] = *right[c] * kScoreUnit + static_cast<double>(score_offset(windows.length));
@@ -101,9 +101,9 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
   const double tolerance = basis == nullptr ? 0 : score_tolerance(windows.length) * kScoreUnit;
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
-    if (!right[c] || std::abs(cells[c].distance - *right[c]) <= tolerance) continue;
+    if (!right[c] || std::abs(cells[c].score - *right[c]) <= tolerance) continue;
     wrong.push_back(cells[c]);
-    wrong.back().distance = static_cast<uint32_t>(std::llround(*right[c]));
+    wrong.back().score = static_cast<uint32_t>(std::llround(*right[c]));
   }
   return wrong;
 }

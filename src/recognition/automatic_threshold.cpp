@@ -30,7 +30,7 @@ AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& clos
                                        double safety_factor) {
   const double most = largest_threshold(typical_distance, window_length);
   const double found =
-      closest ? static_cast<double>(closest->distance) / static_cast<double>(window_length) : most;
+      closest ? static_cast<double>(closest->score) / static_cast<double>(window_length) : most;
   return {std::min(found, most) * safety_factor, ThresholdScale::bits, !closest || most < found};
 }
 
@@ -40,7 +40,7 @@ AutomaticThreshold own_threshold(const std::optional<ClosestWindows>& closest,
   const auto length = static_cast<double>(window_length);
   const double most = std::max(0.0, 1 - kMeanSpread / std::sqrt(length));
   const double found = closest && typical_distance > 0
-                           ? static_cast<double>(closest->distance) / length / typical_distance
+                           ? static_cast<double>(closest->score) / length / typical_distance
                            : most;
   return {std::min(found, most) * safety_factor, ThresholdScale::mean, !closest || most < found};
 }
@@ -52,7 +52,7 @@ double largest_score_threshold(size_t window_length) {
 AutomaticThreshold automatic_score_threshold(const std::optional<ClosestWindows>& closest,
                                              size_t window_length, double margin) {
   const double most = largest_score_threshold(window_length);
-  const double found = closest ? mean_z(closest->distance, window_length) : most;
+  const double found = closest ? mean_z(closest->score, window_length) : most;
   return {std::min(found, most) - margin, ThresholdScale::mean_z, !closest || most < found};
 }
 

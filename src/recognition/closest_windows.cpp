@@ -15,7 +15,7 @@ namespace {
 
 void keep_closer(std::optional<ClosestWindows>& kept, const ClosestWindows& candidate) {
   const auto key = [](const ClosestWindows& c) {
-    return std::tie(c.distance, c.window, c.other_sequence, c.other_window);
+    return std::tie(c.score, c.window, c.other_sequence, c.other_window);
   };
   if (!kept || key(candidate) < key(*kept)) kept = candidate;
 }
@@ -36,12 +36,12 @@ void compare_with_others(std::span<const DescriptorSpan> sequences, size_t own,
   if (basis != nullptr)
     distances = standardized(std::move(distances), basis_of(*basis, sequences, keep), monitor);
   oneapi::tbb::enumerable_thread_specific<ClosestTable> locals(ClosestTable(sequences.size()));
-  match_fastable(distances, settings, monitor, [&](const DistanceRow& row) {
-    const uint32_t* values = row.distances.data();
-    const size_t count = row.distances.size();
+  match_fastable(distances, settings, monitor, [&](const ScoreRow& row) {
+    const uint32_t* values = row.scores.data();
+    const size_t count = row.scores.size();
     const uint32_t least = settings.kernels.minimum(values, count);
     const auto may_be_closer = [least](const std::optional<ClosestWindows>& kept) {
-      return !kept || least <= kept->distance;
+      return !kept || least <= kept->score;
     };
     std::optional<ClosestWindows>& kept = locals.local()[row.sequence];
     std::optional<ClosestWindows>& kept_of_own = locals.local()[own];

@@ -22,7 +22,7 @@ using ClosestTable = std::vector<std::optional<ClosestWindows>>;
 /// With a `basis`, which is of all sequences together, every sequence is a query against all others
 /// and has the standardized scores that a query would have. Unlike distances, these are not the
 /// same in both directions: those with the sequence as training data count.
-/// ClosestWindows::distance is then a biased sum (matching/score_kernels.h).
+/// ClosestWindows::score is then a biased sum (matching/score_kernels.h).
 ClosestTable find_closest_windows(std::span<const DescriptorSpan> sequences,
                                   const ScoreBasis* basis, const MatchSettings& settings,
                                   const Monitor& monitor);

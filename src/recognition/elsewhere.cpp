@@ -13,15 +13,15 @@ constexpr size_t kSampledFrames = 10'000;
 constexpr size_t kStrictness = 5;  // one window in so many has something closer elsewhere
 
 // Of a row, what is at least `gap` windows before or behind the query window.
-void hand_on_far(const DistanceRow& row, size_t gap, const RowConsumer& consume) {
-  const size_t end = row.train_window + row.distances.size();
+void hand_on_far(const ScoreRow& row, size_t gap, const RowConsumer& consume) {
+  const size_t end = row.train_window + row.scores.size();
   const size_t before = row.query_window + 1 > gap ? row.query_window + 1 - gap : 0;
   const size_t to = std::clamp(before, row.train_window, end);
   const size_t from = std::clamp(row.query_window + gap, row.train_window, end);
   const auto hand_on = [&](size_t first, size_t last) {
     if (first >= last) return;
     consume({row.query_window, row.sequence, first,
-             row.distances.subspan(first - row.train_window, last - first)});
+             row.scores.subspan(first - row.train_window, last - first)});
   };
   hand_on(row.train_window, to);
   hand_on(from, end);
@@ -54,7 +54,7 @@ void match_far(const DescriptorSpan& walk, size_t window_length, size_t gap,
   if (frames < window_length || gap > frames - window_length) return;
   const FrameDistances own = frame_distances({&walk, 1}, {walk.rows.first(0), {}});
   for (const Stretch& stretch : choose_stretches(walk, frames, window_length, most_pairs))
-    match(own.of_query(stretch.of(walk)), [&](DistanceRow row) {
+    match(own.of_query(stretch.of(walk)), [&](ScoreRow row) {
       row.query_window += stretch.first;
       hand_on_far(row, gap, consume);
     });
@@ -74,10 +74,10 @@ std::optional<ClosestWindows> closest_elsewhere(const DescriptorSpan& walk, size
     if (cell) closest.push_back(*cell);
   if (closest.empty()) return std::nullopt;
   std::sort(closest.begin(), closest.end(), [](const Cell& a, const Cell& b) {
-    return std::tie(a.distance, a.query_window) < std::tie(b.distance, b.query_window);
+    return std::tie(a.score, a.query_window) < std::tie(b.score, b.query_window);
   });
   const Cell& chosen = closest[(closest.size() - 1) / kStrictness];
-  return ClosestWindows{chosen.distance, chosen.query_window, 0, chosen.train_window};
+  return ClosestWindows{chosen.score, chosen.query_window, 0, chosen.train_window};
 }
 
 }  // namespace vpr

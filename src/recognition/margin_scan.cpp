@@ -25,18 +25,18 @@ RowOutline* find(RowOutlines& row, size_t sequence) {
 const RowOutline* find_best(const RowOutlines& row) {
   const RowOutline* best = nullptr;
   for (const RowOutline& outline : row)
-    if (best == nullptr || outline.best.distance < best->best.distance ||
-        (outline.best.distance == best->best.distance && outline.sequence < best->sequence))
+    if (best == nullptr || outline.best.score < best->best.score ||
+        (outline.best.score == best->best.score && outline.sequence < best->sequence))
       best = &outline;
   return best;
 }
 
-// The smallest distance in sequences that show another place than this one.
+// The smallest score in sequences that show another place than this one.
 uint32_t smallest_of_others(const RowOutlines& row, size_t sequence, const Elsewhere& elsewhere) {
-  uint32_t least = kNoDistance;
+  uint32_t least = kNoCell;
   for (const RowOutline& outline : row)
     if (outline.sequence != sequence && elsewhere.shared[sequence][outline.sequence] == 0)
-      least = std::min(least, outline.best.distance);
+      least = std::min(least, outline.best.score);
   return least;
 }
 
@@ -64,17 +64,17 @@ MarginScan::MarginScan(Elsewhere elsewhere, size_t query_windows, const RowKerne
 
 MarginScan::~MarginScan() = default;
 
-void MarginScan::operator()(const DistanceRow& row) {
-  take(row, kernels_.minimum(row.distances.data(), row.distances.size()));
+void MarginScan::operator()(const ScoreRow& row) {
+  take(row, kernels_.minimum(row.scores.data(), row.scores.size()));
 }
 
-void MarginScan::take(const DistanceRow& row, uint32_t least) {
-  const uint32_t* distances = row.distances.data();
-  const size_t count = row.distances.size();
+void MarginScan::take(const ScoreRow& row, uint32_t least) {
+  const uint32_t* scores = row.scores.data();
+  const size_t count = row.scores.size();
   const std::lock_guard lock(rows_->locks[row.query_window % kLocks]);
   RowOutlines& outlines = rows_->outlines[row.query_window];
   RowOutline* outline = find(outlines, row.sequence);
-  if (outline != nullptr && least > outline->best.distance && least >= outline->bound) {
+  if (outline != nullptr && least > outline->best.score && least >= outline->bound) {
     note_seen(*outline, row.train_window, row.train_window + count);
     return;
   }
@@ -83,7 +83,7 @@ void MarginScan::take(const DistanceRow& row, uint32_t least) {
     outline->sequence = static_cast<uint32_t>(row.sequence);
     outline->width = elsewhere_.widths[row.sequence];
   }
-  add_piece(*outline, row, least, kernels_.find_below(distances, 0, count, least + 1), kernels_);
+  add_piece(*outline, row, least, kernels_.find_below(scores, 0, count, least + 1), kernels_);
 }
 
 MarginScanResult MarginScan::result() const {
@@ -95,10 +95,10 @@ MarginScanResult MarginScan::result() const {
     const RowOutline* outline = find_best(row);
     if (outline == nullptr) continue;
     best = {static_cast<uint32_t>(window), outline->sequence, outline->best.window,
-            outline->best.distance};
+            outline->best.score};
     const uint32_t elsewhere = std::min(smallest_outside(*outline, outline->best.window),
                                         smallest_of_others(row, outline->sequence, elsewhere_));
-    if (elsewhere != kNoDistance) margin = elsewhere - outline->best.distance;
+    if (elsewhere != kNoCell) margin = elsewhere - outline->best.score;
   }
   return result;
 }

@@ -26,7 +26,7 @@ Elsewhere make_elsewhere(std::vector<uint32_t> widths,
 /// Per query window. None where no window came; no margin where none is elsewhere.
 struct MarginScanResult {
   std::vector<std::optional<Cell>> best;         ///< ties to the smallest sequence and train window
-  std::vector<std::optional<uint32_t>> margins;  ///< the smallest distance elsewhere less the
+  std::vector<std::optional<uint32_t>> margins;  ///< the smallest score elsewhere less the
                                                  ///< best; never negative
 };
 
@@ -37,9 +37,9 @@ class MarginScan {
  public:
   MarginScan(Elsewhere elsewhere, size_t query_windows, const RowKernels& kernels);
   ~MarginScan();
-  void operator()(const DistanceRow& row);
-  /// The same, where the smallest distance of the row is known.
-  void take(const DistanceRow& row, uint32_t least);
+  void operator()(const ScoreRow& row);
+  /// The same, where the smallest score of the row is known.
+  void take(const ScoreRow& row, uint32_t least);
   MarginScanResult result() const;
 
  private:

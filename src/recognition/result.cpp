@@ -24,7 +24,7 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found,
   const int64_t offset = plan.score_offset();
   const auto match_of = [&](const Cell& cell) {
     return Match{cell.query_window, cell.sequence, cell.train_window, 0,
-                 static_cast<double>(cell.distance - offset)};
+                 static_cast<double>(cell.score - offset)};
   };
   Result result;
   result.settings = plan.settings;

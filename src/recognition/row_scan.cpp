@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -15,21 +14,19 @@
 namespace vpr {
 namespace {
 
-constexpr uint32_t kNoDistance = std::numeric_limits<uint32_t>::max();
-
 bool by_position(const Cell& a, const Cell& b) {
   return std::tie(a.query_window, a.sequence, a.train_window) <
          std::tie(b.query_window, b.sequence, b.train_window);
 }
 
 bool closer(const Cell& a, const Cell& b) {
-  return std::tie(a.distance, a.sequence, a.train_window) <
-         std::tie(b.distance, b.sequence, b.train_window);
+  return std::tie(a.score, a.sequence, a.train_window) <
+         std::tie(b.score, b.sequence, b.train_window);
 }
 
-Cell cell_at(const DistanceRow& row, size_t x) {
+Cell cell_at(const ScoreRow& row, size_t x) {
   return {static_cast<uint32_t>(row.query_window), static_cast<uint32_t>(row.sequence),
-          static_cast<uint32_t>(row.train_window + x), row.distances[x],
+          static_cast<uint32_t>(row.train_window + x), row.scores[x],
           row.rates.empty() ? uint8_t{0} : row.rates[x]};
 }
 
@@ -46,9 +43,9 @@ MaximumScan::MaximumScan(size_t sequences, const RowKernels& kernels)
 
 MaximumScan::~MaximumScan() = default;
 
-void MaximumScan::operator()(const DistanceRow& row) {
+void MaximumScan::operator()(const ScoreRow& row) {
   uint32_t& most = threads_->maxima.local()[row.sequence];
-  most = std::max(most, kernels_.maximum(row.distances.data(), row.distances.size()));
+  most = std::max(most, kernels_.maximum(row.scores.data(), row.scores.size()));
 }
 
 std::vector<uint32_t> MaximumScan::result() const {
@@ -78,30 +75,30 @@ HitScan::HitScan(HitScanSettings settings)
 
 HitScan::~HitScan() = default;
 
-void HitScan::operator()(const DistanceRow& row) {
-  take(row, settings_.kernels.minimum(row.distances.data(), row.distances.size()));
+void HitScan::operator()(const ScoreRow& row) {
+  take(row, settings_.kernels.minimum(row.scores.data(), row.scores.size()));
 }
 
-void HitScan::take(const DistanceRow& row, uint32_t least) {
+void HitScan::take(const ScoreRow& row, uint32_t least) {
   Threads::Local& local = threads_->locals.local();
   if (local.best.empty()) {
     Cell none;
-    none.distance = kNoDistance;
+    none.score = kNoCell;
     local.best.assign(settings_.query_windows, none);
   }
-  const uint32_t* distances = row.distances.data();
-  const size_t count = row.distances.size();
+  const uint32_t* scores = row.scores.data();
+  const size_t count = row.scores.size();
   const RowKernels& kernels = settings_.kernels;
   Cell& best = local.best[row.query_window];
-  if (least <= best.distance) {
-    const Cell candidate = cell_at(row, kernels.find_below(distances, 0, count, least + 1));
-    if (best.distance == kNoDistance || closer(candidate, best)) best = candidate;
+  if (least <= best.score) {
+    const Cell candidate = cell_at(row, kernels.find_below(scores, 0, count, least + 1));
+    if (best.score == kNoCell || closer(candidate, best)) best = candidate;
   }
   const uint32_t limit = settings_.limit(row.sequence, row.query_window);
   if (least >= limit) return;
   const size_t before = local.hits.size();
-  for (size_t x = kernels.find_below(distances, 0, count, limit); x < count;
-       x = kernels.find_below(distances, x + 1, count, limit))
+  for (size_t x = kernels.find_below(scores, 0, count, limit); x < count;
+       x = kernels.find_below(scores, x + 1, count, limit))
     local.hits.push_back(cell_at(row, x));
   if (threads_->hit_count.fetch_add(local.hits.size() - before) + local.hits.size() - before >
       settings_.max_hits)
@@ -121,7 +118,7 @@ HitScanResult HitScan::result() {
     std::vector<Cell>().swap(local.hits);
     for (size_t j = 0; j < local.best.size(); ++j) {
       const Cell& candidate = local.best[j];
-      if (candidate.distance == kNoDistance) continue;
+      if (candidate.score == kNoCell) continue;
       if (!result.best[j] || closer(candidate, *result.best[j])) result.best[j] = candidate;
     }
   }
@@ -131,14 +128,13 @@ HitScanResult HitScan::result() {
 
 CellScan::CellScan(std::vector<Cell> cells) : cells_(std::move(cells)) {}
 
-void CellScan::operator()(const DistanceRow& row) {
+void CellScan::operator()(const ScoreRow& row) {
   const Cell first = cell_at(row, 0);
   for (auto cell = std::lower_bound(cells_.begin(), cells_.end(), first, by_position);
        cell != cells_.end() && cell->query_window == row.query_window &&
-       cell->sequence == row.sequence &&
-       cell->train_window - row.train_window < row.distances.size();
+       cell->sequence == row.sequence && cell->train_window - row.train_window < row.scores.size();
        ++cell)
-    cell->distance = row.distances[cell->train_window - row.train_window];
+    cell->score = row.scores[cell->train_window - row.train_window];
 }
 
 }  // namespace vpr

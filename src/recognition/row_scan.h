@@ -1,4 +1,4 @@
-// What is taken from the rows of distances while they pass: nothing of size n x m is kept.
+// What is taken from the rows of scores while they pass: nothing of size n x m is kept.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,18 @@ struct Cell {
   uint32_t query_window = 0;
   uint32_t sequence = 0;
   uint32_t train_window = 0;
-  uint32_t distance = 0;  ///< D, or the biased sum of scores, over the window
-  uint8_t rate = 0;       ///< of windows of several rates: which of them
+  uint32_t score = 0;  ///< D, or the biased sum of scores, over the window
+  uint8_t rate = 0;    ///< of windows of several rates: which of them
 
   bool operator==(const Cell&) const = default;
 };
 
-/// The largest distance of each training sequence; 0 for one without windows, or if no row came.
+/// The largest score of each training sequence; 0 for one without windows, or if no row came.
 class MaximumScan {
  public:
   MaximumScan(size_t sequences, const RowKernels& kernels);
   ~MaximumScan();
-  void operator()(const DistanceRow& row);
+  void operator()(const ScoreRow& row);
   std::vector<uint32_t> result() const;
 
  private:
@@ -38,7 +38,7 @@ class MaximumScan {
 
 /// What a HitScan looks for.
 struct HitScanSettings {
-  std::vector<uint32_t> limits;  ///< per sequence: a cell with distance < limit is a hit
+  std::vector<uint32_t> limits;  ///< per sequence: a cell with score < limit is a hit
   size_t query_windows = 0;
   size_t max_hits = 0;  ///< more throw Error(usage)
   RowKernels kernels;
@@ -60,9 +60,9 @@ class HitScan {
  public:
   explicit HitScan(HitScanSettings settings);
   ~HitScan();
-  void operator()(const DistanceRow& row);
-  /// The same, where the smallest distance of the row is known.
-  void take(const DistanceRow& row, uint32_t least);
+  void operator()(const ScoreRow& row);
+  /// The same, where the smallest score of the row is known.
+  void take(const ScoreRow& row, uint32_t least);
   HitScanResult result();
 
  private:
@@ -71,12 +71,12 @@ class HitScan {
   std::unique_ptr<Threads> threads_;
 };
 
-/// Picks up the distances of given cells, for checking. `cells` must be sorted by query window,
+/// Picks up the scores of given cells, for checking. `cells` must be sorted by query window,
 /// sequence and train window, without duplicates.
 class CellScan {
  public:
   explicit CellScan(std::vector<Cell> cells);
-  void operator()(const DistanceRow& row);
+  void operator()(const ScoreRow& row);
   const std::vector<Cell>& result() const { return cells_; }
 
  private:

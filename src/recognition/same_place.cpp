@@ -83,7 +83,7 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
     if (!table.closest[s]) continue;
     const size_t other = table.closest[s]->other_sequence;
     const double distance =
-        static_cast<double>(table.closest[s]->distance) / static_cast<double>(table.window_length);
+        static_cast<double>(table.closest[s]->score) / static_cast<double>(table.window_length);
     const FrameDistances between = frame_distances(spans.subspan(s, 1), spans[other]);
     const double mean = s == other ? mean_distance_within(between) : mean_distance_between(between);
     if (!is_same_place(distance, mean, table.window_length, s == other ? kOwnDepth : kPairDepth))

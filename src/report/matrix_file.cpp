@@ -39,16 +39,16 @@ MatrixFile::MatrixFile(OutputFile& file, const Result& result, bool has_gaps,
   }
 }
 
-void MatrixFile::operator()(const DistanceRow& row) {
+void MatrixFile::operator()(const ScoreRow& row) {
   const size_t first = layout_.columns_of(static_cast<uint32_t>(row.sequence))->first;
   const size_t cell = row.query_window * column_count(layout_) + first + row.train_window;
   const size_t position = header_bytes_ + sizeof(int32_t) * cell;
   if (score_offset_ == 0) {
-    file_.write_at(position, std::as_bytes(row.distances));
+    file_.write_at(position, std::as_bytes(row.scores));
     return;
   }
-  std::vector<int32_t> scores(row.distances.size());
-  std::transform(row.distances.begin(), row.distances.end(), scores.begin(),
+  std::vector<int32_t> scores(row.scores.size());
+  std::transform(row.scores.begin(), row.scores.end(), scores.begin(),
                  [&](uint32_t sum) { return static_cast<int32_t>(sum - score_offset_); });
   file_.write_at(position, std::as_bytes(std::span(scores)));
 }

@@ -1,4 +1,4 @@
-// A distance matrix on disk, written piece by piece as rows arrive.
+// A score matrix on disk, written piece by piece as rows arrive.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class MatrixFile {
   /// `has_gaps`: some window has an unreadable frame, so that not every cell will arrive.
   MatrixFile(OutputFile& file, const Result& result, bool has_gaps, const Monitor& monitor);
   /// Takes part of a row, from any thread.
-  void operator()(const DistanceRow& row);
+  void operator()(const ScoreRow& row);
   /// Its object in a result: rows and checksum. Reads the whole file.
   Json entry(const Monitor& monitor) const;
 

@@ -86,13 +86,13 @@ RowPixels::RowPixels(const ScoreLayout& layout, size_t most_pixels)
   for (auto& value : closest_) value = kNone;
 }
 
-void RowPixels::operator()(const DistanceRow& row) {
+void RowPixels::operator()(const ScoreRow& row) {
   const size_t first = layout_.columns_of(static_cast<uint32_t>(row.sequence))->first;
-  for (size_t i = 0; i < row.distances.size();) {
+  for (size_t i = 0; i < row.scores.size();) {
     const size_t column = first + row.train_window + i;
     const size_t next = (column / grid_.cells + 1) * grid_.cells - column;  // pixel
-    const size_t end = std::min(row.distances.size(), i + next);
-    const auto begin = row.distances.begin();
+    const size_t end = std::min(row.scores.size(), i + next);
+    const auto begin = row.scores.begin();
     const uint32_t closest =
         *std::min_element(begin + static_cast<ptrdiff_t>(i), begin + static_cast<ptrdiff_t>(end));
     std::atomic<uint32_t>& pixel = closest_[grid_.index(row.query_window, column)];

@@ -33,7 +33,7 @@ class RowPixels {
  public:
   RowPixels(const ScoreLayout& layout, size_t most_pixels);
   /// Takes part of a row, from any thread.
-  void operator()(const DistanceRow& row);
+  void operator()(const ScoreRow& row);
   const PixelGrid& grid() const { return grid_; }
   /// By pixel, less `offset`; NaN where no row came.
   std::vector<double> scores(int64_t offset) const;

@@ -72,7 +72,7 @@ Json thresholds_json(std::span<const TrainSequence> sequences,
       item["limited"] = line.threshold->is_largest;
     }
     if (line.closest) {
-      item["distance"] = line.closest->distance - kind.offset(line.window_length);
+      item["distance"] = line.closest->score - kind.offset(line.window_length);
       item["own_frames"] = line.own_frames;
       item["closest_frames"] = line.closest_frames;
     }

@@ -54,7 +54,7 @@ TEST_CASE("a database that was written is read back") {
   const ThresholdTable* table = find_thresholds(database.thresholds, 2);
   REQUIRE(table != nullptr);
   CHECK(table->safety_factor == 0.9);
-  CHECK(table->closest[0]->distance == 700);
+  CHECK(table->closest[0]->score == 700);
   CHECK_FALSE(table->closest[1].has_value());
   CHECK(find_thresholds(database.thresholds, 3) == nullptr);
   CHECK(database.statistics == example().statistics);

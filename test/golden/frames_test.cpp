@@ -82,10 +82,10 @@ std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
   resources.kernels = select_kernels();
   std::mutex mutex;
   std::map<std::tuple<size_t, size_t, size_t>, uint32_t> cells;
-  const RowConsumer collect = [&](const DistanceRow& row) {
+  const RowConsumer collect = [&](const ScoreRow& row) {
     const std::lock_guard lock(mutex);
-    for (size_t x = 0; x < row.distances.size(); ++x)
-      cells[{row.query_window, row.sequence, row.train_window + x}] = row.distances[x];
+    for (size_t x = 0; x < row.scores.size(); ++x)
+      cells[{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
   };
   run_query(plan_query(database, query, "back", settings, resources, {}), resources, {collect}, {});
   std::map<size_t, std::vector<uint32_t>> rows;

@@ -566,7 +566,7 @@ TEST_CASE("labels that overlap are counted against the runs that they overlap") 
   // A run of 0 to 9 that is the same, 2 to 12 to ignore, and then 5 to 8 and 5 to 11 the same
   // again.
   const GroundTruthArgument argument{"pairs", "made up"};
-  GroundTruthBuilder builder(argument, {1, {{"ref", 20}}}, OddPairs::count, {});
+  GroundTruthBuilder builder(argument, {1, {{"ref", 20}}}, InconsistentPairs::count, {});
   builder.add(0, 0, 0, 9, PlaceLabel::same);
   builder.add(0, 0, 2, 12, PlaceLabel::ignore);
   builder.add(0, 0, 5, 8, PlaceLabel::same);

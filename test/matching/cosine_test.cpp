@@ -63,10 +63,10 @@ uint32_t distance(const std::vector<int>& a, const std::vector<int>& b) {
 using Cells = std::map<std::tuple<size_t, size_t, size_t>, uint32_t>;
 
 RowConsumer collecting(Cells& cells, std::mutex& mutex) {
-  return [&](const DistanceRow& row) {
+  return [&](const ScoreRow& row) {
     const std::lock_guard lock(mutex);
-    for (size_t x = 0; x < row.distances.size(); ++x)
-      cells[{row.query_window, row.sequence, row.train_window + x}] = row.distances[x];
+    for (size_t x = 0; x < row.scores.size(); ++x)
+      cells[{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
   };
 }
 
@@ -172,10 +172,10 @@ TEST_CASE("standardized scores of vectors are those of the oracle") {
     match_fastable(standardized(frame_distances({&train, 1}, query.span()), basis, {}),
                    {length, size_t{1} << 30, select_kernels()}, {}, collecting(cells, mutex));
     CHECK(cells.size() == 76 * 46);
-    const PlainLessons lessons = plain_lessons({&train, 1}, query.span(), basis, {});
+    const PlainUpdates updates = plain_updates({&train, 1}, query.span(), basis, {});
     std::vector<std::vector<double>> plain;
     for (size_t i = 0; i < 80; ++i)
-      plain.push_back(plain_frame_scores(train.rows[i], i, query.span().rows, lessons, basis));
+      plain.push_back(plain_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
     for (const auto& [cell, biased] : cells) {
       const auto& [j, s, i] = cell;
       double expected = 0;

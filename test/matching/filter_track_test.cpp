@@ -151,11 +151,11 @@ Believed believed(const test::Example& example) {
   settings.on_path = [&](const PathReport& report) { found.reports[report.query_frame] = report; };
   match_filter(
       standardized(frame_distances(spans, {example.query, example.query_unreadable}), basis, {}),
-      settings, {}, [&](const DistanceRow& row) {
-        for (size_t x = 0; x < row.distances.size(); ++x)
+      settings, {}, [&](const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); ++x)
           REQUIRE(found.cells
                       .emplace(test::CellKey{row.query_window, row.sequence, row.train_window + x},
-                               row.distances[x])
+                               row.scores[x])
                       .second);
       });
   std::map<size_t, uint32_t> least;

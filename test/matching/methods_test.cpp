@@ -46,12 +46,12 @@ Cells by_method(const Example& example, const SequenceMethod& method,
   std::mutex mutex;
   method.match(
       frame_distances(spans, {example.query, example.query_unreadable}), settings, {},
-      [&](const DistanceRow& row) {
+      [&](const ScoreRow& row) {
         const std::lock_guard lock(mutex);
-        for (size_t x = 0; x < row.distances.size(); ++x)
+        for (size_t x = 0; x < row.scores.size(); ++x)
           REQUIRE(cells
                       .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
-                               row.distances[x])
+                               row.scores[x])
                       .second);
       });
   return cells;
@@ -141,13 +141,13 @@ TEST_CASE("a database that is shared between threads online gives the definition
   for (const size_t length : {1, 3, 30}) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       size_t cells = 0;
-      const auto check = [&](const DistanceRow& row) {
-        for (size_t x = 0; x < row.distances.size(); x += 997, ++cells)
-          REQUIRE(row.distances[x] == plain_window_distance(train, row.train_window + x, query,
-                                                            row.query_window, length));
-        const size_t last = row.distances.size() - 1;
-        REQUIRE(row.distances[last] == plain_window_distance(train, row.train_window + last, query,
-                                                             row.query_window, length));
+      const auto check = [&](const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); x += 997, ++cells)
+          REQUIRE(row.scores[x] == plain_window_distance(train, row.train_window + x, query,
+                                                         row.query_window, length));
+        const size_t last = row.scores.size() - 1;
+        REQUIRE(row.scores[last] == plain_window_distance(train, row.train_window + last, query,
+                                                          row.query_window, length));
       };
       find_sequence_method("fastable-online")
           .match(distances, {length, memory, select_kernels()}, {}, check);
@@ -167,12 +167,12 @@ TEST_CASE("several window lengths in one pass give the rows of each alone") {
     std::mutex mutex;
     match_fastable_lengths(
         frame_distances(spans, {example.query, example.query_unreadable}), lengths,
-        {1, memory, select_kernels()}, {}, [&](size_t l, const DistanceRow& row) {
+        {1, memory, select_kernels()}, {}, [&](size_t l, const ScoreRow& row) {
           const std::lock_guard lock(mutex);
-          for (size_t x = 0; x < row.distances.size(); ++x)
+          for (size_t x = 0; x < row.scores.size(); ++x)
             REQUIRE(cells[l]
                         .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
-                                 row.distances[x])
+                                 row.scores[x])
                         .second);
         });
     for (size_t l = 0; l < lengths.size(); ++l)

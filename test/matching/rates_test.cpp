@@ -72,11 +72,11 @@ RatedCells plain_rates(const std::vector<std::vector<uint16_t>>& pairs,
 
 RatedCells fast_rates(const FrameDistances& distances, const MatchSettings& settings) {
   RatedCells cells;
-  match_fastable(distances, settings, {}, [&](const DistanceRow& row) {
-    REQUIRE(row.rates.size() == row.distances.size());
-    for (size_t x = 0; x < row.distances.size(); ++x) {
+  match_fastable(distances, settings, {}, [&](const ScoreRow& row) {
+    REQUIRE(row.rates.size() == row.scores.size());
+    for (size_t x = 0; x < row.scores.size(); ++x) {
       const test::CellKey key{row.query_window, row.sequence, row.train_window + x};
-      REQUIRE(cells.emplace(key, std::pair(row.distances[x], row.rates[x])).second);
+      REQUIRE(cells.emplace(key, std::pair(row.scores[x], row.rates[x])).second);
     }
   });
   return cells;
@@ -124,9 +124,9 @@ TEST_CASE("Windows of several rates are the sums of their definition, and rate 1
       CHECK(fast_rates(distances, settings_of(length, {{5, 16}, {16, 5}})) ==
             plain_rates(pairs, distances, length, {{5, 16}, {16, 5}}));
       RatedCells one;
-      match_fastable_online(distances, settings_of(length, {}), {}, [&](const DistanceRow& row) {
-        for (size_t x = 0; x < row.distances.size(); ++x)
-          one[{row.query_window, row.sequence, row.train_window + x}] = {row.distances[x], 0};
+      match_fastable_online(distances, settings_of(length, {}), {}, [&](const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); ++x)
+          one[{row.query_window, row.sequence, row.train_window + x}] = {row.scores[x], 0};
       });
       CHECK(fast_rates(distances, settings_of(length, {{1, 1}})) == one);
     }
@@ -148,10 +148,10 @@ TEST_CASE("Standardized scores take rates, too, and several lengths share a pass
   const std::vector<size_t> lengths = {2, 5, 9};
   std::vector<RatedCells> fast(lengths.size());
   match_fastable_lengths(scores(), lengths, settings_of(1, kRates), {},
-                         [&](size_t l, const DistanceRow& row) {
-                           for (size_t x = 0; x < row.distances.size(); ++x)
+                         [&](size_t l, const ScoreRow& row) {
+                           for (size_t x = 0; x < row.scores.size(); ++x)
                              fast[l][{row.query_window, row.sequence, row.train_window + x}] = {
-                                 row.distances[x], row.rates[x]};
+                                 row.scores[x], row.rates[x]};
                          });
   for (size_t l = 0; l < lengths.size(); ++l)
     CHECK(fast[l] == plain_rates(pairs, scores(), lengths[l], kRates));

@@ -45,11 +45,11 @@ Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length)
   Cells cells;
   match_fastable(
       scores_of(example, basis), {length, size_t{1} << 30, select_kernels()}, {},
-      [&](const DistanceRow& row) {
-        for (size_t x = 0; x < row.distances.size(); ++x)
+      [&](const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); ++x)
           REQUIRE(cells
                       .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
-                               row.distances[x])
+                               row.scores[x])
                       .second);
       });
   return cells;
@@ -62,13 +62,13 @@ double score(uint32_t biased, size_t length) {
 // Every fast cell against the oracle. Returns how far the worst is off, in units a frame.
 double check_against_oracle(const Example& example, const ScoreBasis& basis, size_t length) {
   const std::vector<DescriptorSpan> spans = example.spans();
-  const PlainLessons lessons =
-      plain_lessons(spans, {example.query, example.query_unreadable}, basis, {});
+  const PlainUpdates updates =
+      plain_updates(spans, {example.query, example.query_unreadable}, basis, {});
   std::vector<std::vector<std::vector<double>>> plain(example.train.size());
   size_t frame = 0;
   for (size_t s = 0; s < example.train.size(); ++s)
     for (const LdbCode& code : example.train[s]) {
-      plain[s].push_back(plain_frame_scores(code, frame, example.query, lessons, basis));
+      plain[s].push_back(plain_frame_scores(code, frame, example.query, updates, basis));
       ++frame;
     }
   double worst = 0;
@@ -221,10 +221,10 @@ TEST_CASE("a database that is shared between threads gives the same scores") {
       Cells sampled;
       const size_t length = 6;
       match_fastable(scores_of(example, own), {length, size_t{1} << 30, select_kernels()}, {},
-                     [&](const DistanceRow& row) {
-                       for (size_t x = 0; x < row.distances.size(); x += 97)
+                     [&](const ScoreRow& row) {
+                       for (size_t x = 0; x < row.scores.size(); x += 97)
                          sampled[{row.query_window + (offline ? 1000 : 0), row.sequence,
-                                  row.train_window + x}] = row.distances[x];
+                                  row.train_window + x}] = row.scores[x];
                      });
       if (threads == 1)
         expected.merge(sampled);
@@ -258,9 +258,9 @@ TEST_CASE("several window lengths in one pass give the scores of each alone") {
   std::vector<Cells> cells(lengths.size());
   match_fastable_lengths(
       scores_of(example, basis), lengths, {1, size_t{1} << 30, select_kernels()}, {},
-      [&](size_t l, const DistanceRow& row) {
-        for (size_t x = 0; x < row.distances.size(); ++x)
-          cells[l][{row.query_window, row.sequence, row.train_window + x}] = row.distances[x];
+      [&](size_t l, const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); ++x)
+          cells[l][{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
       });
   for (size_t l = 0; l < lengths.size(); ++l)
     CHECK(cells[l] == fast_cells(example, basis, lengths[l]));
@@ -346,7 +346,7 @@ TEST_CASE("a memory limit that has no room for the ring is said") {
   const size_t length = 5;
   const auto match = [&](size_t memory, size_t c_l) {
     match_fastable(scores_of(example, make_basis(example)), {c_l, memory, select_kernels()}, {},
-                   [](const DistanceRow&) {});
+                   [](const ScoreRow&) {});
   };
   CHECK_FALSE(test::error_kind([&] { match(2 * 104 * (length + 1), length); }));
   CHECK(test::error_kind([&] { match(2 * 104 * (length + 1) - 1, length); }) == ErrorKind::usage);

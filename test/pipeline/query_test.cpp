@@ -24,7 +24,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
                                size_t window_length) {
   SequenceDatabase database = test::make_database(sequences);
   database.thresholds.push_back(
-      compute_thresholds(code_spans(database), window_length, 1, select_kernels(), {}));
+      compute_thresholds(descriptor_spans(database), window_length, 1, select_kernels(), {}));
   return database;
 }
 
@@ -283,7 +283,7 @@ TEST_CASE("a wrong cell is found") {
   const auto wrong = wrong_cells(cells, std::span(&span, 1), query, 4, {});
   REQUIRE(wrong.size() == 1);
   CHECK(wrong[0].train_window == 4);
-  CHECK(wrong[0].distance == plain_window_distance(train, 4, query, 2, 4));
+  CHECK(wrong[0].score == plain_window_distance(train, 4, query, 2, 4));
 }
 
 TEST_CASE("of an approximate method the cells that it found are verified") {

@@ -155,12 +155,12 @@ TEST_CASE("a wrong score is found, and a right one is not") {
     };
     const Cell right = cell_of(run.result.hits[300]);
     std::vector<Cell> cells = {cell_of(run.result.hits[100]), right};
-    cells[1].distance += 10;  // two units a frame
-    const auto wrong = wrong_scores(cells, code_spans(database), {query.rows(), {}}, 4,
+    cells[1].score += 10;  // two units a frame
+    const auto wrong = wrong_scores(cells, descriptor_spans(database), {query.rows(), {}}, 4,
                                     *score_basis(&*database.statistics, settings), {});
     REQUIRE(wrong.size() == 1);
     CHECK(wrong[0].train_window == cells[1].train_window);
-    CHECK(std::abs(int64_t{wrong[0].distance} - int64_t{right.distance}) <= 4);
+    CHECK(std::abs(int64_t{wrong[0].score} - int64_t{right.score}) <= 4);
   }
 }
 

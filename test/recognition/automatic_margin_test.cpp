@@ -22,11 +22,11 @@ MatchSettings match(size_t length) { return {length, kDefaultMemoryLimit, select
 
 size_t apart(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
 
-/// Cells of one row: of which sequence, which window, what distance.
+/// Cells of one row: of which sequence, which window, what score.
 struct Value {
   size_t sequence = 0;
   size_t window = 0;
-  uint32_t distance = 0;
+  uint32_t score = 0;
 };
 
 // The best one first; by the definition.
@@ -34,16 +34,16 @@ std::optional<uint32_t> slow_margin(const std::vector<Value>& row, const Elsewhe
                                     const Value*& best) {
   best = nullptr;
   for (const Value& value : row)
-    if (best == nullptr || value.distance < best->distance) best = &value;
+    if (best == nullptr || value.score < best->score) best = &value;
   std::optional<uint32_t> smallest;
   for (const Value& value : row) {
     const bool is_elsewhere =
         value.sequence == best->sequence
             ? apart(value.window, best->window) > elsewhere.widths[value.sequence]
             : elsewhere.shared[value.sequence][best->sequence] == 0;
-    if (is_elsewhere && (!smallest || value.distance < *smallest)) smallest = value.distance;
+    if (is_elsewhere && (!smallest || value.score < *smallest)) smallest = value.score;
   }
-  return smallest ? std::optional(*smallest - best->distance) : std::nullopt;
+  return smallest ? std::optional(*smallest - best->score) : std::nullopt;
 }
 
 std::vector<uint32_t> slow_margins(const std::vector<DescriptorSpan>& walks,
@@ -64,7 +64,7 @@ std::vector<uint32_t> slow_margins(const std::vector<DescriptorSpan>& walks,
         }
       const Value* best = nullptr;
       const auto margin = slow_margin(far, elsewhere, best);
-      if (margin && !is_same_place(best->distance / double(length), mean, length, kOwnDepth))
+      if (margin && !is_same_place(best->score / double(length), mean, length, kOwnDepth))
         margins.push_back(*margin);
       if (const auto other = slow_margin(others, elsewhere, best)) margins.push_back(*other);
     }

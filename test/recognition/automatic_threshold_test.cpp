@@ -26,15 +26,15 @@ std::vector<std::optional<ClosestWindows>> slow_closest(const Sequences& sequenc
       for (size_t b = 0; b < sequences.size(); ++b)
         for (size_t j = 0; a != b && j + length <= sequences[b].size(); ++j) {
           const uint32_t d = plain_window_distance(sequences[a], i, sequences[b], j, length);
-          if (!closest[a] || d < closest[a]->distance) closest[a] = ClosestWindows{d, i, b, j};
+          if (!closest[a] || d < closest[a]->score) closest[a] = ClosestWindows{d, i, b, j};
         }
   return closest;
 }
 
 bool same(const std::optional<ClosestWindows>& a, const std::optional<ClosestWindows>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
-  return a->distance == b->distance && a->window == b->window &&
-         a->other_sequence == b->other_sequence && a->other_window == b->other_window;
+  return a->score == b->score && a->window == b->window && a->other_sequence == b->other_sequence &&
+         a->other_window == b->other_window;
 }
 
 }  // namespace

@@ -53,13 +53,13 @@ std::optional<ClosestWindows> slow_elsewhere(const DescriptorSpan& walk, size_t 
     for (size_t i = 0; i < windows; ++i) {
       if (!fits(j) || !fits(i) || std::max(i, j) - std::min(i, j) < gap) continue;
       const uint32_t d = plain_window_distance(walk.rows, i, walk.rows, j, length);
-      if (!own || d < own->distance) own = ClosestWindows{d, j, 0, i};
+      if (!own || d < own->score) own = ClosestWindows{d, j, 0, i};
     }
     if (own) closest.push_back(*own);
   }
   if (closest.empty()) return std::nullopt;
   std::stable_sort(closest.begin(), closest.end(),
-                   [](const auto& a, const auto& b) { return a.distance < b.distance; });
+                   [](const auto& a, const auto& b) { return a.score < b.score; });
   return closest[(closest.size() - 1) / 5];
 }
 
@@ -76,8 +76,8 @@ std::optional<ClosestWindows> find_elsewhere(const DescriptorSpan& walk, size_t 
 
 bool same(const std::optional<ClosestWindows>& a, const std::optional<ClosestWindows>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
-  return a->distance == b->distance && a->window == b->window &&
-         a->other_sequence == b->other_sequence && a->other_window == b->other_window;
+  return a->score == b->score && a->window == b->window && a->other_sequence == b->other_sequence &&
+         a->other_window == b->other_window;
 }
 
 }  // namespace

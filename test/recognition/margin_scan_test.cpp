@@ -21,7 +21,7 @@ std::optional<uint32_t> slow_margin(const FullRow& row, const Elsewhere& elsewhe
   best.reset();
   for (size_t s = 0; s < row.size(); ++s)
     for (size_t i = 0; i < row[s].size(); ++i)
-      if (row[s][i] && (!best || *row[s][i] < best->distance))
+      if (row[s][i] && (!best || *row[s][i] < best->score))
         best = Cell{0, uint32_t(s), uint32_t(i), *row[s][i]};
   std::optional<uint32_t> smallest;
   for (size_t s = 0; best && s < row.size(); ++s)
@@ -32,14 +32,14 @@ std::optional<uint32_t> slow_margin(const FullRow& row, const Elsewhere& elsewhe
                                                     : elsewhere.shared[s][best->sequence] == 0;
       if (row[s][i] && is_elsewhere && (!smallest || *row[s][i] < *smallest)) smallest = row[s][i];
     }
-  return smallest ? std::optional(*smallest - best->distance) : std::nullopt;
+  return smallest ? std::optional(*smallest - best->score) : std::nullopt;
 }
 
 struct Piece {
   size_t query = 0;
   size_t sequence = 0;
   size_t first = 0;
-  std::vector<uint32_t> distances;
+  std::vector<uint32_t> scores;
 };
 
 // A row as matchers give it: valleys in noise, few different values so that there are ties, holes.
@@ -80,7 +80,7 @@ std::vector<Piece> pieces_of(const std::vector<FullRow>& rows, size_t longest,
           pieces.push_back({q, s, i, {}});
           room = 1 + uniform_below(engine, longest);
         }
-        pieces.back().distances.push_back(*rows[q][s][i]);
+        pieces.back().scores.push_back(*rows[q][s][i]);
         --room;
       }
     }
@@ -93,7 +93,7 @@ MarginScanResult scan_pieces(const std::vector<Piece>& pieces, const Elsewhere& 
                              size_t rows) {
   MarginScan scan(elsewhere, rows, select_kernels());
   parallel_for(pieces.size(), {}, [&](size_t p) {
-    scan({pieces[p].query, pieces[p].sequence, pieces[p].first, pieces[p].distances});
+    scan({pieces[p].query, pieces[p].sequence, pieces[p].first, pieces[p].scores});
   });
   return scan.result();
 }

@@ -11,13 +11,13 @@ using namespace vpr;
 
 namespace {
 
-DistanceRow piece_of(const std::vector<uint32_t>& row, size_t begin, size_t end) {
+ScoreRow piece_of(const std::vector<uint32_t>& row, size_t begin, size_t end) {
   return {0, 0, begin, std::span(row).subspan(begin, end - begin)};
 }
 
-void take(RowOutline& outline, const DistanceRow& piece) {
-  const auto least = std::min_element(piece.distances.begin(), piece.distances.end());
-  add_piece(outline, piece, *least, static_cast<size_t>(least - piece.distances.begin()),
+void take(RowOutline& outline, const ScoreRow& piece) {
+  const auto least = std::min_element(piece.scores.begin(), piece.scores.end());
+  add_piece(outline, piece, *least, static_cast<size_t>(least - piece.scores.begin()),
             select_kernels());
 }
 

@@ -16,7 +16,7 @@ struct Piece {
   size_t query = 0;
   size_t sequence = 0;
   size_t first = 0;
-  std::vector<uint32_t> distances;
+  std::vector<uint32_t> scores;
 };
 
 // Two sequences of 50 and 9 windows, 20 query windows, cut into pieces.
@@ -31,7 +31,7 @@ std::vector<Piece> random_pieces(uint64_t seed) {
         Piece piece{query, sequence, first, {}};
         const size_t count = std::min(windows - first, size_t(1 + uniform_below(engine, 20)));
         for (size_t i = 0; i < count; ++i)
-          piece.distances.push_back(static_cast<uint32_t>(uniform_below(engine, 40)));
+          piece.scores.push_back(static_cast<uint32_t>(uniform_below(engine, 40)));
         first += count;
         pieces.push_back(piece);
       }
@@ -40,8 +40,8 @@ std::vector<Piece> random_pieces(uint64_t seed) {
   return pieces;
 }
 
-DistanceRow as_row(const Piece& piece) {
-  return {piece.query, piece.sequence, piece.first, piece.distances};
+ScoreRow as_row(const Piece& piece) {
+  return {piece.query, piece.sequence, piece.first, piece.scores};
 }
 
 HitScanSettings scan_settings(size_t max_hits = 100000) {
@@ -78,13 +78,13 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
   std::vector<std::optional<Cell>> best(20);
   std::vector<uint32_t> maxima(2, 0);
   for (const Piece& piece : pieces) {
-    for (size_t x = 0; x < piece.distances.size(); ++x) {
+    for (size_t x = 0; x < piece.scores.size(); ++x) {
       const Cell cell{uint32_t(piece.query), uint32_t(piece.sequence), uint32_t(piece.first + x),
-                      piece.distances[x]};
-      if (cell.distance < (piece.sequence == 0 ? 3U : 6U)) hits.push_back(cell);
+                      piece.scores[x]};
+      if (cell.score < (piece.sequence == 0 ? 3U : 6U)) hits.push_back(cell);
       auto& kept = best[piece.query];
-      if (!kept || cell.distance < kept->distance) kept = cell;
-      maxima[piece.sequence] = std::max(maxima[piece.sequence], cell.distance);
+      if (!kept || cell.score < kept->score) kept = cell;
+      maxima[piece.sequence] = std::max(maxima[piece.sequence], cell.score);
     }
   }
   for (const size_t threads : {1, 2, 4}) {
@@ -126,10 +126,9 @@ TEST_CASE("given cells are picked out of the pieces that hold them") {
   for (const Cell& cell : scan.result()) {
     for (const Piece& piece : pieces) {
       if (piece.query != cell.query_window || piece.sequence != cell.sequence) continue;
-      if (cell.train_window < piece.first ||
-          cell.train_window >= piece.first + piece.distances.size())
+      if (cell.train_window < piece.first || cell.train_window >= piece.first + piece.scores.size())
         continue;
-      CHECK(cell.distance == piece.distances[cell.train_window - piece.first]);
+      CHECK(cell.score == piece.scores[cell.train_window - piece.first]);
     }
   }
 }
