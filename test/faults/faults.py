@@ -67,7 +67,7 @@ def table(verdicts, kind):
 
 def tell(verdict, number, options):
     for finding in verdict.findings:
-        print(f"{verdict.case}\n  {finding}")
+        print(f"{verdict.case}\n  {finding}", flush=True)
     only = f" --only '{options.only}'" if options.only else ""
     print(f"  again: test/faults/faults.py --programs {options.programs} --kind {options.kind}"
           f"{only} --seed {options.seed} --case {number}")
@@ -92,10 +92,17 @@ def reason_to_skip(options, scratch):
     return places.why_not(options.kind, probe)
 
 
-def report(verdicts, count, options):
+def told(verdicts, count, options):
+    """Says what was found as soon as it is, and now and then how far it is."""
     for number, verdict in enumerate(verdicts):
         if verdict.findings:
             tell(verdict, number, options)
+        if number % 1000 == 999:
+            print(f"{number + 1} of {count} cases", file=sys.stderr, flush=True)
+        yield verdict
+
+
+def report(verdicts, count, options):
     print(table(verdicts, options.kind))
     outcomes = collections.Counter(verdict.outcome for verdict in verdicts)
     found = sum(bool(verdict.findings) for verdict in verdicts)
@@ -122,7 +129,8 @@ def main():
             describe(verdict)
             return bool(verdict.findings)
         chosen = found[:options.cases or len(found)]
-        return report(list(pool.map(trial.judge, chosen)), len(found), options)
+        verdicts = list(told(pool.map(trial.judge, chosen), len(chosen), options))
+        return report(verdicts, len(found), options)
 
 
 if __name__ == "__main__":
