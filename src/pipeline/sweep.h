@@ -1,23 +1,14 @@
 // A whole grid of settings for little more than the price of one query.
 #pragma once
 
-#include <optional>
-#include <vector>
+#include <functional>
+#include <string>
 
-#include "evaluation/sweep.h"
 #include "pipeline/fabmap_query.h"
 #include "pipeline/query.h"
+#include "pipeline/sweep_counts.h"
 
 namespace vpr {
-
-/// Windows by thresholds: c_l and t_r, or c_w and t_p.
-struct Grid {
-  std::vector<uint64_t> windows;
-  std::vector<std::optional<double>> thresholds;  ///< none: automatic, of t_r
-};
-
-/// The grid of a sweep that is finished: further queries get the same, whatever fits them.
-Grid grid_of(std::span<const CellCounts> cells);
 
 /// How to find the ground truth of a result: by the scope of its indices.
 using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
@@ -37,10 +28,5 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
                    const TruthReader& read_truth, uint64_t seed, const Monitor& monitor);
-
-/// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:
-/// blocks of c_l windows, for neighbours share most of their frames, or of c_w frames, but at least
-/// 8.
-SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed);
 
 }  // namespace vpr

@@ -5,61 +5,11 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
-#include "base/random.h"
-#include "support.h"
+#include "report/result_examples.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
-
-namespace {
-
-Result example() {
-  Result result;
-  SequenceQuerySettings settings;
-  settings.window_length = 2;
-  settings.distance_threshold = 0.4;
-  result.settings = settings;
-  result.query_name = "walk";
-  result.query_frames = 5;
-  result.query_unreadable = {4};
-  result.query_windows = 4;
-  result.targets = {{"a", 6, 5, true, 0.4, ThresholdScale::relative, 12, 30},
-                    {"b", 3, 2, false, {}, ThresholdScale::bits, 0, {}}};
-  result.hits = {{0, 0, 1, 0, 11}, {1, 0, 2, 0, 9}};
-  result.best = {Match{0, 0, 1, 0, 11}, Match{1, 0, 2, 0, 9}, Match{2, 0, 0, 0, 20}, std::nullopt};
-  result.clusters = {{{0, 1, 0, 1, 2, 1, 2, 2, 9}}, {0, 0}};
-  return result;
-}
-
-// Two places of three views, five frames, of which one shows no word and one is unreadable.
-Result places_example() {
-  Result result;
-  result.settings = FabmapQuerySettings{};
-  result.query_name = "walk";
-  result.query_frames = result.query_windows = 5;
-  result.query_unreadable = {4};
-  result.targets = {{"places", 2, 2, true, {}, ThresholdScale::bits, 0, {}}};
-  result.places = ResultPlaces{{"hall", "stairs"}, 3, 1, {0.1, 0.2, 0.3, 0.9, 0}};
-  result.hits = {{0, 0, 0, 1, 0.995}, {0, 0, 1, 2, 0.991}, {2, 0, 1, 2, 0.999}};
-  result.best = {result.hits[0], Match{1, 0, 0, 0, 0.25}, result.hits[2], std::nullopt,
-                 std::nullopt};
-  return result;
-}
-
-Json write(const fs::path& path, const Result& result, Existing existing) {
-  OutputTransaction outputs(existing);
-  Json json = write_result(path, result, {}, outputs);
-  outputs.commit();
-  return json;
-}
-
-fs::path write_example(const test::TemporaryFolder& folder, Existing existing = Existing::refuse) {
-  write(folder / "r.json", example(), existing);
-  return folder / "r.json";
-}
-
-}  // namespace
 
 TEST_CASE("companions are named after the result") {
   CHECK(companion_path("a/r.json", "hits.npy") == "a/r.hits.npy");
@@ -70,7 +20,7 @@ TEST_CASE("companions are named after the result") {
 TEST_CASE("a result that was written is read back") {
   const test::TemporaryFolder folder;
   const Result result = read_result(write_example(folder)).result;
-  const Result expected = example();
+  const Result expected = example_result();
   CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
   CHECK(result.hits == expected.hits);
   CHECK(result.best == expected.best);
@@ -85,7 +35,7 @@ TEST_CASE("a result that was written is read back") {
 
 TEST_CASE("A replayed query keeps which frames it shows, and what does not fit is refused") {
   const test::TemporaryFolder folder;
-  Result expected = example();
+  Result expected = example_result();
   expected.replay = Replay{"varying", 7, 9, {0, 0, 4, 8, 8}};
   const Json json = write(folder / "r.json", expected, Existing::refuse);
   CHECK(json["query"]["warp"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", 9}});
@@ -98,7 +48,7 @@ TEST_CASE("A replayed query keeps which frames it shows, and what does not fit i
   for (const Replay& broken :
        {Replay{"2", 1, 8, {0, 0, 4, 8, 8}}, Replay{"2", 1, 9, {0, 0, 4, 8}},
         Replay{"2", 1, 9, {0, 0, 4, 8, 8, 8}}, Replay{"2", 1, 51, {0, 0, 4, 8, 8}}}) {
-    Result other = example();
+    Result other = example_result();
     other.replay = broken;
     write(folder / "r.json", other, Existing::replace);
     CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
@@ -107,7 +57,7 @@ TEST_CASE("A replayed query keeps which frames it shows, and what does not fit i
 
 TEST_CASE("margins are written beside the best matches, and missing ones are no number") {
   const test::TemporaryFolder folder;
-  Result result = example();
+  Result result = example_result();
   CHECK(read_result(write_example(folder)).result.margins.empty());
   result.margins = {3, 0, std::nullopt, std::nullopt};
   result.targets[0].margin = 1.5;
@@ -151,25 +101,9 @@ TEST_CASE("a result of places is written by the same writer, and read back by th
         std::vector<int32_t>{0, 0, 0, 1, 0, 0, 1, 2, 2, 0, 1, 2});
 }
 
-TEST_CASE("a result of places that was tampered with is refused") {
-  const test::TemporaryFolder folder;
-  for (const auto& change : std::vector<void (*)(Result&)>{
-           [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
-           [](Result& r) { r.targets.push_back(r.targets[0]); },
-           [](Result& r) { r.places->new_place.pop_back(); }, [](Result& r) { r.best.pop_back(); },
-           [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.hits[1].train = 2; },
-           [](Result& r) { r.hits[1] = r.hits[0]; },
-           [](Result& r) { r.hits[2].score = std::nan(""); }}) {
-    Result result = places_example();
-    change(result);
-    write(folder / "r.json", result, Existing::replace);
-    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
-  }
-}
-
 TEST_CASE("standardized scores are written as they are, may be negative, and are read back") {
   const test::TemporaryFolder folder;
-  Result scored = example();
+  Result scored = example_result();
   auto& settings = std::get<SequenceQuerySettings>(scored.settings);
   settings.score = Score::standardized;
   settings.distance_threshold = -1.5;
@@ -212,72 +146,9 @@ TEST_CASE("settings of raw distances do not tell of standardized scores") {
   CHECK(settings_in_force(settings)["t_r_scale"] == "mean-z");
 }
 
-TEST_CASE("companions of another run are refused") {
-  const test::TemporaryFolder folder;
-  const test::TemporaryFolder other;
-  const fs::path path = write_example(folder);
-  Result changed = example();
-  changed.hits.pop_back();
-  write(other / "r.json", changed, Existing::refuse);
-  fs::copy_file(other / "r.hits.npy", folder / "r.hits.npy", fs::copy_options::overwrite_existing);
-  CHECK(test::error_text([&] { read_result(path); }).find("was not written together") !=
-        std::string::npos);
-  fs::remove(folder / "r.hits.npy");
-  CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
-}
-
-TEST_CASE("results that were tampered with are refused, never a crash") {
-  const test::TemporaryFolder folder;
-  const fs::path path = write_example(folder);
-  const Json whole = Json::parse(test::read_text(path));
-  const auto broken = [&](const std::string& pointer, const Json& value) {
-    Json json = whole;
-    json[Json::json_pointer(pointer)] = value;
-    json.erase("checksum");
-    json["checksum"] = result_checksum(json);
-    test::write_text(path, json.dump());
-    return test::error_kind([&] { read_result(path); });
-  };
-  for (const auto& [pointer, value] :
-       std::vector<std::pair<std::string, Json>>{{"/settings/c_l", 0},
-                                                 {"/settings/c_l", 3},
-                                                 {"/query/windows", 5},
-                                                 {"/query/frames", -1},
-                                                 {"/query/frames", 1e30},
-                                                 {"/targets/0/frames", 2},
-                                                 {"/targets/0/windows", 6},
-                                                 {"/targets", 3},
-                                                 {"/clusters/0/target", 2},
-                                                 {"/clusters/0/train/last", 5},
-                                                 {"/clusters/0/query/window", 4},
-                                                 {"/files/hits/checksum", "xxh3:0"},
-                                                 {"/files", Json::array()},
-                                                 {"/settings/clustering/eps", 5000},
-                                                 {"/settings/clustering/eps", 0},
-                                                 {"/clusters", Json::array()},
-                                                 {"/clusters/0/hits", 3},
-                                                 {"/schema", "vpr.result/3"},
-                                                 {"/query", Json()}}) {
-    INFO(pointer);
-    CHECK(broken(pointer, value) == ErrorKind::data);
-  }
-}
-
-TEST_CASE("a result whose text was changed is refused, unless only machine and timing were") {
-  const test::TemporaryFolder folder;
-  const fs::path path = write_example(folder);
-  Json json = Json::parse(test::read_text(path));
-  json["machine"]["threads"] = 99;
-  test::write_text(path, to_text(json));
-  read_result(path);
-  json["clusters"] = Json::array();
-  test::write_text(path, to_text(json));
-  CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
-}
-
 TEST_CASE("where views begin is written beside the result and read back") {
   const test::TemporaryFolder folder;
-  Result result = example();
+  Result result = example_result();
   result.views = ResultViews{{0, 3}, {{0, 1, 5}, {0}}};
   const Json json = write(folder / "r.json", result, Existing::refuse);
   CHECK(json["files"]["views"]["rows"] == 6);
@@ -298,37 +169,10 @@ TEST_CASE("where views begin is written beside the result and read back") {
 }
 
 TEST_CASE("a cluster says which frames its windows cover") {
-  const Json place = result_json(example(), {})["clusters"][0]["query"];
+  const Json place = result_json(example_result(), {})["clusters"][0]["query"];
   CHECK(place["first"] == 0);
   CHECK(place["first_frame"] == 0);
   CHECK(place["last"] == 1);
   CHECK(place["anchor"] == 2);
   CHECK(place["last_frame"] == 2);
-}
-
-TEST_CASE("random damage gives an error or a result, never a crash") {
-  const test::TemporaryFolder folder;
-  const fs::path path = write_example(folder);
-  RandomEngine engine(1);
-  for (const char* name :
-       {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy", "r.best_scores.npy"}) {
-    const std::string whole = test::read_text(folder / name);
-    for (int i = 0; i < 300; ++i) {
-      std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));
-      text[uniform_below(engine, text.size())] = static_cast<char>(engine());
-      test::write_text(folder / name, text);
-      test::error_kind([&] { read_result(path); });
-    }
-    test::write_text(folder / name, whole);
-  }
-  CHECK(read_result(path).result.hits == example().hits);
-}
-
-TEST_CASE("an existing result is refused as a whole") {
-  const test::TemporaryFolder folder;
-  write_example(folder);
-  fs::remove(folder / "r.json");
-  OutputTransaction outputs(Existing::refuse);
-  CHECK(test::error_kind([&] { claim_result(folder / "r.json", outputs); }) == ErrorKind::usage);
-  write_example(folder, Existing::replace);
 }
