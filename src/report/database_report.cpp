@@ -34,6 +34,7 @@ Json threshold_json(size_t window_length, const std::optional<AutomaticThreshold
 Json database_json(const SequenceDatabase& database,
                    const std::vector<AutomaticThresholds>& thresholds, const RunInfo& run) {
   Json json = head_json(DatabaseFamily::sequences);
+  json["descriptor"] = database.descriptors.kind->name;
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
   for (size_t s = 0; s < database.sequences.size(); ++s) {

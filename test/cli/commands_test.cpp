@@ -107,6 +107,7 @@ TEST_CASE("adding a sequence gives the database of training them together") {
         test::read_text(out / "both.vprdb/manifest.json"));
   const auto info = run_program("vpr-train", {"info", out / "ab.vprdb", "--json"});
   CHECK(parse(info.out)["sequences"][1]["name"] == "two");
+  CHECK(parse(info.out)["descriptor"] == "ldb");
   const auto again = run_program(
       "vpr-train", {"add", out / "a.vprdb", "--train", one, "-o", out / "x.vprdb", "--json"});
   CHECK(parse(again.out)["sequences"][1]["name"] == "walk/one");
