@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "matching/plain.h"
 #include "support.h"
 
 namespace vpr::test {
@@ -11,6 +12,10 @@ std::vector<std::string> numbers(size_t count) {
   std::vector<std::string> names;
   for (size_t i = 0; i < count; ++i) names.push_back(std::to_string(i));
   return names;
+}
+
+size_t window_count(size_t frames, size_t window_length) {
+  return frames < window_length ? 0 : frames - window_length + 1;
 }
 
 }  // namespace
@@ -46,6 +51,37 @@ DescriptorSet make_query(const std::vector<LdbCode>& codes) {
   DescriptorSet query = ldb_set(codes, {});
   query.frames.names = numbers(codes.size());
   return query;
+}
+
+std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
+                                     size_t window_length) {
+  const size_t rows = window_count(query.size(), window_length);
+  const size_t cols = window_count(train.size(), window_length);
+  std::vector<uint32_t> distances(rows * cols);
+  for (size_t j = 0; j < rows; ++j)
+    for (size_t i = 0; i < cols; ++i)
+      distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
+  return distances;
+}
+
+std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
+                                     size_t window_length) {
+  const size_t rows = window_count(query.size(), window_length);
+  const size_t cols = window_count(train.size(), window_length);
+  std::vector<uint32_t> distances(rows * cols);
+  for (size_t j = 0; j < rows; ++j) {
+    for (size_t i = 0; i < cols; ++i) {
+      if (j == 0 || i == 0) {
+        distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
+        continue;
+      }
+      const size_t last = window_length - 1;
+      distances[j * cols + i] = distances[(j - 1) * cols + i - 1] +
+                                plain_distance(train, i + last, query, j + last) -
+                                plain_distance(train, i - 1, query, j - 1);
+    }
+  }
+  return distances;
 }
 
 }  // namespace vpr::test

@@ -34,4 +34,13 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 /// A query whose frames are called by their numbers.
 DescriptorSet make_query(const std::vector<LdbCode>& codes);
 
+/// All window pairs of two sequences, row-major, query windows x train windows; empty if either
+/// sequence is shorter than a window. OpenABLE: window_length distances a cell.
+std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
+                                     size_t window_length);
+
+/// The same matrix by FastABLE's recurrence, two distances a cell (paper, section VII).
+std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
+                                     size_t window_length);
+
 }  // namespace vpr::test

@@ -15,6 +15,21 @@ void add_number(const Command& command, const std::string& flag, std::optional<d
   command.add_option(flag, value, help).type_name("NUMBER").group(kGroundTruthGroup);
 }
 
+// A flag wins over a data set.
+GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags) {
+  if (flags.tolerance_frames) argument.tolerance_frames = *flags.tolerance_frames;
+  if (!flags.format.empty()) argument.format = flags.format;
+  GroundTruthOptions& options = argument.options;
+  if (!flags.reference.empty()) options.reference = flags.reference;
+  if (!flags.soft.empty()) options.soft = flags.soft;
+  if (flags.options.radius_m) options.radius_m = flags.options.radius_m;
+  if (flags.options.angle_deg) options.angle_deg = flags.options.angle_deg;
+  if (flags.options.reference_step) options.reference_step = flags.options.reference_step;
+  if (flags.options.matrix_rows != MatrixRows::automatic)
+    options.matrix_rows = flags.options.matrix_rows;
+  return argument;
+}
+
 }  // namespace
 
 std::string ground_truth_help() {
@@ -46,20 +61,6 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   add_setting(command, "--matrix-rows", flags.options.matrix_rows,
               "matrix, mask: rows are query or reference frames (default: as the format's authors)")
       .group(kGroundTruthGroup);
-}
-
-GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags) {
-  if (flags.tolerance_frames) argument.tolerance_frames = *flags.tolerance_frames;
-  if (!flags.format.empty()) argument.format = flags.format;
-  GroundTruthOptions& options = argument.options;
-  if (!flags.reference.empty()) options.reference = flags.reference;
-  if (!flags.soft.empty()) options.soft = flags.soft;
-  if (flags.options.radius_m) options.radius_m = flags.options.radius_m;
-  if (flags.options.angle_deg) options.angle_deg = flags.options.angle_deg;
-  if (flags.options.reference_step) options.reference_step = flags.options.reference_step;
-  if (flags.options.matrix_rows != MatrixRows::automatic)
-    options.matrix_rows = flags.options.matrix_rows;
-  return argument;
 }
 
 bool any_given(const GroundTruthFlags& flags) {

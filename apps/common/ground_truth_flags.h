@@ -30,14 +30,11 @@ std::string ground_truth_help();
 void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
                             const std::string& format_flag = "--ground-truth-format");
 
-/// `argument` with what the flags say; a flag wins over a data set.
-GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFlags& flags);
-
 /// Whether any flag is given.
 bool any_given(const GroundTruthFlags& flags);
 
-/// What a data set says of a query, with what the flags say: matches of frames, or of places. None
-/// where it says nothing.
+/// What a data set says of a query, with what the flags, which win, say: matches of frames, or of
+/// places. None where it says nothing.
 std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,
                                                    const GroundTruthFlags& flags);
 

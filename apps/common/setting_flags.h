@@ -51,10 +51,8 @@ Flag add_setting(const Command& command, const std::string& flag, T& field,
       .type_name(value_name<T>());
 }
 
-/// --max-memory; the help ends with the value that `bytes` has.
+/// --max-memory, in bytes or as "512M" or "2G", powers of 1024; the help ends with the value that
+/// `bytes` has.
 Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help);
-
-/// Bytes from "512M", "2G", "1000000"; K, M, G are powers of 1024. Throws Error(usage).
-size_t parse_bytes(const std::string& text, const std::string& flag);
 
 }  // namespace vpr

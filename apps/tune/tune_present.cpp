@@ -7,22 +7,12 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "report/sweep_table.h"
 #include "tune_inputs.h"
 
 namespace vpr {
 namespace {
-
-// A word of a shell's command line.
-std::string quoted(const std::string& word) {
-  const bool is_plain = !word.empty() && word.find_first_not_of(
-                                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                             "0123456789_-+=.,:/@%") == std::string::npos;
-  if (is_plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
-}
 
 // The flags of the recommended setting that are not vpr-query's defaults; those that came from a
 // configuration file come from it again.
@@ -48,15 +38,15 @@ std::vector<std::string> setting_flags(const QuerySettings& recommended) {
 // Runs the recommended setting on the query that it was chosen on.
 std::string query_command(const TuneInputs& inputs, const CommonOptions& options,
                           const Sweep& sweep, size_t index) {
-  std::vector<std::string> words = {"vpr-query", quoted(inputs.database)};
+  std::vector<std::string> words = {"vpr-query", shell_word(inputs.database)};
   if (!inputs.datasets.empty()) {
-    words.push_back("--dataset " + quoted(inputs.datasets[index]));
-    if (!inputs.query.empty()) words.push_back("--query " + quoted(inputs.query));
+    words.push_back("--dataset " + shell_word(inputs.datasets[index]));
+    if (!inputs.query.empty()) words.push_back("--query " + shell_word(inputs.query));
   } else {
-    words.push_back("--query " + quoted(inputs.query));
+    words.push_back("--query " + shell_word(inputs.query));
   }
   const std::string& config = inputs.save_config.empty() ? options.config : inputs.save_config;
-  if (!config.empty()) words.push_back("--config " + quoted(config));
+  if (!config.empty()) words.push_back("--config " + shell_word(config));
   if (inputs.save_config.empty())
     for (const std::string& flag : setting_flags(*sweep.recommended_settings))
       words.push_back(flag);

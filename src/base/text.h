@@ -18,6 +18,9 @@ std::vector<std::string_view> split_lines(std::string_view text);
 /// What stands between blanks (spaces, tabs and carriage returns), however many there are.
 std::vector<std::string_view> split_words(std::string_view text);
 
+/// A word of a shell's command line, quoted where a shell needs it.
+std::string shell_word(const std::string& word);
+
 /// Inserts, deletes, replacements and swaps of neighbours between two words, for "did you mean".
 size_t edit_distance(std::string_view a, std::string_view b);
 

@@ -16,6 +16,12 @@ std::string row_name(const std::string& work, const NamedNumbers& parameters) {
   return name;
 }
 
+// Whether a median is more than `factor` times the old one, and the spread agrees: the lower
+// quartile ratio is above 1 (above the factor, if that is smaller). Both strict.
+bool is_slower(const BenchRatio& row, double factor) {
+  return row.ratio > factor && row.low > std::min(factor, 1.0);
+}
+
 // In words: a large ratio whose spread reaches down to the old time proves nothing.
 std::string verdict(const BenchRatio& row, double factor) {
   if (is_slower(row, factor)) return "slower";
@@ -26,10 +32,6 @@ std::string verdict(const BenchRatio& row, double factor) {
 double quotient(double a, double b) { return b > 0 ? a / b : a > 0 ? 1e9 : 1; }
 
 }  // namespace
-
-bool is_slower(const BenchRatio& row, double factor) {
-  return row.ratio > factor && row.low > std::min(factor, 1.0);
-}
 
 BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer) {
   if (older.bench != newer.bench)

@@ -31,10 +31,6 @@ struct BenchComparison {
 /// row in common.
 BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer);
 
-/// Whether a median is more than `factor` times the old one, and the spread agrees: the lower
-/// quartile ratio is above 1 (above the factor, if that is smaller). Both strict.
-bool is_slower(const BenchRatio& row, double factor);
-
 /// Rows that are slower are marked, and those whose ratio is above the factor although their spread
 /// reaches down to the old time ("unsure").
 Table comparison_table(const BenchComparison& comparison, double factor);

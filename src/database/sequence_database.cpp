@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/provenance.h"
+#include "base/text.h"
 #include "database/archive.h"
 #include "database/family.h"
 #include "database/shared_places_json.h"
@@ -80,16 +81,6 @@ std::string frame_lines(const SequenceDatabase& database) {
   return text;
 }
 
-std::vector<std::string> split_lines(const std::string& text) {
-  std::vector<std::string> lines;
-  for (size_t start = 0; start < text.size();) {
-    const size_t end = std::min(text.find('\n', start), text.size());
-    lines.push_back(text.substr(start, end - start));
-    start = end + 1;
-  }
-  return lines;
-}
-
 std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, size_t frame_count) {
   std::vector<size_t> frames;
   for (const Json& item : manifest_list(archive, json, "unreadable")) {
@@ -103,7 +94,7 @@ std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, si
 }
 
 std::vector<TrainSequence> read_sequences(const Archive& archive,
-                                          const std::vector<std::string>& frame_names,
+                                          const std::vector<std::string_view>& frame_names,
                                           const DescriptorShape& shape) {
   std::vector<TrainSequence> sequences;
   size_t first = 0;
@@ -233,7 +224,10 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   database.fingerprint = archive.fingerprint();
   stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
   const DescriptorKind& kind = read_kind(archive);
-  database.sequences = read_sequences(archive, split_lines(archive.text(kFramesFile)), kind.shape);
+  const std::string names = archive.text(kFramesFile);
+  auto frame_names = split(names, '\n');
+  if (frame_names.back().empty()) frame_names.pop_back();  // behind the end of the last line
+  database.sequences = read_sequences(archive, frame_names, kind.shape);
   database.thresholds = read_thresholds(archive, database.sequences);
   size_t frames = 0;
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();

@@ -1,17 +1,9 @@
 // Ground truth as a picture of the matrix.
 #pragma once
 
-#include <filesystem>
-#include <string>
-
-#include "base/output_file.h"
+#include "ground_truth/formats.h"
 
 namespace vpr {
-
-struct FileStart;
-struct InspectedGroundTruth;
-struct Monitor;
-class GroundTruthBuilder;
 
 /// Rows are query frames, columns training frames (argument: matrix_rows); 255 is the same place, 0
 /// is not, and anything between is ignored, as in the masks of FAB-MAP's data sets. Colours count

@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/npy.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/formats.h"
 #include "ground_truth/label_runs.h"
 #include "ground_truth/matrix_shape.h"
 #include "ground_truth/npy_stream.h"

@@ -1,17 +1,9 @@
 // Ground truth as a NumPy matrix.
 #pragma once
 
-#include <filesystem>
-#include <string>
-
-#include "base/output_file.h"
+#include "ground_truth/formats.h"
 
 namespace vpr {
-
-struct FileStart;
-struct InspectedGroundTruth;
-struct Monitor;
-class GroundTruthBuilder;
 
 /// A .npy matrix of 0 and 1 (bool, integers or floats), C or Fortran order, rows query frames; and
 /// a second one of the same shape (argument: soft) whose ones are to be ignored where the first has

@@ -11,7 +11,6 @@
 #include "base/mapped_file.h"
 #include "base/text.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/formats.h"
 #include "ground_truth/label_runs.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/writing.h"

@@ -1,17 +1,9 @@
 // Ground truth of the OpenSeqSLAM 2.0 toolbox as CSV.
 #pragma once
 
-#include <filesystem>
-#include <string>
-
-#include "base/output_file.h"
+#include "ground_truth/formats.h"
 
 namespace vpr {
-
-struct FileStart;
-struct InspectedGroundTruth;
-struct Monitor;
-class GroundTruthBuilder;
 
 /// No header; query, reference and, if it is there, tolerance, counted from 1: references within
 /// the tolerance of the pair show the same place, cut off at either end of the sequence.

@@ -8,7 +8,6 @@
 #include "base/csv.h"
 #include "base/mapped_file.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/formats.h"
 #include "ground_truth/label_runs.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/writing.h"

@@ -1,17 +1,9 @@
 // Labelled pairs of frames as CSV.
 #pragma once
 
-#include <filesystem>
-#include <string>
-
-#include "base/output_file.h"
+#include "ground_truth/formats.h"
 
 namespace vpr {
-
-struct FileStart;
-struct InspectedGroundTruth;
-struct Monitor;
-class GroundTruthBuilder;
 
 /// Header query,reference[,label] or query,sequence,reference[,label]; label "same" (default) or
 /// "ignore"; pairs that are not listed are different. Without a sequence column, exactly one

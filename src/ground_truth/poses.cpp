@@ -11,7 +11,6 @@
 #include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/formats.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/pose_csv.h"
 #include "ground_truth/pose_matches.h"

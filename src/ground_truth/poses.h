@@ -1,12 +1,9 @@
 // Poses of query and training frames, as text.
 #pragma once
 
-#include <string>
+#include "ground_truth/formats.h"
 
 namespace vpr {
-
-struct FileStart;
-class GroundTruthBuilder;
 
 /// All take the query's poses from the argument's path and the training sequence's from its
 /// `reference`, either with a range of frames (PATH@FIRST:LAST[:STEP]) where the sequence had one;

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/formats.h"
 #include "ground_truth/numbers.h"
 #include "images/sequence.h"
 

@@ -5,11 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include "ground_truth/formats.h"
 #include "ground_truth/pose_matches.h"
 
 namespace vpr {
-
-struct FileStart;
 
 /// A name as the field's data sets have it: @east@north@zone@letter@latitude@longitude@pano@tile@
 /// heading@..., of which east and north (UTM, metres) are needed and the rest may be empty or

@@ -22,10 +22,6 @@ constexpr std::array<uint8_t, 256> kBitCounts = bit_counts();
 // A byte as the number that it is in two's complement.
 int64_t signed_value(uint8_t byte) { return byte < 128 ? byte : byte - 256; }
 
-size_t window_count(size_t frames, size_t window_length) {
-  return frames < window_length ? 0 : frames - window_length + 1;
-}
-
 }  // namespace
 
 uint32_t plain_hamming(DescriptorRow a, DescriptorRow b) {
@@ -72,37 +68,6 @@ uint32_t plain_window_distance(const DescriptorRows& train, size_t train_window,
   for (size_t k = 0; k < window_length; ++k)
     sum += plain_distance(train, train_window + k, query, query_window + k);
   return sum;
-}
-
-std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length) {
-  const size_t rows = window_count(query.size(), window_length);
-  const size_t cols = window_count(train.size(), window_length);
-  std::vector<uint32_t> distances(rows * cols);
-  for (size_t j = 0; j < rows; ++j)
-    for (size_t i = 0; i < cols; ++i)
-      distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
-  return distances;
-}
-
-std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length) {
-  const size_t rows = window_count(query.size(), window_length);
-  const size_t cols = window_count(train.size(), window_length);
-  std::vector<uint32_t> distances(rows * cols);
-  for (size_t j = 0; j < rows; ++j) {
-    for (size_t i = 0; i < cols; ++i) {
-      if (j == 0 || i == 0) {
-        distances[j * cols + i] = plain_window_distance(train, i, query, j, window_length);
-        continue;
-      }
-      const size_t last = window_length - 1;
-      distances[j * cols + i] = distances[(j - 1) * cols + i - 1] +
-                                plain_distance(train, i + last, query, j + last) -
-                                plain_distance(train, i - 1, query, j - 1);
-    }
-  }
-  return distances;
 }
 
 }  // namespace vpr

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "descriptors/descriptor_rows.h"
 
@@ -29,14 +28,5 @@ uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const Descripto
 uint32_t plain_window_distance(const DescriptorRows& train, size_t train_window,
                                const DescriptorRows& query, size_t query_window,
                                size_t window_length);
-
-/// All window pairs of two sequences, row-major, query windows x train windows; empty if either
-/// sequence is shorter than a window. OpenABLE: window_length distances a cell.
-std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length);
-
-/// The same matrix by FastABLE's recurrence, two distances a cell (paper, section VII).
-std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
-                                     size_t window_length);
 
 }  // namespace vpr

@@ -165,6 +165,15 @@ Json result_report_json(const Evaluation& evaluation, const RunInfo& run, const 
   return json;
 }
 
+// What a report is of, for titles: the name that the user gave; else the method, and the score
+// where it is not raw distances.
+std::string method_title(const Json& report) {
+  if (report.contains("name")) return text(report["name"]);
+  const std::string method = text(report["method"]);
+  const bool has_score = report.contains("settings") && report["settings"].contains("score");
+  return has_score ? method + ", " + text(report["settings"]["score"]) : method;
+}
+
 std::string setting_text(const Json& settings, std::string_view symbol) {
   const auto found = settings.find(std::string(symbol));
   return found == settings.end() ? "" : fmt::format(", {} {}", symbol, text(*found));
@@ -179,13 +188,6 @@ Json report_json(const Evaluation& evaluation, const RunInfo& run, const Monitor
                                                      evaluation.fingerprint, run);
   if (evaluation.name) json["name"] = *evaluation.name;
   return json;
-}
-
-std::string method_title(const Json& report) {
-  if (report.contains("name")) return text(report["name"]);
-  const std::string method = text(report["method"]);
-  const bool has_score = report.contains("settings") && report["settings"].contains("score");
-  return has_score ? method + ", " + text(report["settings"]["score"]) : method;
 }
 
 std::string evaluation_title(const Json& report) {

@@ -30,10 +30,8 @@ std::string recognitions_text(const Json& report);
 /// One row: the counts by view. Only for a report that has them ("by_view").
 Table view_table(const Json& report);
 
-/// What a report is of, for titles: the name that the user gave; else the method, and the score
+/// "method on query", for titles: the name that the user gave; else the method, and the score
 /// where it is not raw distances.
-std::string method_title(const Json& report);
-/// "method on query".
 std::string evaluation_title(const Json& report);
 /// The same, and c_l and t_r, or c_w and t_p.
 std::string title_with_settings(const Json& report);

@@ -20,6 +20,22 @@ Json settings_json(const ScoreSettings& settings) {
           {"threshold", number(settings.threshold)}};
 }
 
+// One row: the matrix and its best matches.
+Table scores_table(const Json& report) {
+  const Json& best = report["best_match"];
+  Table table;
+  table.title = fmt::format("{} on {} ({})", report["method"].get<std::string>(),
+                            report["query"].get<std::string>(),
+                            report["protocol"]["ground_truth"].get<std::string>());
+  table.columns = {"scores", "window", "best right", "of", "per cent"};
+  table.rows = {
+      {report["settings"]["scores"].get<std::string>(), report["settings"]["window"].dump(),
+       best["correct"].dump(),
+       std::to_string(best["queries"].get<uint64_t>() - best["ignored"].get<uint64_t>()),
+       best["rate"].is_null() ? "-" : fmt::format("{:.1f}", 100 * best["rate"].get<double>())}};
+  return table;
+}
+
 }  // namespace
 
 Json scores_report_json(const ScoreSettings& settings, const std::string& query,
@@ -47,21 +63,6 @@ Json scores_report_json(const ScoreSettings& settings, const std::string& query,
   json["provenance"]["scores"] = fingerprint;
   json["provenance"]["ground_truth"] = ground_truth_fingerprint(truth, judgement.layout.scope);
   return json;
-}
-
-Table scores_table(const Json& report) {
-  const Json& best = report["best_match"];
-  Table table;
-  table.title = fmt::format("{} on {} ({})", report["method"].get<std::string>(),
-                            report["query"].get<std::string>(),
-                            report["protocol"]["ground_truth"].get<std::string>());
-  table.columns = {"scores", "window", "best right", "of", "per cent"};
-  table.rows = {
-      {report["settings"]["scores"].get<std::string>(), report["settings"]["window"].dump(),
-       best["correct"].dump(),
-       std::to_string(best["queries"].get<uint64_t>() - best["ignored"].get<uint64_t>()),
-       best["rate"].is_null() ? "-" : fmt::format("{:.1f}", 100 * best["rate"].get<double>())}};
-  return table;
 }
 
 Table summary_table(const Json& report) {

@@ -18,10 +18,7 @@ Json scores_report_json(const ScoreSettings& settings, const std::string& query,
                         const Judgement& judgement, const GroundTruth& truth,
                         const std::string& fingerprint, const RunInfo& run);
 
-/// One row: the matrix and its best matches.
-Table scores_table(const Json& report);
-
-/// The first table of any report: of a result or a matrix.
+/// The first table of any report, of one row: of a result, or of a matrix and its best matches.
 Table summary_table(const Json& report);
 
 }  // namespace vpr

@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "descriptors/frame_descriptors.h"
+#include "examples.h"
 #include "images/sequence.h"
 #include "matching/plain.h"
 #include "support.h"
@@ -140,8 +141,8 @@ TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, o
   const std::vector<LdbCode> query = describe_folder(*corridor / "query");
   const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
   const size_t length = 20;
-  const std::vector<uint32_t> right = plain_openable(train, query, length);
-  CHECK(plain_fastable(train, query, length) == right);
+  const std::vector<uint32_t> right = test::plain_openable(train, query, length);
+  CHECK(test::plain_fastable(train, query, length) == right);
   const size_t cols = train.size() - length + 1;
   std::vector<int64_t> published(right.begin(), right.end());
   int64_t largest_difference = 0;

@@ -46,7 +46,7 @@ std::vector<Match> slow_hits(const std::vector<std::vector<LdbCode>>& train,
                              const std::vector<LdbCode>& query, size_t length, double threshold) {
   std::vector<Match> hits;
   for (size_t s = 0; s < train.size(); ++s) {
-    const auto distances = plain_openable(train[s], query, length);
+    const auto distances = test::plain_openable(train[s], query, length);
     const double most = *std::max_element(distances.begin(), distances.end());
     const size_t cols = train[s].size() - length + 1;
     for (size_t x = 0; x < distances.size(); ++x)
@@ -143,7 +143,7 @@ TEST_CASE("the mean scale asks how much closer a window is than it is to the who
   settings.window_length = 10;
   settings.distance_threshold = 0.9;
   settings.threshold_scale = ThresholdScale::mean;
-  const auto distances = plain_openable(walk, query, 10);
+  const auto distances = test::plain_openable(walk, query, 10);
   std::vector<Match> expected;
   for (uint32_t j = 0; j < 41; ++j) {
     uint64_t sum = 0;
