@@ -63,6 +63,15 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
   return result;
 }
 
+std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
+  std::vector<uint32_t> place_of = searched.places();
+  if (place_of.empty())
+    throw Error(ErrorKind::usage,
+                "the database has no places to recognise; train some, or use --loop to recognise "
+                "the query's own");
+  return place_of;
+}
+
 }  // namespace
 
 void check_query_settings(const FabmapQuerySettings& settings) {
@@ -113,11 +122,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   std::optional<FabmapDatabase> extended;
   if (settings.loop) extended = with_query(database, query, query_name);
   const FabmapDatabase& searched = extended ? *extended : database;
-  const std::vector<uint32_t> place_of = searched.places();
-  if (place_of.empty())
-    throw Error(ErrorKind::usage,
-                "the database has no places to recognise; train some, or use --loop to recognise "
-                "the query's own");
+  const std::vector<uint32_t> place_of = places_of(searched);
   const size_t frames = query.frames.size();
   FabmapRun run{make_result(searched, query, query_name, settings), {}};
   Result& result = run.result;
