@@ -15,13 +15,14 @@ struct FilterSettings {
   double enter = 0.01;        ///< chance to leave the map, per view
   double leave = 0.05;        ///< chance to come back onto it, anywhere, per view
   double rate_change = 0.05;  ///< chance to change the rate, per view
-  uint64_t near_views = 8;    ///< training views so close to the best one are not elsewhere
+  uint64_t near_views = 10;   ///< training views so close to the best one are not elsewhere
   /// A path is trusted once it was the best one for so many views (the mean of those of the query
-  /// and those of the training sequence that it passed) and has had establish_margin, and for as
-  /// long as it goes on.
+  /// and those of the training sequence that it passed) and has had establish_margin, or for twice
+  /// as many and has had half of it; and for as long as it goes on.
   uint64_t establish_views = 18;
   double establish_margin = 8;  ///< in deviations
-  double support = 1;  ///< least mean of -z at the best view over the last views, 1/2, 1/4, ...
+  double support = 1.5;  ///< least mean of -z at the best places of 24 views, to establish a path
+  double present_support = 0.5;  ///< least share of it in the last views, weighted 1/2, 1/4, ...
 };
 
 template <class Visitor>
@@ -37,6 +38,7 @@ void visit_fields(FilterSettings& settings, Visitor&& visit) {
   visit("establish_views", settings.establish_views);
   visit("establish_margin", settings.establish_margin);
   visit("support", settings.support);
+  visit("present_support", settings.present_support);
 }
 
 /// Throws Error(usage) for settings out of range.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "matching/score_kernels.h"
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr size_t kRecentViews = 16;
 constexpr size_t kFewViews = 6;  // fewer say nothing of the rate
+constexpr size_t kSupportViews = 24;
 
 struct BestPlace {
   size_t cell = 0;
@@ -57,16 +59,39 @@ uint32_t in_scores(double deviations) {
   return static_cast<uint32_t>(std::lround(deviations * kScoreUnit));
 }
 
+int64_t support_sum(const PathTrack& track) {
+  return std::accumulate(track.supports.begin(), track.supports.end(), int64_t{0});
+}
+
+// Places that look alike support a path, too, but less.
+bool supports_path(const PathTrack& track, double least) {
+  const auto views = static_cast<int64_t>(track.supports.size());
+  return support_sum(track) >= views * std::lround(least * kScoreUnit);
+}
+
+// Whoever is carried elsewhere loses the support that the path had.
+bool supports_present(const PathTrack& track, double share) {
+  const auto views = static_cast<int64_t>(track.supports.size());
+  return track.support * views * kScoreUnit >= support_sum(track) * std::lround(share * kScoreUnit);
+}
+
+// The longer a path, the smaller a margin will do.
+bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
+  const size_t cell = track.last.cell;
+  const size_t passed = track.views + cell - std::min(cell, track.start);  // twice the length
+  const size_t enough = 2 * settings.establish_views;
+  const uint32_t least = in_scores(settings.establish_margin);
+  return (passed >= enough && margin >= least) ||
+         (passed >= 2 * enough && margin >= (least + 1) / 2);
+}
+
 // Before: whether the path was established. `margin` is what the place has, trusted or not.
 void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin) {
-  const size_t cell = track.last.cell;
-  const size_t passed = cell - std::min(cell, track.start);
-  const auto support = static_cast<int32_t>(std::lround(settings.support * kScoreUnit));
+  const bool is_present = supports_present(track, settings.present_support);
   if (track.views == 1 || margin == 0 || track.support < 0) track.is_established = false;
-  if (margin >= in_scores(settings.establish_margin) && track.support >= support &&
-      track.views + passed >= 2 * settings.establish_views)
+  if (is_present && establishes(track, settings, margin) && supports_path(track, settings.support))
     track.is_established = true;
-  track.last.margin = track.is_established && track.support >= support ? margin : 0;
+  track.last.margin = track.is_established && is_present ? margin : 0;
 }
 
 }  // namespace
@@ -78,13 +103,15 @@ void follow_view(PathTrack& track, const FilterState& state, std::span<const uin
     track.views = 0;
     track.start = best.cell;
     track.support = 0;
+    track.supports.clear();
     track.recent.clear();
   }
   const size_t frame = state.cells.frames[best.cell];
   ++track.views;
-  // Rounded down, also below 0.
-  track.support =
-      (track.support + static_cast<int32_t>(kScoreBias) - static_cast<int32_t>(scores[frame])) >> 1;
+  const auto support = static_cast<int32_t>(kScoreBias) - static_cast<int32_t>(scores[frame]);
+  track.support = (track.support + support) >> 1;  // rounded down, also below 0
+  track.supports.push_back(support);
+  if (track.supports.size() > kSupportViews) track.supports.pop_front();
   track.recent.push_back({query_frame, frame});
   if (track.recent.size() > kRecentViews) track.recent.pop_front();
   track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt};

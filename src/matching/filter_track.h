@@ -27,9 +27,10 @@ struct PathTrack {
   RowKernels kernels;
   SharedPlaces shared;
   bool is_established = false;
-  size_t views = 0;     ///< of the query; 0 before the first one
-  size_t start = 0;     ///< the cell where it began
-  int32_t support = 0;  ///< mean of -z at its places, in scores
+  size_t views = 0;              ///< of the query; 0 before the first one
+  size_t start = 0;              ///< the cell where it began
+  int32_t support = 0;           ///< mean of -z at its places, in scores, weighted 1/2, 1/4, ...
+  std::deque<int32_t> supports;  ///< -z at the places of its last views, in scores
   PathFrame last;
 
   struct Point {

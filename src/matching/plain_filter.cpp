@@ -28,6 +28,47 @@ double stepped(const PlainFilter& filter, const CellRun& run, size_t rate, size_
   return sum;
 }
 
+bool is_same_path(const PlainView& before, const PlainView& view, const FilterSettings& settings) {
+  const double gap = static_cast<double>(view.cell) - static_cast<double>(before.cell);
+  return view.sequence == before.sequence &&
+         std::abs(gap) <= static_cast<double>(settings.near_views);
+}
+
+// In views: the mean of those of the query and those of the training sequence.
+double path_length(std::span<const PlainView> path) {
+  const double passed =
+      static_cast<double>(path.back().cell) - static_cast<double>(path.front().cell);
+  return (static_cast<double>(path.size()) + std::max(passed, 0.0)) / 2;
+}
+
+// In scores, as the two below.
+double present_support(std::span<const PlainView> path) {
+  double support = 0;
+  for (const PlainView& view : path) support = std::floor((support + view.support) / 2);
+  return support;
+}
+
+double mean_support(std::span<const PlainView> path) {
+  const std::span<const PlainView> last = path.last(std::min<size_t>(path.size(), 24));
+  double sum = 0;
+  for (const PlainView& view : last) sum += view.support;
+  return sum / static_cast<double>(last.size());
+}
+
+bool is_present(std::span<const PlainView> path, const FilterSettings& settings) {
+  return present_support(path) >= settings.present_support * mean_support(path);
+}
+
+bool establishes(std::span<const PlainView> path, const FilterSettings& settings) {
+  const double margin = static_cast<double>(path.back().margin) / kScoreUnit;
+  const double length = path_length(path);
+  const auto views = static_cast<double>(settings.establish_views);
+  const bool is_long = (length >= views && margin >= settings.establish_margin) ||
+                       (length >= 2 * views && margin >= settings.establish_margin / 2);
+  return is_long && is_present(path, settings) &&
+         mean_support(path) >= settings.support * kScoreUnit;
+}
+
 }  // namespace
 
 PlainFilter start_plain_filter(const FilterCells& cells, const FilterSettings& settings) {
@@ -73,6 +114,24 @@ double plain_value(const PlainFilter& filter, size_t cell) {
 
 double plain_nowhere_value(const PlainFilter& filter) {
   return -std::log(filter.nowhere) / filter.settings.sharpness;
+}
+
+std::vector<uint8_t> plain_belief(std::span<const PlainView> views,
+                                  const FilterSettings& settings) {
+  std::vector<uint8_t> believed;
+  for (size_t k = 0; k < views.size(); ++k) {
+    size_t begin = k;
+    while (begin > 0 && is_same_path(views[begin - 1], views[begin], settings)) --begin;
+    bool is_established = false;
+    for (size_t v = begin; v <= k; ++v) {
+      const auto path = views.subspan(begin, v - begin + 1);
+      if (path.size() == 1 || views[v].margin == 0 || present_support(path) < 0)
+        is_established = false;
+      if (establishes(path, settings)) is_established = true;
+    }
+    believed.push_back(is_established && is_present(views.subspan(begin, k - begin + 1), settings));
+  }
+  return believed;
 }
 
 double filter_tolerance(size_t views) {

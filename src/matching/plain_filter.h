@@ -27,6 +27,18 @@ void advance_plain_filter(PlainFilter& filter, std::span<const uint16_t> scores)
 double plain_value(const PlainFilter& filter, size_t cell);
 double plain_nowhere_value(const PlainFilter& filter);
 
+/// What a view of the query shows, in scores.
+struct PlainView {
+  size_t cell = 0;  ///< of the best place
+  size_t sequence = 0;
+  uint32_t margin = 0;  ///< of the best place, trusted or not
+  int32_t support = 0;  ///< its -z
+};
+
+/// Which views are believed, of those of a query from the first on. As follow_view, but every view
+/// looks back at all of its path: time O(views^3).
+std::vector<uint8_t> plain_belief(std::span<const PlainView> views, const FilterSettings& settings);
+
 /// The largest difference of a value, in deviations: scores are grouped, and logarithms and values
 /// rounded. It grows with the views taken.
 double filter_tolerance(size_t views);
