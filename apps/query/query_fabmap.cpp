@@ -90,7 +90,7 @@ std::string summary(const Result& result) {
   for (const Match& hit : result.hits) recognised.insert(hit.train);
   Table table;
   table.title =
-      fmt::format("{}: {}, {} of {} of {}", result.query_name,
+      fmt::format("{}: {}, {} of {} of {}", query_title(result),
                   counted(result.query_frames, "frame"), counted(result.hits.size(), "recognition"),
                   recognised.size(), counted(places.names.size(), "place"));
   if (places.featureless > 0)

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "images/sequence_names.h"
+#include "images/warp.h"
 
 namespace vpr {
 
@@ -39,6 +40,10 @@ Json keep_result(const Session& session, const Result& result, const ResultConte
   const std::string& output = session.options.output;
   return output.empty() ? result_json(result, context)
                         : write_result(output, result, context, session.outputs);
+}
+
+std::string query_title(const Result& result) {
+  return result.query_name + (result.replay ? ", " + replay_text(*result.replay) : "");
 }
 
 }  // namespace vpr

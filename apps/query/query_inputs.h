@@ -45,6 +45,9 @@ ResultContext context_of(const Session& session, const QueryInputs& inputs,
 /// The result as JSON, written where --output says so.
 Json keep_result(const Session& session, const Result& result, const ResultContext& context);
 
+/// The query's name, and how it was replayed.
+std::string query_title(const Result& result);
+
 /// A query against a database of sequences.
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& settings);

@@ -44,7 +44,7 @@ std::string rate_text(const ResultPath& path, size_t query_frame) {
 Table places_table(const Result& result) {
   Table table;
   table.title =
-      fmt::format("{}: {} in {}, {} of {} recognised", result.query_name,
+      fmt::format("{}: {} in {}, {} of {} recognised", query_title(result),
                   counted(result.hits.size(), "hit"), counted(result.clusters->all.size(), "place"),
                   recognised_windows(result), counted(result.query_windows, "window"));
   const ScoreKind& kind = result.score();
@@ -162,8 +162,10 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   claim_matrix(inputs, session.outputs);
   if (has_paths(settings.method) && inputs.verify_cells > 0)
     throw Error(ErrorKind::usage,
-                fmt::format("--verify recomputes windows; the values of {} are those of paths",
-                            settings.method));
+                fmt::format("--verify recomputes windows, and {} has paths: verify its scores with "
+                            "--method fastable --c-l 1 --score standardized, and its values with "
+                            "vpr-bench matching --methods {}",
+                            settings.method, settings.method));
   if (!find_sequence_method(settings.method).is_exact && !has_paths(settings.method) &&
       !inputs.matrix.empty())
     throw Error(ErrorKind::usage, fmt::format("{} does not see every window: there is no whole "

@@ -40,7 +40,7 @@ InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruth
   recorded.replay.reset();
   InspectedGroundTruth result = read_recorded(argument, recorded, inconsistent, monitor);
   result.truth.pairs = replayed(result.truth.pairs, *scope.replay);
-  result.truth.protocol += ", " + replay_text(*scope.replay);
+  result.truth.protocol += ", query " + replay_text(*scope.replay);
   result.scope.query_frames = scope.replay->frames();
   result.scope.replay = scope.replay;
   return result;

@@ -168,8 +168,8 @@ Replay replay(const std::string& warp, size_t frames, uint64_t seed) {
 }
 
 std::string replay_text(const Replay& replay) {
-  if (number(replay.warp)) return fmt::format("query replayed at pace {}", replay.warp);
-  return fmt::format("query replayed by {}, seed {}", replay.warp, replay.seed);
+  if (number(replay.warp)) return fmt::format("replayed at pace {}", replay.warp);
+  return fmt::format("replayed by {}, seed {}", replay.warp, replay.seed);
 }
 
 std::vector<size_t> replayed_frames(const Replay& replay, std::span<const size_t> frames) {

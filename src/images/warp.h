@@ -55,7 +55,7 @@ void check_warp(const std::string& warp);
 /// does, and Error(usage) for a recording that is too short for the rule.
 Replay replay(const std::string& warp, size_t frames, uint64_t seed);
 
-/// "query replayed by varying, seed 1"; without the seed for a pace.
+/// "replayed by varying, seed 1"; without the seed for a pace.
 std::string replay_text(const Replay& replay);
 
 /// What belongs to each frame of the recording, for each frame of the replay.

@@ -75,6 +75,13 @@ TEST_CASE("A warp gives the same bytes on any number of threads, and others for 
   CHECK(bytes("c", {"--seed", "2"}) != one);
 }
 
+TEST_CASE("What is printed names the warp") {
+  const test::TemporaryFolder out;
+  CHECK(query(out / "a.json", {}).out.find("replayed") == std::string::npos);
+  const auto warped = query(out / "b.json", {"--warp", "varying", "--seed", "7"});
+  CHECK(warped.out.find("back, replayed by varying, seed 7: ") != std::string::npos);
+}
+
 TEST_CASE("FAB-MAP replays a query, too") {
   const test::TemporaryFolder out;
   const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
@@ -83,7 +90,9 @@ TEST_CASE("FAB-MAP replays a query, too") {
                                            more));
   };
   REQUIRE(run("plain.json", {}).exit_code == 0);
-  REQUIRE(run("slow.json", {"--warp", "0.5", "--explain", "5"}).exit_code == 0);
+  const auto slowed = run("slow.json", {"--warp", "0.5", "--explain", "5"});
+  REQUIRE(slowed.exit_code == 0);
+  CHECK(slowed.out.find("back, replayed at pace 0.5: ") != std::string::npos);
   const auto best_of = [&](const char* name) {
     const NpyArray array(out / name);
     const auto values = array.values<int32_t>(2);
