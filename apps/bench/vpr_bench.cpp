@@ -199,10 +199,8 @@ BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
   } else {
     SequenceDatabase database = read_sequence_database(inputs.database);
     if (settings.method == "filter") ensure_statistics(database, session.monitor);
-    const FrameWork work = settings.method == "filter"
-                               ? filter_work(database, settings.frames, session.kernels)
-                               : fastable_work(database, settings.window_length, session.kernels);
-    result = bench_realtime(query, work, settings, session.monitor);
+    result = bench_realtime(query, sequence_work(database, settings, session.kernels), settings,
+                            session.monitor);
   }
   if (inputs.find_largest)
     find_largest_database(result, settings, session.kernels, session.options.seed, session.monitor);
@@ -224,6 +222,7 @@ void add_realtime(Program& program, Bench<RealtimeBenchSettings>& bench, Realtim
   add_setting(command, "--rate", bench.settings.rate_hz, "frames a second (default 10)");
   add_setting(command, "--frames", bench.settings.frames, "of the query at most (default 100)");
   add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 40)");
+  add_names(command, "--rates", bench.settings.rates, "of windows (default 1)").type_name("P/Q");
   command.add_flag("--largest", inputs.find_largest,
                    "find the largest database that keeps the rate with --share of a core");
   add_setting(command, "--share", bench.settings.share_percent,

@@ -17,6 +17,7 @@
 #include "images/decode.h"
 #include "matching/fastable_online.h"
 #include "matching/match_filter.h"
+#include "matching/rates.h"
 #include "matching/standardized_frames.h"
 #include "pipeline/fabmap_matcher.h"
 #include "pipeline/score_basis.h"
@@ -80,22 +81,19 @@ BenchRow time_database(uint64_t frames, const RealtimeBenchSettings& settings,
   return row;
 }
 
-}  // namespace
-
-FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
-                        const RowKernels& kernels) {
+FrameWork fastable_work(const SequenceDatabase& database, const MatchSettings& settings) {
   struct Online {
     std::vector<LdbCode> codes;  // of the last c_l + 1 frames: what enters, and what leaves
     FrameDistances distances;
     FastableState state;
     size_t best = 0;  // kept, so that the search for it is not left out
   };
-  check_described(database);
   auto online = std::make_shared<Online>();
-  online->codes.resize(window_length + 1);
+  online->codes.resize(settings.window_length + 1);
   online->distances = frame_distances(descriptor_spans(database), {online->codes, {}});
-  online->state = start_fastable(online->distances, {window_length, kRingBytes, kernels});
-  return [online, kernels, window_length](const cv::Mat& grey) {
+  online->state = start_fastable(online->distances, settings);
+  return [online, kernels = settings.kernels,
+          window_length = settings.window_length](const cv::Mat& grey) {
     const size_t frame = online->state.frames_seen % online->codes.size();
     online->codes[frame] = describe_ldb(grey);
     online->distances = online->distances.of_query({online->codes, {}});
@@ -110,6 +108,32 @@ FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
   };
 }
 
+FrameWork rates_work(const SequenceDatabase& database, size_t frames,
+                     const MatchSettings& settings) {
+  struct Online {
+    std::vector<LdbCode> codes;
+    FrameDistances distances;
+    std::shared_ptr<RatesState> state;
+    size_t frame = 0;
+    size_t best = 0;  // kept, so that the search for it is not left out
+  };
+  auto online = std::make_shared<Online>();
+  online->codes.resize(frames);
+  online->distances = frame_distances(descriptor_spans(database), {online->codes, {}});
+  online->state = start_rates(online->distances, settings);
+  return [online, kernels = settings.kernels](const cv::Mat& grey) {
+    online->codes.at(online->frame) = describe_ldb(grey);
+    online->distances = online->distances.of_query({online->codes, {}});
+    advance_rates(*online->state, online->distances, kernels, online->frame,
+                  [&](const ScoreRow& row) {
+                    const size_t count = row.scores.size();
+                    const uint32_t least = kernels.minimum(row.scores.data(), count);
+                    online->best = kernels.find_below(row.scores.data(), 0, count, least + 1);
+                  });
+    ++online->frame;
+  };
+}
+
 FrameWork filter_work(const SequenceDatabase& database, size_t frames, const RowKernels& kernels) {
   struct Online {
     std::vector<LdbCode> codes;  // of all frames: views are compared with later ones
@@ -120,7 +144,6 @@ FrameWork filter_work(const SequenceDatabase& database, size_t frames, const Row
     size_t frame = 0;
     PathReport last;  // kept, so that nothing is left out
   };
-  check_described(database);
   SequenceQuerySettings settings;
   settings.score = Score::standardized;
   const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
@@ -137,6 +160,22 @@ FrameWork filter_work(const SequenceDatabase& database, size_t frames, const Row
     online->last = take_frame(online->query, online->scores, online->frame);
     ++online->frame;
   };
+}
+
+}  // namespace
+
+FrameWork sequence_work(const SequenceDatabase& database, const RealtimeBenchSettings& settings,
+                        const RowKernels& kernels) {
+  check_described(database);
+  MatchSettings match{settings.window_length, kRingBytes, kernels};
+  match.rates = parse_rates(settings.rates);
+  const bool has_rates = !match.rates.empty();
+  if (settings.method != "filter")
+    return has_rates ? rates_work(database, settings.frames, match)
+                     : fastable_work(database, match);
+  if (has_rates)
+    throw Error(ErrorKind::usage, "the filter has rates of its own: leave out --rates");
+  return filter_work(database, settings.frames, kernels);
 }
 
 FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings) {

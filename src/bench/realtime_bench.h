@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "bench/bench_result.h"
 #include "database/fabmap_database.h"
@@ -19,6 +20,7 @@ struct RealtimeBenchSettings {
   double rate_hz = 10;
   uint64_t frames = 100;             ///< of the query at most
   uint64_t window_length = 40;       ///< c_l
+  std::vector<std::string> rates;    ///< of windows, as of vpr-query; empty: 1
   double share_percent = 10;         ///< of one core, that matching may take
   uint64_t most_frames = 2'000'000;  ///< of the largest database that is tried
 };
@@ -29,6 +31,7 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
   visit("rate", settings.rate_hz);
   visit("frames", settings.frames);
   visit("c_l", settings.window_length);
+  visit("rates", settings.rates);
   visit("share", settings.share_percent);
   visit("most_frames", settings.most_frames);
 }
@@ -36,14 +39,13 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
 /// What is done with a decoded grey frame.
 using FrameWork = std::function<void(const cv::Mat&)>;
 
-/// LDB, one step of FastABLE over all sequences, and the best match of each. The database must
-/// outlive it. Throws Error(usage) for illumination-invariant codes, which need colour.
-FrameWork fastable_work(const SequenceDatabase& database, size_t window_length,
+/// LDB, and what settings.method does with a frame: one step of FastABLE over all sequences, of
+/// windows of settings.rates if there are any, and the best match of each; or standardized scores
+/// and one step of the filter over places and rates. The database must outlive it. Throws
+/// Error(usage) for illumination-invariant codes, which need colour, for rates that there are not,
+/// and for the filter if there are rates, or the database has no statistics.
+FrameWork sequence_work(const SequenceDatabase& database, const RealtimeBenchSettings& settings,
                         const RowKernels& kernels);
-
-/// LDB, standardized scores and one step of the filter over places and rates, of `frames` frames at
-/// most; else as fastable_work. Throws Error(usage) too if the database has no statistics.
-FrameWork filter_work(const SequenceDatabase& database, size_t frames, const RowKernels& kernels);
 
 /// Features, words, likelihoods and the posterior. The database must outlive it.
 FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings);

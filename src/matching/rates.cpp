@@ -1,6 +1,7 @@
 #include "matching/rates.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <charconv>
 #include <limits>
@@ -46,6 +47,8 @@ struct RateSums {
   Ring<uint32_t> sums;  ///< of windows that end at the last q query frames, and the one that comes
 };
 
+}  // namespace
+
 struct RatesState {
   size_t window_length = 0;
   size_t frames = 0;
@@ -54,6 +57,8 @@ struct RatesState {
   std::vector<uint32_t> best;
   std::vector<uint8_t> best_rate;
 };
+
+namespace {
 
 size_t largest_query(std::span<const Rate> rates) {
   size_t most = 1;
@@ -84,8 +89,8 @@ void check_settings(const FrameDistances& distances, std::span<const size_t> win
                             distances.train_frames, (bytes >> 20) + 1));
 }
 
-RatesState start_rates(const FrameDistances& distances, size_t length,
-                       std::span<const Rate> rates) {
+RatesState start_length(const FrameDistances& distances, size_t length,
+                        std::span<const Rate> rates) {
   const size_t frames = distances.train_frames;
   const size_t most = largest_query(rates);
   size_t front = 0;
@@ -126,8 +131,7 @@ void for_each_part(size_t frames, const Body& body) {
 }
 
 // Windows of all lengths take the same distances, which are computed once.
-void take_distances(std::vector<RatesState>& states, const FrameDistances& distances,
-                    uint32_t query) {
+void take_distances(std::span<RatesState> states, const FrameDistances& distances, uint32_t query) {
   if (distances.start_row) distances.start_row(query);
   const auto row = [&](RatesState& state, size_t first) {
     return state.distances.at(query + state.distances.rows, first);
@@ -174,6 +178,12 @@ void emit_run(RatesState& state, const FrameRun& run, size_t frame, const RowCon
            std::span(state.best_rate).subspan(begin, end - begin)});
 }
 
+void emit_runs(RatesState& state, const FrameDistances& distances, size_t frame,
+               const RowConsumer& consume) {
+  if (!ends_window(distances, state.window_length, frame)) return;
+  for (const FrameRun& run : distances.train_runs) emit_run(state, run, frame, consume);
+}
+
 uint32_t parse_side(std::string_view text) {
   uint32_t value = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -218,19 +228,31 @@ void match_rates(const FrameDistances& distances, std::span<const size_t> window
   check_settings(distances, window_lengths, settings);
   std::vector<RatesState> states;
   for (const size_t length : window_lengths)
-    states.push_back(start_rates(distances, length, settings.rates));
+    states.push_back(start_length(distances, length, settings.rates));
   StepCounter counter(monitor, "match", distances.query_frames);
   for (size_t frame = 0; frame < distances.query_frames; ++frame) {
     check_stop(monitor);
     take_distances(states, distances, static_cast<uint32_t>(frame));
     for (size_t l = 0; l < states.size(); ++l) {
       advance(states[l], settings.kernels, frame);
-      if (!ends_window(distances, window_lengths[l], frame)) continue;
-      for (const FrameRun& run : distances.train_runs)
-        emit_run(states[l], run, frame, [&](const ScoreRow& row) { consume(l, row); });
+      emit_runs(states[l], distances, frame, [&](const ScoreRow& row) { consume(l, row); });
     }
     counter.add();
   }
+}
+
+std::shared_ptr<RatesState> start_rates(const FrameDistances& distances,
+                                        const MatchSettings& settings) {
+  const std::array<size_t, 1> length = {settings.window_length};
+  check_settings(distances, length, settings);
+  return std::make_shared<RatesState>(start_length(distances, length[0], settings.rates));
+}
+
+void advance_rates(RatesState& state, const FrameDistances& distances, const RowKernels& kernels,
+                   size_t frame, const RowConsumer& consume) {
+  take_distances({&state, 1}, distances, static_cast<uint32_t>(frame));
+  advance(state, kernels, frame);
+  emit_runs(state, distances, frame, consume);
 }
 
 }  // namespace vpr

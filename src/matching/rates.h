@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,5 +51,17 @@ constexpr size_t rate_span(const Rate& rate, size_t window_length) {
 void match_rates(const FrameDistances& distances, std::span<const size_t> window_lengths,
                  const MatchSettings& settings, const Monitor& monitor,
                  const LengthRowConsumer& consume);
+
+/// What is kept between query frames, for windows of one length.
+struct RatesState;
+
+/// Memory and errors as match_rates; windows of settings.window_length.
+std::shared_ptr<RatesState> start_rates(const FrameDistances& distances,
+                                        const MatchSettings& settings);
+
+/// Takes the next query frame, the first one first; where a window ends there, its rows go to
+/// `consume`.
+void advance_rates(RatesState& state, const FrameDistances& distances, const RowKernels& kernels,
+                   size_t frame, const RowConsumer& consume);
 
 }  // namespace vpr

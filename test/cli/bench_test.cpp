@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
+#include "cli/world.h"
 #include "support.h"
 
 using namespace vpr;
@@ -88,14 +89,23 @@ TEST_CASE("a recording is replayed at its rate") {
   REQUIRE(run_program("vpr-train", {"fastable", "--train", out / "walk", "--c-l", "3", "-o",
                                     out / "w.vprdb", "--quiet"})
               .exit_code == 0);
-  for (const char* method : {"fastable", "filter"}) {
-    const auto outcome =
-        run_program("vpr-bench", {"realtime", out / "w.vprdb", "--query", out / "walk", "--rate",
-                                  "100", "--c-l", "3", "--method", method, "--json"});
+  const auto replayed = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"realtime", out / "w.vprdb", "--query", out / "walk",
+                                      "--rate",   "100",           "--c-l",   "3",
+                                      "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program("vpr-bench", words);
+  };
+  for (const auto& more : std::vector<std::vector<std::string>>{
+           {"--method", "fastable"}, {"--method", "filter"}, {"--rates", "1/2,1,2"}}) {
+    const auto outcome = replayed(more);
+    INFO(outcome.err);
     REQUIRE(outcome.exit_code == 0);
     const Json row = Json::parse(outcome.out)["rows"][0];
     CHECK(row["repetitions"] == 12);
     CHECK(row["values"]["latency_50_ms"].get<double>() <=
           row["values"]["latency_max_ms"].get<double>());
   }
+  test::check_failure(replayed({"--method", "filter", "--rates", "1/2"}), 2, "--rates");
+  test::check_failure(replayed({"--rates", "1/0"}), 2, "1/0");
 }

@@ -70,15 +70,17 @@ RatedCells plain_rates(const std::vector<std::vector<uint16_t>>& pairs,
   return cells;
 }
 
+void add_row(RatedCells& cells, const ScoreRow& row) {
+  REQUIRE(row.rates.size() == row.scores.size());
+  for (size_t x = 0; x < row.scores.size(); ++x) {
+    const test::CellKey key{row.query_window, row.sequence, row.train_window + x};
+    REQUIRE(cells.emplace(key, std::pair(row.scores[x], row.rates[x])).second);
+  }
+}
+
 RatedCells fast_rates(const FrameDistances& distances, const MatchSettings& settings) {
   RatedCells cells;
-  match_fastable(distances, settings, {}, [&](const ScoreRow& row) {
-    REQUIRE(row.rates.size() == row.scores.size());
-    for (size_t x = 0; x < row.scores.size(); ++x) {
-      const test::CellKey key{row.query_window, row.sequence, row.train_window + x};
-      REQUIRE(cells.emplace(key, std::pair(row.scores[x], row.rates[x])).second);
-    }
-  });
+  match_fastable(distances, settings, {}, [&](const ScoreRow& row) { add_row(cells, row); });
   return cells;
 }
 
@@ -90,6 +92,21 @@ test::Example gappy_example(uint64_t seed) {
 }
 
 }  // namespace
+
+TEST_CASE("Frame by frame the rows are those of the whole query") {
+  const test::Example example = gappy_example(5);
+  const std::vector<DescriptorSpan> spans = example.spans();
+  const FrameDistances distances =
+      frame_distances(spans, {example.query, example.query_unreadable});
+  const MatchSettings settings = settings_of(7, kRates);
+  const std::shared_ptr<RatesState> state = start_rates(distances, settings);
+  RatedCells cells;
+  for (size_t frame = 0; frame < distances.query_frames; ++frame)
+    advance_rates(*state, distances, settings.kernels, frame,
+                  [&](const ScoreRow& row) { add_row(cells, row); });
+  CHECK_FALSE(cells.empty());
+  CHECK(cells == fast_rates(distances, settings));
+}
 
 TEST_CASE("A rate of 1/2, by hand") {
   // Bits that differ: train frames have 0, 1, 2 set bits, query frames none.
