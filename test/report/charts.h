@@ -1,0 +1,32 @@
+// Charts as text and as pixels.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "report/chart.h"
+#include "report/chart_svg.h"
+#include "report/palette.h"
+
+namespace vpr::test {
+
+inline bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+inline std::string svg_of(const Chart& chart) { return svg_file({chart}); }
+
+inline cv::Mat pixels_of(const std::string& png) {
+  return cv::imdecode(std::vector<uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
+}
+
+inline size_t count_of(const cv::Mat& image, Meaning meaning) {
+  cv::Mat found;
+  cv::inRange(image, cv::Scalar(bgr_of(meaning)), cv::Scalar(bgr_of(meaning)), found);
+  return static_cast<size_t>(cv::countNonZero(found));
+}
+
+}  // namespace vpr::test
