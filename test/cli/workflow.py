@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""A tiny tree of experiments: killed and gone on with; what is changed is rebuilt, nothing else.
+   workflow.py SOURCE BIN; ends with 77 (skipped) without snakemake."""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+if not shutil.which("snakemake"):
+    print("skipped: snakemake is not installed (scripts/install-deps.sh --cluster)")
+    sys.exit(77)
+import yaml  # noqa: E402  snakemake needs it, too
+
+source, programs = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+folder = pathlib.Path(tempfile.mkdtemp())
+out = folder / "out"
+environment = {**os.environ, "VPR_BIN": str(programs), "XDG_CACHE_HOME": str(folder / "cache")}
+
+
+def command(*words):
+    return ["snakemake", "-s", source / "scripts/workflow/Snakefile", "-j2", *words, "--config",
+            f"experiments={folder}/experiments.yaml", f"data={folder}/data", "out=out"]
+
+
+def snakemake(*words):
+    done = subprocess.run(command(*words), cwd=folder, env=environment, capture_output=True,
+                          text=True)
+    return done.returncode, done.stdout + done.stderr
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"workflow: {message}")
+
+
+def run(*words):
+    code, said = snakemake(*words)
+    check(code == 0, said)
+    return said
+
+
+def planned():
+    """Outputs that a dry run would make, relative to out."""
+    lines = run("-n").splitlines()
+    return {line.split(": ", 1)[1].removeprefix("out/") for line in lines
+            if line.startswith("    output: ")}
+
+
+def write_experiments():
+    """A rendered data set, and one with two queries, of the same frames under two names."""
+    world = source / "test/golden/world.json"
+    rendered = folder / "data"
+    subprocess.run([programs / "vpr-synth", world, "-o", rendered, "--quiet"], check=True)
+    shutil.copytree(rendered / "back", rendered / "again")
+    content = json.loads((rendered / "dataset.json").read_text())
+    truth = "{data}/" + content["queries"][0]["ground_truth"]["path"]
+    shutil.copy(truth.format(data=rendered), rendered / "again.csv")
+    queries = [{"name": name, "sequence": f"{{data}}/{name}",
+                "ground_truth": {"format": "pairs", "path": path}}
+               for name, path in (("back", truth), ("again", "{data}/again.csv"))]
+    (rendered / "own.txt").write_text("what the descriptor called own reads\n")
+    (folder / "again").mkdir()  # a folder beside the tree is not the query of that name
+    train = [{"name": name, "sequence": f"{{data}}/{name}"} for name in ("north", "south")]
+    tree = {"schema": "vpr.experiments/1", "seeds": [1, 2], "grids": {"c_l": [5, 6]},
+            "data": {"built": {"world": str(world)},
+                     "told": {"dataset": {"train": train, "queries": queries}}},
+            "descriptors": {"ldb": {}, "own": {"random": True, "train":
+                "vpr-train fastable --dataset {dataset} --seed {seed} -o {database} --quiet",
+                "query": "--dataset {dataset} --query {query}", "files": ["{data}/own.txt"]}},
+            "methods": {"raw": {"descriptors": ["ldb"], "runs": ["c_l"], "sweep": ["c_l"]},
+                        "mine": {"descriptors": ["own"], "settings": {"c_l": 5}}},
+            "comparisons": {"both": {"methods": ["raw", "mine"]}}}
+    (folder / "experiments.yaml").write_text(yaml.safe_dump(tree, sort_keys=False))
+    return tree
+
+
+def of_query(query, *, results):
+    """What depends on a query of the data set that is told, or on its ground truth alone."""
+    runs = [f"told/{query}/ldb/raw/c_l={c_l}-s1" for c_l in (5, 6)]
+    runs += [f"told/{query}/own/mine/default-s{seed}" for seed in (1, 2)]
+    kinds = ("result", "report") if results else ("report",)
+    return {f"results/{run}/{kind}.json" for run in runs for kind in kinds} | {
+        f"sweeps/told/{query}/ldb/raw-s1.json", f"comparisons/told/{query}/both.json", "index.html"}
+
+
+def check_killed():
+    """Killed when the first result is there, by a signal that nobody can catch; what was finished
+    by then is not made again."""
+    database = out / "databases/told/ldb-s1.vprdb/manifest.json"
+    with open(folder / "killed.log", "w") as log:
+        started = subprocess.Popen(command(), cwd=folder, env=environment, stdout=log, stderr=log,
+                                   start_new_session=True)
+        until = time.monotonic() + 120
+        while not (database.exists() and list(out.glob("results/told/*/ldb/*/*/result.json"))):
+            check(started.poll() is None and time.monotonic() < until,
+                  (folder / "killed.log").read_text())
+            time.sleep(0.02)
+        os.killpg(started.pid, signal.SIGKILL)
+        started.wait()
+    check(not (out / "index.html").exists(), "killed too late to tell")
+    made = database.stat().st_mtime_ns
+    check(snakemake()[0] != 0, "a folder that a killed run has locked was not refused")
+    run("--unlock")
+    run("--rerun-incomplete")
+    check(database.stat().st_mtime_ns == made, "a database was made twice")
+    check(planned() == set(), "a complete tree is not complete")
+
+
+def check_page():
+    page = (out / "index.html").read_text()
+    for text in ("raw c_l 5", "mine seed 2", "told: again", "golden: back",
+                 "differences to raw c_l 5"):
+        check(text in page, f"{text} is missing in {page}")
+    report = json.loads((out / "results/told/back/ldb/raw/c_l=5-s1/report.json").read_text())
+    check(f"<td>{report['counts']['hits']['correct']}</td>" in page, "hits are missing")
+
+
+def replace(path):
+    """The same bytes in a new file, whose folder may be as old as before."""
+    content = path.read_bytes()
+    path.unlink()
+    path.write_bytes(content)
+
+
+def same(found, expected):
+    check(found == expected, f"too much {sorted(found - expected)}, too little "
+          f"{sorted(expected - found)}")
+
+
+def check_changes():
+    replace(folder / "data/again.csv")
+    same(planned(), of_query("again", results=False))
+    os.utime(sorted((folder / "data/again").iterdir())[3])
+    same(planned(), of_query("again", results=True))
+    run()
+    same(planned(), set())
+    os.utime(folder / "experiments.yaml")
+    same(planned(), set())
+    os.utime(folder / "data/own.txt")
+    same({made for made in planned() if "/ldb" in made}, set())
+    replace(sorted((folder / "data/north").iterdir())[0])
+    databases = {f"databases/told/{name}.vprdb" for name in ("ldb-s1", "own-s1", "own-s2")}
+    built = {made for made in planned() if "built/" in made}
+    told = of_query("back", results=True) | of_query("again", results=True)
+    same(planned() - built, told | databases)
+    check(built and not any("/ldb" in made for made in built), built)
+
+
+def check_mistakes(tree):
+    """Said in one sentence, with what there is."""
+    for wrong, said in (({"methods": {"raw": {"runs": ["c_x"]}}}, "c_x"),
+                        ({"methods": {"raw": {"descriptors": ["ldc"]}}}, "ldb, own"),
+                        ({"sweeps": 1}, "sweeps"), ({"seeds": ["one"]}, "seeds/0")):
+        (folder / "experiments.yaml").write_text(yaml.safe_dump({**tree, **wrong}))
+        code, printed = snakemake("-n")
+        check(code != 0 and said in printed and "Traceback" not in printed, (wrong, printed))
+
+
+try:
+    written = write_experiments()
+    check_killed()
+    check_page()
+    check_changes()
+    check_mistakes(written)
+finally:
+    shutil.rmtree(folder, ignore_errors=True)
