@@ -44,18 +44,22 @@ struct Canvas {
 
 /// What one column of pixels sees of the wall in front of it.
 struct Column {
-  Point ray;                 ///< length 1 along the camera's axis, so that distances are depths
-  double depth = 0;          ///< metres, along the camera's axis
-  double texels = 0;         ///< of the wall's level 0 in a pixel, upwards
-  std::vector<Texel> strip;  ///< of the wall, from its top down
+  Point ray;                    ///< length 1 along the camera's axis, so that distances are depths
+  double depth = 0;             ///< metres, along the camera's axis
+  double texels = 0;            ///< of the wall's level 0 in a pixel, upwards
+  std::vector<Texel> strip;     ///< of the wall, from its top down
+  std::vector<Texel> outside;   ///< of the panorama behind glass, from its top down; or empty
+  std::vector<Texel> mirrored;  ///< of the wall that glass reflects; or empty
+  double mirrored_depth = 0;    ///< metres, along the camera's axis
 };
 
 /// An empty canvas for a camera in a pose. It is a margin larger than the picture on every side,
 /// for the camera's roll. Pitches beyond 40 degrees count as 40.
 Canvas make_canvas(const Camera& camera, const CameraPose& pose);
 
-/// The columns of a canvas, from left to right. Its position must be in an open cell of the plan.
-std::vector<Column> cast_columns(const Canvas& canvas, const Scene& scene);
+/// Every `every`th column of a canvas, from left to right. Its position must be in an open cell of
+/// the plan.
+std::vector<Column> cast_columns(const Canvas& canvas, const Scene& scene, int every = 1);
 
 /// The canvas turned upright by the camera's roll (degrees, clockwise), cut to the picture's size.
 cv::Mat upright(const Canvas& canvas, const Camera& camera, double roll_deg);

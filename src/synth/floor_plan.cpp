@@ -137,9 +137,11 @@ void trace_walls(const Floor& floor, FloorPlan& plan) {
 }
 
 void hang_lamps(const Floor& floor, FloorPlan& plan) {
-  for (const Room& room : floor.rooms) {
+  for (size_t index = 0; index < floor.rooms.size(); ++index) {
+    const Room& room = floor.rooms[index];
     const bool hall = room.kind == RoomKind::hall;
-    const double spacing = hall ? kHallLampSpacingM : kLampSpacingM;
+    const double usual = hall ? kHallLampSpacingM : kLampSpacingM;
+    const double spacing = room.lamp_spacing_m > 0 ? room.lamp_spacing_m : usual;
     const auto steps = [&](double length) {
       return hall || length > 4 ? std::max(1, static_cast<int>(length / spacing)) : 1;
     };
@@ -147,7 +149,8 @@ void hang_lamps(const Floor& floor, FloorPlan& plan) {
     for (int i = 0; i < across; ++i)
       for (int j = 0; j < up; ++j)
         plan.lamps.push_back(
-            {room.x + room.width * (i + 0.5) / across, room.y + room.depth * (j + 0.5) / up});
+            {{room.x + room.width * (i + 0.5) / across, room.y + room.depth * (j + 0.5) / up},
+             index});
   }
 }
 

@@ -34,6 +34,13 @@ struct Wall {
 /// Which way `along` grows on a wall that lies at `side`: to the right of who looks at it.
 Point wall_direction(Side side);
 
+/// A lamp on the ceiling.
+struct Lamp {
+  Point at;
+  size_t room = 0;   ///< of the floor
+  double power = 1;  ///< factor of its brightness
+};
+
 /// A floor on a grid of kPlanCellM: where one can walk, and the walls around it.
 struct FloorPlan {
   Point origin;  ///< lower left corner of the grid, outside all rooms
@@ -42,7 +49,7 @@ struct FloorPlan {
   std::vector<uint8_t> open;     ///< rows x columns: 0 solid, 1 corridor, 2 hall
   std::vector<int32_t> wall_of;  ///< rows x columns x 4 sides: the wall there, or -1
   std::vector<Wall> walls;
-  std::vector<Point> lamps;  ///< on the ceiling
+  std::vector<Lamp> lamps;
 
   bool is_open(Point point) const;
 };

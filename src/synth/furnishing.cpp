@@ -67,8 +67,37 @@ void paint_poster(WallBrush& brush, double x, double width) {
   brush.write(x + 0.07, bottom + 0.05, width - 0.14, height * 0.14, 0.04, ink);
 }
 
+constexpr double kDoorWidthM = 0.95, kDoorHeightM = 2.05;
+
+// What one sees through a door that stands open: a room, dark or lit.
+void open_door(WallBrush& brush, double x) {
+  RandomEngine& day = brush.day;
+  const double tone = chance(day, 0.5) ? between(day, 20, 60) : between(day, 150, 235);
+  brush.fill(x, 0, kDoorWidthM, kDoorHeightM, colour(tone * 0.95, tone, tone));
+  brush.fill(x, 0, kDoorWidthM, between(day, 0.3, 0.6),
+             colour(tone * 0.5, tone * 0.55, tone * 0.6));
+  const double left = between(day, 0.05, 0.4), width = between(day, 0.2, 0.45);
+  brush.fill(x + left, between(day, 0.3, 1.1), width, between(day, 0.4, 0.9),
+             any_colour(day, 20, 240));
+  const cv::Scalar leaf = any_colour(day, 70, 150);  // its edge, turned inwards
+  brush.fill(chance(day, 0.5) ? x : x + kDoorWidthM - 0.14, 0, 0.14, kDoorHeightM, leaf);
+}
+
+// What somebody left at the wall: boxes, chairs, bins, trolleys.
+void leave_things(WallBrush& brush) {
+  const auto things = 1 + uniform_below(brush.day, 2);
+  for (uint64_t i = 0; i < things; ++i) {
+    const double x = between(brush.day, 0, 1.2), width = between(brush.day, 0.35, 0.8);
+    const double height = between(brush.day, 0.4, 1.4), legs = between(brush.day, 0, 0.3);
+    const cv::Scalar paint = any_colour(brush.day, 30, 220);
+    brush.fill_framed(x, legs, width, height - legs, paint, darker(paint, 0.5), 0.03);
+    for (const double leg : {0.03, width - 0.07})
+      brush.fill(x + leg, 0, 0.04, legs, colour(45, 45, 48));
+  }
+}
+
 void paint_door(WallBrush& brush, double x) {
-  constexpr double kWidth = 0.95, kHeight = 2.05;
+  constexpr double kWidth = kDoorWidthM, kHeight = kDoorHeightM;
   const std::array<cv::Scalar, 4> woods = {colour(75, 115, 160), colour(60, 85, 115),
                                            colour(165, 170, 172), colour(125, 95, 70)};
   const cv::Scalar& wood = woods[uniform_below(brush.style, woods.size())];
@@ -92,6 +121,7 @@ void paint_door(WallBrush& brush, double x) {
                  colour(30, 30, 30), 1);
   brush.write(sign + 0.03, 1.52, 0.2, 0.06, 0.025, colour(60, 60, 60));
   if (chance(brush.detail, 0.3)) paint_sheet(brush, x + 0.3, 1.3, 0.21, 0.3);
+  if (brush.is_changed && chance(brush.day, 0.7)) open_door(brush, x);
 }
 
 void paint_lockers(WallBrush& brush, double x, double width) {
@@ -205,6 +235,9 @@ void furnish_slot(WallBrush& brush, bool is_hall, bool has_windows) {
     paint_window(brush, shift, between(brush.style, 1.2, 1.6));
   } else if (what < (is_hall ? 0.15 : 0.42)) {
     paint_door(brush, shift);
+  } else if (brush.is_bare) {
+    paint_fittings(brush);
+    return;
   } else if (what < 0.66) {
     paint_board(brush, shift, is_hall ? 1.6 : between(brush.style, 1.0, 1.6));
   } else if (what < 0.82) {
@@ -222,6 +255,7 @@ void furnish_slot(WallBrush& brush, bool is_hall, bool has_windows) {
   if (chance(brush.style, 0.15)) paint_extinguisher(brush, 1.75);
   if (chance(brush.style, 0.12)) paint_exit_sign(brush, 0.5);
   paint_fittings(brush);
+  if (brush.is_changed && chance(brush.day, 0.4)) leave_things(brush);
 }
 
 void paint_glass_front(WallBrush& brush) {

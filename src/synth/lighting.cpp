@@ -14,31 +14,26 @@ double brightness(const Texel& texel, const Conditions& conditions) {
          (day * conditions.daylight * kDaylightBrightness + (1 - day) * conditions.lamps);
 }
 
-// What the camera's exposure would measure, from a few columns.
-double mean_brightness(const Canvas& canvas, const std::vector<Column>& columns,
-                       const Conditions& conditions) {
-  constexpr double kFloorAndCeiling = 110;
-  double sum = 0;
-  size_t count = 0;
-  for (size_t i = 0; i < columns.size(); i += 16) {
-    const Column& column = columns[i];
-    double wall = 0;
-    for (const Texel& texel : column.strip) wall += std::min(255.0, brightness(texel, conditions));
-    wall /= static_cast<double>(column.strip.size());
-    const double share = std::min(1.0, kRoomHeightM * canvas.focal / column.depth / canvas.rows());
-    sum += share * wall + (1 - share) * kFloorAndCeiling * conditions.lamps;
-    ++count;
-  }
-  return sum / static_cast<double>(count);
-}
-
 }  // namespace
 
-Light make_light(const Canvas& canvas, const std::vector<Column>& columns,
-                 const Conditions& conditions, double drift) {
-  const double mean = mean_brightness(canvas, columns, conditions);
-  const double gain = std::clamp(std::pow(kMeanBrightness / std::max(mean, 1.0), 0.8), 0.3, 3.0) *
-                      conditions.exposure * drift * 256;
+double metered_brightness(const Canvas& canvas, const std::vector<const Column*>& columns,
+                          const Conditions& conditions) {
+  constexpr double kFloorAndCeiling = 110;
+  double sum = 0;
+  for (const Column* column : columns) {
+    double wall = 0;
+    for (const Texel& texel : column->strip) wall += std::min(255.0, brightness(texel, conditions));
+    wall /= static_cast<double>(column->strip.size());
+    const double share = std::min(1.0, kRoomHeightM * canvas.focal / column->depth / canvas.rows());
+    sum += share * wall + (1 - share) * kFloorAndCeiling * conditions.lamps;
+  }
+  return sum / static_cast<double>(columns.size());
+}
+
+Light make_light(double brightness, const Conditions& conditions, double drift) {
+  const double gain =
+      std::clamp(std::pow(kMeanBrightness / std::max(brightness, 1.0), 0.8), 0.3, 3.0) *
+      conditions.exposure * drift * 256;
   const std::array<double, 3> balance = {1 - 0.14 * conditions.warmth, 1.0,
                                          1 + 0.14 * conditions.warmth};
   const std::array<double, 3> sky = {1.06, 1.0, 0.96};

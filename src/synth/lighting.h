@@ -16,10 +16,15 @@ struct Light {
   std::array<int, 3> day{};
 };
 
-/// The light of a canvas whose columns are cast, under automatic exposure that aims at a mean grey
+inline constexpr int kMeteredColumns = 16;  ///< every so manieth column of a picture is metered
+
+/// How bright a canvas is, in grey values before exposure, by some of its columns.
+double metered_brightness(const Canvas& canvas, const std::vector<const Column*>& columns,
+                          const Conditions& conditions);
+
+/// The light under automatic exposure that was metered to `brightness`, and aims at a mean grey
 /// value. `drift` is a factor of that exposure.
-Light make_light(const Canvas& canvas, const std::vector<Column>& columns,
-                 const Conditions& conditions, double drift);
+Light make_light(double brightness, const Conditions& conditions, double drift);
 
 /// Turns a texel (blue, green, red, daylight share of 255) into the grey values of a pixel.
 inline void shine(const std::array<int, 4>& texel, const Light& light, std::array<int, 3>& out) {

@@ -114,10 +114,13 @@ std::vector<Looks> make_cast(uint64_t seed) {
 
 Crowd::Crowd(const World& world, const Walk& walk, const FloorPlan& plan,
              const std::vector<CameraPose>& poses, size_t cast_size)
-    : plan_(plan), path_(walk.path), cast_size_(cast_size) {
+    : plan_(plan), path_(walk.path), cast_size_(cast_size), fps_(world.fps) {
+  for (const CameraPose& pose : poses) camera_ways_.push_back(pose.way_m);
   RandomEngine engine = named_engine(world.seed, "people/" + walk.name);
   add_passers_by(engine, poses, walk.passers_by);
   add_standing(engine, walk.standing);
+  add_crossing(engine, poses, walk.crossing);
+  add_ahead(engine, poses, walk.ahead);
 }
 
 // Everyone meets the camera at some time of the walk: most come towards it, some overtake it.
@@ -152,10 +155,64 @@ void Crowd::add_standing(RandomEngine& engine, size_t groups) {
   }
 }
 
+// They step in front of the camera a few metres ahead of it.
+void Crowd::add_crossing(RandomEngine& engine, const std::vector<CameraPose>& poses,
+                         size_t groups) {
+  for (size_t group = 0; group < groups; ++group) {
+    const CameraPose& meeting = poses[uniform_below(engine, poses.size())];
+    const double way = meeting.way_m + between(engine, 1.2, 4);
+    const double speed = between(engine, 0.7, 1.3) * (uniform_unit(engine) < 0.5 ? -1 : 1);
+    const size_t size = 1 + uniform_below(engine, 2);
+    for (size_t i = 0; i < size; ++i)
+      members_.push_back({way + static_cast<double>(i) * between(engine, -0.3, 0.3), speed, 0,
+                          uniform_below(engine, cast_size_), Motion::crosses,
+                          meeting.time_s + static_cast<double>(i) * between(engine, 0.3, 0.8), 0});
+  }
+}
+
+// They walk where the camera goes, a few metres ahead of it, for a while.
+void Crowd::add_ahead(RandomEngine& engine, const std::vector<CameraPose>& poses, size_t groups) {
+  for (size_t group = 0; group < groups; ++group) {
+    const double from = poses[uniform_below(engine, poses.size())].time_s;
+    const double to = from + between(engine, 5, 20), gap = between(engine, 1.3, 4);
+    const double aside = between(engine, -0.5, 0.3);
+    const size_t size = 1 + uniform_below(engine, 3);
+    for (size_t i = 0; i < size; ++i)
+      members_.push_back({gap + between(engine, 0, 0.3), between(engine, 0.02, 0.15),
+                          aside + static_cast<double>(i) * between(engine, 0.45, 0.6),
+                          uniform_below(engine, cast_size_), Motion::leads, from, to});
+  }
+}
+
+double Crowd::camera_way(double time_s) const {
+  const auto frame = static_cast<size_t>(std::max(0.0, std::round(time_s * fps_)));
+  return camera_ways_[std::min(frame, camera_ways_.size() - 1)];
+}
+
+// Where a member is at a time; beyond the path if it is not there.
+Crowd::Member Crowd::moved(const Member& member, double time_s) const {
+  constexpr double kNowhere = -1;
+  Member now = member;
+  switch (member.motion) {
+    case Motion::along:
+      now.way_m += member.speed_m_s * time_s;
+      break;
+    case Motion::crosses:
+      now.aside_m = member.speed_m_s * (time_s - member.from_s);
+      break;
+    case Motion::leads:
+      now.way_m += camera_way(time_s) + member.speed_m_s * (time_s - member.from_s);
+      if (time_s < member.from_s || time_s > member.to_s) now.way_m = kNowhere;
+      break;
+  }
+  return now;
+}
+
 std::vector<Figure> Crowd::at(double time_s) const {
   std::vector<Figure> figures;
-  for (const Member& member : members_) {
-    const double way = member.way_m + member.speed_m_s * time_s;
+  for (const Member& member_before : members_) {
+    const Member member = moved(member_before, time_s);
+    const double way = member.way_m;
     if (way < 0 || way > path_.length_m()) continue;
     const double normal = (path_.heading_at(way) + 90) * std::numbers::pi / 180;
     const Point on_path = path_.at(way);
@@ -163,7 +220,8 @@ std::vector<Figure> Crowd::at(double time_s) const {
                       on_path.y + member.aside_m * std::sin(normal)};
     if (!plan_.is_open(place)) continue;
     const bool walks = member.speed_m_s != 0;
-    const bool second_half = std::fmod(way / 1.3, 1.0) > 0.5;
+    const double walked = member.motion == Motion::crosses ? std::abs(member.aside_m) : way;
+    const bool second_half = std::fmod(walked / 1.3, 1.0) > 0.5;
     figures.push_back(
         {place, member.looks, walks ? 1 + static_cast<size_t>(second_half) : size_t{0}});
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -53,7 +54,8 @@ void render_walk(const Studio& studio, const Scene& scene, const RecordedWalk& r
   const Crowd crowd(studio.world, walk, scene.plan, recorded.poses, studio.cast.size());
   parallel_for(recorded.poses.size(), studio.monitor, [&](size_t i) {
     const CameraPose& pose = recorded.poses[i];
-    const View view{scene, studio.cast, crowd.at(pose.time_s), pose, walk.conditions};
+    const View view{scene, studio.cast,     crowd.at(pose.time_s),
+                    pose,  walk.conditions, metered_poses(studio.world, walk, recorded.poses, i)};
     const cv::Mat picture =
         render(studio.camera, view,
                named_engine(studio.world.seed, fmt::format("noise/{}/{}", walk.name, i)));
@@ -67,7 +69,9 @@ void render_views(const Studio& studio, const Scene& scene, const WorldPlace& pl
                   const fs::path& folder) {
   make_part_folder(folder);
   for (size_t i = 0; i < place.headings.size(); ++i) {
-    const View view{scene, studio.cast, {}, view_pose(place, i), Conditions()};
+    const CameraPose held =
+        held_by(studio.world, fmt::format("view/{}/{}", place.name, i), view_pose(place, i));
+    const View view{scene, studio.cast, {}, held, Conditions(), {}};
     const cv::Mat picture =
         render(studio.camera, view,
                named_engine(studio.world.seed, fmt::format("view/{}/{}", place.name, i)));
@@ -76,23 +80,30 @@ void render_views(const Studio& studio, const Scene& scene, const WorldPlace& pl
   }
 }
 
-// One floor after the other, so that no more than one is painted and in memory.
+// The days on which a floor is seen; views of places are of day 0.
+std::set<uint64_t> days_of(const World& world, const std::string& floor) {
+  std::set<uint64_t> days;
+  for (const Walk& walk : world.walks)
+    if (walk.floor == floor) days.insert(walk.day);
+  for (const WorldPlace& place : world.places)
+    if (place.floor == floor) days.insert(0);
+  return days;
+}
+
+// One floor and day after the other, so that no more than one is painted and in memory.
 void render_floor(const Studio& studio, size_t floor, const std::vector<RecordedWalk>& walks,
                   const fs::path& folder) {
   const World& world = studio.world;
   const std::string& name = world.floors[floor].name;
-  const bool used =
-      std::any_of(walks.begin(), walks.end(),
-                  [&](const RecordedWalk& recorded) { return recorded.walk->floor == name; }) ||
-      std::any_of(world.places.begin(), world.places.end(),
-                  [&](const WorldPlace& place) { return place.floor == name; });
-  if (!used) return;
-  const Scene scene = make_scene(world, floor, studio.monitor);
-  for (const RecordedWalk& recorded : walks)
-    if (recorded.walk->floor == name)
-      render_walk(studio, scene, recorded, folder / recorded.walk->name);
-  for (const WorldPlace& place : world.places)
-    if (place.floor == name) render_views(studio, scene, place, folder / "places" / place.name);
+  for (const uint64_t day : days_of(world, name)) {
+    const Scene scene = make_scene(world, floor, studio.monitor, day);
+    for (const RecordedWalk& recorded : walks)
+      if (recorded.walk->floor == name && recorded.walk->day == day)
+        render_walk(studio, scene, recorded, folder / recorded.walk->name);
+    if (day != 0) continue;
+    for (const WorldPlace& place : world.places)
+      if (place.floor == name) render_views(studio, scene, place, folder / "places" / place.name);
+  }
 }
 
 // Whether a folder holds frames, and at most the one other file.

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "synth/lighting.h"
+#include "synth/outside.h"
 #include "synth/sensor.h"
 
 namespace vpr {
@@ -88,6 +89,36 @@ std::array<int, 4> reflection(const Canvas& canvas, const Scene& scene, const Pl
   return sample_plane(scene.ceiling, scene.plan, row.level, on_plane(canvas, column, row.depth));
 }
 
+// Half see-through texels (a frame's edge) let half of it through.
+int glass_share(const std::array<int, 4>& texel) {  // of 256
+  return std::clamp((texel[3] - kGlassDaylight) * 256 / (255 - kGlassDaylight), 0, 256);
+}
+
+// What lies behind the glass of a wall, and what the glass reflects.
+void shine_glass(const Canvas& canvas, const Scene& scene, const Column& column, double middle,
+                 const Light& light, std::array<int, 4> texel, std::array<int, 3>& pixel) {
+  const int share = glass_share(texel);
+  const double up = canvas.horizon - middle;  // pixels
+  if (!column.outside.empty() && share > 0) {
+    const double ray = std::sqrt(column.ray.x * column.ray.x + column.ray.y * column.ray.y);
+    const double tangent = up / canvas.focal / ray;
+    const auto far = sample_strip(column.outside,
+                                  (1 - tangent) / 2 * static_cast<double>(column.outside.size()));
+    const int far_share = static_cast<int>(share * scene.far_view);
+    for (size_t c = 0; c < 3; ++c)
+      texel[c] = (texel[c] * (256 - far_share) + far[c] * far_share) >> 8;
+  }
+  shine(texel, light, pixel);
+  if (column.mirrored.empty() || share == 0) return;
+  const double height = canvas.eye + up * column.mirrored_depth / canvas.focal;
+  if (height <= 0 || height >= kRoomHeightM) return;
+  std::array<int, 3> mirrored;
+  const double texels_per_m = static_cast<double>(column.mirrored.size()) / kRoomHeightM;
+  shine(sample_strip(column.mirrored, (kRoomHeightM - height) * texels_per_m), light, mirrored);
+  const int bright = static_cast<int>(share * scene.reflections);
+  for (size_t c = 0; c < 3; ++c) pixel[c] = std::min(255, pixel[c] + (mirrored[c] * bright >> 8));
+}
+
 void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes,
                   const Column& column, const Light& light, uint8_t* out) {
   const double metres_per_row = column.depth / canvas.focal;
@@ -104,8 +135,13 @@ void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes
                          on_plane(canvas, column, plane.depth)),
             light, pixel);
     } else if (middle < bottom) {
-      shine(sample_strip(column.strip, (middle - top) * metres_per_row * strip_texels_per_m), light,
-            pixel);
+      const auto texel =
+          sample_strip(column.strip, (middle - top) * metres_per_row * strip_texels_per_m);
+      if (column.outside.empty() && column.mirrored.empty()) {
+        shine(texel, light, pixel);
+      } else {
+        shine_glass(canvas, scene, column, middle, light, texel, pixel);
+      }
     } else {
       const PlaneRow& plane = planes.floor[row];
       shine(
@@ -174,13 +210,39 @@ void paint_figures(Canvas& canvas, const std::vector<Column>& columns, const Vie
                  figure->position, light);
 }
 
+double metered(const Camera& camera, const View& view, const Canvas& canvas,
+               const std::vector<Column>& columns) {
+  std::vector<const Column*> some;
+  if (view.metered.empty()) {
+    for (size_t i = 0; i < columns.size(); i += kMeteredColumns) some.push_back(&columns[i]);
+    return metered_brightness(canvas, some, view.conditions);
+  }
+  double sum = 0;
+  for (const CameraPose& pose : view.metered) {
+    const Canvas earlier = make_canvas(camera, pose);
+    const std::vector<Column> seen = cast_columns(earlier, view.scene, kMeteredColumns);
+    some.clear();
+    for (const Column& column : seen) some.push_back(&column);
+    sum += metered_brightness(earlier, some, view.conditions);
+  }
+  return sum / static_cast<double>(view.metered.size());
+}
+
+void blur_by_motion(const Camera& camera, const View& view, cv::Mat& picture) {
+  const double shutter = view.conditions.shutter_s > 0 ? view.conditions.shutter_s : kShutterS;
+  const double nod = view.conditions.shutter_s > 0 ? view.pose.nod_deg_s : 0;
+  blur_by_turning(picture, view.pose.turn_deg_s * kRadians * camera.focal_px * shutter,
+                  nod * kRadians * camera.focal_px * shutter);
+}
+
 }  // namespace
 
 cv::Mat render(const Camera& camera, const View& view, RandomEngine noise_engine) {
   const Scene& scene = view.scene;
   Canvas canvas = make_canvas(camera, view.pose);
   const std::vector<Column> columns = cast_columns(canvas, scene);
-  const Light light = make_light(canvas, columns, view.conditions, view.pose.light_drift);
+  const Light light =
+      make_light(metered(camera, view, canvas, columns), view.conditions, view.pose.light_drift);
   const Planes planes = {make_plane_rows(canvas, canvas.eye, scene.floor),
                          make_plane_rows(canvas, kRoomHeightM - canvas.eye, scene.ceiling),
                          make_plane_rows(canvas, kRoomHeightM + canvas.eye, scene.ceiling)};
@@ -189,7 +251,7 @@ cv::Mat render(const Camera& camera, const View& view, RandomEngine noise_engine
                  canvas.turned.ptr<uint8_t>(x));
   paint_figures(canvas, columns, view, light);
   cv::Mat picture = upright(canvas, camera, view.pose.roll_deg);
-  blur_by_turning(picture, view.pose.turn_deg_s * kRadians * camera.focal_px);
+  blur_by_motion(camera, view, picture);
   add_noise(picture, view.conditions.noise, noise_engine);
   return picture;
 }

@@ -22,6 +22,7 @@ struct View {
   std::vector<Figure> figures;
   CameraPose pose;
   Conditions conditions;
+  std::vector<CameraPose> metered;  ///< what the automatic exposure follows; empty: `pose` alone
 };
 
 /// BGR, 8 bits, with automatic exposure, motion blur and sensor noise. The noise is drawn from

@@ -9,7 +9,6 @@
 namespace vpr {
 namespace {
 
-constexpr double kShutterS = 1.0 / 50;
 constexpr int kMostBlur = 31;
 constexpr size_t kNoiseValues = size_t{1} << 16;
 constexpr int kNoiseUnit = 64;  // one standard deviation
@@ -31,10 +30,13 @@ const std::array<int16_t, kNoiseValues>& noise_values() {
 
 }  // namespace
 
-void blur_by_turning(cv::Mat& picture, double pixels_per_s) {
-  const double pixels = std::min<double>(kMostBlur, std::abs(pixels_per_s) * kShutterS);
-  const int width = 2 * static_cast<int>(std::lround((pixels - 1) / 2)) + 1;  // odd: no shift
-  if (width > 1) cv::blur(picture, picture, {width, 1});
+void blur_by_turning(cv::Mat& picture, double sideways, double upwards) {
+  const auto odd = [](double pixels) {  // so that nothing is shifted
+    const double way = std::min<double>(kMostBlur, std::abs(pixels));
+    return 2 * static_cast<int>(std::lround((way - 1) / 2)) + 1;
+  };
+  const cv::Size size(std::max(1, odd(sideways)), std::max(1, odd(upwards)));
+  if (size.area() > 1) cv::blur(picture, picture, size);
 }
 
 void add_noise(cv::Mat& picture, double deviation, RandomEngine& engine) {

@@ -1,6 +1,7 @@
 #include "synth/walking.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +19,7 @@ constexpr int kCornerPoints = 12;
 constexpr double kLookAheadM = 0.7;
 constexpr double kStepsPerS = 1.8;
 constexpr double kTurn = 2 * std::numbers::pi;
+constexpr std::array<double, 2> kTremorHz = {4.7, 6.9};
 
 Point between_points(Point a, Point b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
@@ -44,6 +46,50 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
                               "its path, or lower its shake",
                               walk.name, point.x, point.y));
 }
+
+// How somebody holds the phone on one walk, beside the sway that all walks have.
+struct Hold {
+  double height_m = 0;
+  double pitch_deg = 0;
+  double roll_deg = 0;
+  double heading_deg = 0;
+  double aside_m = 0;
+  double sway = 1;  // factor
+
+  Hold(const World& world, const std::string& name) {
+    const double hands = world.variety.hands;
+    if (hands == 0) return;
+    RandomEngine engine = named_engine(world.seed, "hand/" + name);
+    const auto draw = [&](double most) { return hands * most * (2 * uniform_unit(engine) - 1); };
+    height_m = draw(0.12);
+    pitch_deg = draw(4);
+    roll_deg = draw(2);
+    heading_deg = draw(3);
+    aside_m = draw(0.15);
+    sway = std::max(0.2, 1 + draw(0.4));
+  }
+};
+
+// How a hand trembles in one direction: degrees, and degrees a second, at a time.
+struct Tremor {
+  double most_deg;
+  std::array<double, 2> phases{};
+
+  Tremor(RandomEngine& engine, double most) : most_deg(most) {
+    for (double& phase : phases) phase = kTurn * uniform_unit(engine);
+  }
+  double angle(double time_s) const {
+    double sum = 0;
+    for (size_t i = 0; i < 2; ++i) sum += std::sin(kTurn * kTremorHz[i] * time_s + phases[i]);
+    return most_deg * sum / 2;
+  }
+  double rate(double time_s) const {
+    double sum = 0;
+    for (size_t i = 0; i < 2; ++i)
+      sum += kTurn * kTremorHz[i] * std::cos(kTurn * kTremorHz[i] * time_s + phases[i]);
+    return most_deg * sum / 2;
+  }
+};
 
 }  // namespace
 
@@ -87,6 +133,12 @@ double Path::heading_at(double way_m) const {
   return std::atan2(to.y - from.y, to.x - from.x) * 360 / kTurn;
 }
 
+namespace {
+
+double in_turn(double degrees) { return degrees - 360 * std::floor(degrees / 360); }
+
+}  // namespace
+
 double heading_difference(double a_deg, double b_deg) {
   return std::abs(std::remainder(a_deg - b_deg, 360.0));
 }
@@ -95,9 +147,13 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   RandomEngine engine = named_engine(world.seed, "walk/" + walk.name);
   const Wander pace(engine), side(engine), look(engine), nod(engine), tilt(engine), light(engine);
   const double step_phase = uniform_unit(engine);
+  const Hold hold(world, walk.name);
+  const double shake = walk.shake * hold.sway;
+  RandomEngine nerves = named_engine(world.seed, "tremor/" + walk.name);
+  const Tremor turning(nerves, walk.tremor_deg), nodding(nerves, walk.tremor_deg);
   const Path path(walk.path);
   // Faster here, slower there.
-  const auto variation = [&](double time_s) { return 0.15 * pace.at(time_s, 11); };
+  const auto variation = [&](double time_s) { return walk.unevenness * pace.at(time_s, 11); };
   const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
   std::vector<CameraPose> poses;
   for (const Progress& now : progress(world, walk, path.length_m(), variation)) {
@@ -106,24 +162,57 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
     pose.way_m = now.way_m;
     const double step = kTurn * (kStepsPerS * now.walking_s + step_phase);
     const double heading = path.heading_at(pose.way_m);
-    const double aside = walk.shake * (0.15 * side.at(pose.way_m, 13) + 0.02 * std::sin(step / 2));
+    const double aside =
+        shake * (0.15 * side.at(pose.way_m, 13) + 0.02 * std::sin(step / 2)) + hold.aside_m;
     const double normal = (heading + 90) * kTurn / 360;
     const Point on_path = path.at(pose.way_m);
     pose.position = {on_path.x + aside * std::cos(normal), on_path.y + aside * std::sin(normal)};
     check_open(walk, plan, pose.position);
-    const double turned =
-        heading + walk.shake * (1.5 * look.at(pose.time_s, 7) + 0.8 * std::sin(step / 2 + 1));
-    pose.heading_deg = turned - 360 * std::floor(turned / 360);
-    pose.height_m = kEyeHeightM + walk.shake * 0.012 * std::sin(step);
-    pose.pitch_deg = walk.shake * (0.7 * nod.at(pose.time_s, 5) + 0.4 * std::sin(step + 2));
-    pose.roll_deg = walk.shake * (0.7 * tilt.at(pose.time_s, 6) + 0.5 * std::sin(step / 2 + 3));
+    const double turned = heading + hold.heading_deg +
+                          shake * (1.5 * look.at(pose.time_s, 7) + 0.8 * std::sin(step / 2 + 1));
+    pose.heading_deg = in_turn(turned);
+    pose.height_m = kEyeHeightM + hold.height_m + shake * 0.012 * std::sin(step);
+    pose.pitch_deg =
+        hold.pitch_deg + shake * (0.7 * nod.at(pose.time_s, 5) + 0.4 * std::sin(step + 2));
+    pose.roll_deg =
+        hold.roll_deg + shake * (0.7 * tilt.at(pose.time_s, 6) + 0.5 * std::sin(step / 2 + 3));
     pose.light_drift = 1 + 0.05 * light.at(pose.time_s, 8);
-    if (!poses.empty() && !now.follows_cut)
+    pose.follows_cut = now.follows_cut;
+    if (!poses.empty() && !now.follows_cut) {
       pose.turn_deg_s =
           std::remainder(pose.heading_deg - poses.back().heading_deg, 360.0) * world.fps;
+      pose.nod_deg_s = (pose.pitch_deg - poses.back().pitch_deg) * world.fps;
+    }
     poses.push_back(pose);
   }
+  for (CameraPose& pose : poses) {
+    if (walk.tremor_deg == 0) break;
+    pose.heading_deg = in_turn(pose.heading_deg + turning.angle(pose.time_s));
+    pose.pitch_deg += nodding.angle(pose.time_s);
+    pose.turn_deg_s += turning.rate(pose.time_s);
+    pose.nod_deg_s += nodding.rate(pose.time_s);
+  }
   return poses;
+}
+
+std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
+                                      const std::vector<CameraPose>& poses, size_t frame) {
+  const auto lag = static_cast<size_t>(std::lround(walk.conditions.exposure_lag_s * world.fps));
+  size_t first = frame;
+  while (first > 0 && frame - first < lag && !poses[first].follows_cut) --first;
+  if (first == frame) return {};
+  const auto start = poses.begin();
+  return {start + static_cast<std::ptrdiff_t>(first),
+          start + static_cast<std::ptrdiff_t>(frame) + 1};
+}
+
+CameraPose held_by(const World& world, const std::string& name, CameraPose pose) {
+  const Hold hold(world, name);
+  pose.height_m += hold.height_m;
+  pose.pitch_deg += hold.pitch_deg;
+  pose.roll_deg += hold.roll_deg;
+  pose.heading_deg += hold.heading_deg;
+  return pose;
 }
 
 }  // namespace vpr

@@ -30,16 +30,27 @@ struct CameraPose {
   Point position;
   double heading_deg = 0;  ///< 0 to 360
   double height_m = kEyeHeightM;
-  double pitch_deg = 0;    ///< up
-  double roll_deg = 0;     ///< clockwise
-  double turn_deg_s = 0;   ///< for motion blur
-  double light_drift = 1;  ///< of the automatic exposure
+  double pitch_deg = 0;      ///< up
+  double roll_deg = 0;       ///< clockwise
+  double turn_deg_s = 0;     ///< for motion blur, as is
+  double nod_deg_s = 0;      ///< how fast the pitch changes
+  double light_drift = 1;    ///< of the automatic exposure
+  bool follows_cut = false;  ///< the recording was cut just before
 };
 
 /// The poses of a walk's frames: path, speed with natural variation, sway of body and hand.
 /// A path of one corner is a person who stands there and looks along x. Throws Error(usage), naming
 /// the point, if the walk runs into a wall, or has too many frames.
 std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const FloorPlan& plan);
+
+/// A pose as somebody holds the phone who is called `name`: higher or lower, askew, by
+/// variety.hands.
+CameraPose held_by(const World& world, const std::string& name, CameraPose pose);
+
+/// The poses that an automatic exposure follows at one of a walk's frames, that one the last: as
+/// many before it as its lag takes, back to a cut. None where it follows that frame alone.
+std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
+                                      const std::vector<CameraPose>& poses, size_t frame);
 
 /// Degrees between two headings, 0 to 180.
 double heading_difference(double a_deg, double b_deg);

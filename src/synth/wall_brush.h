@@ -17,7 +17,10 @@ struct WallBrush {
   cv::Mat& picture;  ///< 8 bits, blue, green, red, daylight; top row at kRoomHeightM
   RandomEngine style;
   RandomEngine detail;
-  double left_m = 0;  ///< of the slot to furnish
+  double left_m = 0;        ///< of the slot to furnish
+  bool is_bare = false;     ///< nothing hangs or stands in the slot but doors and windows
+  bool is_changed = false;  ///< the slot is otherwise on this day, in what `day` draws
+  RandomEngine day{};
 
   /// Where an area is in the picture. It may reach over the ends of the wall.
   cv::Rect area(double x, double bottom, double width, double height) const;

@@ -86,6 +86,9 @@ void check_floor(const World& world, size_t index, const Checker& check) {
     check.on_grid(room.width, "width of a room");
     check.on_grid(room.depth, "depth of a room");
     check.require(room.width > 0 && room.depth > 0, "a room must be wider and deeper than 0");
+    check.require(room.lamp_spacing_m == 0 ||
+                      (room.lamp_spacing_m >= 0.5 && room.lamp_spacing_m <= kMostMetres),
+                  "lamp_spacing_m of a room must be 0, or 0.5 to 500");
   }
   check_extent(floor, check);
   const auto in_rooms = [&](double x, double y) {
@@ -141,14 +144,29 @@ void check_walk(const World& world, const Walk& walk, const Checker& check) {
   check.require(walk.frames <= kMostFrames, fmt::format("frames must be at most {}", kMostFrames));
   check.in_range(walk.speed_m_s, 0.05, 100, "speed_m_s");
   check_progress(walk, check);
+  check.in_range(walk.unevenness, 0, 0.8, "unevenness");
   check.in_range(walk.shake, 0, 10, "shake");
-  check.require(walk.passers_by <= 1000 && walk.standing <= 1000,
-                "passers_by and standing must be at most 1000");
+  check.in_range(walk.tremor_deg, 0, 5, "tremor_deg");
+  for (const uint64_t groups : {walk.passers_by, walk.standing, walk.crossing, walk.ahead})
+    check.require(groups <= 1000, "passers_by, standing, crossing and ahead must be at most 1000");
   check.in_range(walk.conditions.lamps, 0, 10, "lamps");
   check.in_range(walk.conditions.daylight, 0, 10, "daylight");
   check.in_range(walk.conditions.warmth, -1, 1, "warmth");
   check.in_range(walk.conditions.exposure, 0.01, 100, "exposure");
   check.in_range(walk.conditions.noise, 0, 100, "noise");
+  check.in_range(walk.conditions.shutter_s, 0, 1, "shutter_s");
+  check.in_range(walk.conditions.exposure_lag_s, 0, 5, "exposure_lag_s");
+}
+
+void check_variety(const BuildingVariety& variety, const Checker& check) {
+  check.in_range(variety.finishes, 0, 1, "finishes");
+  check.in_range(variety.bareness, 0, 1, "bareness");
+  check.in_range(variety.wear, 0, 1, "wear");
+  check.in_range(variety.window_light, 0, 10, "window_light");
+  check.in_range(variety.far_view, 0, 1, "far_view");
+  check.in_range(variety.reflections, 0, 1, "reflections");
+  check.in_range(variety.changes, 0, 1, "changes");
+  check.in_range(variety.hands, 0, 3, "hands");
 }
 
 void check_world(const World& world, const Checker& check) {
@@ -157,6 +175,7 @@ void check_world(const World& world, const Checker& check) {
   check.in_range(static_cast<double>(world.image_height), 32, 4096, "image_height");
   check.in_range(world.view_deg, 20, 120, "view_deg");
   check.in_range(world.resemblance, 0, 1, "resemblance");
+  check_variety(world.variety, check);
   check.in_range(world.same_place_m, 0, kMostMetres, "same_place_m");
   check.in_range(world.same_heading_deg, 0, 180, "same_heading_deg");
   check.in_range(world.ignore_m, 0, kMostMetres, "ignore_m");

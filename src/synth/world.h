@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "base/enum_names.h"
+#include "synth/building_variety.h"
+#include "synth/walk_settings.h"
 
 namespace vpr {
 
@@ -21,10 +23,11 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<RoomKind> = {"corrid
 /// A rectangle that one can walk in. Where rooms touch or overlap there is no wall between them.
 struct Room {
   RoomKind kind = RoomKind::corridor;
-  double x = 0;      ///< left, a multiple of kPlanCellM like the next three
-  double y = 0;      ///< bottom
-  double width = 0;  ///< to the right
-  double depth = 0;  ///< upwards
+  double x = 0;               ///< left, a multiple of kPlanCellM like the next three
+  double y = 0;               ///< bottom
+  double width = 0;           ///< to the right
+  double depth = 0;           ///< upwards
+  double lamp_spacing_m = 0;  ///< about as far apart are its lamps; 0: 3 m, in halls 4 m
 };
 
 template <class Visitor>
@@ -34,6 +37,7 @@ void visit_fields(Room& room, Visitor&& visit) {
   visit("y", room.y);
   visit("width", room.width);
   visit("depth", room.depth);
+  visit("lamp_spacing_m", room.lamp_spacing_m);
 }
 
 /// A square pillar of kPlanCellM, by its lower left corner.
@@ -103,100 +107,6 @@ void visit_fields(WorldPlace& place, Visitor&& visit) {
   visit("headings", place.headings);
 }
 
-/// What frames of a walk are for.
-enum class WalkUse { train, query, pretrain };
-template <>
-inline constexpr std::array<std::string_view, 3> kEnumNames<WalkUse> = {"train", "query",
-                                                                        "pretrain"};
-
-/// Light, and how well the camera does.
-struct Conditions {
-  double lamps = 1;     ///< artificial light; 1: all lamps on
-  double daylight = 1;  ///< 0: night, 1: noon
-  double warmth = 0;    ///< white balance, -1 (blue) to 1 (yellow)
-  double exposure = 1;  ///< factor on what the automatic exposure chooses
-  double noise = 3;     ///< sensor noise, standard deviation in grey values
-};
-
-template <class Visitor>
-void visit_fields(Conditions& conditions, Visitor&& visit) {
-  visit("lamps", conditions.lamps);
-  visit("daylight", conditions.daylight);
-  visit("warmth", conditions.warmth);
-  visit("exposure", conditions.exposure);
-  visit("noise", conditions.noise);
-}
-
-/// From this point of the path on, the walk has this speed, until the next one.
-struct WalkPace {
-  double from_m = 0;  ///< along the path, as it is walked
-  double speed_m_s = 1.2;
-};
-
-template <class Visitor>
-void visit_fields(WalkPace& pace, Visitor&& visit) {
-  visit("from_m", pace.from_m);
-  visit("speed_m_s", pace.speed_m_s);
-}
-
-/// Where the walker stands for a while.
-struct WalkStop {
-  double at_m = 0;  ///< along the path
-  double seconds = 5;
-};
-
-template <class Visitor>
-void visit_fields(WalkStop& stop, Visitor&& visit) {
-  visit("at_m", stop.at_m);
-  visit("seconds", stop.seconds);
-}
-
-/// Where the recording is cut and goes on elsewhere: further on, or back.
-struct WalkCut {
-  double at_m = 0;  ///< along the path; 0: the walk begins at to_m
-  double to_m = 0;
-};
-
-template <class Visitor>
-void visit_fields(WalkCut& cut, Visitor&& visit) {
-  visit("at_m", cut.at_m);
-  visit("to_m", cut.to_m);
-}
-
-/// A path that somebody walks along with a phone.
-struct Walk {
-  std::string name;
-  WalkUse use = WalkUse::train;
-  std::string floor;
-  std::vector<std::vector<double>> path;  ///< corners [x, y]; the walk rounds them
-  uint64_t frames = 0;                    ///< 0: as many as the speed gives
-  double speed_m_s = 1.2;                 ///< mean; follows from `frames` where that is given
-  std::vector<WalkPace> paces;            ///< by from_m; in front of the first, speed_m_s
-  std::vector<WalkStop> stops;            ///< in the order in which they are met, as are
-  std::vector<WalkCut> cuts;              ///< cuts; with any of the three, `frames` is 0
-  double shake = 1;                       ///< factor on the sway and turns of a hand-held phone
-  uint64_t passers_by = 0;                ///< groups of one to three people that walk by
-  uint64_t standing = 0;                  ///< groups of one to four that stand at the walls
-  Conditions conditions;
-};
-
-template <class Visitor>
-void visit_fields(Walk& walk, Visitor&& visit) {
-  visit("name", walk.name);
-  visit("use", walk.use);
-  visit("floor", walk.floor);
-  visit("path", walk.path);
-  visit("frames", walk.frames);
-  visit("speed_m_s", walk.speed_m_s);
-  visit("paces", walk.paces);
-  visit("stops", walk.stops);
-  visit("cuts", walk.cuts);
-  visit("shake", walk.shake);
-  visit("passers_by", walk.passers_by);
-  visit("standing", walk.standing);
-  visit("conditions", walk.conditions);
-}
-
 /// The files that frames become.
 enum class FrameFormat { jpg, png };
 template <>
@@ -212,6 +122,7 @@ struct World {
   double view_deg = 66;  ///< horizontal angle of view
   FrameFormat format = FrameFormat::jpg;
   double resemblance = 0.5;      ///< share of things that stand alike in all corridors
+  BuildingVariety variety;       ///< what makes parts of a building, days and walks differ
   double same_place_m = 1.5;     ///< frames at most so far apart show the same place, ...
   double same_heading_deg = 40;  ///< ... if they look the same way
   double ignore_m = 3;           ///< up to here they count as neither the same nor different
@@ -232,6 +143,7 @@ void visit_fields(World& world, Visitor&& visit) {
   visit("view_deg", world.view_deg);
   visit("format", world.format);
   visit("resemblance", world.resemblance);
+  visit("variety", world.variety);
   visit("same_place_m", world.same_place_m);
   visit("same_heading_deg", world.same_heading_deg);
   visit("ignore_m", world.ignore_m);

@@ -98,3 +98,11 @@ TEST_CASE("points see each other unless a wall stands between") {
   CHECK_FALSE(can_see(plan, {1, 0.25}, {9, 0.25}));  // the pillar
   CHECK_FALSE(can_see(plan, {1, 1}, {1, 3}));
 }
+
+TEST_CASE("Lamps hang as far apart as a room states") {
+  Floor floor = corridor();
+  const auto lamps = [&] { return make_floor_plan(floor).lamps.size(); };
+  CHECK(lamps() == 3);  // 10 m, and 3 m between two of them if nothing is stated
+  floor.rooms[0].lamp_spacing_m = 1.25;
+  CHECK(lamps() == 8);
+}

@@ -168,8 +168,9 @@ TEST_CASE("rendered corridors have the detail and the likeness of real ones") {
   std::vector<double> features, neighbours;
   std::vector<LdbCode> codes;
   for (size_t i = 0; i < 40; ++i) {
-    const cv::Mat picture = render(make_camera(world), {scene, cast, {}, poses[i], walk.conditions},
-                                   named_engine(world.seed, std::to_string(i)));
+    const cv::Mat picture =
+        render(make_camera(world), {scene, cast, {}, poses[i], walk.conditions, {}},
+               named_engine(world.seed, std::to_string(i)));
     REQUIRE(picture.size() == cv::Size(640, 480));
     cv::Mat grey;
     cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
@@ -229,6 +230,15 @@ TEST_CASE("worlds with mistakes are refused with a reason") {
     w["floors"][0]["rooms"].push_back({{"x", 400}, {"y", 400}, {"width", 2}, {"depth", 2}});
   }));
   CHECK(refused([](Json& w) { w["colour"] = "red"; }));
+  CHECK(refused([](Json& w) { w["variety"]["finishes"] = 1.5; }));
+  CHECK(refused([](Json& w) { w["variety"]["window_light"] = -1; }));
+  CHECK(refused([](Json& w) { w["variety"]["colour"] = 1; }));
+  CHECK(refused([](Json& w) { w["floors"][0]["rooms"][0]["lamp_spacing_m"] = 0.1; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["unevenness"] = 0.9; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["tremor_deg"] = 6; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["crossing"] = 1001; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["conditions"]["shutter_s"] = 2; }));
+  CHECK(refused([](Json& w) { w["walks"][0]["conditions"]["exposure_lag_s"] = 6; }));
   CHECK(refused([](Json& w) {
     w["places"] =
         Json::array({{{"name", "p"}, {"floor", "ground"}, {"x", 5}, {"y", 4}, {"headings", {0}}}});

@@ -1,7 +1,12 @@
 #include "synth/texture.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <catch2/catch.hpp>
 #include <opencv2/core/mat.hpp>
+
+#include "synth/outside.h"
 
 using namespace vpr;
 
@@ -47,4 +52,22 @@ TEST_CASE("a strip is the mean of what a pixel covers") {
   CHECK(value(0.0, 1.0) == 0);   // beyond the end, the end
   CHECK(value(99.0, 1.0) == 70);
   CHECK(value(1.0, 1.0, 1) == 5);
+}
+
+TEST_CASE("A panorama turns to the right as one does") {
+  const Texture panorama = make_panorama(1);
+  const cv::Mat& strips = panorama.levels[0];
+  const auto row_of = [&](Point direction) {
+    std::vector<cv::Vec4b> strip;
+    panorama_strip(panorama, direction, 1e-4, strip);
+    for (int row = 0; row < strips.rows; ++row)
+      if (std::equal(strip.begin(), strip.end(), strips.ptr<cv::Vec4b>(row))) return row;
+    return -1;
+  };
+  const double step = 2 * 3.14159265358979 / strips.rows;
+  const auto towards = [&](double steps) {
+    return row_of({std::cos(steps * step), std::sin(steps * step)});
+  };
+  REQUIRE(towards(-100.5) >= 0);
+  CHECK(towards(-100.5) >= towards(-0.5) + 90);
 }

@@ -7,35 +7,10 @@
 
 #include "base/error.h"
 #include "support.h"
+#include "synth/corridor.h"
 
 using namespace vpr;
-
-namespace {
-
-World corridor_world() {
-  World world;
-  world.fps = 10;
-  Floor floor;
-  floor.name = "f";
-  floor.rooms = {{RoomKind::corridor, 0, 0, 20, 3}, {RoomKind::corridor, 17, 0, 3, 12}};
-  world.floors = {floor};
-  return world;
-}
-
-Walk walk_along(const std::vector<std::vector<double>>& path, uint64_t frames) {
-  Walk walk;
-  walk.name = "w";
-  walk.floor = "f";
-  walk.path = path;
-  walk.frames = frames;
-  return walk;
-}
-
-std::vector<CameraPose> poses(const World& world, const Walk& walk) {
-  return walk_poses(world, walk, make_floor_plan(world.floors[0]));
-}
-
-}  // namespace
+using namespace vpr::test;
 
 TEST_CASE("a walk without shake keeps to its path, from end to end") {
   Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 101);
@@ -122,20 +97,6 @@ TEST_CASE("differences of headings go the short way round") {
   CHECK(heading_difference(0, 180) == Approx(180));
 }
 
-namespace {
-
-Walk straight_walk() {
-  Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 0);
-  walk.shake = 0;
-  return walk;
-}
-
-double step_m(const std::vector<CameraPose>& found, size_t i) {
-  return found[i].way_m - found[i - 1].way_m;
-}
-
-}  // namespace
-
 TEST_CASE("A walk has the paces that it states, each from its point on") {
   Walk walk = straight_walk();
   walk.speed_m_s = 1.2;
@@ -206,4 +167,23 @@ TEST_CASE("Stops and cuts that a walk does not come by are refused") {
   walk.stops = {{1, 3600}, {2, 3600}, {3, 3600}};
   CHECK(test::error_text([&] { poses(corridor_world(), walk); }).find("at most 100000") !=
         std::string::npos);
+}
+
+TEST_CASE("Steps are as uneven as is asked for") {
+  Walk walk = straight_walk();
+  walk.frames = 101;
+  const auto spread = [&](double unevenness) {
+    walk.unevenness = unevenness;
+    const auto found = poses(corridor_world(), walk);
+    double least = 1, most = 0;
+    for (size_t i = 1; i < found.size(); ++i) {
+      least = std::min(least, step_m(found, i));
+      most = std::max(most, step_m(found, i));
+    }
+    return most / least;
+  };
+  CHECK(spread(0) == Approx(1));
+  CHECK(spread(0.15) > 1.2);
+  CHECK(spread(0.15) < 1.4);
+  CHECK(spread(0.5) > 1.8);
 }

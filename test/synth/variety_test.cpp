@@ -1,0 +1,288 @@
+// What makes parts of a building, days and walks differ: each setting changes what it says, and
+// nothing else.
+#include <algorithm>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/parallel.h"
+#include "support.h"
+#include "synth/daylight.h"
+#include "synth/finish.h"
+#include "synth/outside.h"
+#include "synth/recording.h"
+#include "synth/renderer.h"
+
+using namespace vpr;
+namespace fs = std::filesystem;
+
+namespace {
+
+// The first seed with which no wall has windows.
+uint64_t windowless_seed(World world) {
+  const FloorPlan plan = make_floor_plan(world.floors[0]);
+  const auto has_none = [&] {
+    for (size_t i = 0; i < plan.walls.size(); ++i)
+      if (!plan.walls[i].is_glass && has_windows(world, {"f", "f"}, plan, i)) return false;
+    return true;
+  };
+  while (!has_none()) ++world.seed;
+  return world.seed;
+}
+
+// A corridor with a glass front at its far right end, and a hall apart from it; no windows.
+World two_rooms() {
+  World world;
+  world.name = "test";
+  world.image_width = 96;
+  world.image_height = 72;
+  world.format = FrameFormat::png;
+  Floor floor;
+  floor.name = "f";
+  floor.rooms = {{RoomKind::corridor, 0, 0, 12, 2.5}, {RoomKind::hall, 0, 6, 8, 5}};
+  floor.glass = {{12, 0, 12, 2.5}};
+  world.floors = {floor};
+  Walk walk;
+  walk.name = "w";
+  walk.floor = "f";
+  walk.path = {{1, 1.25}, {11, 1.25}};
+  walk.frames = 9;
+  world.walks = {walk};
+  world.seed = windowless_seed(world);
+  return world;
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+bool same(const Texture& a, const Texture& b) { return same(a.levels[0], b.levels[0]); }
+
+size_t changed_walls(const Scene& a, const Scene& b) {
+  size_t changed = 0;
+  for (size_t i = 0; i < a.walls.size(); ++i) changed += same(a.walls[i], b.walls[i]) ? 0 : 1;
+  return changed;
+}
+
+Scene scene_of(const World& world, uint64_t day = 0) {
+  return make_scene(world, 0, Monitor(), day);
+}
+
+CameraPose standing(double x, double y, double heading_deg) {
+  CameraPose pose;
+  pose.position = {x, y};
+  pose.heading_deg = heading_deg;
+  return pose;
+}
+
+cv::Mat picture(const World& world, const Scene& scene, const CameraPose& pose,
+                const Conditions& conditions = {}, const std::vector<CameraPose>& metered = {}) {
+  return render(make_camera(world), {scene, {}, {}, pose, conditions, metered},
+                named_engine(1, "noise"));
+}
+
+double brightness(const cv::Mat& view) {
+  const cv::Scalar mean = cv::mean(view);
+  return (mean[0] + mean[1] + mean[2]) / 3;
+}
+
+// The most daylight in the wall that a ray meets.
+int daylight_of(const Scene& scene, Point from, Point direction) {
+  const cv::Mat& wall =
+      scene.walls[static_cast<size_t>(cast_ray(scene.plan, from, direction)->wall)].levels[0];
+  std::vector<cv::Mat> channels;
+  cv::split(wall, channels);
+  double most = 0;
+  cv::minMaxLoc(channels[3], nullptr, &most);
+  return static_cast<int>(most);
+}
+
+}  // namespace
+
+TEST_CASE("Rooms have finishes of their own as far as is asked for") {
+  World world = two_rooms();
+  const FloorNames names{"f", "f"};
+  const auto tones = [&] {
+    return std::pair(room_finish(world, names, 0).plaster[1],
+                     room_finish(world, names, 1).plaster[1]);
+  };
+  CHECK(tones().first == tones().second);
+  CHECK(tones().first == building_finish(world, names).plaster[1]);
+  const Scene plain = scene_of(world);
+  world.variety.finishes = 1;
+  CHECK(tones().first != tones().second);
+  const Scene varied = scene_of(world);
+  CHECK_FALSE(same(plain.floor, varied.floor));
+  CHECK_FALSE(same(plain.ceiling, varied.ceiling));
+  CHECK(changed_walls(plain, varied) > plain.walls.size() / 2);
+  CHECK(same(varied.floor, scene_of(world).floor));
+}
+
+TEST_CASE("Points belong to the hall where a hall and a corridor overlap") {
+  Floor floor = two_rooms().floors[0];
+  floor.rooms.push_back({RoomKind::corridor, 0, 0, 2.5, 11});
+  CHECK(room_at(floor, {6, 1}) == 0);
+  CHECK(room_at(floor, {1, 7}) == 1);
+  CHECK(room_at(floor, {1, 4}) == 2);
+}
+
+TEST_CASE("Bare walls have doors, windows and fittings alone") {
+  World world = two_rooms();
+  const Scene furnished = scene_of(world);
+  world.variety.bareness = 1;
+  const Scene bare = scene_of(world);
+  CHECK(changed_walls(furnished, bare) > 0);
+  CHECK(same(furnished.floor, bare.floor));
+  const auto detail = [](const Scene& scene) {
+    double sum = 0;
+    for (const Texture& wall : scene.walls) {
+      cv::Mat slope;
+      cv::Sobel(wall.levels[2], slope, CV_32F, 1, 0);
+      sum += cv::norm(slope, cv::NORM_L1);
+    }
+    return sum;
+  };
+  CHECK(detail(bare) < 0.9 * detail(furnished));
+}
+
+TEST_CASE("Wear marks walls, and neither glass nor the floor") {
+  World world = two_rooms();
+  const Scene fresh = scene_of(world);
+  world.variety.wear = 1;
+  const Scene worn = scene_of(world);
+  CHECK(same(fresh.floor, worn.floor));
+  for (size_t i = 0; i < fresh.walls.size(); ++i)
+    CHECK(same(fresh.walls[i], worn.walls[i]) == fresh.plan.walls[i].is_glass);
+}
+
+TEST_CASE("Daylight falls in through glass, and not through walls") {
+  World world = two_rooms();
+  const auto across = [&](const Scene& scene) { return daylight_of(scene, {6, 1}, {0, 1}); };
+  CHECK(across(scene_of(world)) == 0);
+  world.variety.window_light = 1;
+  const Scene daylit = scene_of(world);
+  CHECK(across(daylit) > 20);
+  CHECK(across(daylit) < kGlassDaylight);  // lit, not seen through
+  CHECK(daylight_of(daylit, {4, 7}, {1, 0}) == 0);
+  // Beside the glass there is more of it than at the other end.
+  Conditions night;
+  night.daylight = 0;
+  const CameraPose near = standing(10.5, 1.25, 90), far = standing(2, 1.25, 90);
+  const auto loss = [&](const CameraPose& pose) {
+    return brightness(picture(world, daylit, pose, {}, {far})) -
+           brightness(picture(world, daylit, pose, night, {far}));
+  };
+  CHECK(loss(near) > loss(far) + 5);
+}
+
+TEST_CASE("What is far away outside does not move with the walker, and shows in glass alone") {
+  World world = two_rooms();
+  const Scene near = scene_of(world);
+  world.variety.far_view = 1;
+  const Scene far = scene_of(world);
+  const Camera camera = make_camera(world);
+  const auto middle = [&](double x) {
+    const auto columns = cast_columns(make_canvas(camera, standing(x, 0.8, 0)), far);
+    return columns[columns.size() / 2].outside;
+  };
+  REQUIRE_FALSE(middle(9).empty());
+  CHECK(middle(9) == middle(11));
+  CHECK_FALSE(same(picture(world, near, standing(10, 1.25, 0)),
+                   picture(world, far, standing(10, 1.25, 0))));
+  CHECK(same(picture(world, near, standing(10, 1.25, 180)),
+             picture(world, far, standing(10, 1.25, 180))));
+}
+
+TEST_CASE("Glass reflects the room, brighter, and in glass alone") {
+  World world = two_rooms();
+  const Scene dull = scene_of(world);
+  world.variety.reflections = 0.5;
+  const Scene bright = scene_of(world);
+  Conditions calm;
+  calm.noise = 0;
+  const auto gain = [&](double heading) {
+    const CameraPose pose = standing(9, 1.25, heading);
+    return picture(world, bright, pose, calm) - picture(world, dull, pose, calm);
+  };
+  CHECK(brightness(gain(0)) > 1);
+  CHECK(brightness(gain(180)) == 0);
+  const CameraPose pose = standing(9, 1.25, 0);
+  CHECK(cv::countNonZero(
+            cv::Mat(picture(world, dull, pose, calm) - picture(world, bright, pose, calm))
+                .reshape(1)) == 0);
+}
+
+TEST_CASE("On another day things are otherwise, on the same day they are not") {
+  World world = two_rooms();
+  CHECK(changed_walls(scene_of(world), scene_of(world, 1)) == 0);
+  world.variety.changes = 1;
+  const Scene before = scene_of(world), monday = scene_of(world, 1);
+  CHECK(changed_walls(before, monday) > 0);
+  CHECK(changed_walls(monday, scene_of(world, 1)) == 0);
+  CHECK(changed_walls(monday, scene_of(world, 2)) > 0);
+  CHECK(same(before.floor, monday.floor));
+  CHECK(same(before.ceiling, monday.ceiling));
+  world.variety.changes = 0;
+  CHECK(changed_walls(before, scene_of(world, 1)) == 0);
+}
+
+TEST_CASE("The exposure lags behind what is seen") {
+  const World world = two_rooms();
+  const Scene scene = scene_of(world);
+  const CameraPose glass = standing(11, 1.25, 0), wall = standing(6, 1.25, 180);
+  const double own = brightness(picture(world, scene, wall));
+  CHECK(brightness(picture(world, scene, wall, {}, {wall})) == own);
+  const double after_glass = brightness(picture(world, scene, wall, {}, {glass}));
+  const double between = brightness(picture(world, scene, wall, {}, {glass, wall}));
+  CHECK(after_glass != Approx(own).margin(2));
+  CHECK(between > std::min(own, after_glass));
+  CHECK(between < std::max(own, after_glass));
+}
+
+TEST_CASE("A long shutter blurs by nods, too") {
+  const World world = two_rooms();
+  const Scene scene = scene_of(world);
+  CameraPose pose = standing(6, 1.25, 90);
+  pose.nod_deg_s = 150;
+  Conditions calm;
+  calm.noise = 0;
+  const cv::Mat sharp = picture(world, scene, pose, calm);
+  pose.nod_deg_s = 0;
+  CHECK(same(sharp, picture(world, scene, pose, calm)));
+  pose.nod_deg_s = 150;
+  calm.shutter_s = 0.04;
+  const auto edges = [](const cv::Mat& view, int dx) {
+    cv::Mat slope;
+    cv::Sobel(view, slope, CV_32F, dx, 1 - dx);
+    return cv::norm(slope, cv::NORM_L1);
+  };
+  const cv::Mat blurred = picture(world, scene, pose, calm);
+  CHECK(edges(blurred, 0) < 0.7 * edges(sharp, 0));
+  CHECK(edges(blurred, 1) > 0.7 * edges(sharp, 1));
+}
+
+TEST_CASE("A whole recording with everything on has the same bytes on any number of threads") {
+  World world = two_rooms();
+  world.variety = {1, 0.3, 1, 1, 1, 0.2, 0.5, 1};
+  Walk& walk = world.walks[0];
+  walk.day = 2;
+  walk.crossing = 2;
+  walk.ahead = 2;
+  walk.tremor_deg = 1;
+  walk.conditions.shutter_s = 0.03;
+  walk.conditions.exposure_lag_s = 0.4;
+  world.places = {{"p", "f", 3, 1.25, {0}}};
+  const auto bytes = [&](size_t threads) {
+    const ThreadLimit limit(threads);
+    const test::TemporaryFolder folder;
+    write_recording(world, folder.path(), Monitor());
+    std::string all;
+    for (size_t i = 0; i < walk.frames; ++i)
+      all += test::read_text(folder / ("w/0000" + std::to_string(i) + ".png"));
+    return all + test::read_text(folder / "places/p/0.png");
+  };
+  const std::string one = bytes(1);
+  CHECK(one.size() > 50'000);
+  CHECK(one == bytes(3));
+}
