@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/npy.h"
 #include "base/simd.h"
 #include "matching/frame_distances.h"
 #include "matching/row_kernels.h"
@@ -31,6 +32,22 @@ void write_text(const std::filesystem::path& path, const std::string& text);
 std::string read_text(const std::filesystem::path& path);
 /// Names of everything in a folder, hidden files included, sorted.
 std::vector<std::string> list_folder(const std::filesystem::path& folder);
+
+/// A .npy file of one or two dimensions with the values in C order; with `is_column_major`, the
+/// file has them in Fortran order.
+template <class T>
+void write_array(const std::filesystem::path& path, const std::vector<T>& values,
+                 const std::vector<size_t>& shape, bool is_column_major = false) {
+  std::string header = npy_header(npy_type<T>(), shape);
+  std::vector<T> stored = values;
+  if (is_column_major) {
+    header.replace(header.find("False,"), 6, "True, ");
+    for (size_t i = 0; i < values.size(); ++i)
+      stored[i % shape[1] * shape[0] + i / shape[1]] = values[i];
+  }
+  write_text(path, header + std::string(reinterpret_cast<const char*>(stored.data()),
+                                        stored.size() * sizeof(T)));
+}
 
 /// A grey picture with seeded content.
 void write_image(const std::filesystem::path& path, uint64_t seed, int width = 40, int height = 30);

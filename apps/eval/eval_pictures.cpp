@@ -13,6 +13,11 @@ namespace vpr {
 namespace {
 
 void require_frames(const Sequence& sequence, size_t expected, const std::string& what) {
+  if (sequence.kind == SequenceKind::descriptors)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: holds descriptors; pictures need the images that "
+                            "they describe",
+                            sequence.argument.path.string()));
   if (sequence.kind == SequenceKind::video || sequence.files.size() == expected) return;
   throw Error(ErrorKind::usage,
               fmt::format("{}: has {} frames, and {} has {}; give the sequence that was evaluated",

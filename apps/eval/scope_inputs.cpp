@@ -4,6 +4,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
+#include "descriptors/array_rows.h"
 #include "evaluation/counts.h"
 #include "images/frames.h"
 #include "images/sequence.h"
@@ -17,6 +18,7 @@ constexpr uint64_t kMostFrames = 100'000'000;
 
 size_t count_frames(const SequenceArgument& argument, const Monitor& monitor) {
   const Sequence sequence = open_sequence(argument);
+  if (sequence.kind == SequenceKind::descriptors) return ArrayRows(sequence).count();
   if (sequence.kind == SequenceKind::images) return sequence.files.size();
   return for_each_frame(sequence, PixelFormat::grey, Unreadable::skip, monitor,
                         [](size_t, const cv::Mat&) {})

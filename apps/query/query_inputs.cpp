@@ -1,16 +1,30 @@
 #include "query_inputs.h"
 
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "base/json.h"
+#include "images/sequence.h"
 #include "images/sequence_names.h"
 #include "images/warp.h"
 
 namespace vpr {
 
+namespace {
+
+NamedSequence named_sequence(const std::string& text) {
+  const SequenceArgument argument = parse_sequence_argument(text);
+  return {sequence_names({argument}).front(), argument};
+}
+
+}  // namespace
+
 QuerySource find_query(const QueryInputs& inputs) {
   QuerySource source;
   if (!inputs.ground_truth.empty())
     source.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
+  if (!inputs.query_npy.empty() && (inputs.query || !inputs.dataset.empty()))
+    throw Error(ErrorKind::usage, "give --query-npy alone, without --query and --dataset");
   if (!inputs.dataset.empty()) {
     const Dataset dataset = read_dataset(inputs.dataset);
     const DatasetQuery& query = select_query(dataset, inputs.query);
@@ -19,9 +33,16 @@ QuerySource find_query(const QueryInputs& inputs) {
       source.ground_truth = ground_truth_of(query, DatabaseFamily::sequences, inputs.flags);
     return source;
   }
+  if (!inputs.query_npy.empty()) {
+    source.sequence = named_sequence(inputs.query_npy);
+    if (open_sequence(source.sequence.sequence).kind != SequenceKind::descriptors)
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}: is no .npy file, nor a folder with .npy files and no images",
+                              source.sequence.sequence.path.string()));
+    return source;
+  }
   if (!inputs.query) throw Error(ErrorKind::usage, "give the query sequence, as in --query FOLDER");
-  const SequenceArgument argument = parse_sequence_argument(*inputs.query);
-  source.sequence = {sequence_names({argument}).front(), argument};
+  source.sequence = named_sequence(*inputs.query);
   return source;
 }
 

@@ -16,6 +16,7 @@ namespace vpr {
 struct QueryInputs {
   std::string database;
   std::optional<std::string> query;
+  std::string query_npy;  ///< its descriptors instead
   std::string dataset;
   std::string warp;  ///< how the query is replayed; empty: as it is
   std::string ground_truth;

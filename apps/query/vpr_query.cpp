@@ -67,6 +67,11 @@ void add_inputs(const Command& app, QueryInputs& inputs) {
   app.add_option("--query", inputs.query,
                  "query sequence: folder, list or video, with an optional range "
                  "PATH@FIRST:LAST[:STEP]; with --dataset, the name of one of its queries");
+  app.add_option(
+      "--query-npy", inputs.query_npy,
+      "the query's descriptors instead of --query, for a database of vpr-train "
+      "descriptors: n x d numbers, or a folder with a .npy file a frame, with an optional "
+      "range");
   app.add_option("--dataset", inputs.dataset, "data set description that holds the query");
   add_warp_flag(app, inputs.warp);
 }
@@ -280,6 +285,7 @@ int main(int argc, char** argv) {
                   "-o result.json\n"
                   "  vpr-query corridor.vprdb --query tuesday --method filter\n"
                   "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
+                  "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
                   "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
                   "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;

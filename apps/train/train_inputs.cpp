@@ -1,10 +1,12 @@
 #include "train_inputs.h"
 
 #include "base/error.h"
+#include "base/json.h"
 #include "database/archive.h"
 #include "ground_truth/dataset.h"
 #include "images/sequence.h"
 #include "images/sequence_names.h"
+#include "report/database_report.h"
 
 namespace vpr {
 
@@ -41,6 +43,18 @@ void claim_database(const Session& session) {
   if (session.options.output.empty())
     throw Error(ErrorKind::usage, "give the database to write, as in -o DB.vprdb");
   session.outputs.claim_folder(session.options.output, is_database_folder);
+}
+
+void print_database(const Session& session, const SequenceDatabase& database,
+                    const std::string& path, const std::string& more) {
+  const std::vector<AutomaticThresholds> thresholds = stored_thresholds(database, session.monitor);
+  session.print_result(database_text(database, thresholds, path) + more,
+                       database_json(database, thresholds, session.run));
+}
+
+void store_sequences(const Session& session, const SequenceDatabase& database) {
+  write_sequence_database(session.options.output, database, session.outputs);
+  print_database(session, database, session.options.output, "");
 }
 
 }  // namespace vpr

@@ -45,6 +45,26 @@ struct FabmapCommand {
   FabmapTrainSettings settings;
 };
 
+/// What the flags of the command `descriptors` write to.
+struct DescriptorsCommand {
+  std::vector<std::string> arrays;
+  std::string names;
+  std::vector<std::string> ranges;
+  bool as_bits = false;
+  uint64_t precision = 16;
+  SequenceTrainSettings settings;
+};
+
+/// The command `descriptors`; `command` must live as long as the program.
+void add_descriptors_command(Program& program, DescriptorsCommand& command);
+
+/// Prints what a database of sequences holds, and `more` below it.
+void print_database(const Session& session, const SequenceDatabase& database,
+                    const std::string& path, const std::string& more);
+
+/// Writes a database of sequences, and prints what it holds.
+void store_sequences(const Session& session, const SequenceDatabase& database);
+
 /// The command `fabmap`; `command` must live as long as the program.
 void add_fabmap_command(Program& program, FabmapCommand& command);
 

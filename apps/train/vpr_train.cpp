@@ -12,18 +12,6 @@
 namespace vpr {
 namespace {
 
-void print_database(const Session& session, const SequenceDatabase& database,
-                    const std::string& path, const std::string& more = "") {
-  const std::vector<AutomaticThresholds> thresholds = stored_thresholds(database, session.monitor);
-  session.print_result(database_text(database, thresholds, path) + more,
-                       database_json(database, thresholds, session.run));
-}
-
-void store(const Session& session, const SequenceDatabase& database) {
-  write_sequence_database(session.options.output, database, session.outputs);
-  print_database(session, database, session.options.output);
-}
-
 /// What `add` adds.
 struct AddInputs {
   TrainInputs train;
@@ -38,8 +26,8 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
   const SequenceDatabase database = read_sequence_database(path);
   std::vector<std::string> taken;
   for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
-  store(session, add_sequences(database, named_arguments(inputs.train, taken),
-                               inputs.skip_unreadable, session.kernels, session.monitor));
+  store_sequences(session, add_sequences(database, named_arguments(inputs.train, taken),
+                                         inputs.skip_unreadable, session.kernels, session.monitor));
 }
 
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
@@ -65,6 +53,20 @@ void export_openfabmap(Session& session, const std::string& path) {
       database_json(database, session.run));
 }
 
+std::vector<std::string> described_kinds() {
+  std::vector<std::string> names;
+  for (const DescriptorKind& kind : descriptor_kinds())
+    if (!kind.is_imported) names.emplace_back(kind.name);
+  return names;
+}
+
+std::string descriptor_help() {
+  std::string text = "Descriptors:\n";
+  for (const DescriptorKind& kind : descriptor_kinds())
+    if (!kind.is_imported) text += fmt::format("  {:<17}{}\n", kind.name, kind.summary);
+  return text;
+}
+
 /// What `vpr-train fastable` is told.
 struct FastableCommand {
   TrainInputs inputs;
@@ -73,18 +75,22 @@ struct FastableCommand {
 
 void add_fastable_command(Program& program, FastableCommand& given) {
   const Command fastable = program.add_command(
-      "fastable", "A database for FastABLE and OpenABLE: one LDB code a frame.",
+      "fastable", "A database for FastABLE and OpenABLE: one descriptor a frame.",
       "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
       "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb",
       [&](Session& session) {
         claim_database(session);
-        store(session, train_sequences(named_arguments(given.inputs), given.settings,
-                                       session.kernels, session.monitor));
+        store_sequences(session, train_sequences(named_arguments(given.inputs), given.settings,
+                                                 session.kernels, session.monitor));
       });
   program.add_config(fastable, given.settings);
   add_inputs(fastable, given.inputs);
   fastable.add_option("--dataset", given.inputs.dataset,
                       "data set description, instead of sequences");
+  add_setting(fastable, "--descriptor", given.settings.descriptor_kind,
+              "what frames are described by (default ldb); see Descriptors below")
+      .choices("NAME", described_kinds());
+  fastable.add_footer(descriptor_help());
   add_setting(fastable, "--c-l", given.settings.window_length,
               "window length c_l of the automatic thresholds (default 40)");
   add_setting(fastable, "--safety-factor", given.settings.safety_factor,
@@ -166,6 +172,8 @@ int main(int argc, char** argv) {
                   "  vpr-train fastable --train monday --train tuesday -o building.vprdb");
   FastableCommand fastable;
   add_fastable_command(program, fastable);
+  DescriptorsCommand descriptors;
+  add_descriptors_command(program, descriptors);
   FabmapCommand fabmap;
   add_fabmap_command(program, fabmap);
   DatabaseCommands database;

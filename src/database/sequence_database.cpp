@@ -168,6 +168,15 @@ const DescriptorKind& read_kind(const Archive& archive) {
   return *kind;
 }
 
+// Of descriptors that say how long they are.
+size_t read_length(const Archive& archive, const DescriptorKind& kind) {
+  if (kind.shape.length != 0) return kind.shape.length;
+  const size_t length = manifest_count(archive, archive.manifest(), "length");
+  if (length == 0 || length > most_elements(kind.shape.element))
+    archive.fail("\"length\" is out of range");
+  return length;
+}
+
 NpyArray read_codes(const Archive& archive, size_t frame_count, const DescriptorShape& shape) {
   NpyArray codes = archive.array(kCodesFile);
   codes.values<uint8_t>(2);
@@ -224,15 +233,16 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   database.fingerprint = archive.fingerprint();
   stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
   const DescriptorKind& kind = read_kind(archive);
+  const DescriptorShape shape{kind.shape.element, read_length(archive, kind)};
   const std::string names = archive.text(kFramesFile);
   auto frame_names = split(names, '\n');
   if (frame_names.back().empty()) frame_names.pop_back();  // behind the end of the last line
-  database.sequences = read_sequences(archive, frame_names, kind.shape);
+  database.sequences = read_sequences(archive, frame_names, shape);
   database.thresholds = read_thresholds(archive, database.sequences);
   size_t frames = 0;
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
-  database.descriptors = {&kind, {}, read_codes(archive, frames, kind.shape)};
-  database.statistics = read_statistics(archive, frames, kind.shape);
+  database.descriptors = {&kind, {}, read_codes(archive, frames, shape), shape.length};
+  database.statistics = read_statistics(archive, frames, shape);
   database.shared_places = read_shared_places(archive, database.sequences.size());
   return database;
 }
@@ -249,6 +259,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   Json manifest = {{"schema", "vpr.database/1"},
                    {"method", enum_name(DatabaseFamily::sequences)},
                    {"descriptor", database.descriptors.kind->name}};
+  if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = Json::array();
   for (const TrainSequence& sequence : database.sequences)

@@ -4,14 +4,26 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "descriptors/ldb.h"
 
 namespace vpr {
 
-/// What a descriptor is made of: bits, or signed whole numbers of 8 bits.
-enum class ElementType { bits, whole_numbers };
+/// What a descriptor is made of, and so what it is compared by: bits, signed whole numbers of 8 or
+/// of 16 bits (vectors), or grey levels of 8 bits (pictures).
+enum class ElementType { bits, whole_numbers, wide_numbers, grey_levels };
+
+/// The longest descriptors that can be compared: distances of bits fit 16 bits, scalar products of
+/// numbers 32.
+inline constexpr size_t kMostBits = 65472;
+inline constexpr size_t kMostNumbers = 131071;
+
+/// The longest descriptor of an element type.
+constexpr size_t most_elements(ElementType element) {
+  return element == ElementType::bits ? kMostBits : kMostNumbers;
+}
 
 /// The elements of which every descriptor of a kind consists: their type and their number.
 struct DescriptorShape {
@@ -21,11 +33,27 @@ struct DescriptorShape {
   bool operator==(const DescriptorShape&) const = default;
 
   /// Bytes of a row. Bit b is in byte b / 8, least significant first, and bits are padded with
-  /// zeros to whole words of 64; a whole number is a byte.
+  /// zeros to whole words of 64; a whole number or a grey level is a byte, a wide number two, the
+  /// lower first.
   constexpr size_t row_bytes() const {
-    return element == ElementType::bits ? (length + 63) / 64 * 8 : length;
+    switch (element) {
+      case ElementType::bits:
+        return (length + 63) / 64 * 8;
+      case ElementType::whole_numbers:
+      case ElementType::grey_levels:
+        return length;
+      case ElementType::wide_numbers:
+        break;
+    }
+    return 2 * length;
   }
 };
+
+/// What its elements are called: "bits", "numbers", "pixels".
+constexpr std::string_view element_words(const DescriptorShape& shape) {
+  if (shape.element == ElementType::bits) return "bits";
+  return shape.element == ElementType::grey_levels ? "pixels" : "numbers";
+}
 
 /// The shape of LDB codes.
 inline constexpr DescriptorShape kLdbShape = {ElementType::bits, kLdbBits};
@@ -46,7 +74,7 @@ struct DescriptorRows {
       : bytes(reinterpret_cast<const uint8_t*>(codes.data()), codes.size_bytes()) {}
   DescriptorRows(const std::vector<LdbCode>& codes) : DescriptorRows(std::span(codes)) {}
 
-  size_t size() const { return bytes.size() / shape.row_bytes(); }
+  size_t size() const { return bytes.empty() ? 0 : bytes.size() / shape.row_bytes(); }
   bool empty() const { return bytes.empty(); }
   DescriptorRow operator[](size_t frame) const {
     return bytes.subspan(frame * shape.row_bytes(), shape.row_bytes());

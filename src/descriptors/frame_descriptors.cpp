@@ -5,38 +5,81 @@
 #include <cassert>
 #include <cstring>
 #include <mutex>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
+#include "descriptors/hog.h"
 #include "descriptors/illumination.h"
+#include "descriptors/imported.h"
+#include "descriptors/thumbnail.h"
 
 namespace vpr {
 namespace {
 
-DescriptorSet describe_by_ldb(const Sequence& sequence, const DescriptorSettings& settings,
-                              Unreadable unreadable, const Monitor& monitor) {
+// One descriptor a frame, by what describes a grey picture: to an array of row_bytes() bytes.
+template <auto describe_grey>
+DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
+                          const DescriptorSettings& settings, Unreadable unreadable,
+                          const Monitor& monitor) {
   const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::grey;
+  const size_t row_bytes = kind.shape.row_bytes();
   std::mutex mutex;  // a video's length is not known before its end
-  std::vector<LdbCode> codes(sequence.files.size());
-  FrameList frames = for_each_frame(
+  DescriptorSet set;
+  set.descriptors.kind = &kind;
+  std::vector<uint8_t>& rows = set.descriptors.owned;
+  rows.resize(sequence.files.size() * row_bytes);
+  set.frames = for_each_frame(
       sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& image) {
-        const LdbCode code =
-            describe_ldb(settings.illumination_invariant ? illumination_invariant(image) : image);
+        const auto row =
+            describe_grey(settings.illumination_invariant ? illumination_invariant(image) : image);
+        assert(row.size() * sizeof(row[0]) == row_bytes);
         const std::lock_guard lock(mutex);
-        if (index >= codes.size()) codes.resize(index + 1);
-        codes[index] = code;
+        if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
+        std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
       });
-  return ldb_set(codes, std::move(frames));
+  rows.resize(set.frames.count() * row_bytes);  // the last of a video may have no image
+  return set;
 }
 
-constexpr std::array<DescriptorKind, 1> kKinds = {{
-    {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by_ldb},
+template <ElementType element>
+DescriptorSet import_by(const DescriptorKind&, const Sequence& sequence, const DescriptorSettings&,
+                        Unreadable unreadable, const Monitor& monitor) {
+  return import_descriptors(sequence, element, unreadable, monitor);
+}
+
+constexpr std::array<DescriptorKind, 6> kKinds = {{
+    {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
+    {"thumbnail",
+     "the frame in 64x32 grey levels, normalised in squares, as SeqSLAM has it",
+     {ElementType::grey_levels, std::tuple_size_v<Thumbnail64>},
+     describe_by<describe_thumbnail>},
+    {"hog",
+     "histograms of oriented gradients of the whole frame, 30752 numbers",
+     {ElementType::whole_numbers, kHogLength},
+     describe_by<describe_hog>},
+    {kVectorKind,
+     "vectors from files, in whole numbers of 16 bits",
+     {ElementType::wide_numbers, 0},
+     import_by<ElementType::wide_numbers>,
+     true},
+    {kNarrowVectorKind,
+     "vectors from files, in whole numbers of 8 bits",
+     {ElementType::whole_numbers, 0},
+     import_by<ElementType::whole_numbers>,
+     true},
+    {kBitKind, "bits from files", {ElementType::bits, 0}, import_by<ElementType::bits>, true},
 }};
 
 }  // namespace
+
+DescriptorSet DescriptorKind::describe(const Sequence& sequence, const DescriptorSettings& settings,
+                                       Unreadable unreadable, const Monitor& monitor) const {
+  return describe_with(*this, sequence, settings, unreadable, monitor);
+}
 
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
 
@@ -49,18 +92,24 @@ const DescriptorKind* find_descriptor_kind(std::string_view name) {
 const DescriptorKind& descriptor_kind(std::string_view name) {
   if (const DescriptorKind* kind = find_descriptor_kind(name)) return *kind;
   std::vector<std::string_view> names;
-  for (const DescriptorKind& kind : kKinds) names.push_back(kind.name);
+  for (const DescriptorKind& kind : kKinds)
+    if (!kind.is_imported) names.push_back(kind.name);
   throw Error(ErrorKind::usage, fmt::format("unknown descriptor \"{}\"; choose one of {}", name,
                                             fmt::join(names, ", ")));
 }
 
+DescriptorShape DescriptorStore::shape() const {
+  return {kind->shape.element, kind->shape.length == 0 ? length : kind->shape.length};
+}
+
 DescriptorRows DescriptorStore::rows() const {
-  if (!owned.empty() || mapped.shape().empty()) return {kind->shape, owned};
-  return {kind->shape, mapped.values<uint8_t>(2)};
+  if (!owned.empty() || mapped.shape().empty()) return {shape(), owned};
+  return {shape(), mapped.values<uint8_t>(2)};
 }
 
 void DescriptorStore::append(const DescriptorRows& more) {
-  assert(mapped.shape().empty() && more.shape == kind->shape);
+  if (owned.empty() && kind->shape.length == 0) length = more.shape.length;
+  assert(mapped.shape().empty() && more.shape == shape());
   owned.insert(owned.end(), more.bytes.begin(), more.bytes.end());
 }
 

@@ -29,11 +29,16 @@ struct DescriptorSet;
 struct DescriptorKind {
   std::string_view name;  ///< in flags and manifests
   std::string_view summary;
-  DescriptorShape shape;
+  DescriptorShape shape;  ///< of length 0 where every set says its own
+  DescriptorSet (*describe_with)(const DescriptorKind& kind, const Sequence& sequence,
+                                 const DescriptorSettings& settings, Unreadable unreadable,
+                                 const Monitor& monitor);
+  bool is_imported = false;  ///< its sequences are arrays of descriptors, not frames
+
   /// Decodes and describes in parallel, no frame kept. Same result for any number of threads; all
-  /// zero for an unreadable frame. Throws what for_each_frame throws.
-  DescriptorSet (*describe)(const Sequence& sequence, const DescriptorSettings& settings,
-                            Unreadable unreadable, const Monitor& monitor);
+  /// zero for an unreadable frame. Throws what for_each_frame throws, or import_descriptors.
+  DescriptorSet describe(const Sequence& sequence, const DescriptorSettings& settings,
+                         Unreadable unreadable, const Monitor& monitor) const;
 };
 
 /// The kinds, LDB first: what a manifest without a name holds.
@@ -42,7 +47,7 @@ std::span<const DescriptorKind> descriptor_kinds();
 /// The row of that name, or null.
 const DescriptorKind* find_descriptor_kind(std::string_view name);
 
-/// The same; throws Error(usage) listing the names for an unknown one.
+/// The same; for an unknown name throws Error(usage), which lists those that describe frames.
 const DescriptorKind& descriptor_kind(std::string_view name);
 
 /// Descriptors of one kind: of a fresh description, or the memory-mapped ones of a stored database.
@@ -50,9 +55,11 @@ struct DescriptorStore {
   const DescriptorKind* kind = &descriptor_kinds().front();
   std::vector<uint8_t> owned;
   NpyArray mapped;
+  size_t length = 0;  ///< of a kind whose sets say it; 0 before the first is appended
 
+  DescriptorShape shape() const;
   DescriptorRows rows() const;
-  /// Only where nothing is mapped, and of the same shape.
+  /// Only where nothing is mapped, and of the same shape; to an empty store, of the same kind.
   void append(const DescriptorRows& more);
 };
 

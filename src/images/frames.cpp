@@ -213,6 +213,9 @@ FrameList replayed(const FrameList& recorded, Replay replay) {
 
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor, const FrameBody& body) {
+  if (sequence.kind == SequenceKind::descriptors)
+    throw Error(ErrorKind::data, fmt::format("{}: holds descriptors, and images are needed here",
+                                             sequence.argument.path.string()));
   FrameList frames = sequence.kind == SequenceKind::video
                          ? for_each_video_frame(sequence, format, unreadable, monitor, body)
                          : for_each_image(sequence, format, unreadable, monitor, body);

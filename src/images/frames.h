@@ -37,7 +37,8 @@ FrameList replayed(const FrameList& recorded, Replay replay);
 /// others work on its frames. BGR frames of a video become grey by BGR2GRAY.
 /// With Unreadable::fail the first (lowest) frame that can't be decoded throws Error(input);
 /// with skip, a sequence without any readable frame does. A frame that is larger than the
-/// MegapixelLimit throws Error(usage) with either, a video's before one is decoded.
+/// MegapixelLimit throws Error(usage) with either, a video's before one is decoded. A sequence of
+/// descriptors throws Error(data).
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor,
                          const std::function<void(size_t index, const cv::Mat& image)>& body);

@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 12> kImageExtensions = {".jpg", ".jpeg", ".jpe",  ".png",
                                                                ".bmp", ".pgm",  ".ppm",  ".pnm",
                                                                ".tif", ".tiff", ".webp", ".jp2"};
+constexpr std::array<std::string_view, 1> kArrayExtensions = {".npy"};
 constexpr std::array<std::string_view, 3> kListExtensions = {".txt", ".lst", ".csv"};
 
 std::string lower_extension(const fs::path& path) {
@@ -57,6 +58,17 @@ std::vector<fs::path> folder_entries(const fs::path& folder, bool (*wanted)(cons
   std::sort(found.begin(), found.end(), by_natural_name);
   return found;
 }
+
+// The files in a folder with one of some extensions.
+template <const auto& extensions>
+std::vector<fs::path> folder_files(const fs::path& folder) {
+  return folder_entries(folder, [](const fs::path& path) {
+    std::error_code ignored;
+    return has_extension(path, extensions) && !fs::is_directory(path, ignored);
+  });
+}
+
+bool is_array(const fs::path& path) { return has_extension(path, kArrayExtensions); }
 
 std::vector<fs::path> read_list(const fs::path& list) {
   std::vector<fs::path> files;
@@ -96,10 +108,8 @@ Sequence open_sequence(const SequenceArgument& argument) {
   Sequence sequence{argument, SequenceKind::images, {}};
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {
-    files = folder_entries(path, [](const fs::path& p) {
-      std::error_code ignored;
-      return has_extension(p, kImageExtensions) && !fs::is_directory(p, ignored);
-    });
+    files = folder_files<kImageExtensions>(path);
+    if (files.empty()) files = folder_files<kArrayExtensions>(path);
     if (files.empty())
       throw Error(ErrorKind::input,
                   fmt::format("{}: the folder holds no images (sub-folders are not searched)",
@@ -117,6 +127,10 @@ Sequence open_sequence(const SequenceArgument& argument) {
     throw Error(
         ErrorKind::input,
         fmt::format("{}: is a single image; give its folder, a list or a video", path.string()));
+  } else if (is_array(path)) {
+    sequence.kind = SequenceKind::descriptors;
+    sequence.files = {path};
+    return sequence;
   } else if (!fs::is_regular_file(status)) {
     throw Error(ErrorKind::input,
                 fmt::format("{}: is neither a folder nor a regular file", path.string()));
@@ -124,6 +138,7 @@ Sequence open_sequence(const SequenceArgument& argument) {
     sequence.kind = SequenceKind::video;
     return sequence;
   }
+  if (std::all_of(files.begin(), files.end(), is_array)) sequence.kind = SequenceKind::descriptors;
   sequence.files = apply_range(files, argument);
   return sequence;
 }

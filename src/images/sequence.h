@@ -1,4 +1,5 @@
-// The frames of what the user names: a folder of images, a list of them, or a video.
+// The frames of what the user names: a folder of images, a list of them, or a video; or arrays of
+// what describes them.
 #pragma once
 
 #include <filesystem>
@@ -8,20 +9,27 @@
 
 namespace vpr {
 
-/// What frames come from.
-enum class SequenceKind { images, video };
+/// What frames come from. Of descriptors there is no frame to decode.
+enum class SequenceKind { images, video, descriptors };
 
 /// Frames in order, not read yet. For images `files` holds the range's files; a video is cut to its
-/// range while it is read, since only then is its length known.
+/// range while it is read, since only then is its length known. Descriptors are .npy files, one a
+/// frame, or one with a row a frame, which is cut to its range when it is read, too.
 struct Sequence {
   SequenceArgument argument;
   SequenceKind kind = SequenceKind::images;
   std::vector<std::filesystem::path> files;
+
+  /// Whether its only file has a row a frame.
+  bool is_one_array() const {
+    return kind == SequenceKind::descriptors && files.size() == 1 && files.front() == argument.path;
+  }
 };
 
 /// Folder: its images by extension, hidden files and other files left out, no recursion, in natural
 /// order. Text file (.txt, .lst, .csv): one image a line, in the file's order, relative to the
-/// file; empty lines and lines that start with # are skipped. Anything else: a video.
+/// file; empty lines and lines that start with # are skipped. A .npy file, a folder of them without
+/// images, or a list of them: descriptors. Anything else: a video.
 /// Throws Error(input) for a missing path or an empty sequence, Error(usage) for a range that does
 /// not fit the frames there are.
 Sequence open_sequence(const SequenceArgument& argument);

@@ -1,6 +1,9 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
 // The settings above come first.
+#include <algorithm>
+#include <array>
+
 #include "matching/cosine_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -15,51 +18,144 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_TARGET == HWY_SCALAR
+constexpr size_t kPart = 64;       // rows whose products are kept at once
+constexpr size_t kTogether = 4;    // queries that meet rows in registers
+constexpr size_t kPairOfRows = 2;  // that they meet
+static_assert(kPart % kCosineRows == 0 && kCosineRows % kTogether == 0);
 
-int32_t Product(const int8_t* a, const int8_t* b, size_t length) {
+#if HWY_TARGET == HWY_SCALAR  // one lane, in which no pairs are summed
+
+template <class T>
+int32_t Product(const int16_t* a, const T* b, size_t length) {
   int32_t sum = 0;
   for (size_t i = 0; i < length; ++i) sum += int32_t{a[i]} * b[i];
   return sum;
 }
 
+template <class T>
+void RowProducts(const int16_t* query, const T* rows, size_t length, int32_t* out) {
+  for (size_t r = 0; r < kTogether; ++r) out[r] = Product(query, rows + r * length, length);
+}
+
+template <class T>
+void BlockProducts(const CosineQuery* queries, const T* rows, size_t length, int32_t* out) {
+  for (size_t q = 0; q < kTogether; ++q)
+    for (size_t r = 0; r < kPairOfRows; ++r)
+      out[q * kPart + r] = Product(queries[q].numbers, rows + r * length, length);
+}
+
 #else
 
-using SumTag = hn::ScalableTag<int32_t>;
-using NumberTag = hn::Repartition<int16_t, SumTag>;
+using NumberTag = hn::CappedTag<int16_t, kCosineNumbers>;
+using SumTag = hn::RepartitionToWide<NumberTag>;
 using ByteTag = hn::Rebind<int8_t, NumberTag>;
+using Numbers = hn::Vec<NumberTag>;
+using Sums = hn::Vec<SumTag>;
 
-// Products of 8-bit numbers fit 16 bits, and their sums in pairs 32.
-HWY_INLINE int32_t Product(const int8_t* HWY_RESTRICT a, const int8_t* HWY_RESTRICT b,
-                           size_t length) {
+HWY_INLINE Numbers Load(const int16_t* from) { return hn::LoadU(NumberTag(), from); }
+HWY_INLINE Numbers Load(const int8_t* from) {
+  return hn::PromoteTo(NumberTag(), hn::LoadU(ByteTag(), from));
+}
+
+HWY_INLINE int32_t Total(Sums even, Sums odd) {
+  return hn::GetLane(hn::SumOfLanes(SumTag(), hn::Add(even, odd)));
+}
+
+// One query against four rows, which are read once.
+template <class T>
+HWY_INLINE void RowProducts(const int16_t* HWY_RESTRICT query, const T* HWY_RESTRICT rows,
+                            size_t length, int32_t* HWY_RESTRICT out) {
   const SumTag d;
-  const NumberTag d16;
-  const ByteTag d8;
-  const size_t lanes = hn::Lanes(d16);
-  auto even = hn::Zero(d);
-  auto odd = hn::Zero(d);
-  size_t i = 0;
-  for (; i + lanes <= length; i += lanes)
-    even = hn::ReorderWidenMulAccumulate(d, hn::PromoteTo(d16, hn::LoadU(d8, a + i)),
-                                         hn::PromoteTo(d16, hn::LoadU(d8, b + i)), even, odd);
-  int32_t sum = hn::GetLane(hn::SumOfLanes(d, hn::Add(even, odd)));
-  for (; i < length; ++i) sum += int32_t{a[i]} * b[i];
-  return sum;
+  Sums even[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  Sums odd[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (size_t i = 0; i < length; i += hn::Lanes(NumberTag())) {
+    const Numbers from_query = Load(query + i);
+    HWY_UNROLL(4)
+    for (size_t r = 0; r < 4; ++r)
+      even[r] = hn::ReorderWidenMulAccumulate(d, Load(rows + r * length + i), from_query, even[r],
+                                              odd[r]);
+  }
+  HWY_UNROLL(4)
+  for (size_t r = 0; r < 4; ++r) out[r] = Total(even[r], odd[r]);
+}
+
+// Four queries against two rows: a number that is loaded takes part in several products.
+template <class T>
+HWY_INLINE void BlockProducts(const CosineQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
+                              size_t length, int32_t* HWY_RESTRICT out) {
+  const SumTag d;
+  Sums even[8] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
+                  hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  Sums odd[8] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
+                 hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (size_t i = 0; i < length; i += hn::Lanes(NumberTag())) {
+    const Numbers first = Load(rows + i);
+    const Numbers second = Load(rows + length + i);
+    HWY_UNROLL(4)
+    for (size_t q = 0; q < 4; ++q) {
+      const Numbers from_query = Load(queries[q].numbers + i);
+      even[2 * q] = hn::ReorderWidenMulAccumulate(d, first, from_query, even[2 * q], odd[2 * q]);
+      even[2 * q + 1] =
+          hn::ReorderWidenMulAccumulate(d, second, from_query, even[2 * q + 1], odd[2 * q + 1]);
+    }
+  }
+  HWY_UNROLL(4)
+  for (size_t q = 0; q < 4; ++q) {
+    out[q * kPart] = Total(even[2 * q], odd[2 * q]);
+    out[q * kPart + 1] = Total(even[2 * q + 1], odd[2 * q + 1]);
+  }
 }
 
 #endif
 
-// A row stays in the nearest cache while the query frames pass.
-void Tile(std::span<const int8_t* const> queries, const int8_t* rows, size_t row_count,
-          size_t length, int32_t* out) {
-  for (size_t i = 0; i < row_count; ++i)
-    for (size_t t = 0; t < queries.size(); ++t)
-      out[t * row_count + i] = Product(queries[t], rows + i * length, length);
+// Each of the few operations is rounded as IEEE says: the same on every machine. A vector of zeros
+// is at right angles to all.
+void Distances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT norms,
+               double query_norm, size_t count, uint16_t* HWY_RESTRICT out) {
+  const hn::CappedTag<double, kCosineRows> d;
+  const hn::Rebind<int32_t, decltype(d)> d32;
+  const hn::Rebind<uint16_t, decltype(d)> d16;
+  const auto half = hn::Set(d, 65535.0 / 2);
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto lengths = hn::Mul(hn::Set(d, query_norm), hn::LoadU(d, norms + i));
+    const auto product = hn::PromoteTo(d, hn::LoadU(d32, products + i));
+    const auto cosine = hn::IfThenElseZero(hn::Gt(lengths, hn::Zero(d)), hn::Div(product, lengths));
+    const auto distance = hn::Mul(hn::Sub(hn::Set(d, 1), cosine), half);
+    const auto rounded =
+        hn::Min(hn::Max(hn::Add(distance, hn::Set(d, 0.5)), hn::Zero(d)), hn::Set(d, 65535.0));
+    hn::StoreU(hn::DemoteTo(d16, hn::DemoteTo(d32, rounded)), d16, out + i);
+  }
+}
+
+template <class T>
+void Tile(std::span<const CosineQuery> queries, const CosineRows<T>& rows, uint16_t* out,
+          size_t stride) {
+  std::array<int32_t, kTogether * kPart> products;
+  for (size_t part = 0; part < rows.count; part += kPart) {
+    const T* numbers = rows.numbers + part * rows.length;
+    const size_t count = std::min(kPart, rows.count - part);
+    for (size_t t = 0; t < queries.size(); t += kTogether) {
+      const size_t together = std::min(kTogether, queries.size() - t);
+      if (together == kTogether)
+        for (size_t i = 0; i < count; i += kPairOfRows)
+          BlockProducts(queries.data() + t, numbers + i * rows.length, rows.length,
+                        products.data() + i);
+      else
+        for (size_t q = 0; q < together; ++q)
+          for (size_t i = 0; i < count; i += kTogether)
+            RowProducts(queries[t + q].numbers, numbers + i * rows.length, rows.length,
+                        products.data() + q * kPart + i);
+      for (size_t q = 0; q < together; ++q)
+        Distances(products.data() + q * kPart, rows.norms + part, queries[t + q].norm, count,
+                  out + (t + q) * stride + part);
+    }
+  }
 }
 
 }  // namespace
 
-CosineKernels Cosines() { return {Tile}; }
+CosineKernels<int8_t> Cosines() { return {Tile<int8_t>}; }
+CosineKernels<int16_t> WideCosines() { return {Tile<int16_t>}; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace vpr
@@ -70,8 +166,16 @@ HWY_AFTER_NAMESPACE();
 namespace vpr {
 
 HWY_EXPORT(Cosines);
+HWY_EXPORT(WideCosines);
 
-CosineKernels select_cosine_kernels() { return HWY_DYNAMIC_DISPATCH(Cosines)(); }
+template <>
+CosineKernels<int8_t> select_cosine_kernels() {
+  return HWY_DYNAMIC_DISPATCH(Cosines)();
+}
+template <>
+CosineKernels<int16_t> select_cosine_kernels() {
+  return HWY_DYNAMIC_DISPATCH(WideCosines)();
+}
 
 }  // namespace vpr
 

@@ -13,7 +13,7 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<DistanceKind, 2> kKinds = {{
+constexpr std::array<DistanceKind, 4> kKinds = {{
     {"hamming",
      ElementType::bits,
      {"bits", 1},
@@ -32,6 +32,24 @@ constexpr std::array<DistanceKind, 2> kKinds = {{
      plain_cosine_unrounded,
      cosine_projector,
      cosine_distances},
+    {"cosine of 16-bit numbers",
+     ElementType::wide_numbers,
+     {"units of cosine distance", 2.0 / 65535},
+     largest_cosine,
+     wide_cosine_distance,
+     plain_wide_cosine,
+     plain_wide_cosine_unrounded,
+     wide_cosine_projector,
+     wide_cosine_distances},
+    {"absolute differences",
+     ElementType::grey_levels,
+     {"256ths of a grey level", 1.0 / 256},
+     largest_grey,
+     grey_distance,
+     plain_grey,
+     plain_grey_unrounded,
+     grey_projector,
+     grey_distances},
 }};
 
 void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorShape& shape) {

@@ -45,7 +45,7 @@ struct FrameDistances {
       tile;
 
   /// The sum of a query frame's distances to the readable frames that rows are centred over. Exact
-  /// for bits; of cosine distances, rounded once.
+  /// for bits; of cosine distances and of pictures, rounded once.
   std::function<uint64_t(size_t query)> row_total;
   size_t centred_frames = 0;  ///< how many those frames are
 
@@ -117,8 +117,25 @@ FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const Des
 uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
 /// The projector of cosine distances: `weights` has one entry a row of `to`.
 Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
+/// The same for vectors of 16-bit numbers, whose squared length is kMostWideSquare at most
+/// (descriptors/imported.h): a longer one throws Error(data).
+FrameDistances wide_cosine_distances(std::span<const DescriptorSpan> train,
+                                     const DescriptorSpan& query,
+                                     std::span<const DescriptorSpan> centred_over);
+uint32_t wide_cosine_distance(DescriptorRow a, DescriptorRow b);
+Projector wide_cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 /// 65535, whatever the shape.
 uint16_t largest_cosine(const DescriptorShape& shape);
+
+/// The mean absolute difference of two pictures of one size, in 256ths of a grey level and rounded
+/// to the nearest, a half up.
+FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                              std::span<const DescriptorSpan> centred_over);
+uint32_t grey_distance(DescriptorRow a, DescriptorRow b);
+/// Exact for pictures whose number of pixels is a power of two.
+Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
+/// 255 grey levels, whatever the shape.
+uint16_t largest_grey(const DescriptorShape& shape);
 
 /// What makers of distances begin with: all members but those that give distances.
 FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const DescriptorSpan& query,

@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kWordBytes = sizeof(uint64_t);
 constexpr size_t kFewWords = 2 * kLdbBytes / kWordBytes;  // two LDB codes need no allocation
-constexpr size_t kMostWords = 1023;  // distances of more bits than 65535 do not fit
+constexpr size_t kMostWords = kMostBits / 64;
 
 /// What distances of any query to the same training frames share. `lanes` are these frames in the
 /// layout of the kernels, `words` a block, padded with zero codes to whole blocks.

@@ -15,9 +15,18 @@ uint32_t plain_hamming(DescriptorRow a, DescriptorRow b);
 /// with cos 0 for a vector of zeros.
 uint32_t plain_cosine(DescriptorRow a, DescriptorRow b);
 
+/// The same of two vectors of signed 16-bit numbers, the lower byte first.
+uint32_t plain_wide_cosine(DescriptorRow a, DescriptorRow b);
+
+/// The mean absolute difference of two pictures of 8-bit grey levels, times 256, rounded to the
+/// nearest, a half up.
+uint32_t plain_grey(DescriptorRow a, DescriptorRow b);
+
 /// The same before they are rounded, and not cut off.
 double plain_hamming_unrounded(DescriptorRow a, DescriptorRow b);
 double plain_cosine_unrounded(DescriptorRow a, DescriptorRow b);
+double plain_wide_cosine_unrounded(DescriptorRow a, DescriptorRow b);
+double plain_grey_unrounded(DescriptorRow a, DescriptorRow b);
 
 /// The plain distance of two frames, by the element type of their descriptors.
 uint32_t plain_distance(const DescriptorRows& a, size_t frame_a, const DescriptorRows& b,

@@ -191,7 +191,7 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   check_exactness(settings);
   check_rates(settings);
   check_names(database.sequences, settings);
-  check_descriptors(*database.descriptors.kind, *query.descriptors.kind, settings.window_length);
+  check_descriptors(database.descriptors, query.descriptors, settings.window_length);
   QueryPlan plan;
   plan.settings = settings;
   plan.settings.threshold_scale = scale_of(settings);

@@ -22,19 +22,25 @@ std::vector<uint32_t> window_limits(const Target& sequence) {
 
 }  // namespace
 
-void check_descriptors(const DescriptorKind& trained, const DescriptorKind& asked,
+void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
                        uint64_t window_length) {
-  if (trained.name != asked.name)
+  const std::string_view name = trained.kind->name;
+  if (name != asked.kind->name)
     throw Error(ErrorKind::data,
                 fmt::format("frames of the database are described by {}, those of the query by {}; "
                             "describe both by the same",
-                            trained.name, asked.name));
+                            name, asked.kind->name));
+  if (trained.shape() != asked.shape())
+    throw Error(ErrorKind::data, fmt::format("descriptors of the database have {} {}, those of the "
+                                             "query {}; describe both by the same",
+                                             trained.shape().length, element_words(trained.shape()),
+                                             asked.shape().length));
   // Files hold sums over a window as signed numbers of 32 bits.
-  const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape);
+  const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape());
   if (window_length > longest)
     throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for frames described by {}, "
                                               "found {}",
-                                              longest, trained.name, window_length));
+                                              longest, name, window_length));
 }
 
 FrameDistances searched_distances(const QueryPlan& plan) {

@@ -7,9 +7,9 @@
 
 namespace vpr {
 
-/// Throws Error(data) if database and query are described by different kinds, Error(usage) if c_l
-/// is longer than what sums of such distances allow.
-void check_descriptors(const DescriptorKind& trained, const DescriptorKind& asked,
+/// Throws Error(data) if database and query are described by different kinds, or by descriptors of
+/// different lengths, Error(usage) if c_l is longer than what sums of such distances allow.
+void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
                        uint64_t window_length);
 
 /// The frame distances of the query to the training sequences. A sequence that is not searched has

@@ -16,6 +16,14 @@
 namespace vpr {
 namespace {
 
+[[noreturn]] void refuse_shape(const NamedArgument& argument, const DescriptorShape& found,
+                               const DescriptorShape& expected) {
+  throw Error(ErrorKind::data, fmt::format("{}: its descriptors have {} {}, those of the database "
+                                           "{}",
+                                           argument.sequence.path.string(), found.length,
+                                           element_words(found), expected.length));
+}
+
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Monitor& monitor) {
   DescriptorSet described =
@@ -24,6 +32,9 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
     warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,
                               described.frames.unreadable.size(),
                               counted(described.frames.count(), "frame")));
+  if (!database.descriptors.owned.empty() &&
+      described.descriptors.shape() != database.descriptors.shape())
+    refuse_shape(argument, described.descriptors.shape(), database.descriptors.shape());
   database.descriptors.append(described.rows());
   database.sequences.push_back(
       {argument.name, std::move(described.frames.names), std::move(described.frames.unreadable)});
@@ -99,9 +110,21 @@ std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database) {
 
 DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor) {
-  return database.descriptors.kind->describe(sequence, database.descriptor,
-                                             skip_unreadable ? Unreadable::skip : Unreadable::fail,
-                                             monitor);
+  const DescriptorKind& kind = *database.descriptors.kind;
+  const bool has_frames = sequence.kind != SequenceKind::descriptors;
+  if (kind.is_imported && has_frames)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has images, but frames of the database were described by another "
+                            "program; give the same descriptors of these, as in q.npy",
+                            sequence.argument.path.string()));
+  if (!kind.is_imported && !has_frames)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: holds descriptors, but frames of the database are described by {}; "
+                    "give the images",
+                    sequence.argument.path.string(), kind.name));
+  return kind.describe(sequence, database.descriptor,
+                       skip_unreadable ? Unreadable::skip : Unreadable::fail, monitor);
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,

@@ -54,7 +54,7 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const RowKernels& kernels, const Monitor& monitor);
 
 /// The frames of a sequence, described as the database's are. Throws what DescriptorKind::describe
-/// throws.
+/// throws, and Error(data) for images where descriptors are imported, or the other way round.
 DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor);
 

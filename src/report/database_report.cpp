@@ -22,6 +22,13 @@ std::string threshold_text(const std::optional<AutomaticThreshold>& automatic) {
                                                   : fmt::format("{:.2f} bits", automatic->value);
 }
 
+// Nothing of LDB, the usual one.
+std::string descriptor_text(const DescriptorStore& descriptors) {
+  if (descriptors.kind == &descriptor_kinds().front()) return "";
+  const DescriptorShape shape = descriptors.shape();
+  return fmt::format(", {} of {} {}", descriptors.kind->name, shape.length, element_words(shape));
+}
+
 Json threshold_json(size_t window_length, const std::optional<AutomaticThreshold>& automatic) {
   const bool is_bits = automatic && automatic->scale == ThresholdScale::bits;
   Json json = {{"c_l", window_length}, {"bits", is_bits ? Json(automatic->value) : Json()}};
@@ -35,6 +42,7 @@ Json database_json(const SequenceDatabase& database,
                    const std::vector<AutomaticThresholds>& thresholds, const RunInfo& run) {
   Json json = head_json(DatabaseFamily::sequences);
   json["descriptor"] = database.descriptors.kind->name;
+  if (database.descriptors.kind->is_imported) json["length"] = database.descriptors.length;
   json["settings"] = value_to_json(database.descriptor);
   json["sequences"] = Json::array();
   for (size_t s = 0; s < database.sequences.size(); ++s) {
@@ -81,9 +89,9 @@ std::string database_text(const SequenceDatabase& database,
     for (const AutomaticThresholds& one : thresholds)
       row.push_back(threshold_text(one.sequences[s]));
   }
-  table.title =
-      fmt::format("{}: {}, {}, {}", name, enum_name(DatabaseFamily::sequences),
-                  counted(database.sequences.size(), "sequence"), counted(frames, "frame"));
+  table.title = fmt::format("{}: {}, {}, {}{}", name, enum_name(DatabaseFamily::sequences),
+                            counted(database.sequences.size(), "sequence"),
+                            counted(frames, "frame"), descriptor_text(database.descriptors));
   return render_table(table, TableFormat::text);
 }
 

@@ -44,7 +44,7 @@ std::map<size_t, Thumbnail> make_thumbnails(const Sequence& sequence,
     found[index] = {std::move(name), std::move(jpeg)};
   };
   if (wanted.empty()) return found;
-  if (sequence.kind == SequenceKind::video) {
+  if (sequence.kind != SequenceKind::images) {
     for_each_frame(sequence, PixelFormat::bgr, Unreadable::skip, monitor,
                    [&](size_t index, const cv::Mat& image) {
                      if (wanted.contains(index)) keep(index, fmt::format("#{}", index), image);

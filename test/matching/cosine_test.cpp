@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <tuple>
@@ -8,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "descriptors/imported.h"
 #include "matching/components.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
@@ -50,6 +52,22 @@ Vectors walk_vectors(size_t count, size_t length, uint64_t seed) {
     rows.push_back(row);
   }
   return make_vectors(rows);
+}
+
+// The same of 16-bit numbers, which are imported.
+Vectors wide_walk(size_t count, size_t length, uint64_t seed) {
+  const Vectors narrow = walk_vectors(count, length, seed);
+  Vectors wide{{ElementType::wide_numbers, length}, {}};
+  std::vector<double> row(length);
+  std::vector<int16_t> numbers(length);
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t x = 0; x < length; ++x)
+      row[x] = static_cast<int8_t>(narrow.bytes[i * length + x]) + 0.25;
+    quantise_numbers(row, std::span(numbers));
+    const auto* bytes = reinterpret_cast<const uint8_t*>(numbers.data());
+    wide.bytes.insert(wide.bytes.end(), bytes, bytes + 2 * length);
+  }
+  return wide;
 }
 
 uint32_t distance(const std::vector<int>& a, const std::vector<int>& b) {
@@ -111,9 +129,65 @@ TEST_CASE("cosine distances are those of the oracle, for any length, on every SI
   }
 }
 
+TEST_CASE("cosine distances of 16-bit numbers are those of the oracle, on every SIMD target") {
+  for (const size_t length : {1, 15, 32, 33, 127, 512, 1001}) {
+    const Vectors one = wide_walk(77, length, 1);
+    const Vectors two = wide_walk(9, length, 2);
+    const Vectors query = wide_walk(7, length, 3);
+    const std::vector<DescriptorSpan> train = {one.span(), two.span()};
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << length << " numbers");
+      const FrameDistances distances = frame_distances(train, query.span());
+      const std::vector<uint32_t> order = {4, 0, 1, 3, 6, 6, 2};
+      std::vector<uint16_t> tile(order.size() * 100, 7);
+      distances.tile(order, 8, 86, tile.data(), 100);
+      for (size_t t = 0; t < order.size(); ++t)
+        for (size_t i = 8; i < 86; ++i) {
+          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
+          REQUIRE(tile[t * 100 + i - 8] == plain_wide_cosine(row, query.span().rows[order[t]]));
+          REQUIRE(wide_cosine_distance(row, query.span().rows[order[t]]) == tile[t * 100 + i - 8]);
+        }
+    }
+  }
+}
+
+TEST_CASE(
+    "the largest vectors of 16-bit numbers have exact products, and longer ones are refused") {
+  const auto vectors = [](const std::vector<int16_t>& numbers, size_t length) {
+    Vectors made{{ElementType::wide_numbers, length}, {}};
+    made.bytes.resize(2 * numbers.size());
+    std::memcpy(made.bytes.data(), numbers.data(), made.bytes.size());
+    return made;
+  };
+  std::vector<int16_t> numbers(64, 0);
+  numbers[0] = numbers[1] = 32767;  // 46339.5 long; the other way round, the product is negative
+  numbers[32] = numbers[33] = -32767;
+  const Vectors longest = vectors(numbers, 32);
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    const DescriptorSpan train = longest.span();
+    const FrameDistances distances = frame_distances({&train, 1}, longest.span());
+    std::vector<uint16_t> row(8);
+    const uint32_t query = 0;
+    distances.tile({&query, 1}, 0, 2, row.data(), 0);
+    CHECK(row[0] == 0);
+    CHECK(row[1] == 65535);
+  }
+  numbers[2] = 300;
+  const Vectors longer = vectors(numbers, 32);
+  const DescriptorSpan train = longer.span();
+  CHECK(test::error_text([&] {
+          frame_distances({&train, 1}, longest.span());
+        }) == "the vector of frame 0 is longer than 46340");
+  CHECK(test::error_kind([&] { frame_distances({}, longer.span()); }) == ErrorKind::data);
+}
+
 TEST_CASE("the mean distance to all vectors is that of their distances, but for rounding") {
-  const Vectors one = walk_vectors(200, 40, 4);
-  const Vectors query = walk_vectors(20, 40, 5);
+  const bool is_wide = GENERATE(false, true);
+  const auto make = is_wide ? wide_walk : walk_vectors;
+  const Vectors one = make(200, 40, 4);
+  const Vectors query = make(20, 40, 5);
   const std::vector<size_t> unreadable = {3, 99};
   const DescriptorSpan train = one.span(unreadable);
   const FrameDistances distances = frame_distances({&train, 1}, query.span());
@@ -159,8 +233,10 @@ TEST_CASE("windows of vectors are compared by every exact method as the definiti
 }
 
 TEST_CASE("standardized scores of vectors are those of the oracle") {
-  const Vectors one = walk_vectors(80, 32, 9);
-  const Vectors query = walk_vectors(50, 32, 10);
+  const bool is_wide = GENERATE(false, true);
+  const auto make = is_wide ? wide_walk : walk_vectors;
+  const Vectors one = make(80, 32, 9);
+  const Vectors query = make(50, 32, 10);
   const DescriptorSpan train = one.span();
   TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
   statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});

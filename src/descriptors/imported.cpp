@@ -1,0 +1,192 @@
+#include "descriptors/imported.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "descriptors/array_rows.h"
+#include "descriptors/frame_descriptors.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kBlockNumbers = 1 << 16;  // read at once: half a megabyte
+
+double largest_size(std::span<const double> vector) {
+  double largest = 0;
+  for (const double number : vector) largest = std::max(largest, std::abs(number));
+  return largest;
+}
+
+template <class T>
+void store_numbers(std::span<const double> row, std::span<uint8_t> out) {
+  std::vector<T> numbers(row.size());
+  quantise_numbers(row, numbers);
+  std::memcpy(out.data(), numbers.data(), out.size());
+}
+
+// Numbers of 8 bits each, the lowest first, or of 1.
+void store_bits(std::span<const double> row, size_t bits_a_number, std::span<uint8_t> out) {
+  std::fill(out.begin(), out.end(), uint8_t{0});
+  for (size_t i = 0; i < row.size(); ++i) {
+    if (bits_a_number == 8)
+      out[i] = static_cast<uint8_t>(row[i]);
+    else if (row[i] != 0)
+      out[i / 8] = static_cast<uint8_t>(out[i / 8] | 1U << i % 8);
+  }
+}
+
+/// How rows of an element type come from numbers.
+struct RowImport {
+  std::string_view kind;
+  size_t elements_a_number = 1;
+  bool is_vector = true;
+  void (*store)(std::span<const double> row, std::span<uint8_t> out) = nullptr;
+};
+
+RowImport bit_import(const std::string& type) {
+  if (type == "|u1")
+    return {kBitKind, 8, false,
+            [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 8, out); }};
+  return {kBitKind, 1, false,
+          [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 1, out); }};
+}
+
+RowImport import_of(ElementType element, const ArrayRows& rows) {
+  const bool is_bits = element == ElementType::bits;
+  if (rows.type().starts_with("<f") == is_bits)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its numbers are of type {}; {}", rows.where(0), rows.type(),
+                            is_bits ? "bits are uint8 (8 bits a number) or bool"
+                                    : "vectors are float16, float32 or float64, and uint8 or bool "
+                                      "are bits: train with --bits"));
+  if (is_bits) return bit_import(rows.type());
+  return element == ElementType::whole_numbers
+             ? RowImport{kNarrowVectorKind, 1, true, store_numbers<int8_t>}
+             : RowImport{kVectorKind, 1, true, store_numbers<int16_t>};
+}
+
+void check_length(const ArrayRows& rows, ElementType element, size_t elements_a_number) {
+  const size_t most = most_elements(element) / elements_a_number;
+  if (rows.length() > most)
+    throw Error(ErrorKind::data, fmt::format("{}: has {} numbers; there may be {} at most",
+                                             rows.where(0), rows.length(), most));
+}
+
+// Rows [first, first + count) to where `out` begins. Gives those that are missing, which stay
+// zeros.
+std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
+                                Unreadable unreadable, size_t first, size_t count,
+                                std::span<uint8_t> out) {
+  std::vector<double> numbers(count * rows.length());
+  rows.read(first, count, numbers);
+  const size_t row_bytes = out.size() / count;
+  std::vector<size_t> missing;
+  for (size_t i = 0; i < count; ++i) {
+    const std::span<const double> row(numbers.data() + i * rows.length(), rows.length());
+    if (import.is_vector && is_missing_vector(row)) {
+      if (unreadable == Unreadable::fail)
+        throw Error(ErrorKind::data,
+                    fmt::format("{} is missing (all NaN); give --skip-unreadable to go on without "
+                                "it",
+                                rows.where(first + i)));
+      missing.push_back(first + i);
+      continue;
+    }
+    if (import.is_vector) check_vector(row, rows.where(first + i));
+    import.store(row, out.subspan(i * row_bytes, row_bytes));
+  }
+  return missing;
+}
+
+/// What became of a block of rows: those that are missing, or why it could not be read.
+struct BlockRows {
+  std::vector<size_t> missing;
+  std::optional<Error> error;
+};
+
+// The first row that is wrong is named, whatever came first in time.
+void keep_unreadable(FrameList& frames, const std::vector<BlockRows>& blocks) {
+  for (const BlockRows& block : blocks) {
+    if (block.error) throw Error(*block.error);
+    frames.unreadable.insert(frames.unreadable.end(), block.missing.begin(), block.missing.end());
+  }
+}
+
+}  // namespace
+
+bool is_missing_vector(std::span<const double> vector) {
+  return std::all_of(vector.begin(), vector.end(),
+                     [](double number) { return std::isnan(number); });
+}
+
+void check_vector(std::span<const double> vector, const std::string& where) {
+  const auto bad = std::find_if(vector.begin(), vector.end(),
+                                [](double number) { return !std::isfinite(number); });
+  if (bad != vector.end())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: number {} is {}", where, bad - vector.begin(), *bad));
+  if (std::all_of(vector.begin(), vector.end(), [](double number) { return number == 0; }))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is a vector of zeros, which has no direction", where));
+}
+
+void quantise_numbers(std::span<const double> vector, std::span<int8_t> out) {
+  const double largest = largest_size(vector);
+  for (size_t i = 0; i < vector.size(); ++i)
+    out[i] = static_cast<int8_t>(std::nearbyint(vector[i] / largest * 127));
+}
+
+void quantise_numbers(std::span<const double> vector, std::span<int16_t> out) {
+  const double largest = largest_size(vector);
+  double squares = 0;
+  for (const double number : vector) squares += number / largest * (number / largest);
+  const double rounding = std::sqrt(static_cast<double>(vector.size())) / 2;
+  const double scale = std::min(32767.0, (46340 - rounding) / std::sqrt(squares));
+  for (size_t i = 0; i < vector.size(); ++i)
+    out[i] = static_cast<int16_t>(std::nearbyint(vector[i] / largest * scale));
+}
+
+DescriptorSet import_descriptors(const Sequence& sequence, ElementType element,
+                                 Unreadable unreadable, const Monitor& monitor) {
+  const ArrayRows rows(sequence);
+  const RowImport import = import_of(element, rows);
+  check_length(rows, element, import.elements_a_number);
+  const DescriptorShape shape{element, rows.length() * import.elements_a_number};
+  DescriptorSet set;
+  set.descriptors.kind = find_descriptor_kind(import.kind);
+  set.descriptors.length = shape.length;
+  set.descriptors.owned.resize(rows.count() * shape.row_bytes());
+  const size_t block = std::max<size_t>(kBlockNumbers / rows.length(), 1);
+  const size_t blocks = (rows.count() + block - 1) / block;
+  std::vector<BlockRows> found(blocks);
+  StepCounter counter(monitor, "import", rows.count());
+  parallel_for(blocks, monitor, [&](size_t b) {
+    const size_t first = b * block;
+    const size_t count = std::min(block, rows.count() - first);
+    const std::span<uint8_t> out(set.descriptors.owned);
+    try {
+      found[b].missing =
+          store_block(rows, import, unreadable, first, count,
+                      out.subspan(first * shape.row_bytes(), count * shape.row_bytes()));
+    } catch (const Error& error) {
+      found[b].error = error;
+    }
+    counter.add(count);
+  });
+  keep_unreadable(set.frames, found);
+  for (size_t row = 0; row < rows.count(); ++row) set.frames.names.push_back(rows.name(row));
+  if (set.frames.unreadable.size() == set.frames.count())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: none of its {} can be read", sequence.argument.path.string(),
+                            counted(set.frames.count(), "row")));
+  return set;
+}
+
+}  // namespace vpr

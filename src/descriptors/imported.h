@@ -1,0 +1,50 @@
+// Descriptors that another program computed, from .npy files to rows of whole numbers or of bits.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/monitor.h"
+#include "descriptors/descriptor_rows.h"
+#include "images/frames.h"
+#include "images/sequence.h"
+
+namespace vpr {
+
+struct DescriptorSet;
+
+/// The names of what is imported: vectors, in whole numbers of 16 or of 8 bits, and bits.
+inline constexpr std::string_view kVectorKind = "vectors";
+inline constexpr std::string_view kNarrowVectorKind = "vectors8";
+inline constexpr std::string_view kBitKind = "bits";
+
+/// The squared length of no vector of 16-bit numbers is larger: scalar products of two fit 32 bits,
+/// whatever the order of their sums.
+inline constexpr int64_t kMostWideSquare = int64_t{46340} * 46340;
+
+/// Whether all numbers are NaN: a frame that is not there.
+bool is_missing_vector(std::span<const double> vector);
+/// Throws Error(data), beginning with `where`, for a number that is not finite, and for zeros only.
+void check_vector(std::span<const double> vector, const std::string& where);
+
+/// The vector as whole numbers, the largest of which is 127 or -127: x / max |x| * 127, each
+/// rounded to the nearest, a half to the even one. The vector is finite and not zero.
+void quantise_numbers(std::span<const double> vector, std::span<int8_t> out);
+
+/// The vector as whole numbers whose squares sum up to kMostWideSquare at most, as large as that
+/// and 16 bits allow: with y = x / max |x| and d numbers, y * min(32767, (46340 - sqrt(d) / 2) /
+/// |y|).
+void quantise_numbers(std::span<const double> vector, std::span<int16_t> out);
+
+/// The rows of a sequence as descriptors of the kind of this element type. Vectors are float16,
+/// float32 or float64, and only their directions count; bits are uint8 (8 bits a number) or bool
+/// (a bit a number). With Unreadable::skip, a row all of whose numbers are NaN keeps its index and
+/// can't be read. Memory: what comes out, and a block of rows for each thread. Throws what
+/// ArrayRows does, and Error(data), naming the first such row, for numbers that are not finite,
+/// vectors of zeros, rows that are too long, and arrays of another type.
+DescriptorSet import_descriptors(const Sequence& sequence, ElementType element,
+                                 Unreadable unreadable, const Monitor& monitor);
+
+}  // namespace vpr

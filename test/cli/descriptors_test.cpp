@@ -1,0 +1,277 @@
+// Descriptors that another program computed, as a user brings them.
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/npy.h"
+#include "base/random.h"
+#include "support.h"
+#include "world.h"
+
+using namespace vpr;
+using test::check_failure;
+using test::printed_json;
+using test::run_program;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+constexpr size_t kLength = 48;
+
+std::vector<float> random_rows(size_t count, uint64_t seed) {
+  RandomEngine engine(seed);
+  std::vector<float> values;
+  for (size_t i = 0; i < count * kLength; ++i)
+    values.push_back(static_cast<float>(uniform_below(engine, 2001)) - 1000);
+  return values;
+}
+
+/// 60 training frames, and a query of 24 that are frames 30 to 53 again, a little changed, at other
+/// lengths. Between them frame 12 is missing where `with_gap` is set.
+struct Arrays {
+  test::TemporaryFolder folder;
+  Arrays() {
+    const std::vector<float> train = random_rows(60, 1);
+    const std::vector<float> noise = random_rows(24, 2);
+    std::vector<float> query;
+    for (size_t i = 0; i < noise.size(); ++i)
+      query.push_back(0.01F * (train[30 * kLength + i] + 0.3F * noise[i]));
+    test::write_array(path("db.npy"), train, {60, kLength});
+    test::write_array(path("q.npy"), query, {24, kLength}, true);
+    std::string names;
+    for (int i = 0; i < 60; ++i) names += fmt::format("db/{:03}.jpg\n", i);
+    test::write_text(path("names.txt"), names);
+    for (const char* precision : {"8", "16"})
+      REQUIRE(run_program("vpr-train",
+                          {"descriptors", "--npy", path("db.npy"), "--sequence", "one=0:28",
+                           "--sequence", "two=28:60", "--names", path("names.txt"), "--c-l", "5",
+                           "--precision", precision, "-o", database(precision)})
+                  .exit_code == 0);
+  }
+  std::string path(const std::string& name) const { return folder / name; }
+  std::string database(const std::string& precision = "8") const {
+    return path("db" + precision + ".vprdb");
+  }
+};
+
+const Arrays& arrays() {
+  static const Arrays kShared;
+  return kShared;
+}
+
+test::RunOutcome query(Words words, const std::string& precision = "8") {
+  words.insert(words.begin(),
+               {arrays().database(precision), "--query-npy", arrays().path("q.npy"), "--json"});
+  return run_program("vpr-query", words);
+}
+
+}  // namespace
+
+TEST_CASE("a database of imported descriptors says what it holds") {
+  const Json narrow =
+      printed_json(run_program("vpr-train", {"info", arrays().database(), "--json"}));
+  CHECK(narrow["descriptor"] == "vectors8");
+  CHECK(narrow["length"] == kLength);
+  REQUIRE(narrow["sequences"].size() == 2);
+  CHECK(narrow["sequences"][1]["name"] == "two");
+  CHECK(narrow["sequences"][1]["frames"] == 32);
+  const auto text = run_program("vpr-train", {"info", arrays().database("16")});
+  CHECK(text.out.find("2 sequences, 60 frames, vectors of 48 numbers") != std::string::npos);
+  CHECK(test::read_text(arrays().path("db8.vprdb/frames.txt")) ==
+        test::read_text(arrays().path("names.txt")));
+}
+
+TEST_CASE("every decision and score takes imported descriptors, and cells are verified") {
+  for (const std::string precision : {"8", "16"}) {
+    for (const Words& words :
+         {Words{"--c-l", "5", "--t-r", "auto"}, Words{"--c-l", "5", "--t-r", "0.5"},
+          Words{"--c-l", "3", "--score", "standardized", "--t-r", "-3"},
+          Words{"--c-l", "5", "--score", "standardized-offline"},
+          Words{"--c-l", "5", "--method", "openable", "--t-r", "0.5"},
+          Words{"--c-l", "5", "--method", "fastable-online", "--t-r", "0.5"},
+          Words{"--c-l", "4", "--rates", "1/2,1,2", "--t-r", "0.5", "--t-r-scale", "mean"}}) {
+      Words all = words;
+      all.insert(all.end(), {"--verify", "60"});
+      INFO(fmt::format("{} bits, {}", precision, fmt::join(words, " ")));
+      const Json json = printed_json(query(all, precision));
+      CHECK(json["totals"]["hits"] > 0);
+      CHECK(json["verification"]["differences"] == 0);
+      for (const Json& best : json["clusters"]) {
+        CHECK(best["target"] == 1);
+        CHECK(best["train"]["window"].get<int>() == best["query"]["window"].get<int>() + 2);
+      }
+    }
+    const Json margins = printed_json(
+        query({"--c-l", "5", "--score", "standardized", "--decide", "margin", "--margin", "0.5"},
+              precision));
+    CHECK(margins["totals"]["hits"] > 10);
+    const Json filtered = printed_json(query({"--method", "filter", "--margin", "1"}, precision));
+    CHECK(filtered["settings"]["method"] == "filter");
+  }
+}
+
+TEST_CASE("imported descriptors are evaluated and swept like any other") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", arrays().path("db.npy") + "@30:54",
+                                    "--c-l", "5", "-o", out / "part.vprdb"})
+              .exit_code == 0);
+  REQUIRE(run_program("vpr-query", {out / "part.vprdb", "--query", arrays().path("q.npy"), "--c-l",
+                                    "5", "--t-r", "0.5", "-o", out / "r.json"})
+              .exit_code == 0);
+  const Json report = printed_json(
+      run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0",
+                               "--html", out / "r.html", "--json"}));
+  CHECK(report["best_match"]["rate"] == 1.0);
+  check_failure(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--query",
+                                         arrays().path("q.npy"), "--html", out / "r2.html"}),
+                2, "pictures need the images");
+  const Json sweep = printed_json(
+      run_program("vpr-tune", {"fastable", out / "part.vprdb", "--query", arrays().path("q.npy"),
+                               "--ground-truth", "aligned", "--c-l", "1,5", "--json"}));
+  CHECK(sweep.dump().find("recommend") != std::string::npos);
+}
+
+TEST_CASE("more sequences are added, of the same descriptors only") {
+  const test::TemporaryFolder out;
+  const auto added = run_program("vpr-train", {"add", arrays().database(), "--train",
+                                               arrays().path("q.npy"), "-o", out / "more.vprdb"});
+  CHECK(added.exit_code == 0);
+  test::write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
+  check_failure(run_program("vpr-train", {"add", arrays().database(), "--train", out / "short.npy",
+                                          "-o", out / "x.vprdb"}),
+                4, "short.npy: its descriptors have 10 numbers, those of the database 48");
+  check_failure(run_program("vpr-query",
+                            {arrays().database(), "--query-npy", out / "short.npy", "--c-l", "2"}),
+                4, "descriptors of the database have 48 numbers, those of the query 10");
+  check_failure(run_program("vpr-train", {"descriptors", "--npy", arrays().path("db.npy"), "--npy",
+                                          out / "short.npy", "-o", out / "x.vprdb"}),
+                4, "10 numbers, those of the database 48");
+}
+
+TEST_CASE("images and descriptors of another kind are refused, and what is wrong is named") {
+  const test::TemporaryFolder out;
+  const std::string images = test::world().walk("back");
+  check_failure(run_program("vpr-query", {arrays().database(), "--query", images}), 4,
+                "described by another program");
+  check_failure(
+      run_program("vpr-query", {test::world().database(), "--query-npy", arrays().path("q.npy")}),
+      4, "holds descriptors, but frames of the database are described by ldb");
+  check_failure(
+      run_program("vpr-query", {test::world().fabmap(), "--query-npy", arrays().path("q.npy")}), 4,
+      "images are needed");
+  check_failure(run_program("vpr-query", {arrays().database(), "--query-npy", images}), 2,
+                "is no .npy file");
+  check_failure(run_program("vpr-query", {arrays().database(), "--query-npy",
+                                          arrays().path("q.npy"), "--query", images}),
+                2, "--query-npy alone");
+  const auto train = [&](Words words) {
+    words.insert(words.begin(), "descriptors");
+    words.insert(words.end(), {"-o", out / "x.vprdb"});
+    return run_program("vpr-train", words);
+  };
+  const std::string db = arrays().path("db.npy");
+  check_failure(train({}), 2, "--npy");
+  check_failure(train({"--npy", images}), 2, "is no .npy file");
+  check_failure(train({"--npy", out / "missing.npy"}), 3, "missing.npy");
+  check_failure(train({"--npy", db, "--bits"}), 4, "bits are uint8");
+  check_failure(train({"--npy", db, "--precision", "12"}), 2, "16 or 8");
+  check_failure(train({"--npy", db, "--bits", "--precision", "8"}), 2, "--bits are exact");
+  check_failure(train({"--npy", db, "--sequence", "a"}), 2, "NAME=FIRST:LAST");
+  check_failure(train({"--npy", db, "--sequence", "a=b"}), 2, "NAME=FIRST:LAST");
+  check_failure(train({"--npy", db, "--sequence", "a=0:61"}), 2, "exceeds");
+  check_failure(train({"--npy", db, "--sequence", "a=0:9", "--sequence", "a=9:20"}), 2,
+                "two sequences are called a");
+  check_failure(train({"--npy", db, "--npy", db + "@0:9", "--sequence", "a=0:9"}), 2, "one --npy");
+  test::write_text(out / "few.txt", "a\nb\n");
+  check_failure(train({"--npy", db, "--names", out / "few.txt"}), 4, "few.txt: names 2 frames");
+  std::vector<float> values(12, 1);
+  values[7] = std::numeric_limits<float>::quiet_NaN();
+  test::write_array(out / "nan.npy", values, {4, 3});
+  check_failure(train({"--npy", out / "nan.npy"}), 4, "nan.npy: row 2: number 1 is nan");
+  test::write_text(out / "cut.npy", test::read_text(db).substr(0, 1000));
+  check_failure(train({"--npy", out / "cut.npy"}), 4, "truncated");
+  CHECK_FALSE(fs::exists(out / "x.vprdb"));
+}
+
+TEST_CASE("rows that are missing keep their index and never match") {
+  const test::TemporaryFolder out;
+  std::vector<float> values = random_rows(30, 5);
+  std::fill_n(values.begin() + 12 * kLength, kLength, std::numeric_limits<float>::quiet_NaN());
+  test::write_array(out / "gap.npy", values, {30, kLength});
+  check_failure(
+      run_program("vpr-train", {"descriptors", "--npy", out / "gap.npy", "-o", out / "g.vprdb"}), 4,
+      "row 12 is missing");
+  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", out / "gap.npy", "--skip-unreadable",
+                                    "--c-l", "3", "-o", out / "g.vprdb"})
+              .exit_code == 0);
+  const Json json = printed_json(
+      run_program("vpr-query", {out / "g.vprdb", "--query-npy", out / "gap.npy", "--c-l", "3",
+                                "--t-r", "0.01", "--skip-unreadable", "--json"}));
+  CHECK(json["totals"]["hits"] == 28 - 3);  // windows that frame 12 is in have none
+}
+
+TEST_CASE("bits from files match as LDB does, by hashing too") {
+  const test::TemporaryFolder out;
+  RandomEngine engine(7);
+  std::vector<uint8_t> codes(50 * 9);
+  for (uint8_t& byte : codes) byte = static_cast<uint8_t>(uniform_below(engine, 256));
+  test::write_array(out / "db.npy", codes, {50, 9});
+  const std::vector<uint8_t> part(codes.begin() + 20 * 9, codes.begin() + 40 * 9);
+  test::write_array(out / "q.npy", part, {20, 9}, true);
+  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--bits", "--c-l", "4",
+                                    "-o", out / "b.vprdb"})
+              .exit_code == 0);
+  for (const std::string method : {"fastable", "lsh"}) {
+    const Json json = printed_json(run_program(
+        "vpr-query", {out / "b.vprdb", "--query-npy", out / "q.npy", "--c-l", "4", "--t-r", "3",
+                      "--t-r-scale", "bits", "--method", method, "--verify", "10", "--json"}));
+    CHECK(json["totals"]["hits"] == 17);
+  }
+  check_failure(query({"--c-l", "4", "--method", "lsh", "--t-r", "0.1", "--t-r-scale", "mean"}), 2,
+                "lsh hashes bits");
+}
+
+TEST_CASE("imported descriptors stand in data sets, lists and folders") {
+  const test::TemporaryFolder out;
+  const NpyArray file(arrays().path("db.npy"));
+  const auto values = file.values<float>(2);
+  for (const char* name : {"train", "query"}) {
+    fs::create_directory(out / name);
+    for (size_t i = 0; i < 12; ++i)
+      test::write_array(out / name / fmt::format("{}.npy", i),
+                        std::vector<float>(values.begin() + ptrdiff_t(i * kLength),
+                                           values.begin() + ptrdiff_t((i + 1) * kLength)),
+                        {kLength});
+  }
+  REQUIRE(run_program("vpr-train",
+                      {"descriptors", "--npy", out / "train", "--c-l", "3", "-o", out / "f.vprdb"})
+              .exit_code == 0);
+  const Json json =
+      printed_json(run_program("vpr-query", {out / "f.vprdb", "--query-npy", out / "query", "--c-l",
+                                             "3", "--t-r", "0.01", "--json"}));
+  CHECK(json["totals"]["hits"] == 10);
+}
+
+TEST_CASE("frames are described by other built-in descriptors") {
+  const test::TemporaryFolder out;
+  const std::string one = test::world().walk("one");
+  for (const std::string name : {"thumbnail", "hog"}) {
+    REQUIRE(run_program("vpr-train", {"fastable", "--train", one, "--descriptor", name, "--c-l",
+                                      "5", "-o", out / (name + ".vprdb")})
+                .exit_code == 0);
+    const Json json = printed_json(
+        run_program("vpr-query", {out / (name + ".vprdb"), "--query", test::world().walk("back"),
+                                  "--c-l", "5", "--t-r", "0.5", "--verify", "50", "--json"}));
+    CHECK(json["verification"]["differences"] == 0);
+    CHECK(json["totals"]["hits"] > 0);
+  }
+  check_failure(run_program("vpr-train", {"fastable", "--train", one, "--descriptor", "thumb", "-o",
+                                          out / "x.vprdb"}),
+                2, "choose one of ldb, thumbnail, hog");
+}

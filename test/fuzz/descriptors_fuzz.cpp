@@ -1,0 +1,22 @@
+// Any bytes as descriptors: every kind that they may be, and their distances to themselves.
+#include "descriptors/frame_descriptors.h"
+#include "descriptors/imported.h"
+#include "fuzz.h"
+#include "matching/frame_distances.h"
+
+void vpr::fuzz::run(std::string_view input) {
+  const std::filesystem::path path = memory_file(input);
+  const Sequence sequence{{path, {}}, SequenceKind::descriptors, {path}};
+  for (const ElementType element :
+       {ElementType::bits, ElementType::whole_numbers, ElementType::wide_numbers}) {
+    DescriptorSet set;
+    if (refuses([&] { set = import_descriptors(sequence, element, Unreadable::skip, {}); }))
+      continue;
+    const DescriptorSpan span = set.span();
+    const FrameDistances distances = frame_distances({&span, 1}, span);
+    std::vector<uint16_t> row(set.frames.count() + kStretchFrames);
+    const uint32_t query = 0;
+    distances.tile({&query, 1}, 0, set.frames.count(), row.data(), 0);
+    for (size_t i = 0; i < set.frames.count(); ++i) require(row[i] <= distances.largest);
+  }
+}
