@@ -37,6 +37,7 @@ JudgedBy judged_by(const Session& session, const EvalInputs& inputs,
   JudgedBy by;
   by.confidence = inputs.confidence;
   by.poses = inputs.scores.poses;
+  by.recall_at = recall_at_of(inputs.scores);
   if (!inputs.ground_truth.empty())
     by.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
   if (!inputs.dataset.empty() &&
@@ -103,7 +104,7 @@ void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& eval
 }  // namespace
 
 EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
-  const auto& paths = inputs.results.empty() ? std::vector{inputs.scores.path} : inputs.results;
+  const auto& paths = inputs.results.empty() ? std::vector{inputs.scores.source()} : inputs.results;
   EvalInputs one = inputs;
   one.row_name = row_names(inputs.names, paths)[i];
   if (!inputs.results.empty()) one.result = inputs.results[i];
@@ -112,7 +113,7 @@ EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
 }
 
 Evaluated evaluate(Session& session, const EvalInputs& inputs) {
-  if (inputs.result.empty() && inputs.scores.path.empty())
+  if (inputs.result.empty() && !inputs.scores.any())
     throw Error(ErrorKind::usage,
                 "give a result of vpr-query, or --scores of any program; see vpr-eval --help");
   Evaluated evaluated;

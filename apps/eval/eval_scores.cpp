@@ -6,7 +6,9 @@
 
 #include "base/error.h"
 #include "common/warp_flag.h"
+#include "evaluation/descriptor_scores.h"
 #include "evaluation/metrics.h"
+#include "images/sequence.h"
 #include "recognition/score_kind.h"
 
 namespace vpr {
@@ -36,6 +38,19 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
                  "saved with it")
       .group(group)
       .type_name("FILE");
+  app.add_option("--query-npy", inputs.query_npy,
+                 "descriptors of the query (n x d numbers, .npy) instead of scores: 1 - cos in "
+                 "float64 to all of --reference-npy, of uint8 and bool the bits that differ")
+      .group(group)
+      .type_name("FILE");
+  app.add_option("--reference-npy", inputs.reference_npy, "descriptors of the references")
+      .group(group)
+      .type_name("FILE");
+  app.add_option("--recall-at", inputs.recall_at,
+                 "K of recall@K of scores, as in 1,5,10,100 (default 1,5,10,20)")
+      .group(group)
+      .comma_separated()
+      .type_name("K");
   const Flag distance =
       app.add_flag("--distance", inputs.is_distance, "small scores are good").group(group);
   app.add_flag("--similarity", inputs.is_similarity, "large scores are good")
@@ -82,7 +97,19 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
   };
   const std::string without = "describes a matrix; give it with --scores";
   const std::string beside = "does not go with a result, whose matrix and thresholds are known";
-  const bool has_scores = !inputs.path.empty();
+  const bool has_scores = inputs.any();
+  if (inputs.query_npy.empty() != inputs.reference_npy.empty())
+    throw Error(ErrorKind::usage, "--query-npy and --reference-npy go together");
+  if (!inputs.query_npy.empty()) {
+    if (!inputs.path.empty() || has_result)
+      throw Error(ErrorKind::usage,
+                  "descriptors (--query-npy) are evaluated by themselves, without a result and "
+                  "without --scores");
+    for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
+                                         std::pair(inputs.references_first, "--references-first"),
+                                         std::pair(inputs.missing.has_value(), "--missing")})
+      refuse(is_given, flag, "is for --scores; distances of descriptors are computed");
+  }
   for (const auto& [is_given, flag] : {std::pair(inputs.is_distance, "--distance"),
                                        std::pair(inputs.references_first, "--references-first"),
                                        std::pair(inputs.missing.has_value(), "--missing")})
@@ -91,6 +118,7 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
                                        std::pair(inputs.threshold.has_value(), "--threshold"),
                                        std::pair(!inputs.warp.empty(), "--warp"),
                                        std::pair(inputs.query_frames.has_value(), "--query-frames"),
+                                       std::pair(!inputs.recall_at.empty(), "--recall-at"),
                                        std::pair(inputs.window_length != 1, "--window")}) {
     refuse(is_given && has_result, flag, beside);
     refuse(is_given && !has_scores, flag, without);
@@ -108,10 +136,27 @@ ScoreFormat format_of(const ScoreInputs& inputs) {
 }  // namespace
 
 ScoreMatrix open_scores(const ScoreInputs& inputs) {
+  if (!inputs.query_npy.empty())
+    return descriptor_scores(open_sequence(parse_sequence_argument(inputs.query_npy)),
+                             open_sequence(parse_sequence_argument(inputs.reference_npy)));
   if (!inputs.is_distance && !inputs.is_similarity)
     throw Error(ErrorKind::usage,
                 "say what the scores are: --distance (small is good) or --similarity (large is)");
   return {inputs.path, format_of(inputs)};
+}
+
+std::vector<size_t> recall_at_of(const ScoreInputs& inputs) {
+  if (inputs.recall_at.empty()) return {};
+  std::vector<size_t> all = {1};
+  for (const uint64_t k : inputs.recall_at) {
+    if (k < 1 || k > kMostFrames)
+      throw Error(ErrorKind::usage,
+                  fmt::format("--recall-at takes 1 to {}, found {}", kMostFrames, k));
+    all.push_back(k);
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
 }
 
 ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
@@ -127,7 +172,7 @@ void check_window(const ScoreInputs& inputs) {
 
 ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
   const std::string name =
-      inputs.name.empty() ? std::filesystem::path(inputs.path).stem().string() : inputs.name;
+      inputs.name.empty() ? std::filesystem::path(inputs.source()).stem().string() : inputs.name;
   ScoreSettings settings{name, format_of(inputs), inputs.window_length, inputs.threshold};
   if (!inputs.warp.empty()) settings.replay = replay(inputs.warp, *inputs.query_frames, seed);
   return settings;
@@ -135,7 +180,7 @@ ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
 
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
   const auto& points = judgement.single_best.points;
-  if (inputs.is_similarity || inputs.missing || points.empty()) return;
+  if (inputs.is_similarity || inputs.missing || inputs.path.empty() || points.empty()) return;
   const double best = judgement.single_best.threshold(points.front());
   const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
   const auto kinds = score_kinds();
@@ -143,7 +188,7 @@ void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judg
   warn(monitor,
        fmt::format("{0}: has the distance {1}, the best there is; if it stands for a missing one, "
                    "as in a matrix of vpr-query, give --missing {1}",
-                   inputs.path, best));
+                   inputs.source(), best));
 }
 
 }  // namespace vpr

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/command.h"
 #include "pipeline/evaluate.h"
@@ -10,7 +11,10 @@
 namespace vpr {
 
 struct ScoreInputs {
-  std::string path;  ///< empty: none
+  std::string path;           ///< empty: none
+  std::string query_npy;      ///< descriptors that scores are computed of; empty: none
+  std::string reference_npy;  ///< of the references
+  std::vector<uint64_t> recall_at;
   bool is_distance = false;
   bool is_similarity = false;
   bool references_first = false;
@@ -21,6 +25,11 @@ struct ScoreInputs {
   std::optional<uint64_t> query_frames;  ///< of the query as it is
   std::string name;                      ///< for tables; empty: the file's, or the method
   std::string poses;                     ///< of the query, for metres
+
+  /// Whether there are scores, read or computed.
+  bool any() const { return !path.empty() || !query_npy.empty(); }
+  /// Where they come from.
+  const std::string& source() const { return path.empty() ? query_npy : path; }
 };
 
 void add_score_options(const Command& app, ScoreInputs& inputs);
@@ -31,7 +40,7 @@ std::string metrics_help();
 /// Throws Error(usage) for flags that need --scores, or that a result answers already.
 void check_score_inputs(const ScoreInputs& inputs, bool has_result);
 
-/// The matrix of --scores alone. Throws Error(usage) unless its kind is known.
+/// The matrix of --scores alone, or of descriptors. Throws Error(usage) unless its kind is known.
 ScoreMatrix open_scores(const ScoreInputs& inputs);
 
 /// The matrix that was saved with a result; `missing` stands where it has no score.
@@ -39,6 +48,10 @@ ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
 
 /// Throws Error(usage) for a --window out of range.
 void check_window(const ScoreInputs& inputs);
+
+/// K of recall@K, rising, 1 among them; none where the flag was not given. Throws Error(usage) for
+/// a K out of range.
+std::vector<size_t> recall_at_of(const ScoreInputs& inputs);
 
 /// What a report says of --scores alone. `seed`: of a replay. Throws what replay throws.
 ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed);

@@ -15,7 +15,7 @@ namespace {
 
 void check_several(const EvalInputs& inputs) {
   const PictureInputs& pictures = inputs.pictures;
-  if (!inputs.scores.path.empty() || !inputs.expected.empty() || !pictures.html.empty() ||
+  if (inputs.scores.any() || !inputs.expected.empty() || !pictures.html.empty() ||
       !pictures.plots.empty() || !inputs.map.folder.empty())
     throw Error(ErrorKind::usage,
                 "several results make one table; --scores, --expect, --html, --plot and --map take "
@@ -29,7 +29,7 @@ void check_protocols(const EvalInputs& inputs) {
         ErrorKind::usage,
         "--protocol stands for a ground truth, and its counts are compared with none: leave "
         "out --ground-truth, --dataset and --expect");
-  if (inputs.results.size() != 1 || !inputs.scores.path.empty())
+  if (inputs.results.size() != 1 || inputs.scores.any())
     throw Error(ErrorKind::usage, "--protocol takes one result of vpr-query, and no --scores");
   const PictureInputs& pictures = inputs.pictures;
   if (!pictures.html.empty() || !pictures.plots.empty() || !inputs.map.folder.empty() ||

@@ -59,6 +59,8 @@ void add_run(Evaluated& evaluated, const EvalInputs& inputs, RunInfo run, double
   const auto& truth = evaluated.by.ground_truth;
   for (const auto& [role, path] :
        {std::pair("result", inputs.result), std::pair("scores", inputs.scores.path),
+        std::pair("query", inputs.scores.query_npy),
+        std::pair("reference", inputs.scores.reference_npy),
         std::pair("ground_truth", truth ? truth->path.string() : "")})
     if (!path.empty()) run.paths[role] = path;
   evaluated.report["machine"] = machine_json(run);
@@ -126,6 +128,8 @@ int main(int argc, char** argv) {
                   "  vpr-eval result.json --ground-truth ground_truth.csv\n"
                   "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown\n"
                   "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv\n"
+                  "  vpr-eval --query-npy q.npy --reference-npy db.npy --recall-at 1,10,100 "
+                  "--ground-truth pairs.csv\n"
                   "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
                   "--name \"c_l 20\"\n"
                   "  vpr-eval result.json --protocol nordland-all");

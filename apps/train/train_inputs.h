@@ -58,6 +58,9 @@ struct DescriptorsCommand {
 /// The command `descriptors`; `command` must live as long as the program.
 void add_descriptors_command(Program& program, DescriptorsCommand& command);
 
+/// Writes the descriptors of a database to a .npy file, which is claimed, and says so.
+void export_descriptors(const Session& session, const std::string& path, const std::string& file);
+
 /// Prints what a database of sequences holds, and `more` below it.
 void print_database(const Session& session, const SequenceDatabase& database,
                     const std::string& path, const std::string& more);

@@ -106,6 +106,7 @@ struct DatabaseCommands {
   std::string path;
   AddInputs added;
   bool as_openfabmap = false;
+  std::string descriptors;
   NoSettings settings;
 };
 
@@ -151,16 +152,28 @@ void add_add_command(Program& program, DatabaseCommands& given) {
 
 void add_export_command(Program& program, DatabaseCommands& given) {
   const Command command = program.add_command(
-      "export", "Write a FAB-MAP database as the files of another program.",
-      "  vpr-train export fabmap.vprdb --openfabmap -o openfabmap-files", [&](Session& session) {
-        if (!given.as_openfabmap)
-          throw Error(ErrorKind::usage, "say what to export, as in --openfabmap");
-        export_openfabmap(session, given.path);
+      "export", "Write a database as files that other programs read.",
+      "  vpr-train export fabmap.vprdb --openfabmap -o openfabmap-files\n"
+      "  vpr-train export corridor.vprdb --descriptors corridor.npy",
+      [&](Session& session) {
+        if (given.as_openfabmap == !given.descriptors.empty())
+          throw Error(ErrorKind::usage,
+                      "say what to export: --openfabmap, or --descriptors FILE.npy");
+        if (given.as_openfabmap)
+          export_openfabmap(session, given.path);
+        else
+          export_descriptors(session, given.path, given.descriptors);
       });
   program.add_config(command, given.settings);
-  command.add_option("DB", given.path, "FAB-MAP database").required();
+  command.add_option("DB", given.path, "database").required();
   command.add_flag("--openfabmap", given.as_openfabmap,
-                   "OpenFABMAP's vocabulary, tree and BOW matrices (OpenCV YAML)");
+                   "of FAB-MAP: OpenFABMAP's vocabulary, tree and BOW matrices (OpenCV YAML)");
+  command
+      .add_option(
+          "--descriptors", given.descriptors,
+          "of sequences: a row a frame, of all sequences (.npy): bits as uint8, 8 a number, "
+          "vectors as float32, pictures as uint8")
+      .type_name("FILE");
 }
 
 }  // namespace

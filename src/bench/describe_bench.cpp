@@ -13,7 +13,9 @@
 #include "bench/generated.h"
 #include "bench/paper_times.h"
 #include "descriptors/frame_descriptors.h"
+#include "descriptors/hog.h"
 #include "descriptors/ldb.h"
+#include "descriptors/thumbnail.h"
 #include "images/decode.h"
 #include "images/frames.h"
 
@@ -128,7 +130,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   result.settings["images"] = images ? "recorded" : "generated, 640x480";
   const Frames frames = load_frames(images, settings.frames, seed);
   size_t next = 0;
-  StepCounter counter(monitor, "measure", 3 + kinds.size());
+  StepCounter counter(monitor, "measure", 5 + kinds.size());
   const auto add = [&](const std::string& work, auto&& run) {
     BenchRow row{work,
                  {{"width", static_cast<double>(frames.grey[0].cols)},
@@ -155,6 +157,8 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
     cv::resize(frames.grey[i], small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
   });
   add("ldb", [&](size_t i) { describe_ldb(frames.grey[i]); });
+  add("thumbnail", [&](size_t i) { describe_thumbnail(frames.grey[i]); });
+  add("hog", [&](size_t i) { describe_hog(frames.grey[i]); });
   for (const FeatureKind kind : kinds) {
     FeatureSettings feature = settings.feature_settings;
     feature.kind = kind;

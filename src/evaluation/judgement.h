@@ -7,6 +7,7 @@
 
 #include "evaluation/localisation.h"
 #include "evaluation/matrix_scan.h"
+#include "evaluation/metrics.h"
 
 namespace vpr {
 
@@ -35,6 +36,7 @@ struct Judgement {
   std::optional<double> threshold;         ///< of accepted best matches
   std::vector<Fix> fixes;                  ///< one a query frame
   Localisation localisation;
+  std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K of what is reported
 };
 
 /// Whether the frame's fix is as right as the query's best match, so that the one can stand for the

@@ -87,7 +87,19 @@ ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& f
   query_major_ = array_.is_column_major() == format.references_first;
 }
 
+ScoreMatrix::ScoreMatrix(ComputedScores computed)
+    : computed_(std::move(computed)),
+      queries_(computed_.queries),
+      references_(computed_.references) {}
+
+void ScoreMatrix::compute_block(size_t first, size_t count, std::span<uint64_t> keys) const {
+  std::vector<double> distances(count * references_);
+  computed_.compute(first, count, distances);
+  for (size_t i = 0; i < distances.size(); ++i) keys[i] = score_key(distances[i], kind());
+}
+
 void ScoreMatrix::read_block(size_t first, size_t count, std::span<uint64_t> keys) const {
+  if (computed_.compute) return compute_block(first, count, keys);
   const std::byte* values = array_.value_bytes().data();
   if (query_major_) {
     for (size_t q = 0; q < count; ++q)
@@ -102,6 +114,7 @@ void ScoreMatrix::read_block(size_t first, size_t count, std::span<uint64_t> key
 }
 
 void ScoreMatrix::forget_block(size_t first, size_t count) const {
+  if (computed_.compute) return;
   if (query_major_)
     array_.forget_values(first * references_ * value_size_, count * references_ * value_size_);
   else
@@ -111,8 +124,8 @@ void ScoreMatrix::forget_block(size_t first, size_t count) const {
 void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std::string& step,
                                const RowBody& body) const {
   if (queries_ == 0) return;
-  const size_t block =
-      std::clamp<size_t>(kBlockValues / std::max<size_t>(1, references_), 1, queries_);
+  const size_t most = computed_.compute ? std::min(computed_.block, queries_) : queries_;
+  const size_t block = std::clamp<size_t>(kBlockValues / std::max<size_t>(1, references_), 1, most);
   const size_t blocks = blocks_of(queries_, block);
   StepCounter counter(monitor, step, queries_);
   parallel_for(workers, monitor, [&](size_t worker) {
@@ -130,6 +143,7 @@ void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std
 }
 
 std::string ScoreMatrix::fingerprint(const Monitor& monitor) const {
+  if (computed_.compute) return computed_.fingerprint(monitor);
   ChecksumStream sum;
   const auto bytes = array_.file_bytes();
   const size_t header = bytes.size() - array_.value_bytes().size();

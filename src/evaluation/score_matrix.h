@@ -1,4 +1,5 @@
-// A query x reference matrix of scores in a .npy file of any program, never whole in memory.
+// A query x reference matrix of scores, in a .npy file of any program or computed row by row; never
+// whole in memory.
 #pragma once
 
 #include <filesystem>
@@ -20,12 +21,25 @@ struct ScoreFormat {
   std::optional<double> missing;  ///< this value is no score either
 };
 
+/// Scores that are computed when they are asked for.
+struct ComputedScores {
+  size_t queries = 0;
+  size_t references = 0;
+  size_t block = 1;  ///< queries that are computed together, at most
+  /// Writes the distances of queries [first, first + count) to all references, row by row. May be
+  /// called from several threads at once.
+  std::function<void(size_t first, size_t count, std::span<double> distances)> compute;
+  std::function<std::string(const Monitor& monitor)> fingerprint;  ///< of what they are made of
+};
+
 /// float16, float32, float64, bool, and integers of 8 to 64 bits, little-endian, C or Fortran
 /// order. NaN is no score.
 class ScoreMatrix {
  public:
   /// Throws Error(input) if the file can't be read, Error(data) if it is no such matrix.
   ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format);
+
+  explicit ScoreMatrix(ComputedScores computed);
 
   size_t queries() const { return queries_; }
   size_t references() const { return references_; }
@@ -39,19 +53,21 @@ class ScoreMatrix {
   void for_each_row(size_t workers, const Monitor& monitor, const std::string& step,
                     const RowBody& body) const;
 
-  /// Of the whole file, as provenance has it.
+  /// Of the whole file, or of what scores are computed of, as provenance has it.
   std::string fingerprint(const Monitor& monitor) const;
 
  private:
   using Reader = void (*)(const std::byte* values, std::span<uint64_t> keys, size_t key_stride,
                           const ScoreFormat& format);
 
+  void compute_block(size_t first, size_t count, std::span<uint64_t> keys) const;
   void read_block(size_t first, size_t count, std::span<uint64_t> keys) const;
   void forget_block(size_t first, size_t count) const;
 
   std::string name_;
   ScoreFormat format_;
   NpyArray array_;
+  ComputedScores computed_;  ///< instead of the array, where it has queries
   size_t value_size_ = 0;
   bool query_major_ = true;  // the scores of one query lie side by side
   size_t queries_ = 0;

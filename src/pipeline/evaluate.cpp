@@ -44,6 +44,7 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled_m, monitor)
                                 : judge(result, truth, travelled_m, monitor);
   order_by(evaluation.judgement, by.confidence);
+  if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
   JudgedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
   judged.by_view = count_by_view(result, truth, monitor);
@@ -66,6 +67,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   evaluation.judgement =
       judge(matrix, layout, evaluation.truth, settings.threshold, travelled_m, monitor);
   order_by(evaluation.judgement, by.confidence);
+  if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);
   return evaluation;

@@ -17,6 +17,7 @@ struct JudgedBy {
   std::optional<GroundTruthArgument> ground_truth;  ///< none: what is found counts as unjudged
   std::filesystem::path poses;  ///< of the query's frames, for metres; empty: frames only
   Confidence confidence = Confidence::score;  ///< of best matches
+  std::vector<size_t> recall_at = {};         ///< K of recall@K; none: kRecallAt
 };
 
 /// What is known of a score matrix of another program.

@@ -50,7 +50,7 @@ Json metrics_json(const Judgement& judgement) {
     json["all_pairs"]["ignored"] = judgement.all_pairs->ignored;
   }
   Json recall = Json::object();
-  for (const size_t k : kRecallAt)
+  for (const size_t k : judgement.recall_at)
     if (k == 1 || judgement.outcomes.has_ranks)
       recall[std::to_string(k)] = or_null(recall_at(judgement.outcomes, k));
   json["recall_at"] = recall;

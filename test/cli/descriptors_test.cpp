@@ -1,7 +1,9 @@
 // Descriptors that another program computed, as a user brings them.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -256,6 +258,120 @@ TEST_CASE("imported descriptors stand in data sets, lists and folders") {
       printed_json(run_program("vpr-query", {out / "f.vprdb", "--query-npy", out / "query", "--c-l",
                                              "3", "--t-r", "0.01", "--json"}));
   CHECK(json["totals"]["hits"] == 10);
+}
+
+TEST_CASE("descriptors go out and come in again with the same distances") {
+  const test::TemporaryFolder out;
+  const auto distances = [&](const std::string& database, const std::string& query) {
+    REQUIRE(run_program("vpr-query", {database, "--query", query, "--c-l", "1", "--t-r", "0.1",
+                                      "--save-matrix", out / "d.npy", "--force", "--quiet"})
+                .exit_code == 0);
+    const NpyArray matrix(out / "d.npy");
+    const auto values = matrix.values<int32_t>(2);
+    return std::vector<int32_t>(values.begin(), values.end());
+  };
+  const auto exported = [&](const std::string& database, const std::string& name) {
+    REQUIRE(run_program("vpr-train", {"export", database, "--descriptors", out / name}).exit_code ==
+            0);
+    return (out / name).string();
+  };
+  const auto imported = [&](const std::string& array, const Words& flags) {
+    Words words = {"descriptors", "--npy", array, "-o", array + ".vprdb", "--quiet"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    REQUIRE(run_program("vpr-train", words).exit_code == 0);
+    return array + ".vprdb";
+  };
+  const std::string one = test::world().walk("one");
+  const std::string back = test::world().walk("back");
+  for (const std::string kind : {"ldb", "hog"}) {
+    for (const auto& [name, frames] : {std::pair("one", one), std::pair("back", back)})
+      REQUIRE(run_program("vpr-train", {"fastable", "--train", frames, "--descriptor", kind, "-o",
+                                        out / (kind + name + ".vprdb"), "--quiet"})
+                  .exit_code == 0);
+    const std::string train = exported(out / (kind + "one.vprdb"), kind + "one.npy");
+    const std::string query = exported(out / (kind + "back.vprdb"), kind + "back.npy");
+    const Words flags = kind == "ldb" ? Words{"--bits"} : Words{"--precision", "8"};
+    CHECK(distances(out / (kind + "one.vprdb"), back) == distances(imported(train, flags), query));
+  }
+  exported(arrays().database(), "vectors.npy");
+  CHECK(NpyArray(out / "vectors.npy").shape() == std::vector<size_t>{60, kLength});
+  const auto export_it = [&](Words words) {
+    words.insert(words.begin(), "export");
+    return run_program("vpr-train", words);
+  };
+  check_failure(export_it({arrays().database()}), 2, "--descriptors");
+  check_failure(export_it({arrays().database(), "--descriptors", out / "vectors.npy"}), 2,
+                "vectors.npy");
+  check_failure(export_it({test::world().fabmap(), "--descriptors", out / "x.npy"}), 4, "fabmap");
+}
+
+TEST_CASE("descriptors are evaluated without a database, up to recall@100") {
+  const test::TemporaryFolder out;
+  const std::vector<float> train = random_rows(150, 8);
+  const std::vector<float> noise = random_rows(150, 9);
+  std::vector<float> query;
+  for (size_t i = 0; i < noise.size(); ++i) query.push_back(0.2F * train[i] + noise[i]);
+  test::write_array(out / "db.npy", train, {150, kLength});
+  test::write_array(out / "q.npy", query, {150, kLength}, true);
+  const Json report = printed_json(run_program(
+      "vpr-eval",
+      {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy", "--recall-at", "5,10,100",
+       "--ground-truth", "aligned", "--tolerance", "0", "--html", out / "page.html", "--json"}));
+  // By the definition, one product after the other.
+  std::map<size_t, double> expected;
+  for (size_t q = 0; q < 150; ++q) {
+    std::vector<double> distances;
+    for (size_t i = 0; i < 150; ++i) {
+      double product = 0;
+      double square = 0;
+      for (size_t x = 0; x < kLength; ++x) {
+        product += double{query[q * kLength + x]} * train[i * kLength + x];
+        square += double{train[i * kLength + x]} * train[i * kLength + x];
+      }
+      distances.push_back(-product / std::sqrt(square));
+    }
+    size_t rank = 1;
+    for (size_t i = 0; i < 150; ++i) rank += distances[i] < distances[q] ? 1 : 0;
+    for (const size_t k : {1, 5, 10, 100}) expected[k] += rank <= k ? 1.0 / 150 : 0;
+  }
+  const Json& found = report["metrics"]["recall_at"];
+  CHECK(found.size() == 4);
+  for (const auto& [k, recall] : expected)
+    CHECK(found[std::to_string(k)].get<double>() == Approx(recall));
+  CHECK(expected[1] < expected[100]);
+  CHECK(fs::file_size(out / "page.html") > 10'000);
+}
+
+TEST_CASE("descriptors without a database must fit each other") {
+  const test::TemporaryFolder out;
+  const std::string db = arrays().path("db.npy");
+  test::write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
+  test::write_array<uint8_t>(out / "bits.npy", {1, 2, 3, 7, 1, 4}, {3, 2});
+  test::write_array<uint8_t>(out / "wide.npy", {1, 2, 3, 7, 1, 2}, {2, 3});
+  const auto evaluate = [&](Words words) {
+    words.insert(words.end(), {"--ground-truth", "aligned", "--json"});
+    return run_program("vpr-eval", words);
+  };
+  const Json bits = printed_json(
+      evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "bits.npy"}));
+  CHECK(bits["metrics"]["recall_at"]["1"] == 1.0);
+  check_failure(evaluate({"--query-npy", db, "--reference-npy", out / "short.npy"}), 4,
+                "have 48 numbers, those of");
+  check_failure(evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "wide.npy"}), 4,
+                "have 16 bits, those of");
+  check_failure(evaluate({"--query-npy", db, "--reference-npy", out / "bits.npy"}), 4, "type <f4");
+  check_failure(evaluate({"--query-npy", db, "--reference-npy", test::world().walk("back")}), 4,
+                "is no .npy file of descriptors");
+  check_failure(evaluate({"--query-npy", db}), 2, "go together");
+  check_failure(evaluate({"--query-npy", db, "--reference-npy", db, "--similarity"}), 2,
+                "--similarity is for --scores");
+  check_failure(evaluate({"--query-npy", db, "--reference-npy", db, "--recall-at", "0"}), 2,
+                "--recall-at takes 1");
+  std::vector<float> values(12, 1);
+  values[7] = std::numeric_limits<float>::quiet_NaN();
+  test::write_array(out / "nan.npy", values, {4, 3});
+  check_failure(evaluate({"--query-npy", out / "nan.npy", "--reference-npy", out / "nan.npy"}), 4,
+                "nan.npy: row 2: number 1 is nan");
 }
 
 TEST_CASE("frames are described by other built-in descriptors") {

@@ -1,0 +1,157 @@
+#include "evaluation/descriptor_scores.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/checksum.h"
+#include "base/error.h"
+#include "descriptors/array_rows.h"
+#include "descriptors/frame_descriptors.h"
+#include "descriptors/imported.h"
+#include "matching/frame_distances.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kBlockNumbers = 1 << 20;      // of query vectors that are kept at once
+constexpr size_t kReferenceNumbers = 1 << 15;  // of reference vectors: the second-level cache
+constexpr size_t kLanes = 8;                   // sums of a product that are added last
+
+void require_descriptors(const Sequence& sequence) {
+  if (sequence.kind != SequenceKind::descriptors)
+    throw Error(ErrorKind::data, fmt::format("{}: is no .npy file of descriptors, nor a folder of "
+                                             "them",
+                                             sequence.argument.path.string()));
+}
+
+// Vectors [first, first + count) of length 1, in float64; NaN where one is missing.
+std::vector<double> unit_vectors(const ArrayRows& rows, size_t first, size_t count) {
+  std::vector<double> vectors(count * rows.length());
+  rows.read(first, count, vectors);
+  for (size_t i = 0; i < count; ++i) {
+    const std::span<double> vector(vectors.data() + i * rows.length(), rows.length());
+    if (is_missing_vector(vector)) continue;
+    check_vector(vector, rows.where(first + i));
+    const auto largest =
+        std::abs(*std::max_element(vector.begin(), vector.end(),
+                                   [](double a, double b) { return std::abs(a) < std::abs(b); }));
+    double squares = 0;
+    for (double& number : vector) {
+      number /= largest;
+      squares += number * number;
+    }
+    const double norm = std::sqrt(squares);
+    for (double& number : vector) number /= norm;
+  }
+  return vectors;
+}
+
+// In a fixed order of sums, which compilers can work on several at once.
+double product(const double* a, const double* b, size_t length) {
+  std::array<double, kLanes> sums = {};
+  size_t i = 0;
+  for (; i + kLanes <= length; i += kLanes)
+    for (size_t lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
+  for (size_t lane = 0; i < length; ++i, ++lane) sums[lane] += a[i] * b[i];
+  double sum = 0;
+  for (const double part : sums) sum += part;
+  return sum;
+}
+
+// `distances` has a row of all references for each of the queries [first, first + count).
+void compute_cosines(const ArrayRows& query, const ArrayRows& reference, size_t first, size_t count,
+                     std::span<double> distances) {
+  const size_t length = query.length();
+  const std::vector<double> asked = unit_vectors(query, first, count);
+  const size_t block = std::max<size_t>(kReferenceNumbers / length, 1);
+  for (size_t r = 0; r < reference.count(); r += block) {
+    const size_t together = std::min(block, reference.count() - r);
+    const std::vector<double> known = unit_vectors(reference, r, together);
+    for (size_t q = 0; q < count; ++q)
+      for (size_t i = 0; i < together; ++i)
+        distances[q * reference.count() + r + i] =
+            1 - product(asked.data() + q * length, known.data() + i * length, length);
+  }
+}
+
+bool has_bits(const ArrayRows& rows) { return !rows.type().starts_with("<f"); }
+
+// The checksum of the checksums of all files.
+std::string fingerprint_of(const Sequence& query, const Sequence& reference,
+                           const Monitor& monitor) {
+  std::string text;
+  for (const Sequence* sequence : {&query, &reference})
+    for (const auto& file : sequence->files) {
+      check_stop(monitor);
+      text += checksum(NpyArray(file).file_bytes());
+    }
+  return checksum(std::as_bytes(std::span(text)));
+}
+
+ComputedScores bit_scores(const Sequence& query, const Sequence& reference) {
+  const auto import = [](const Sequence& sequence) {
+    return std::make_shared<const DescriptorSet>(
+        import_descriptors(sequence, ElementType::bits, Unreadable::fail, {}));
+  };
+  const auto asked = import(query);
+  const auto known = import(reference);
+  const DescriptorShape shape = known->rows().shape;
+  if (asked->rows().shape != shape)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its descriptors have {} bits, those of {} {}",
+                            query.argument.path.string(), asked->rows().shape.length,
+                            reference.argument.path.string(), shape.length));
+  ComputedScores scores;
+  scores.queries = asked->rows().size();
+  scores.references = known->rows().size();
+  scores.block = kBlockNumbers;
+  scores.compute = [asked, known](size_t first, size_t count, std::span<double> distances) {
+    for (size_t q = 0; q < count; ++q)
+      for (size_t i = 0; i < known->rows().size(); ++i)
+        distances[q * known->rows().size() + i] =
+            hamming_distance(asked->rows()[first + q], known->rows()[i]);
+  };
+  return scores;
+}
+
+ComputedScores vector_scores(const std::shared_ptr<const ArrayRows>& query,
+                             const std::shared_ptr<const ArrayRows>& reference) {
+  if (query->length() != reference->length())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its descriptors have {} numbers, those of {} {}", query->where(0),
+                            query->length(), reference->where(0), reference->length()));
+  ComputedScores scores;
+  scores.queries = query->count();
+  scores.references = reference->count();
+  scores.block = std::max<size_t>(kBlockNumbers / query->length(), 1);
+  scores.compute = [query, reference](size_t first, size_t count, std::span<double> distances) {
+    compute_cosines(*query, *reference, first, count, distances);
+  };
+  return scores;
+}
+
+}  // namespace
+
+ScoreMatrix descriptor_scores(const Sequence& query, const Sequence& reference) {
+  require_descriptors(query);
+  require_descriptors(reference);
+  const auto asked = std::make_shared<const ArrayRows>(query);
+  const auto known = std::make_shared<const ArrayRows>(reference);
+  if (has_bits(*asked) != has_bits(*known))
+    throw Error(ErrorKind::data, fmt::format("{} are numbers of type {}, {} of {}", asked->where(0),
+                                             asked->type(), known->where(0), known->type()));
+  ComputedScores scores =
+      has_bits(*asked) ? bit_scores(query, reference) : vector_scores(asked, known);
+  scores.fingerprint = [query, reference](const Monitor& monitor) {
+    return fingerprint_of(query, reference, monitor);
+  };
+  return ScoreMatrix(std::move(scores));
+}
+
+}  // namespace vpr
