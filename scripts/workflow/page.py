@@ -77,10 +77,12 @@ def sweep_of(name, path):
                          ("c_l", "margin" if "margin" in sweep["cells"][0] else "t_r"))
     rows = [[str(cell[window]), cell.get(threshold), *counts_of(cell["counts"])]
             for cell in sweep["cells"]]
-    recommended = sweep.get("recommended")
-    said = ("nothing to recommend" if recommended is None else "recommended: " +
-            ", ".join(f"{key} {number(recommended[key])}" for key in (window, threshold)
-                      if key in recommended))
+    recommended = sweep["queries"][0]["recommended"]
+    said = "nothing to recommend"
+    if recommended is not None:
+        best = sweep["cells"][recommended]
+        said = "recommended: " + ", ".join(f"{key} {number(best[key])}"
+                                           for key in (window, threshold))
     return (f"<details><summary>{html.escape(name)}: {len(rows)} cells, {html.escape(said)}"
             f"</summary>{table([window, threshold, *COUNTS], rows)}</details>")
 

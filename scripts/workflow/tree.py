@@ -152,12 +152,14 @@ class Tree:
         return self.add("databases", job, data_set.training() + self.files(name, descriptor),
                         command)
 
-    def query_words(self, name, data_set, query, descriptor):
-        row = self.content["descriptors"][descriptor]
-        if "query" not in row:
-            return words("--dataset", data_set.description, "--query", query)
-        return filled(row["query"], {"dataset": data_set.description, "query": query,
-                                     "data": self.data, "set": name})
+    def query_words(self, key, of):
+        """What vpr-query (key query) or vpr-tune (tune) is told to run on."""
+        row = self.content["descriptors"][of["descriptor"]]
+        description = of["data_set"].description
+        if key not in row:
+            return words("--dataset", description, "--query", of["query"])
+        return filled(row[key], {"dataset": description, "query": of["query"], "data": self.data,
+                                 "set": of["name"]})
 
     def add_method(self, name, data_set, query, method, databases, section):
         """Results, reports and sweeps of a method on a query; gives its runs."""
@@ -193,9 +195,8 @@ class Tree:
     def job_name(self, of):
         return f"{of['name']}/{identifier(of['query'])}/{of['descriptor']}/{of['method']}"
 
-    def query_command(self, program, of, settings, output):
-        asked = self.query_words(of["name"], of["data_set"], of["query"], of["descriptor"])
-        return " ".join([program, words(of["database"]), asked,
+    def query_command(self, program, key, of, settings, output):
+        return " ".join([program, words(of["database"]), self.query_words(key, of),
                          words(*flags(settings), *self.common(of["seed"], output))])
 
     def query_inputs(self, of):
@@ -208,7 +209,7 @@ class Tree:
         job = f"{self.job_name(of)}/{place}-s{of['seed']}"
         shown = " ".join([title, *(f"{key} {value}" for key, value in cell.items())]) + suffix
         result = self.add("results", job, self.query_inputs(of), self.query_command(
-            "vpr-query", of, settings, self.path("results", job)))
+            "vpr-query", "query", of, settings, self.path("results", job)))
         self.add("reports", job, [result, *of["data_set"].truth(of["query"])], words(
             "vpr-eval", result, "--dataset", of["data_set"].description, "--name", shown,
             "-o", self.path("reports", job), "--force", "--quiet"))
@@ -222,7 +223,7 @@ class Tree:
         program = f"vpr-tune {self.family(of['descriptor'])}"
         inputs = self.query_inputs(of) + of["data_set"].truth(of["query"])
         return self.add("sweeps", job, inputs, self.query_command(
-            program, of, {**fixed, **grids}, self.path("sweeps", job)))
+            program, "tune", of, {**fixed, **grids}, self.path("sweeps", job)))
 
     def add_comparisons(self, place, runs, section):
         for name, row in self.content.get("comparisons", {}).items():

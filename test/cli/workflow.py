@@ -71,9 +71,11 @@ def write_experiments():
                      "told": {"dataset": {"train": train, "queries": queries}}},
             "descriptors": {"ldb": {}, "own": {"random": True, "train":
                 "vpr-train fastable --dataset {dataset} --seed {seed} -o {database} --quiet",
-                "query": "--dataset {dataset} --query {query}", "files": ["{data}/own.txt"]}},
+                "query": "--dataset {dataset} --query {query}",
+                "tune": "--dataset {dataset} --query {query} --tolerance 1", "files": ["{data}/own.txt"]}},
             "methods": {"raw": {"descriptors": ["ldb"], "runs": ["c_l"], "sweep": ["c_l"]},
-                        "mine": {"descriptors": ["own"], "settings": {"c_l": 5}}},
+                        "mine": {"descriptors": ["own"], "settings": {"c_l": 5},
+                                 "sweep": ["c_l"]}},
             "comparisons": {"both": {"methods": ["raw", "mine"]}}}
     (folder / "experiments.yaml").write_text(yaml.safe_dump(tree, sort_keys=False))
     return tree
@@ -84,8 +86,10 @@ def of_query(query, *, results):
     runs = [f"told/{query}/ldb/raw/c_l={c_l}-s1" for c_l in (5, 6)]
     runs += [f"told/{query}/own/mine/default-s{seed}" for seed in (1, 2)]
     kinds = ("result", "report") if results else ("report",)
-    return {f"results/{run}/{kind}.json" for run in runs for kind in kinds} | {
-        f"sweeps/told/{query}/ldb/raw-s1.json", f"comparisons/told/{query}/both.json", "index.html"}
+    sweeps = {f"sweeps/told/{query}/{made}.json" for made in ("ldb/raw-s1", "own/mine-s1",
+                                                              "own/mine-s2")}
+    return sweeps | {f"results/{run}/{kind}.json" for run in runs for kind in kinds} | {
+        f"comparisons/told/{query}/both.json", "index.html"}
 
 
 def check_killed():
@@ -117,6 +121,10 @@ def check_page():
                  "differences to raw c_l 5"):
         check(text in page, f"{text} is missing in {page}")
     report = json.loads((out / "results/told/back/ldb/raw/c_l=5-s1/report.json").read_text())
+    swept = json.loads((out / "sweeps/told/back/own/mine-s1.json").read_text())
+    best = swept["cells"][swept["queries"][0]["recommended"]]
+    check(f"recommended: c_l {best['c_l']}, t_r {best['t_r']:.4g}<" in page, best)
+    check("references within 1 frame" in json.dumps(swept["queries"]), swept["queries"])
     check(f"<td>{report['counts']['hits']['correct']}</td>" in page, "hits are missing")
 
 

@@ -60,7 +60,8 @@ echo; echo "== a job array"
 "$VPR_BIN/vpr-train" fastable --dataset "$at/building/dataset.json" --c-l 5 -o "$at/w.vprdb" --quiet
 printf '%s\n' "raw5 --c-l 5" "raw6 --c-l 6" "z5 --c-l 5 --score standardized" >"$at/runs.txt"
 array=(sbatch --wait --array=1-3 --mem=1G --output="$at/array-%a.log"
-  scripts/workflow/slurm/array.sh "$at/w.vprdb" "$at/building/dataset.json" "$at/runs.txt" "$at/array")
+  scripts/workflow/slurm/array.sh
+  "$at/w.vprdb" "$at/building/dataset.json" "$at/runs.txt" "$at/array")
 "${array[@]}" || { cat "$at"/array-*.log "$at"/slurm*.log; exit 1; }
 rm "$at/array/raw6.report.json"
 before=$(stat -c %Y.%n "$at/array/raw5.report.json" "$at/array/z5.report.json")
@@ -69,6 +70,7 @@ before=$(stat -c %Y.%n "$at/array/raw5.report.json" "$at/array/z5.report.json")
 "$VPR_BIN/vpr-eval" compare "$at"/array/{raw5,raw6,z5}.report.json | head -8
 
 echo; echo "== the profile"
+late_job=$(sbatch --parsable --mem=100 --time=1 --output=/dev/null --wrap "sleep 600")
 cat >"$at/experiments.yaml" <<END
 schema: vpr.experiments/1
 memory_mb: 1000
@@ -80,7 +82,8 @@ comparisons: {windows: {methods: [raw]}}
 END
 snakefile=$PWD/scripts/workflow/Snakefile profile=$PWD/scripts/workflow/slurm
 cd "$at"
-snakemake -s "$snakefile" --profile "$profile" --latency-wait 5 --config experiments="$at/experiments.yaml" out=out
+snakemake -s "$snakefile" --profile "$profile" --latency-wait 5 \
+  --config experiments="$at/experiments.yaml" out=out
 ls -l out/index.html
 [[ $(scontrol -o show jobs | grep -c "JobName=vpr-.* JobState=COMPLETED") -ge 8 ]]
 
@@ -90,5 +93,8 @@ gone_job=$(sbatch --parsable --mem=100 --output=/dev/null --wrap "sleep 600")
 until [[ $("$profile/status.sh" "$done_job") == success ]]; do sleep 1; done
 [[ $("$profile/status.sh" "$gone_job") == running ]]
 scancel "$gone_job"
-until [[ $("$profile/status.sh" "$gone_job") == failed ]]; do sleep 1; done
+for job in "$gone_job" "$late_job"; do
+  until [[ $("$profile/status.sh" "$job") == failed ]]; do sleep 1; done
+  scontrol -o show job "$job" | grep -o "JobState=[A-Z]*"
+done
 echo "try.sh: all done"
