@@ -72,7 +72,8 @@ def write_experiments():
             "descriptors": {"ldb": {}, "own": {"random": True, "train":
                 "vpr-train fastable --dataset {dataset} --seed {seed} -o {database} --quiet",
                 "query": "--dataset {dataset} --query {query}",
-                "tune": "--dataset {dataset} --query {query} --tolerance 1", "files": ["{data}/own.txt"]}},
+                "tune": "--dataset {dataset} --query {query} --tolerance 1",
+                "files": ["{data}/own.txt"]}},
             "methods": {"raw": {"descriptors": ["ldb"], "runs": ["c_l"], "sweep": ["c_l"]},
                         "mine": {"descriptors": ["own"], "settings": {"c_l": 5},
                                  "sweep": ["c_l"]}},

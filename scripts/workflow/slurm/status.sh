@@ -6,6 +6,7 @@ state=$(scontrol show job "$1" 2>/dev/null | sed -n 's/.*JobState=\([A-Z_]*\).*/
 [[ -n $state ]] || state=$(sacct -j "$1" -X -n -o State 2>/dev/null | awk '{print $1; exit}')
 case $state in
   COMPLETED) echo success ;;
-  BOOT_FAIL | CANCELLED* | DEADLINE | FAILED | NODE_FAIL | OUT_OF_MEMORY | PREEMPTED | TIMEOUT) echo failed ;;
+  BOOT_FAIL | CANCELLED* | DEADLINE | FAILED | NODE_FAIL) echo failed ;;
+  OUT_OF_MEMORY | PREEMPTED | TIMEOUT) echo failed ;;
   *) echo running ;;
 esac

@@ -7,7 +7,8 @@ cd "$(dirname "$0")/../../.."
 for program in slurmctld slurmd sbatch munged snakemake; do
   command -v "$program" >/dev/null || { echo "try.sh: $program is missing" >&2; exit 77; }
 done
-VPR_BIN=$(realpath "${VPR_BIN:-build/release/bin}")
+VPR_BIN=$(realpath -m "${VPR_BIN:-build/release/bin}")
+[[ -x $VPR_BIN/vpr-synth ]] || { echo "try.sh: $VPR_BIN/vpr-synth is missing" >&2; exit 2; }
 at=$(mktemp -d)
 chmod 755 "$at"
 export VPR_BIN SLURM_CONF=$at/slurm.conf
