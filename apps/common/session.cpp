@@ -23,8 +23,7 @@ void write_to_stdout(const std::string& text) {
 }
 
 // Scripts get what names hold; on a terminal they are only shown.
-void print_json(ProgressLine& progress, const Json& json) {
-  const std::string text = to_text(json);
+void print_json(ProgressLine& progress, const std::string& text) {
   progress.clear();
   write_to_stdout(::isatty(STDOUT_FILENO) != 0 ? printable(text) : text);
 }
@@ -35,6 +34,8 @@ void Session::print(const std::string& text) const {
   progress.clear();
   write_to_stdout(printable(text));
 }
+
+void Session::print_line(const Json& json) const { print_json(progress, to_line(json) + "\n"); }
 
 void Session::claim_output() const {
   if (!options.output.empty()) outputs.claim_file(options.output);
@@ -49,7 +50,7 @@ void Session::print_result(const std::string& text, const Json& json) const {
   outputs.commit();
   try {
     if (options.json)
-      print_json(progress, json);
+      print_json(progress, to_text(json));
     else if (!options.quiet)
       print(text);
   } catch (const Error& error) {

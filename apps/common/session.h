@@ -54,6 +54,8 @@ struct Session {
   /// Prints to stdout, where a progress line has been before, what a terminal may show
   /// (printable); Error(output) if that fails (a full disk, a closed pipe).
   void print(const std::string& text) const;
+  /// Prints a JSON on a line of its own, whole; Error(output) as print does.
+  void print_line(const Json& json) const;
   /// Commits the outputs of the run, and then prints a readable text, or with --json the JSON;
   /// neither with --quiet (but --json always). Where files are written, a text that can't be
   /// printed is a warning, for all that was asked for is there.

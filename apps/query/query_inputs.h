@@ -13,10 +13,15 @@
 
 namespace vpr {
 
+inline constexpr const char* kFollowHelp =
+    "print a line of JSON for each frame as it comes: of a folder that grows, a video, a list, or "
+    "image paths on standard input (--query -)";
+
 struct QueryInputs {
   std::string database;
   std::optional<std::string> query;
   std::string query_npy;  ///< its descriptors instead
+  bool follow = false;    ///< frames as they come
   std::string dataset;
   std::string warp;  ///< how the query is replayed; empty: as it is
   std::string ground_truth;
@@ -52,6 +57,10 @@ std::string query_title(const Result& result);
 /// A query against a database of sequences.
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& settings);
+
+/// The same, as frames come: a line for each.
+void follow_query(Session& session, const QueryInputs& inputs,
+                  const SequenceQuerySettings& settings);
 
 /// A query against a FAB-MAP database.
 void run_fabmap_query(Session& session, const QueryInputs& inputs,

@@ -156,6 +156,7 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
 
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& given) {
+  if (inputs.follow) return follow_query(session, inputs, given);
   const SequenceQuerySettings settings = with_implied(given);
   const CommonOptions& options = session.options;
   if (!options.output.empty()) claim_result(options.output, session.outputs);

@@ -120,9 +120,9 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                        "close)"));
   group(app.add_option("--ground-truth", inputs.ground_truth,
                        fmt::format("drawn into the picture: {}", ground_truth_help())));
-  group(
-      add_setting(app, "--verify", inputs.verify_cells,
-                  "recompute so many random cells by the definition; exit code 5 if one differs"));
+  group(app.add_flag("--follow", inputs.follow, kFollowHelp));
+  group(add_setting(app, "--verify", inputs.verify_cells,
+                    "recompute so many random cells by definition; exit code 5 if any differs"));
   group(add_memory_flag(app, inputs.memory_limit,
                         "for rings and hits, as in 512M; more is computed twice instead"));
 }
@@ -283,7 +283,7 @@ int main(int argc, char** argv) {
                   "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
                   "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "
                   "-o result.json\n"
-                  "  vpr-query corridor.vprdb --query tuesday --method filter\n"
+                  "  vpr-query corridor.vprdb --query frames --method filter --follow\n"
                   "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
                   "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
                   "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"

@@ -99,6 +99,10 @@ std::vector<fs::path> apply_range(const std::vector<fs::path>& all,
 
 }  // namespace
 
+bool is_frame_name(const fs::path& path) {
+  return !is_hidden(path) && has_extension(path, kImageExtensions);
+}
+
 Sequence open_sequence(const SequenceArgument& argument) {
   const fs::path& path = argument.path;
   std::error_code error;

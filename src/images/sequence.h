@@ -7,6 +7,10 @@
 
 #include "images/sequence_argument.h"
 
+namespace cv {
+class Mat;
+}
+
 namespace vpr {
 
 /// What frames come from. Of descriptors there is no frame to decode.
@@ -19,6 +23,8 @@ struct Sequence {
   SequenceArgument argument;
   SequenceKind kind = SequenceKind::images;
   std::vector<std::filesystem::path> files;
+  /// A frame that is decoded already, in blue, green and red or in grey: then it is the only one.
+  const cv::Mat* picture = nullptr;
 
   /// Whether its only file has a row a frame.
   bool is_one_array() const {
@@ -33,6 +39,10 @@ struct Sequence {
 /// Throws Error(input) for a missing path or an empty sequence, Error(usage) for a range that does
 /// not fit the frames there are.
 Sequence open_sequence(const SequenceArgument& argument);
+
+/// Whether a file in a folder is one of its frames by its name: it has the extension of an image
+/// format, and is not hidden.
+bool is_frame_name(const std::filesystem::path& path);
 
 /// The frames of each sub-folder of `folder` that is not hidden, in natural order. Throws
 /// Error(input) if there is none.

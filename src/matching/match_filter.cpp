@@ -75,16 +75,17 @@ void forget_frames(FilteredQuery& query) {
 }
 
 PathReport take_frame(FilteredQuery& query, const FrameDistances& distances, size_t frame) {
+  const size_t number = query.passed + frame;
   find_scores(query, distances, frame);
   if (shows_new_view(query, distances, frame)) {
     query.view = frame;
     advance_filter(query.filter, query.scores);
-    follow_view(query.track, query.filter, query.scores, frame);
+    follow_view(query.track, query.filter, query.scores, number);
     write_views(query);
   }
-  const PathFrame path = path_at(query.track, query.filter.cells, frame);
+  const PathFrame path = path_at(query.track, query.filter.cells, number);
   write_best(query, path);
-  return {frame, path.margin, path.nowhere, path.rate};
+  return {number, path.margin, path.nowhere, path.rate};
 }
 
 void match_filter(const FrameDistances& distances, const MatchSettings& settings,

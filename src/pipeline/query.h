@@ -34,6 +34,12 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
                      const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor);
 
+/// The same of any one window of a query that is described as the database is, before a frame of it
+/// is known.
+QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
+                      const SequenceQuerySettings& settings, const QueryResources& resources,
+                      const Monitor& monitor);
+
 /// Distances, hits, best matches and clusters of a planned query. Every row also goes to
 /// `observers`, once. Throws Error(expectation) if a verified cell differs, and what score_basis
 /// and start_standardized throw.

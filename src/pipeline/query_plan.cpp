@@ -181,32 +181,57 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
   plan_limits(plan);
 }
 
-}  // namespace
-
-QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                     const std::string& query_name, const SequenceQuerySettings& given,
-                     const QueryResources& resources, const Monitor& monitor) {
+// What is known without a frame of the query. `asked`: as its frames are described.
+QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& asked,
+                     const DescriptorSpan& query, const std::string& query_name,
+                     const SequenceQuerySettings& given) {
   const SequenceQuerySettings settings = with_implied(given);
   check_settings(settings);
   check_exactness(settings);
   check_rates(settings);
   check_names(database.sequences, settings);
-  check_descriptors(database.descriptors, query.descriptors, settings.window_length);
+  check_descriptors(database.descriptors, asked, settings.window_length);
   QueryPlan plan;
   plan.settings = settings;
   plan.settings.threshold_scale = scale_of(settings);
-  plan.query = query.span();
-  plan.replay = query.frames.replay;
+  plan.query = query;
   plan.train = descriptor_spans(database);
   plan.learned = database.statistics ? &*database.statistics : nullptr;
   plan.query_name = query_name;
-  plan_windows(plan, monitor);
+  return plan;
+}
+
+void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryResources& resources,
+                 const Monitor& monitor) {
+  const SequenceQuerySettings& settings = plan.settings;
   plan_sequences(plan, database.sequences, monitor);
   if (find_sequence_method(settings.method).is_exact || has_paths(settings.method))
     plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
   plan_decision(plan, database, resources, monitor);
   if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)
     plan.statistics = {plan.learned->settings, plan.learned->typical_distance};
+}
+
+}  // namespace
+
+QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const QueryResources& resources, const Monitor& monitor) {
+  QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query_name, settings);
+  plan.replay = query.frames.replay;
+  plan_windows(plan, monitor);
+  finish_plan(plan, database, resources, monitor);
+  return plan;
+}
+
+QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
+                      const SequenceQuerySettings& settings, const QueryResources& resources,
+                      const Monitor& monitor) {
+  const DescriptorSpan no_frame{{database.descriptors.rows().shape, {}}, {}};
+  QueryPlan plan = begin_plan(database, database.descriptors, no_frame, query_name, settings);
+  plan.query_frames = plan.settings.window_length;
+  plan.query_windows = 1;
+  finish_plan(plan, database, resources, monitor);
   return plan;
 }
 

@@ -34,12 +34,16 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
   return make_score_basis(settings.standardization, kind.is_offline, *learned);
 }
 
+ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan) {
+  std::vector<uint8_t> searched;
+  for (const Target& sequence : plan.sequences) searched.push_back(sequence.searched);
+  return basis_of(all, plan.train, searched);
+}
+
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
                       const QueryPlan& plan, const Monitor& monitor) {
   if (!basis) return distances;
-  std::vector<uint8_t> searched;
-  for (const Target& sequence : plan.sequences) searched.push_back(sequence.searched);
-  return standardized(std::move(distances), basis_of(*basis, plan.train, searched), monitor);
+  return standardized(std::move(distances), searched_basis(*basis, plan), monitor);
 }
 
 }  // namespace vpr

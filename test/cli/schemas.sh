@@ -53,6 +53,11 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   --ground-truth aligned -o "$out/esw.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
   --warp stops -o "$out/sw.json" --quiet
+ls "$out"/building/query/[0-9]* >"$out/query.txt"
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/query.txt" --follow --method filter --quiet >"$out/live"
+head -n 1 "$out/live" >"$out/l1.json"
+tail -n 1 "$out/live" >"$out/l2.json"
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/query.txt" --follow --c-l 5 --quiet | tail -n 1 >"$out/l3.json"
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 --score standardized -o "$out/t2.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 \
@@ -65,7 +70,7 @@ echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9,
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
   "$out/p.json" "$out/c.json" "$out/cv.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
-  "$out/s.json" "$out/sf.json" "$out/t.json" \
+  "$out/s.json" "$out/sf.json" "$out/t.json" "$out/l1.json" "$out/l2.json" "$out/l3.json" \
   "$out/several.json" "$out/en.json" \
   "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \
   "$out/s3.json" "$out/best.json" \

@@ -1,0 +1,148 @@
+// vpr-query --follow: frames as they come.
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "images/live_source.h"
+#include "matching/methods.h"
+#include "pipeline/live_query.h"
+#include "pipeline/score_basis.h"
+#include "pipeline/train.h"
+#include "query_inputs.h"
+#include "report/live_line.h"
+
+namespace vpr {
+namespace {
+
+// What is for a whole query would be without effect.
+void refuse_whole(const Session& session, const QueryInputs& inputs) {
+  const auto refuse = [](bool is_given, const char* flag, const char* why) {
+    if (is_given)
+      throw Error(ErrorKind::usage, fmt::format("{} can't be given with --follow, {}", flag, why));
+  };
+  refuse(!session.options.output.empty(), "--output",
+         "which prints a line for each frame; redirect standard output");
+  refuse(!inputs.matrix.empty(), "--save-matrix", "which keeps no row");
+  refuse(!inputs.ground_truth.empty() || any_given(inputs.flags), "--ground-truth",
+         "which draws nothing");
+  refuse(inputs.verify_cells > 0, "--verify", "which keeps no row");
+  refuse(!inputs.query_npy.empty(), "--query-npy", "which describes frames itself");
+  refuse(!inputs.warp.empty(), "--warp", "which replays nothing");
+}
+
+struct NamedSource {
+  std::string name;
+  std::unique_ptr<LiveSource> source;
+};
+
+NamedSource open_source(const QueryInputs& inputs, Unreadable unreadable) {
+  if (inputs.dataset.empty() && inputs.query == "-")
+    return {"standard input", open_live_pipe(STDIN_FILENO)};
+  const NamedSequence query = find_query(inputs).sequence;
+  return {query.name, open_live_source(query.sequence, unreadable)};
+}
+
+/// How long frames took, from when they were there until their line was printed, in milliseconds.
+class Latencies {
+ public:
+  void add(double seconds) { all_.push_back(static_cast<float>(1e3 * seconds)); }
+
+  std::string summary() {
+    std::string text = counted(all_.size(), "frame");
+    if (all_.empty()) return text;
+    const auto middle = all_.begin() + static_cast<ptrdiff_t>(all_.size() / 2);
+    std::nth_element(all_.begin(), middle, all_.end());
+    return text + fmt::format("; from frame to line {:.2f} ms in the median, {:.2f} at worst",
+                              *middle, *std::max_element(middle, all_.end()));
+  }
+
+ private:
+  std::vector<float> all_;
+};
+
+/// Frames of a source to lines.
+struct Follower {
+  const Session& session;
+  const SequenceDatabase& database;
+  Unreadable unreadable;
+  Monitor silent;  ///< no progress for a single frame
+  LiveQuery query;
+  size_t frames = 0;
+
+  // Nothing for a frame that can't be read, and need not be.
+  std::optional<DescriptorSet> describe(const LiveFrame& frame) const {
+    try {
+      if (frame.is_unreadable)
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: frame {} can't be decoded", frame.file.string(), frame.name));
+      return describe_frames(frame.sequence(), database, false, silent);
+    } catch (const Error& error) {
+      if (unreadable == Unreadable::fail || error.kind() != ErrorKind::input) throw;
+      warn(silent, error.what());
+      return std::nullopt;
+    }
+  }
+
+  void take(const LiveFrame& frame) {
+    const auto described = describe(frame);
+    const DescriptorShape shape = database.descriptors.rows().shape;
+    const std::vector<uint8_t> none(described ? 0 : shape.row_bytes());
+    const std::optional<Result> result =
+        query.take(described ? described->rows()[0] : DescriptorRow(none), described.has_value());
+    session.print_line(
+        live_line({frames++, frame.name, described.has_value()}, result ? &*result : nullptr, 0));
+  }
+};
+
+void follow(LiveSource& source, Follower& follower, Latencies& latencies) {
+  while (const auto frame = source.next(follower.silent)) {
+    const Stopwatch watch;
+    follower.take(*frame);
+    latencies.add(watch.elapsed_s());
+  }
+}
+
+}  // namespace
+
+void follow_query(Session& session, const QueryInputs& inputs, const SequenceQuerySettings& given) {
+  refuse_whole(session, inputs);
+  check_live(with_implied(given));
+  QueryResources resources;
+  resources.kernels = session.kernels;
+  resources.memory_limit = inputs.memory_limit;
+  resources.seed = session.options.seed;
+  const Unreadable unreadable = given.skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  SequenceDatabase database = read_sequence_database(inputs.database);
+  if (database.descriptors.kind->is_imported)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: holds descriptors that were imported, and frames that come can't "
+                            "be described so",
+                            inputs.database));
+  check_score(with_implied(given));
+  if (score_kind(with_implied(given).score).needs_statistics)
+    ensure_statistics(database, session.monitor);
+  const NamedSource query = open_source(inputs, unreadable);
+  Monitor silent = session.monitor;
+  silent.progress = nullptr;
+  Follower follower{session, database, unreadable, silent,
+                    LiveQuery(database, query.name, given, resources, session.monitor)};
+  Latencies latencies;
+  const auto report = [&] {
+    if (!session.options.quiet) fmt::print(stderr, "{}\n", latencies.summary());
+  };
+  try {
+    follow(*query.source, follower, latencies);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::interrupted) throw;
+    report();
+    throw Error(ErrorKind::interrupted, "interrupted");
+  }
+  report();
+}
+
+}  // namespace vpr

@@ -1,0 +1,37 @@
+// One of our programs while it runs: given lines, and asked for lines.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "support.h"
+
+namespace vpr::test {
+
+class Running {
+ public:
+  Running(const std::string& program, const std::vector<std::string>& arguments);
+  ~Running();
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+  void write(const std::string& text) const;
+  /// The next line, without its line feed, as soon as it is there; fails where none comes.
+  std::string line();
+  void close_input();
+  void signal(int number) const;
+  /// Waits for the end. `out`: what no line() has taken.
+  RunOutcome finish();
+
+ private:
+  TemporaryFolder folder_;
+  pid_t child_ = 0;
+  int input_ = -1;
+  int output_ = -1;
+  std::string text_;
+  bool read_more();
+};
+
+}  // namespace vpr::test

@@ -1,0 +1,91 @@
+#include "images/growing_folder.h"
+
+#include <fstream>
+#include <future>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "support.h"
+
+using namespace vpr;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+namespace {
+
+// As programs do that write a file under another name first.
+void put(const fs::path& folder, const std::string& name) {
+  test::write_text(folder / ".part", "x");
+  fs::rename(folder / ".part", folder / name);
+}
+
+std::future<fs::path> next_of(GrowingFolder& folder) {
+  return std::async(std::launch::async, [&] { return folder.next({}); });
+}
+
+}  // namespace
+
+TEST_CASE("images are given in natural order, as soon as they are renamed into a folder") {
+  const test::TemporaryFolder folder;
+  put(folder.path(), "10.png");
+  put(folder.path(), "9.png");
+  put(folder.path(), "notes.txt");
+  put(folder.path(), ".hidden.png");
+  GrowingFolder growing(folder.path(), 1h);
+  CHECK(growing.next({}) == folder / "9.png");  // a later one is there
+  auto waiting = next_of(growing);              // for one later than 10.png, or that it rests
+  put(folder.path(), "11.png");
+  CHECK(waiting.get() == folder / "10.png");
+  CHECK(growing.next({}) == folder / "11.png");  // renamed: at once
+  for (int i = 12; i < 40; ++i) {
+    auto next = next_of(growing);
+    put(folder.path(), std::to_string(i) + ".png");
+    CHECK(next.get() == folder / (std::to_string(i) + ".png"));
+  }
+}
+
+TEST_CASE("a file that is being written is waited for") {
+  const test::TemporaryFolder folder;
+  GrowingFolder growing(folder.path(), 1h);
+  std::ofstream file(folder / "1.png");
+  file << "half" << std::flush;
+  auto next = std::async(std::launch::async, [&] { return fs::file_size(growing.next({})); });
+  file << " and half" << std::flush;
+  file.close();
+  CHECK(next.get() == 13);
+}
+
+TEST_CASE("a file that was there is given when its size rests") {
+  const test::TemporaryFolder folder;
+  put(folder.path(), "1.png");
+  GrowingFolder growing(folder.path(), 0ms);
+  CHECK(growing.next({}) == folder / "1.png");
+}
+
+TEST_CASE("an image that comes too late is left out, and said") {
+  const test::TemporaryFolder folder;
+  GrowingFolder growing(folder.path(), 1h);
+  put(folder.path(), "5.png");
+  CHECK(growing.next({}) == folder / "5.png");
+  put(folder.path(), "3.png");
+  put(folder.path(), "6.png");
+  Monitor monitor;
+  std::string said;
+  monitor.warn = [&](const std::string& sentence) { said += sentence; };
+  CHECK(growing.next(monitor) == folder / "6.png");
+  CHECK(said.find("3.png: came after 5.png") != std::string::npos);
+}
+
+TEST_CASE("waiting ends with a stop, and with the folder") {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder / "f");
+  GrowingFolder growing(folder / "f", 1h);
+  std::atomic<bool> stop = true;
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK(test::error_kind([&] { growing.next(monitor); }) == ErrorKind::interrupted);
+  fs::remove(folder / "f");
+  CHECK(test::error_kind([&] { growing.next({}); }) == ErrorKind::input);
+  CHECK(test::error_kind([&] { GrowingFolder{folder / "f"}; }) == ErrorKind::input);
+}
