@@ -1,4 +1,5 @@
-// Seeded random numbers, the same with every standard library (std::*_distribution is not).
+// Seeded random numbers, the same with every standard library (std::*_distribution is not). Draw
+// one a statement or in braces: in which order a call's arguments are drawn is the compiler's.
 #pragma once
 
 #include <cstdint>

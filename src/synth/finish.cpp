@@ -15,10 +15,10 @@ Finish building_finish(const World& world, const FloorNames& names) {
   RandomEngine own = named_engine(world.seed, "floor/" + names.plan);
   const double tone = between(engine, 165, 205) + between(own, -12, 12);
   Finish finish;
-  finish.plaster =
-      colour(tone * between(engine, 0.86, 0.98), tone, tone * between(engine, 0.98, 1.05));
-  finish.dado =
-      colour(between(engine, 90, 150), between(engine, 100, 150), between(engine, 95, 150));
+  const double warm = tone * between(engine, 0.98, 1.05);
+  finish.plaster = colour(tone * between(engine, 0.86, 0.98), tone, warm);
+  const double red = between(engine, 95, 150), green = between(engine, 100, 150);
+  finish.dado = colour(between(engine, 90, 150), green, red);
   finish.dado_m = between(engine, 0.9, 1.2);
   finish.brick_halls = uniform_unit(own) < 0.5;
   return finish;
@@ -123,16 +123,17 @@ void wear_wall(WallBrush& brush, double length_m, double wear, RandomEngine& eng
       }
   for (int i = 0; i < static_cast<int>(length_m * wear * 0.7); ++i) {  // mended
     const double x = between(engine, 0, length_m), z = between(engine, 0.1, 2.4);
-    const cv::Rect patch = brush.area(x, z, between(engine, 0.3, 1.2), between(engine, 0.2, 0.9)) &
-                           cv::Rect(0, 0, picture.cols, picture.rows);
+    const double height = between(engine, 0.2, 0.9), width = between(engine, 0.3, 1.2);
+    const cv::Rect patch =
+        brush.area(x, z, width, height) & cv::Rect(0, 0, picture.cols, picture.rows);
     if (patch.empty()) continue;
     cv::Mat part = picture(patch);
     part.convertTo(part, -1, between(engine, 0.78, 1.15));
   }
   for (int i = 0; i < static_cast<int>(length_m * wear * 6); ++i) {  // scuffs
     const double shade = between(engine, 35, 110), z = between(engine, 0.1, 1.1);
-    brush.fill(between(engine, 0, length_m), z, between(engine, 0.03, 0.4),
-               between(engine, 0.008, 0.03), colour(shade, shade, shade));
+    const double height = between(engine, 0.008, 0.03), width = between(engine, 0.03, 0.4);
+    brush.fill(between(engine, 0, length_m), z, width, height, colour(shade, shade, shade));
   }
 }
 

@@ -16,9 +16,8 @@ constexpr double kDaylight = 255;
 
 void paint_sheet(WallBrush& brush, double x, double bottom, double width, double height) {
   RandomEngine& chance_of = brush.detail;
-  brush.fill(x, bottom, width, height,
-             colour(between(chance_of, 205, 245), between(chance_of, 215, 250),
-                    between(chance_of, 205, 250)));
+  const double red = between(chance_of, 205, 250), green = between(chance_of, 215, 250);
+  brush.fill(x, bottom, width, height, colour(between(chance_of, 205, 245), green, red));
   const double picture_height = chance(chance_of, 0.5) ? height * between(chance_of, 0.2, 0.5) : 0;
   if (picture_height > 0)
     brush.fill(x + width * 0.1, bottom + height * 0.92 - picture_height, width * 0.8,
@@ -50,8 +49,9 @@ void paint_poster(WallBrush& brush, double x, double width) {
   const int blots = static_cast<int>(between(brush.detail, 3, 8));
   for (int i = 0; i < blots; ++i) {
     const cv::Rect inside = brush.area(x + 0.1, bottom + 0.12, width - 0.2, height * 0.6);
-    const cv::Point centre(inside.x + static_cast<int>(between(brush.detail, 0, inside.width)),
-                           inside.y + static_cast<int>(between(brush.detail, 0, inside.height)));
+    const int down = static_cast<int>(between(brush.detail, 0, inside.height));
+    const int across = static_cast<int>(between(brush.detail, 0, inside.width));
+    const cv::Point centre(inside.x + across, inside.y + down);
     const int radius = wall_texels(between(brush.detail, 0.03, 0.12));
     if (chance(brush.detail, 0.5)) {
       cv::circle(brush.picture, centre, radius, any_colour(brush.detail, 20, 250), cv::FILLED,
@@ -77,8 +77,9 @@ void open_door(WallBrush& brush, double x) {
   brush.fill(x, 0, kDoorWidthM, between(day, 0.3, 0.6),
              colour(tone * 0.5, tone * 0.55, tone * 0.6));
   const double left = between(day, 0.05, 0.4), width = between(day, 0.2, 0.45);
-  brush.fill(x + left, between(day, 0.3, 1.1), width, between(day, 0.4, 0.9),
-             any_colour(day, 20, 240));
+  const cv::Scalar thing = any_colour(day, 20, 240);
+  const double height = between(day, 0.4, 0.9);
+  brush.fill(x + left, between(day, 0.3, 1.1), width, height, thing);
   const cv::Scalar leaf = any_colour(day, 70, 150);  // its edge, turned inwards
   brush.fill(chance(day, 0.5) ? x : x + kDoorWidthM - 0.14, 0, 0.14, kDoorHeightM, leaf);
 }
@@ -135,9 +136,10 @@ void paint_lockers(WallBrush& brush, double x, double width) {
     brush.fill(left + 0.26, 1.0, 0.03, 0.08, colour(50, 50, 50));
     brush.put_text(left + 0.09, 1.42, 0.05, fmt::format("{}", uniform_below(brush.detail, 400)),
                    colour(235, 235, 235), 1);
-    if (chance(brush.detail, 0.25))
-      brush.fill(left + between(brush.detail, 0.03, 0.2), between(brush.detail, 0.4, 1.2), 0.1,
-                 0.08, any_colour(brush.detail, 40, 250));
+    if (!chance(brush.detail, 0.25)) continue;
+    const cv::Scalar sticker = any_colour(brush.detail, 40, 250);
+    const double bottom = between(brush.detail, 0.4, 1.2);
+    brush.fill(left + between(brush.detail, 0.03, 0.2), bottom, 0.1, 0.08, sticker);
   }
 }
 
@@ -222,8 +224,9 @@ void paint_fittings(WallBrush& brush) {
                       colour(225, 228, 228), colour(140, 142, 142), 0.01);
   for (int i = 0; i < 4; ++i) {
     const double shade = between(brush.detail, 60, 130);
-    brush.fill(between(brush.detail, 0, 1.9), between(brush.detail, 0.1, 1.3),
-               between(brush.detail, 0.02, 0.2), 0.012, colour(shade, shade, shade));
+    const double length = between(brush.detail, 0.02, 0.2),
+                 bottom = between(brush.detail, 0.1, 1.3);
+    brush.fill(between(brush.detail, 0, 1.9), bottom, length, 0.012, colour(shade, shade, shade));
   }
 }
 

@@ -36,8 +36,9 @@ void paint_tree(cv::Mat& picture, RandomEngine& engine) {
   const int size = static_cast<int>(between(engine, 20, 85));
   for (int i = 0; i < 14; ++i) {
     const double shade = between(engine, 50, 130);
-    const cv::Point leaf(x + static_cast<int>(between(engine, -size, size)),
-                         kHorizon - size / 2 - static_cast<int>(between(engine, 0, size)));
+    const int up = static_cast<int>(between(engine, 0, size));
+    const int aside = static_cast<int>(between(engine, -size, size));
+    const cv::Point leaf(x + aside, kHorizon - size / 2 - up);
     cv::circle(picture, leaf, size / 3 + 2, shine(shade * 0.55, shade, shade * 0.75), cv::FILLED);
   }
 }
@@ -53,8 +54,8 @@ Texture make_panorama(uint64_t seed) {
                                 : shine(95 + 30 * up, 125 + 30 * up, 118 + 30 * up));
   }
   for (int i = 0; i < 16; ++i) {  // clouds
-    const cv::Point middle(static_cast<int>(uniform_below(engine, kAround)),
-                           static_cast<int>(between(engine, 0, 0.6 * kHorizon)));
+    const int down = static_cast<int>(between(engine, 0, 0.6 * kHorizon));
+    const cv::Point middle(static_cast<int>(uniform_below(engine, kAround)), down);
     cv::ellipse(
         picture, middle,
         {static_cast<int>(between(engine, 80, 300)), static_cast<int>(between(engine, 15, 50))}, 0,

@@ -17,8 +17,8 @@ cv::Scalar opaque(double blue, double green, double red) { return {blue, green, 
 
 cv::Scalar any_cloth(RandomEngine& engine) {
   const double tone = between(engine, 30, 190);
-  return opaque(tone * between(engine, 0.5, 1.3), tone * between(engine, 0.5, 1.1),
-                tone * between(engine, 0.5, 1.3));
+  const double red = tone * between(engine, 0.5, 1.3), green = tone * between(engine, 0.5, 1.1);
+  return opaque(tone * between(engine, 0.5, 1.3), green, red);
 }
 
 struct Wardrobe {
@@ -33,7 +33,8 @@ struct Wardrobe {
     const double dark = between(engine, 15, 90);
     hair = opaque(dark * 0.6, dark * 0.8, dark);
     shirt = any_cloth(engine);
-    trousers = opaque(between(engine, 30, 110), between(engine, 25, 70), between(engine, 20, 70));
+    const double red = between(engine, 20, 70), green = between(engine, 25, 70);
+    trousers = opaque(between(engine, 30, 110), green, red);
     stripe = any_cloth(engine);
     striped = uniform_unit(engine) < 0.35;
     backpack = uniform_unit(engine) < 0.3;
@@ -128,8 +129,10 @@ void Crowd::add_passers_by(RandomEngine& engine, const std::vector<CameraPose>& 
                            size_t groups) {
   for (size_t group = 0; group < groups; ++group) {
     const CameraPose& meeting = poses[uniform_below(engine, poses.size())];
-    const double speed = between(engine, 0.9, 1.5) * (uniform_unit(engine) < 0.8 ? -1 : 1.4);
-    const double aside = between(engine, 0.35, 0.7) * (uniform_unit(engine) < 0.5 ? -1 : 1);
+    const double pace = between(engine, 0.9, 1.5);
+    const double speed = pace * (uniform_unit(engine) < 0.8 ? -1 : 1.4);
+    const double distance = between(engine, 0.35, 0.7);
+    const double aside = distance * (uniform_unit(engine) < 0.5 ? -1 : 1);
     const size_t size = 1 + uniform_below(engine, 3);
     for (size_t i = 0; i < size; ++i) {
       const double ahead = meeting.way_m + between(engine, -0.4, 0.4);
@@ -161,7 +164,8 @@ void Crowd::add_crossing(RandomEngine& engine, const std::vector<CameraPose>& po
   for (size_t group = 0; group < groups; ++group) {
     const CameraPose& meeting = poses[uniform_below(engine, poses.size())];
     const double way = meeting.way_m + between(engine, 1.2, 4);
-    const double speed = between(engine, 0.7, 1.3) * (uniform_unit(engine) < 0.5 ? -1 : 1);
+    const double pace = between(engine, 0.7, 1.3);
+    const double speed = pace * (uniform_unit(engine) < 0.5 ? -1 : 1);
     const size_t size = 1 + uniform_below(engine, 2);
     for (size_t i = 0; i < size; ++i)
       members_.push_back({way + static_cast<double>(i) * between(engine, -0.3, 0.3), speed, 0,

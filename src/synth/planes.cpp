@@ -39,8 +39,8 @@ Texture paint_floor(const Setting& setting, const Baked& light) {
   RandomEngine engine = named_engine(setting.world.seed, "ground/" + setting.names.plan);
   cv::Mat picture = plan_picture(setting.plan);
   const double tone = between(engine, 95, 150);
-  const cv::Scalar base =
-      colour(tone * between(engine, 0.8, 1), tone, tone * between(engine, 1, 1.12));
+  const double red = tone * between(engine, 1, 1.12);
+  const cv::Scalar base = colour(tone * between(engine, 0.8, 1), tone, red);
   const cv::Rect whole(0, 0, picture.cols, picture.rows);
   lay_tiles(picture, whole, kTile, engine, base, 0.06, base * 0.72);
   for_rooms(setting, picture, [&](const Finish& finish, cv::Mat& all, const cv::Rect& part) {
