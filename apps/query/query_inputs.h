@@ -13,10 +13,6 @@
 
 namespace vpr {
 
-inline constexpr const char* kFollowHelp =
-    "print a line of JSON for each frame as it comes: of a folder that grows, a video, a list, or "
-    "image paths on standard input (--query -)";
-
 struct QueryInputs {
   std::string database;
   std::optional<std::string> query;

@@ -1,0 +1,120 @@
+#include "query_flags.h"
+
+#include <fmt/format.h>
+
+#include "common/warp_flag.h"
+#include "matching/fabmap.h"
+
+namespace vpr {
+namespace {
+
+std::vector<std::string> variant_names() {
+  std::vector<std::string> names;
+  for (const FabmapVariant& variant : fabmap_variants()) names.emplace_back(variant.name);
+  return names;
+}
+
+}  // namespace
+
+void add_inputs(const Command& app, QueryInputs& inputs) {
+  app.add_option("DB", inputs.database, "database made by vpr-train").required();
+  app.add_option("--query", inputs.query,
+                 "query sequence: folder, list or video, with an optional range "
+                 "PATH@FIRST:LAST[:STEP]; with --dataset, the name of one of its queries");
+  app.add_option(
+      "--query-npy", inputs.query_npy,
+      "the query's descriptors instead of --query, for a database of vpr-train "
+      "descriptors: n x d numbers, or a folder with a .npy file a frame, with an optional "
+      "range");
+  app.add_option("--dataset", inputs.dataset, "data set description that holds the query");
+  add_warp_flag(app, inputs.warp);
+}
+
+void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySettings& settings) {
+  const auto group = [](Flag flag) { return flag.group(kSequenceGroup); };
+  group(add_setting(app, "--c-l", settings.window_length,
+                    "window length c_l in frames (default 40)"));
+  group(app.add_list("--rates", settings.rates,
+                     "windows of these rates, training frames for query frames, of which the best "
+                     "counts, as in 1/2,2/3,1,3/2,2 (default 1)")
+            .comma_separated()
+            .type_name("P/Q"));
+  group(
+      add_setting(app, "--t-r", settings.distance_threshold,
+                  "threshold t_r: a number, or auto (default): from how close different places of "
+                  "the training sequences come"));
+  group(add_setting(app, "--score", settings.score,
+                    "raw (distances, default), standardized (less the bias of frames that are "
+                    "close to everything) or standardized-offline (from the whole query)"));
+  group(add_setting(
+      app, "--t-r-scale", settings.threshold_scale,
+      "of a number: relative (D / max D, default), mean (D / what the window differs by "
+      "on average) or bits (D / c_l); of standardized scores mean-z (deviations, "
+      "mostly negative)"));
+  group(add_setting(app, "--safety-factor", settings.safety_factor,
+                    "multiplies the automatic t_r (default: the database's)"));
+  group(add_setting(app, "--safety-margin", settings.safety_margin,
+                    "taken from the automatic t_r of standardized scores (default 0)"));
+  group(add_setting(app, "--decide", settings.decision,
+                    "what is a hit: threshold (default) or margin; see Decisions below"));
+  group(add_setting(app, "--margin", settings.margin,
+                    "with --decide margin, by how much a best match must be better than the best "
+                    "one elsewhere, in score a frame; or auto (default): from how large it is "
+                    "where training sequences show different places"));
+  group(add_setting(app, "--margin-width", settings.margin_width,
+                    "elsewhere is more than so many frames before or behind the best match "
+                    "(default: after how many a training sequence shows another place)"));
+  group(app.add_list("--same-place", settings.same_place,
+                     "A=B: these training sequences show the same place, so that neither is "
+                     "elsewhere for the other; repeatable; none: all differ (default: as found)"));
+  group(app.add_list("--only-sequence", settings.only_sequences,
+                     "search only this training sequence; repeatable"));
+  group(app.add_option("--save-matrix", inputs.matrix,
+                       "write the distances: .npy (int32, never whole in memory) or .png (dark: "
+                       "close)"));
+  group(app.add_option("--ground-truth", inputs.ground_truth,
+                       fmt::format("drawn into the picture: {}", ground_truth_help())));
+  group(app.add_flag("--follow", inputs.follow,
+                     "print a line of JSON for each frame as it comes: of a folder that grows, a "
+                     "video, a list, or "
+                     "image paths on standard input (--query -)"));
+  group(add_setting(app, "--verify", inputs.verify_cells,
+                    "recompute so many random cells by definition; exit code 5 if any differs"));
+  group(add_memory_flag(app, inputs.memory_limit,
+                        "for rings and hits, as in 512M; more is computed twice instead"));
+}
+
+void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettings& settings) {
+  const auto group = [](Flag flag) { return flag.group(kFabmapGroup); };
+  group(add_setting(app, "--t-p", settings.place_threshold,
+                    "probability above which a view is recognised (default 0.99)"));
+  group(add_setting(app, "--c-w", settings.window, "in so many frames in a row (default 1)"));
+  group(add_setting(app, "--variant", settings.variant,
+                    "how likelihoods are computed (default fabmap2)"))
+      .choices("VARIANT", variant_names());
+  group(add_setting(app, "--word-model", settings.word_model, "tree (default) or naive-bayes"));
+  group(add_setting(app, "--new-place", settings.new_place,
+                    "pretrain (average over the pretraining frames, default) or mean-field"));
+  group(add_setting(app, "--new-place-samples", settings.new_place_samples,
+                    "pretraining frames to draw for it; 0: all (default)"));
+  group(app.add_flag("--motion-model", settings.posterior.motion_model,
+                     "neighbours of what was likely before are likely now"));
+  group(app.add_flag("--loop", settings.loop,
+                     "frames of the query are places for its later ones, behind the database's"));
+  group(add_setting(app, "--loop-gap", settings.loop_gap,
+                    "but not for so many that follow directly (default 10)"));
+  group(app.add_option("--explain", inputs.explained_frame,
+                       "list the words that speak for and against the best places of this frame, "
+                       "and draw them in RESULT.explain.png"));
+  group(
+      app.add_list("--train-images", inputs.train_images,
+                   "[GROUP=]SEQUENCE: images of a training sequence, to draw views with --explain; "
+                   "repeatable"));
+  group(app.add_option("--query-bow", inputs.query_bow,
+                       "OpenFABMAP's BOW matrix (.yml, .yml.gz) instead of --query, with an "
+                       "optional range"));
+  group(app.add_option("--save-posteriors", inputs.posteriors,
+                       "write frames x (1 + views) probabilities, new place first (.npy)"));
+}
+
+}  // namespace vpr
