@@ -45,4 +45,4 @@ build/arm64/emulated/vpr-bench matching --databases 500 --c-l 20 --json | grep -
 
 cmake --preset ci >/dev/null
 cmake --build --preset ci --target "${programs[@]}"
-test/cli/same_outputs.py build/ci/bin build/arm64/emulated building corridor loop surf
+test/cli/same_outputs.py build/ci/bin build/arm64/emulated corridor loop surf
