@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 
 #include "base/step_parts.h"
 #include "matching/fastable_batch.h"
@@ -12,8 +13,6 @@
 
 namespace vpr {
 namespace {
-
-constexpr size_t kStrictness = 100;  // one false margin in so many may be as large
 
 size_t windows_of(size_t frames, size_t window_length) {
   return frames < window_length ? 0 : frames - window_length + 1;
@@ -107,8 +106,9 @@ double automatic_margin(std::span<const uint32_t> false_margins, const ScoreKind
                         double typical_distance, size_t window_length) {
   const double least = score.least_margin(typical_distance, window_length);
   if (false_margins.empty()) return least;
-  const uint32_t reached = false_margins[(false_margins.size() - 1) / kStrictness];
-  return std::max(least, score.frame_value(1 + static_cast<double>(reached), window_length));
+  const uint64_t sum = std::accumulate(false_margins.begin(), false_margins.end(), uint64_t{0});
+  const uint64_t above = false_margins.front() + sum / false_margins.size() + 1;
+  return std::max(least, score.frame_value(static_cast<double>(above), window_length));
 }
 
 }  // namespace vpr

@@ -21,9 +21,11 @@ std::vector<uint32_t> false_margins(std::span<const DescriptorSpan> sequences,
                                     const MatchSettings& settings, const Monitor& monitor,
                                     size_t most_pairs = size_t{1} << 31);
 
-/// X in score a frame: just above what one in a hundred of the false margins reaches (the largest
-/// of fewer than 101), so that a few places that look alike, or a stop, do not decide; but at least
-/// what the score says for a training sequence of this typical distance.
+/// X in score a frame: just above the largest of the false margins, which are sorted, and a step,
+/// their mean (rounded down to a whole sum); but at least what the score says for a training
+/// sequence of this typical distance. The least value of a row and the next one of another place
+/// are successive order statistics, whose distance is spread exponentially (Weissman 1978): the
+/// mean is what the largest of e times as many false margins exceeds that of these by.
 double automatic_margin(std::span<const uint32_t> false_margins, const ScoreKind& score,
                         double typical_distance, size_t window_length);
 

@@ -110,16 +110,16 @@ TEST_CASE("one short walk has no false margins, and the least margin then") {
   CHECK(automatic_margin(none, score_kind(Score::standardized), 600, 9) == 1);
 }
 
-TEST_CASE(
-    "the automatic margin is above what one in a hundred reaches, and never below the least") {
+TEST_CASE("the automatic margin is a mean above the largest false one, and never below the least") {
   std::vector<uint32_t> margins(250, 0);
   margins[0] = 90'000;
-  margins[1] = 80'000;
-  margins[2] = 40'000;  // (250 - 1) / 100
-  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == 400.01);
-  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 10'000) == 4.0001);
-  CHECK(automatic_margin(margins, score_kind(Score::standardized), 600, 4) ==
-        40'001.0 / (1024 * 4));
-  margins[2] = 0;
-  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == Approx(27));
+  margins[1] = 10'200;  // the mean is 400.8
+  const auto automatic = [&](Score score, size_t length) {
+    return automatic_margin(margins, score_kind(score), 600, length);
+  };
+  CHECK(automatic(Score::raw, 100) == 904.01);
+  CHECK(automatic(Score::raw, 10'000) == 9.0401);
+  CHECK(automatic(Score::standardized, 4) == 90'401.0 / (1024 * 4));
+  margins[0] = margins[1] = 0;
+  CHECK(automatic(Score::raw, 100) == Approx(27));
 }
