@@ -8,6 +8,7 @@
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "eval_csv.h"
+#include "eval_loops.h"
 #include "eval_map.h"
 #include "eval_pictures.h"
 #include "eval_scores.h"
@@ -32,6 +33,7 @@ struct EvalInputs {
   ScoreInputs scores;
   PictureInputs pictures;
   MapInputs map;
+  LoopInputs loops;
 };
 
 /// An evaluation and its report, without "machine" and "timing".

@@ -78,7 +78,7 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
   app.add_option(
          "--poses", inputs.poses,
          "positions of the query's frames (CSV frame,x,y in metres): gaps in metres, too (default: "
-         "those that the data set names)")
+         "those that the data set names); of --loops the trajectory, as TUM, KITTI, EuRoC or CSV")
       .group(group)
       .type_name("FILE");
 }

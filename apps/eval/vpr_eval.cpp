@@ -112,6 +112,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
 
 void run(Session& session, const EvalInputs& inputs) {
   check_names(inputs);
+  if (is_given(inputs.loops)) return run_loops(session, inputs);
   if (!inputs.protocols.empty()) return run_protocols(session, inputs);
   if (inputs.results.size() > 1) return run_several(session, inputs);
   run_one(session, inputs_of(inputs, 0));
@@ -132,7 +133,9 @@ int main(int argc, char** argv) {
                   "--ground-truth pairs.csv\n"
                   "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
                   "--name \"c_l 20\"\n"
-                  "  vpr-eval result.json --protocol nordland-all");
+                  "  vpr-eval result.json --protocol nordland-all\n"
+                  "  vpr-eval --loops loops.csv --poses trajectory.txt --radius 2 --gap 30s "
+                  "--similarity --plot loops");
   EvalInputs inputs;
   ConvertInputs convert;
   CheckInputs check;
@@ -148,6 +151,7 @@ int main(int argc, char** argv) {
                  "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
                  "if they differ");
   add_score_options(app, inputs.scores);
+  add_loop_options(app, inputs.loops);
   add_picture_options(app, inputs.pictures);
   add_map_options(app, inputs.map);
   app.add_option("--protocol", inputs.protocols,

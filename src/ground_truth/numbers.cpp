@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/text.h"
+
 namespace vpr {
 
 std::optional<FrameText> parse_frame(std::string_view text) {
@@ -24,6 +26,16 @@ std::optional<double> parse_real(std::string_view text) {
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
     return std::nullopt;
   return value;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  if (line.find(',') == std::string_view::npos) return split_words(line);
+  std::vector<std::string_view> cells;
+  for (const std::string_view part : split(line, ',')) {
+    const auto words = split_words(part);
+    cells.push_back(words.size() == 1 ? words.front() : part);
+  }
+  return cells;
 }
 
 }  // namespace vpr

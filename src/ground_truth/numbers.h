@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace vpr {
 
@@ -17,5 +18,9 @@ std::optional<FrameText> parse_frame(std::string_view text);
 /// A finite number with a decimal point, for every locale; a leading + is allowed. Nothing
 /// otherwise.
 std::optional<double> parse_real(std::string_view text);
+
+/// The cells of a line, divided by commas, blanks around them left out, or by blanks where the line
+/// has no comma.
+std::vector<std::string_view> cells_of(std::string_view line);
 
 }  // namespace vpr

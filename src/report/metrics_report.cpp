@@ -21,18 +21,6 @@ Json threshold_json(std::optional<double> threshold) {
   return threshold && std::isfinite(*threshold) ? Json(*threshold) : Json();
 }
 
-Json curve_metrics_json(const Curve& curve) {
-  Json json = {{"to_find", curve.to_find}};
-  Json thresholds = Json::object();
-  for (const CurveMetric& metric : curve_metrics()) {
-    const MetricValue value = metric.compute(curve);
-    json[std::string(metric.key)] = or_null(value.value);
-    if (value.threshold) thresholds[std::string(metric.key)] = threshold_json(value.threshold);
-  }
-  json["thresholds"] = thresholds;
-  return json;
-}
-
 // The key of best matches by the confidence that is not in force.
 const char* other_key(Confidence confidence) {
   return confidence == Confidence::score ? "by_margin" : "by_score";
@@ -66,15 +54,6 @@ Json localisation_json(const Localisation& found) {
           {"longest_gap_m", or_null(found.longest_gap_m)},
           {"first_fix_frames", or_null(found.first_fix_frames)},
           {"first_fix_m", or_null(found.first_fix_m)}};
-}
-
-Json curve_json(const Curve& curve) {
-  Json points = Json::array();
-  for (const CurvePoint& point : thinned(curve, kMostPoints))
-    points.push_back({{"threshold", threshold_json(curve.threshold(point))},
-                      {"correct", point.correct},
-                      {"incorrect", point.incorrect}});
-  return {{"thresholds", curve.points.size()}, {"points", points}};
 }
 
 char letter_of(const QueryOutcome& query) {
@@ -193,6 +172,27 @@ std::vector<CurvePoint> thinned(const Curve& curve, size_t most) {
   std::vector<CurvePoint> points;
   for (size_t i = 0; i < most; ++i) points.push_back(curve.points[i * (count - 1) / (most - 1)]);
   return points;
+}
+
+Json curve_metrics_json(const Curve& curve) {
+  Json json = {{"to_find", curve.to_find}};
+  Json thresholds = Json::object();
+  for (const CurveMetric& metric : curve_metrics()) {
+    const MetricValue value = metric.compute(curve);
+    json[std::string(metric.key)] = or_null(value.value);
+    if (value.threshold) thresholds[std::string(metric.key)] = threshold_json(value.threshold);
+  }
+  json["thresholds"] = thresholds;
+  return json;
+}
+
+Json curve_json(const Curve& curve) {
+  Json points = Json::array();
+  for (const CurvePoint& point : thinned(curve, kMostPoints))
+    points.push_back({{"threshold", threshold_json(curve.threshold(point))},
+                      {"correct", point.correct},
+                      {"incorrect", point.incorrect}});
+  return {{"thresholds", curve.points.size()}, {"points", points}};
 }
 
 void add_judgement(Json& report, const Judgement& judgement) {

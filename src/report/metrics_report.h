@@ -9,6 +9,12 @@
 
 namespace vpr {
 
+/// The metrics of one curve, what there is to find, and at which thresholds they are reached.
+Json curve_metrics_json(const Curve& curve);
+
+/// A curve as reports hold it: how many thresholds it has, and at most 100 of its points.
+Json curve_json(const Curve& curve);
+
 /// Adds "metrics", "localisation", "curves" and "outcomes".
 void add_judgement(Json& report, const Judgement& judgement);
 

@@ -37,30 +37,6 @@ Series train_lines(const RouteMap& map, const std::string& floor) {
   return train;
 }
 
-/// Below what is drawn: about a quarter of its width, in round metres.
-Series scale_bar(const std::vector<Series>& lines) {
-  double left = std::numeric_limits<double>::infinity();
-  double right = -left;
-  double bottom = left;
-  double top = -left;
-  for (const Series& drawn : lines)
-    for (const auto& [x, y] : drawn.points) {
-      if (std::isnan(x)) continue;
-      left = std::min(left, x);
-      right = std::max(right, x);
-      bottom = std::min(bottom, y);
-      top = std::max(top, y);
-    }
-  Series bar{"", {}, SeriesStyle::bar, Meaning::wall};
-  if (right <= left && top <= bottom) return bar;
-  const double size = std::max(right - left, top - bottom);
-  const auto metres = static_cast<double>(round_step(static_cast<size_t>(size), 4));
-  const double y = bottom - 0.06 * size;
-  bar.points = {{left, y}, {left + metres, y}};
-  bar.labels = {"", fmt::format("{} m", metres)};
-  return bar;
-}
-
 using MarkedMeaning = std::pair<Meaning, SeriesMark>;
 
 // In the order in which they are drawn.
@@ -104,6 +80,29 @@ Chart panel_chart(const RouteMap& map, const MapPanel& panel, const std::string&
 }
 
 }  // namespace
+
+Series scale_bar(const std::vector<Series>& lines) {
+  double left = std::numeric_limits<double>::infinity();
+  double right = -left;
+  double bottom = left;
+  double top = -left;
+  for (const Series& drawn : lines)
+    for (const auto& [x, y] : drawn.points) {
+      if (std::isnan(x)) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      bottom = std::min(bottom, y);
+      top = std::max(top, y);
+    }
+  Series bar{"", {}, SeriesStyle::bar, Meaning::wall};
+  if (right <= left && top <= bottom) return bar;
+  const double size = std::max(right - left, top - bottom);
+  const auto metres = static_cast<double>(round_step(static_cast<size_t>(size), 4));
+  const double y = bottom - 0.06 * size;
+  bar.points = {{left, y}, {left + metres, y}};
+  bar.labels = {"", fmt::format("{} m", metres)};
+  return bar;
+}
 
 std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& truth) {
   std::vector<Meaning> meanings;

@@ -35,6 +35,10 @@ struct RouteMap {
 /// window can't be read. Unmapped: the ground truth does not have it.
 std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& truth);
 
+/// A bar of round metres below what is drawn, about a quarter as wide; without points where that is
+/// one spot.
+Series scale_bar(const std::vector<Series>& lines);
+
 /// The panels, row by row: side by side, and one below the other for every floor that the query
 /// visits. Training paths and places of other floors are left out. Each has a bar of so many
 /// metres.

@@ -34,6 +34,10 @@ trap 'rm -rf "$out"' EXIT
 echo '{"schema": "vpr.expected/1", "counts": {"hits": {"incorrect": {"value": 9, "tolerance": 99}}}}' >"$out/x.json"
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --expect "$out/x.json" --quiet
 "$bin/vpr-eval" "$out/r2.json" --protocol nordland-all -o "$out/p.json" --quiet
+printf 'frame,x,y\n0,0,0\n1,5,0\n2,0,1\n3,5,9\n' >"$out/poses.csv"
+printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
+"$bin/vpr-eval" --loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --similarity -o "$out/lo.json" --quiet
+"$bin/vpr-eval" --loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --distance -o "$out/lo2.json" --quiet
 "$bin/vpr-eval" check "$out/building/query.ground_truth.csv" -o "$out/c.json" --quiet
 "$bin/vpr-eval" convert aligned --query-frames 3 --train-frames 4 --to mask -o "$out/m.png" --json >"$out/cv.json"
 "$bin/vpr-train" info "$out/w.vprdb" --json >"$out/i.json"
@@ -68,7 +72,7 @@ tail -n 1 "$out/live" >"$out/l2.json"
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
-  "$out/p.json" "$out/c.json" "$out/cv.json" \
+  "$out/lo.json" "$out/lo2.json" "$out/p.json" "$out/c.json" "$out/cv.json" \
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json" "$out/l1.json" "$out/l2.json" "$out/l3.json" \
   "$out/several.json" "$out/en.json" \

@@ -1,0 +1,136 @@
+#include "eval_loops.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "eval_inputs.h"
+#include "ground_truth/numbers.h"
+#include "ground_truth/times.h"
+#include "report/loops_charts.h"
+#include "report/loops_report.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kMostGap = 1e9;
+
+LoopGap parse_gap(const std::string& text) {
+  const bool is_time = text.ends_with('s');
+  const auto value = parse_real(is_time ? text.substr(0, text.size() - 1) : text);
+  const bool is_whole = value && *value == std::floor(*value);
+  if (!value || !(*value > 0 && *value <= kMostGap) || (!is_time && !is_whole))
+    throw Error(ErrorKind::usage,
+                fmt::format("--gap says how long ago a place must have been left, in seconds or in "
+                            "frames, as in --gap 30s or --gap 300; found \"{}\"",
+                            text));
+  if (!is_time) return {{}, static_cast<size_t>(*value)};
+  return {std::llround(*value * double{kSecond}), 0};
+}
+
+LoopRules rules_of(const EvalInputs& inputs) {
+  if (inputs.scores.poses.empty())
+    throw Error(ErrorKind::usage,
+                "--loops needs the trajectory that the list's frames are of, as "
+                "in --poses trajectory.txt");
+  if (!inputs.flags.options.radius_m)
+    throw Error(
+        ErrorKind::usage,
+        "--loops needs the radius in metres within which a loop is right, as in --radius 2");
+  if (inputs.loops.gap.empty())
+    throw Error(ErrorKind::usage,
+                "--loops needs --gap, how long ago a place must have been left before it can be "
+                "closed as a loop: in seconds (--gap 30s) or in frames (--gap 300)");
+  return {*inputs.flags.options.radius_m, parse_gap(inputs.loops.gap),
+          inputs.scores.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
+}
+
+void refuse_others(const EvalInputs& inputs) {
+  if (inputs.loops.path.empty())
+    throw Error(ErrorKind::usage, "--gap, --times and --frames-by belong to --loops LIST");
+  const bool has_others =
+      !inputs.results.empty() || inputs.scores.any() || !inputs.ground_truth.empty() ||
+      !inputs.dataset.empty() || !inputs.protocols.empty() || !inputs.expected.empty() ||
+      !inputs.map.folder.empty() || inputs.csv.any() || !inputs.pictures.html.empty();
+  if (has_others)
+    throw Error(ErrorKind::usage,
+                "--loops judges a list by its trajectory alone: give --poses, --radius, --gap, "
+                "and maybe --plot, -o and --name");
+}
+
+void require_order(const EvalInputs& inputs, const LoopList& list) {
+  if (!list.has_scores || inputs.scores.is_distance || inputs.scores.is_similarity) return;
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: has scores; say which are good, --similarity (large ones) or "
+                          "--distance (small ones)",
+                          list.name));
+}
+
+LoopsEvaluation evaluate(const EvalInputs& inputs) {
+  LoopsEvaluation found;
+  found.rules = rules_of(inputs);
+  found.name = inputs.names.empty() ? std::filesystem::path(inputs.loops.path).stem().string()
+                                    : inputs.names.front();
+  found.trajectory = read_trajectory(inputs.scores.poses, inputs.loops.times);
+  LoopListRules rules;
+  rules.frames = inputs.loops.frames;
+  found.list = read_loop_list(inputs.loops.path, found.trajectory, rules);
+  require_order(inputs, found.list);
+  found.judgement = judge_loops(found.list, found.trajectory, found.rules);
+  return found;
+}
+
+}  // namespace
+
+void add_loop_options(const Command& app, LoopInputs& inputs) {
+  const std::string group = "Loop closures";
+  app.add_option("--loops", inputs.path,
+                 "list of a SLAM system's loop closures (CSV query,match[,score], of indices or "
+                 "time stamps) instead of a result; with --poses, --radius and --gap")
+      .group(group)
+      .type_name("FILE");
+  app.add_option("--gap", inputs.gap,
+                 "a place counts as left for so long before it can be closed as a loop: seconds "
+                 "(30s) or frames (300)")
+      .group(group)
+      .type_name("TIME");
+  app.add_option("--times", inputs.times,
+                 "times of --poses that have none (KITTI's times.txt), one a line")
+      .group(group)
+      .type_name("FILE");
+  add_setting(app, "--frames-by", inputs.frames,
+              "what names frames in --loops: auto (default: time stamps if any has a decimal "
+              "point, or all are beyond the last frame), index or time")
+      .group(group);
+}
+
+bool is_given(const LoopInputs& inputs) {
+  return !inputs.path.empty() || !inputs.times.empty() || !inputs.gap.empty() ||
+         inputs.frames != LoopFrames::automatic;
+}
+
+void run_loops(Session& session, const EvalInputs& inputs) {
+  refuse_others(inputs);
+  session.claim_output();
+  if (!inputs.pictures.plots.empty())
+    session.outputs.claim_folder(inputs.pictures.plots, is_marked_folder);
+  const Stopwatch watch;
+  const LoopsEvaluation evaluation = evaluate(inputs);
+  Json report = loops_json(evaluation, session.run);
+  RunInfo run = session.run;
+  run.paths = {{"loops", inputs.loops.path}, {"poses", inputs.scores.poses}};
+  report["machine"] = machine_json(run);
+  report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
+  session.write_output(report);
+  if (!inputs.pictures.plots.empty())
+    draw_loops(evaluation,
+               session.outputs.folder(inputs.pictures.plots, is_marked_folder).temporary());
+  std::string text = render_table(loops_table(report), inputs.format);
+  if (inputs.format == TableFormat::text)
+    text = loops_sentence(report) + "\n\n" + text + loops_mistakes(report);
+  session.print_result(text, report);
+}
+
+}  // namespace vpr

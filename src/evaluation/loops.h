@@ -1,0 +1,80 @@
+// Loop closures of any SLAM system against one trajectory.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "evaluation/curve.h"
+#include "ground_truth/ground_truth.h"
+#include "ground_truth/loop_list.h"
+#include "ground_truth/trajectory.h"
+
+namespace vpr {
+
+/// How long ago a frame must be, so that to be near it again closes a loop; bounds included.
+struct LoopGap {
+  std::optional<int64_t> nanoseconds;  ///< none: `frames`
+  size_t frames = 1;
+};
+
+/// What is a loop.
+struct LoopRules {
+  double radius_m = 0;  ///< metres between the two positions at most, bounds included
+  LoopGap gap;
+  ScoreOrder order = ScoreOrder::similarity;  ///< of the list's scores
+};
+
+/// A loop of the list as judged: same, different, or to be ignored since the gap is too short.
+struct JudgedLoop {
+  ListedLoop loop;
+  double distance_m = 0;
+  PlaceLabel label = PlaceLabel::different;
+};
+
+/// Consecutive frames that are near an earlier one.
+struct Revisit {
+  size_t first = 0;
+  size_t last = 0;
+  bool is_found = false;  ///< a loop of the list that is right begins at one of them
+
+  bool operator==(const Revisit&) const = default;
+};
+
+/// A list against its trajectory.
+struct LoopJudgement {
+  std::vector<JudgedLoop> loops;  ///< in the file's order; pairs that are repeated are left out
+  size_t repeated = 0;
+  std::vector<bool> has_loop;     ///< by frame: it is near an earlier one
+  std::vector<bool> is_found;     ///< by frame: a loop of the list that begins there is right
+  std::vector<Revisit> revisits;  ///< in the order of frames
+  /// Where the list has scores: every query's best loop (of equals the first of the file), those
+  /// to be ignored left out, against the frames that have one.
+  std::optional<Curve> curve;
+
+  uint64_t count(PlaceLabel label) const;
+  uint64_t frames_with_loop() const;
+  uint64_t frames_found() const;
+  uint64_t revisits_found() const;
+  /// The longest stretch of consecutive frames with a loop of which none is found, of equals the
+  /// first; nothing where all are.
+  std::optional<Revisit> longest_missed() const;
+};
+
+/// Whether frame `match` is at least the gap before frame `query`.
+bool is_past(const Trajectory& trajectory, const LoopGap& gap, size_t query, size_t match);
+
+/// Metres between the positions of two frames that have poses.
+double distance_between(const Trajectory& trajectory, size_t a, size_t b);
+
+/// By frame, whether a frame at least the gap before is within the radius. Positions are sorted
+/// into cubes of the radius, so that only those near a frame are compared. Frames without a pose
+/// have none. Times, where the gap is one, must rise.
+std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules);
+
+/// Throws Error(usage) for a radius that is none, and for a gap in seconds where the trajectory has
+/// no times.
+LoopJudgement judge_loops(const LoopList& list, const Trajectory& trajectory,
+                          const LoopRules& rules);
+
+}  // namespace vpr
