@@ -89,6 +89,7 @@ struct Walk {
   double unevenness = 0.15;               ///< most that the speed varies by, as a share of it
   double shake = 1;                       ///< factor on the sway and turns of a hand-held phone
   double tremor_deg = 0;                  ///< how far the hand trembles, several times a second
+  double jolt_deg = 0;                    ///< how far each step jolts the camera, for a moment
   uint64_t passers_by = 0;                ///< groups of one to three people that walk by
   uint64_t standing = 0;                  ///< groups of one to four that stand at the walls
   uint64_t crossing = 0;                  ///< groups that cross the way in front of the camera
@@ -111,6 +112,7 @@ void visit_fields(Walk& walk, Visitor&& visit) {
   visit("unevenness", walk.unevenness);
   visit("shake", walk.shake);
   visit("tremor_deg", walk.tremor_deg);
+  visit("jolt_deg", walk.jolt_deg);
   visit("passers_by", walk.passers_by);
   visit("standing", walk.standing);
   visit("crossing", walk.crossing);

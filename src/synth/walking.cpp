@@ -1,7 +1,6 @@
 #include "synth/walking.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "synth/hand.h"
 #include "synth/progress.h"
 
 namespace vpr {
@@ -17,9 +17,7 @@ namespace {
 constexpr double kCornerM = 0.9;  // where a turn begins before a corner
 constexpr int kCornerPoints = 12;
 constexpr double kLookAheadM = 0.7;
-constexpr double kStepsPerS = 1.8;
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr std::array<double, 2> kTremorHz = {4.7, 6.9};
 
 Point between_points(Point a, Point b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
@@ -46,50 +44,6 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
                               "its path, or lower its shake",
                               walk.name, point.x, point.y));
 }
-
-// How somebody holds the phone on one walk, beside the sway that all walks have.
-struct Hold {
-  double height_m = 0;
-  double pitch_deg = 0;
-  double roll_deg = 0;
-  double heading_deg = 0;
-  double aside_m = 0;
-  double sway = 1;  // factor
-
-  Hold(const World& world, const std::string& name) {
-    const double hands = world.variety.hands;
-    if (hands == 0) return;
-    RandomEngine engine = named_engine(world.seed, "hand/" + name);
-    const auto draw = [&](double most) { return hands * most * (2 * uniform_unit(engine) - 1); };
-    height_m = draw(0.12);
-    pitch_deg = draw(4);
-    roll_deg = draw(2);
-    heading_deg = draw(3);
-    aside_m = draw(0.15);
-    sway = std::max(0.2, 1 + draw(0.4));
-  }
-};
-
-// How a hand trembles in one direction: degrees, and degrees a second, at a time.
-struct Tremor {
-  double most_deg;
-  std::array<double, 2> phases{};
-
-  Tremor(RandomEngine& engine, double most) : most_deg(most) {
-    for (double& phase : phases) phase = kTurn * uniform_unit(engine);
-  }
-  double angle(double time_s) const {
-    double sum = 0;
-    for (size_t i = 0; i < 2; ++i) sum += std::sin(kTurn * kTremorHz[i] * time_s + phases[i]);
-    return most_deg * sum / 2;
-  }
-  double rate(double time_s) const {
-    double sum = 0;
-    for (size_t i = 0; i < 2; ++i)
-      sum += kTurn * kTremorHz[i] * std::cos(kTurn * kTremorHz[i] * time_s + phases[i]);
-    return most_deg * sum / 2;
-  }
-};
 
 }  // namespace
 
@@ -151,12 +105,15 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   const double shake = walk.shake * hold.sway;
   RandomEngine nerves = named_engine(world.seed, "tremor/" + walk.name);
   const Tremor turning(nerves, walk.tremor_deg), nodding(nerves, walk.tremor_deg);
+  const Jolt jolt_up(world.seed, walk.name + "/up", walk.jolt_deg);
+  const Jolt jolt_aside(world.seed, walk.name + "/aside", walk.jolt_deg / 2);
   const Path path(walk.path);
   // Faster here, slower there.
   const auto variation = [&](double time_s) { return walk.unevenness * pace.at(time_s, 11); };
   const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
+  const std::vector<Progress> frames = progress(world, walk, path.length_m(), variation);
   std::vector<CameraPose> poses;
-  for (const Progress& now : progress(world, walk, path.length_m(), variation)) {
+  for (const Progress& now : frames) {
     CameraPose pose;
     pose.time_s = static_cast<double>(poses.size()) / world.fps;
     pose.way_m = now.way_m;
@@ -185,12 +142,17 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
     }
     poses.push_back(pose);
   }
-  for (CameraPose& pose : poses) {
-    if (walk.tremor_deg == 0) break;
-    pose.heading_deg = in_turn(pose.heading_deg + turning.angle(pose.time_s));
-    pose.pitch_deg += nodding.angle(pose.time_s);
-    pose.turn_deg_s += turning.rate(pose.time_s);
-    pose.nod_deg_s += nodding.rate(pose.time_s);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const bool stands = i > 0 && frames[i].walking_s == frames[i - 1].walking_s;
+    const double steps = stands ? 0 : kStepsPerS * frames[i].walking_s + step_phase;
+    for (const Swing& turn : {turning.at(poses[i].time_s), jolt_aside.at(steps)}) {
+      poses[i].heading_deg = in_turn(poses[i].heading_deg + turn.angle_deg);
+      poses[i].turn_deg_s += turn.rate_deg_s;
+    }
+    for (const Swing& turn : {nodding.at(poses[i].time_s), jolt_up.at(steps)}) {
+      poses[i].pitch_deg += turn.angle_deg;
+      poses[i].nod_deg_s += turn.rate_deg_s;
+    }
   }
   return poses;
 }

@@ -147,6 +147,7 @@ void check_walk(const World& world, const Walk& walk, const Checker& check) {
   check.in_range(walk.unevenness, 0, 0.8, "unevenness");
   check.in_range(walk.shake, 0, 10, "shake");
   check.in_range(walk.tremor_deg, 0, 5, "tremor_deg");
+  check.in_range(walk.jolt_deg, 0, 5, "jolt_deg");
   for (const uint64_t groups : {walk.passers_by, walk.standing, walk.crossing, walk.ahead})
     check.require(groups <= 1000, "passers_by, standing, crossing and ahead must be at most 1000");
   check.in_range(walk.conditions.lamps, 0, 10, "lamps");

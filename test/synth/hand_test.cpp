@@ -1,4 +1,6 @@
 // How a phone is held, and how the hand that holds it trembles.
+#include "synth/hand.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -66,6 +68,58 @@ TEST_CASE("A hand trembles around where it looks, as fast as its angles say") {
   CHECK(most > 0.4);
   CHECK(most <= 0.5);
   CHECK(std::abs(sum / 2000) < 0.05);
+}
+
+TEST_CASE("A step jolts the camera as fast as its angles say, and not who stands") {
+  World world = corridor_world();
+  world.fps = 1000;  // so that differences of angles are rates
+  Walk walk = straight_walk();
+  walk.frames = 2000;  // 3.6 steps
+  const auto calm = poses(world, walk);
+  walk.jolt_deg = 1;
+  const auto found = poses(world, walk);
+  double most = 0;
+  size_t level = 0, strikes = 0;
+  for (size_t i = 1; i < found.size(); ++i) {
+    const double nod = found[i].pitch_deg - calm[i].pitch_deg;
+    const double before = found[i - 1].pitch_deg - calm[i - 1].pitch_deg;
+    most = std::max(most, std::abs(nod));
+    level += std::abs(nod) < 0.01;
+    const double rate = found[i].nod_deg_s - calm[i].nod_deg_s;
+    strikes += std::abs(rate - (nod - before) * world.fps) > 4;
+    CHECK(found[i].position.x == calm[i].position.x);
+  }
+  CHECK(strikes == 3);  // where the rate leaps, between two frames
+  CHECK(most > 0.2);
+  CHECK(most < 1.7);
+  CHECK(level > 200);  // until the first step, and where one has died away
+
+  world.fps = 10;
+  walk.frames = 0;
+  walk.stops = {{3, 2}};
+  const auto stopped = poses(world, walk);
+  walk.jolt_deg = 0;
+  const auto quiet = poses(world, walk);
+  size_t still = 0;
+  for (size_t i = 1; i < stopped.size(); ++i) {
+    if (stopped[i].way_m != stopped[i - 1].way_m) continue;
+    CHECK(stopped[i].pitch_deg == quiet[i].pitch_deg);
+    ++still;
+  }
+  CHECK(still == 20);
+}
+
+TEST_CASE("Jolts are those of their walk") {
+  const Jolt one(1, "a/up", 1), same(1, "a/up", 1), other(1, "b/up", 1);
+  CHECK(one.at(0.9).angle_deg == 0);
+  CHECK(one.at(2.05).angle_deg == same.at(2.05).angle_deg);
+  CHECK(one.at(2.05).angle_deg != other.at(2.05).angle_deg);
+  CHECK(one.at(2.05).angle_deg != one.at(3.05).angle_deg);
+  // A strike begins level, with a speed of 2 pi 8 Hz times 0.3 to 1.7 degrees.
+  CHECK(one.at(2).angle_deg == 0);
+  CHECK(one.at(2).rate_deg_s > 0.3 * 50.2);
+  CHECK(one.at(2).rate_deg_s < 1.7 * 50.3);
+  CHECK(std::abs(one.at(2.999).angle_deg) < 0.01);
 }
 
 TEST_CASE("The exposure follows the frames of its lag, back to a cut") {
