@@ -133,9 +133,9 @@ TEST_CASE("frames that come say what the whole query says: margins, scores and t
   settings.score = Score::standardized;
   CHECK(check_live_query(walks, settings) > 40);
   settings.only_sequences = {"a"};
-  CHECK(check_live_query(walks, settings) > 20);
+  CHECK(check_live_query(walks, settings) > 5);
   settings.standardization.view_change = 0;  // every frame is a view
-  CHECK(check_live_query(walks, settings) > 20);
+  CHECK(check_live_query(walks, settings) > 5);
   SequenceQuerySettings filter;
   filter.method = "filter";
   CHECK(check_live_query(walks, filter) > 0);
