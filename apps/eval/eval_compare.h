@@ -11,8 +11,11 @@ namespace vpr {
 
 struct CompareInputs {
   std::vector<std::string> reports;
-  uint64_t block = 0;            ///< 0: chosen from the windows
-  bool allow_different = false;  ///< ground truths
+  std::vector<std::string> names;  ///< given by --name, or none
+  uint64_t block = 0;              ///< 0: chosen from the windows
+  bool allow_different = false;    ///< ground truths
+  std::string html;                ///< a file; empty: not asked for
+  std::string plots;               ///< a folder; empty: not asked for
   TableFormat format = TableFormat::text;
 };
 

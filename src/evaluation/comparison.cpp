@@ -1,6 +1,7 @@
 #include "evaluation/comparison.h"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 
 #include <fmt/format.h>
@@ -18,6 +19,8 @@ struct Paired {
   std::vector<const QueryOutcome*> queries;  // by frame
   std::vector<size_t> order;                 // best score first, those without one last
   ScoreOrder kind = ScoreOrder::distance;
+  bool has_ranks = false;
+  bool is_paired = true;
 };
 
 // A query that one method could not get right is no measure of the others.
@@ -54,36 +57,52 @@ size_t first_dispute(const FrameOutcomes& outcomes) {
   return m;
 }
 
+void sort_by_score(Paired& method) {
+  for (size_t q = 0; q < method.queries.size(); ++q) method.order.push_back(q);
+  std::stable_sort(method.order.begin(), method.order.end(), [&](size_t a, size_t b) {
+    return method.queries[a]->key < method.queries[b]->key;
+  });
+}
+
+// Indices of methods whose frames have partners.
+std::vector<size_t> with_partners(std::span<const NamedOutcomes> methods) {
+  std::vector<size_t> indices;
+  for (size_t m = 0; m < methods.size(); ++m)
+    if (methods[m].is_paired) indices.push_back(m);
+  return indices;
+}
+
 std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& comparison,
                             Disputed disputed) {
-  std::vector<std::map<size_t, const QueryOutcome*>> frames;
-  for (const NamedOutcomes& method : methods) {
-    frames.push_back(judged_by_frame(method.outcomes));
-    comparison.own.push_back(frames.back().size());
-  }
+  const std::vector<size_t> partners = with_partners(methods);
   std::vector<Paired> paired(methods.size());
+  std::vector<std::map<size_t, const QueryOutcome*>> frames;  // of partners
+  for (size_t m = 0; m < methods.size(); ++m) {
+    const Outcomes& outcomes = methods[m].outcomes;
+    paired[m] = {{}, {}, outcomes.kind, outcomes.has_ranks, methods[m].is_paired};
+    auto judged = judged_by_frame(outcomes);
+    comparison.own.push_back(judged.size());
+    if (methods[m].is_paired)
+      frames.push_back(std::move(judged));
+    else
+      for (const auto& entry : judged) paired[m].queries.push_back(entry.second);
+  }
   for (const auto& entry : frames.front()) {
     const FrameOutcomes outcomes = outcomes_at(frames, entry.first);
     const size_t dispute = first_dispute(outcomes);
     if (dispute < outcomes.size()) {
       if (disputed == Disputed::refuse)
-        throw Error(ErrorKind::data,
-                    fmt::format("{} and {} have different ground truths: only one has a match for "
-                                "query frame {}",
-                                methods.front().name, methods[dispute].name, entry.first));
+        throw Error(
+            ErrorKind::data,
+            fmt::format("{} and {} have different ground truths: only one has a match for "
+                        "query frame {}",
+                        methods.front().name, methods[partners[dispute]].name, entry.first));
       ++comparison.disputed;
       continue;
     }
-    for (size_t m = 0; m < outcomes.size(); ++m) paired[m].queries.push_back(outcomes[m]);
+    for (size_t i = 0; i < outcomes.size(); ++i) paired[partners[i]].queries.push_back(outcomes[i]);
   }
-  for (size_t m = 0; m < methods.size(); ++m) {
-    Paired& method = paired[m];
-    method.kind = methods[m].outcomes.kind;
-    for (size_t q = 0; q < method.queries.size(); ++q) method.order.push_back(q);
-    std::stable_sort(method.order.begin(), method.order.end(), [&](size_t a, size_t b) {
-      return method.queries[a]->key < method.queries[b]->key;
-    });
-  }
+  for (Paired& method : paired) sort_by_score(method);
   return paired;
 }
 
@@ -97,6 +116,7 @@ std::vector<std::string> metric_keys(const std::vector<size_t>& ks) {
 
 std::optional<double> weighted_recall(const Paired& method, std::span<const uint32_t> weights,
                                       size_t k) {
+  if (k > 1 && !method.has_ranks) return std::nullopt;
   uint64_t to_find = 0;
   uint64_t found = 0;
   for (size_t q = 0; q < weights.size(); ++q) {
@@ -128,6 +148,7 @@ std::vector<std::optional<double>> metric_values(const Paired& method,
 
 PairedCounts count_pairs(const Paired& first, const Paired& method) {
   PairedCounts counts;
+  if (!method.is_paired) return counts;
   for (size_t q = 0; q < method.queries.size(); ++q) {
     if (!method.queries[q]->has_match) continue;
     const bool here = method.queries[q]->verdict == Verdict::correct;
@@ -154,6 +175,7 @@ Differences bootstrap(const std::vector<Paired>& paired, const Comparison& compa
     const auto weights = block_weights(comparison.common, comparison.block, engine);
     const auto first = metric_values(paired.front(), weights, ks);
     for (size_t m = 1; m < paired.size(); ++m) {
+      if (!paired[m].is_paired) continue;
       const auto values = metric_values(paired[m], weights, ks);
       for (size_t i = 0; i < metrics; ++i)
         if (values[i] && first[i]) differences[m][i].push_back(*values[i] - *first[i]);
@@ -168,6 +190,7 @@ Differences bootstrap(const std::vector<Paired>& paired, const Comparison& compa
 Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block, size_t resamples,
                             uint64_t seed, const Monitor& monitor, Disputed disputed) {
   if (methods.size() < 2) throw Error(ErrorKind::data, "a comparison needs two or more reports");
+  assert(methods.front().is_paired);
   Comparison comparison;
   const std::vector<Paired> paired = pair_up(methods, comparison, disputed);
   comparison.common = paired.front().queries.size();
@@ -175,15 +198,15 @@ Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block
     throw Error(ErrorKind::data, "the reports have no query frame in common");
   comparison.block = std::clamp<size_t>(block, 1, comparison.common);
   for (const QueryOutcome* query : paired.front().queries) comparison.judged += query->has_match;
-  const bool has_ranks = std::all_of(methods.begin(), methods.end(),
+  const bool has_ranks = std::any_of(methods.begin(), methods.end(),
                                      [](const NamedOutcomes& m) { return m.outcomes.has_ranks; });
   std::vector<size_t> ks;
   for (const size_t k : kRecallAt)
     if (k == 1 || has_ranks) ks.push_back(k);
   const Differences differences = bootstrap(paired, comparison, ks, resamples, seed, monitor);
-  const std::vector<uint32_t> once(comparison.common, 1);
   std::vector<std::vector<std::optional<double>>> values;
   for (const Paired& method : paired) {
+    const std::vector<uint32_t> once(method.queries.size(), 1);
     values.push_back(metric_values(method, once, ks));
     comparison.paired.push_back(count_pairs(paired.front(), method));
   }

@@ -15,6 +15,7 @@ struct CurveMetric {
   std::string_view column;  ///< in tables
   std::string_view meaning;
   MetricValue (*compute)(const Curve& curve);
+  bool is_low_good = false;  ///< small values are better
 };
 
 /// All metrics, in the order in which reports and help list them.

@@ -11,6 +11,7 @@
 #include "report/evaluation_charts.h"
 #include "report/evaluation_report.h"
 #include "report/gallery_cards.h"
+#include "report/html_parts.h"
 #include "report/html_text.h"
 #include "report/metrics_report.h"
 #include "report/palette.h"
@@ -21,53 +22,9 @@
 namespace vpr {
 namespace {
 
-#include "html_parts.inc"
-
 constexpr size_t kMatrixSide = 800;  // pixels
 constexpr std::string_view kMistakes =
     "<label><input type=\"radio\" name=\"kind\" value=\"mistake\"> worst mistakes</label>";
-
-/// What is wider than the page scrolls, by keyboard, too.
-std::string scroll_begin(const std::string& escaped_title) {
-  return "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + escaped_title +
-         "\">";
-}
-
-std::string table_html(const Table& table) {
-  const std::string title = html_escaped(table.title);
-  std::string html = "<p class=\"note\">" + title + "</p>" + scroll_begin(title) +
-                     "<table aria-label=\"" + title + "\"><thead><tr>";
-  for (const std::string& column : table.columns)
-    html += "<th scope=\"col\">" + html_escaped(column) + "</th>";
-  html += "</tr></thead><tbody>";
-  for (const auto& row : table.rows) {
-    html += "<tr>";
-    for (const std::string& cell : row) html += "<td>" + html_escaped(cell) + "</td>";
-    html += "</tr>";
-  }
-  return html + "</tbody></table></div>\n";
-}
-
-std::string list_html(const Json& object) {
-  std::string html;
-  for (const auto& item : object.items()) {
-    std::string key = item.key();
-    for (char& c : key)
-      if (c == '_') c = ' ';
-    const std::string value =
-        item.value().is_string()
-            ? item.value().get<std::string>()
-            : item.value().dump(-1, ' ', false, Json::error_handler_t::replace);
-    html += "<dt>" + html_escaped(key) + "</dt><dd>" + html_escaped(value) + "</dd>\n";
-  }
-  return html;
-}
-
-std::string legend_html(const std::vector<Meaning>& meanings) {
-  std::string html;
-  for (const Meaning meaning : meanings) html += legend_key(meaning);
-  return html;
-}
 
 /// Two charts side by side, with their legends.
 std::string curves_html(const Json& report, const Judgement& judgement) {
@@ -167,12 +124,12 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
       protocol.erase(key);  // what is judged
   const std::string ground_truth = report["protocol"]["ground_truth"].get<std::string>();
   return fill_page(
-      kPage,
+      html_parts().page,
       {{"title", html_escaped(evaluation_title(report))},
        {"summary", html_escaped(summary)},
        {"subtitle", html_escaped("Ground truth: " + ground_truth)},
-       {"style", palette_css() + std::string(kStyle)},
-       {"script", std::string(kScript)},
+       {"style", palette_css() + std::string(html_parts().style)},
+       {"script", std::string(html_parts().script)},
        {"tables", tables_html(report, truth.is_known)},
        {"protocol", list_html(protocol)},
        {"provenance", list_html(made)},

@@ -70,6 +70,11 @@ char letter_of(const QueryOutcome& query) {
   return 'u';
 }
 
+char letter_of(Fix fix) {
+  constexpr std::string_view kLetters = ".rwi";
+  return kLetters[static_cast<size_t>(fix)];
+}
+
 Json outcomes_json(const Outcomes& outcomes) {
   std::string letters;
   std::string scores;
@@ -205,6 +210,9 @@ void add_judgement(Json& report, const Judgement& judgement) {
     report["curves"][other_key(judgement.confidence)] = curve_json(*judgement.other_best);
   if (judgement.all_pairs) report["curves"]["all_pairs"] = curve_json(judgement.all_pairs->curve);
   report["outcomes"] = outcomes_json(judgement.outcomes);
+  std::string fixes;
+  for (const Fix fix : judgement.fixes) fixes += letter_of(fix);
+  report["outcomes"]["fixes"] = fixes;
 }
 
 void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_result) {

@@ -36,6 +36,16 @@ constexpr std::array<PaletteColour, 18> kPalette = {{
 constexpr std::array<std::string_view, 8> kSeries = {"#440154", "#31688e", "#21918c", "#5ec962",
                                                      "#c9a400", "#8c564b", "#7f7f7f", "#e377c2"};
 
+// The same on dark paper.
+constexpr std::array<std::string_view, 8> kDarkSeries = {
+    "#c58ae0", "#6fb1e8", "#35c9bd", "#90e27f", "#f2d04a", "#d69a8a", "#b5b5b5", "#f7a8de"};
+
+std::string variables(std::span<const std::string_view> series) {
+  std::string css;
+  for (size_t i = 0; i < series.size(); ++i) css += fmt::format(" --series-{}: {};", i, series[i]);
+  return css;
+}
+
 std::string variables(uint32_t PaletteColour::*colour) {
   std::string css;
   for (const PaletteColour& row : kPalette)
@@ -68,12 +78,18 @@ Meaning meaning_of(PlaceLabel label) {
 std::string palette_css() {
   std::string css =
       fmt::format(":root {{{} }}\n@media (prefers-color-scheme: dark) {{ :root {{{} }} }}\n",
-                  variables(&PaletteColour::light), variables(&PaletteColour::dark));
+                  variables(&PaletteColour::light) + variables(kSeries),
+                  variables(&PaletteColour::dark) + variables(kDarkSeries));
   for (const PaletteColour& row : kPalette)
     css += fmt::format(
         "svg .{0} {{ fill: var(--{0}); }} svg .line.{0} {{ stroke: var(--{0}); }} "
         ".key.{0} {{ background: var(--{0}); }}\n",
         row.name);
+  for (size_t i = 0; i < kSeries.size(); ++i)
+    css += fmt::format(
+        "svg .series-{0} {{ fill: var(--series-{0}); }} svg .line.series-{0} {{ stroke: "
+        "var(--series-{0}); }} .key.series-{0} {{ background: var(--series-{0}); }}\n",
+        i);
   return css;
 }
 

@@ -64,7 +64,7 @@ Meaning meaning_of(PlaceLabel label);
 /// Colours of curves that mean nothing but their order, "#rrggbb" on white.
 std::span<const std::string_view> series_colours();
 
-/// The palette as CSS variables, for light and dark pages.
+/// The palette, and colours of curves, as CSS variables, for light and dark pages.
 std::string palette_css();
 
 /// A legend's entry in a page: a swatch and the words, which stay together.

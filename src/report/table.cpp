@@ -19,7 +19,7 @@ size_t width(const std::string& text) {
 }
 
 bool looks_numeric(const std::string& text) {
-  return text.empty() || text == "-" || text.find_first_of("0123456789") == 0 ||
+  return text.empty() || text == "-" || text == "- " || text.find_first_of("0123456789") == 0 ||
          (text.size() > 1 && (text[0] == '-' || text[0] == '+') && text[1] >= '0' &&
           text[1] <= '9');
 }
@@ -43,6 +43,16 @@ std::vector<size_t> column_widths(const Table& table) {
   return widths;
 }
 
+// Stars stand in a place of their own, so that digits stay below each other.
+Table with_stars(Table table) {
+  std::set<size_t> starred;
+  for (const auto& cell : table.best) starred.insert(cell.second);
+  for (const size_t column : starred)
+    for (size_t row = 0; row < table.rows.size(); ++row)
+      table.rows[row][column] += table.best.contains({row, column}) ? "*" : " ";
+  return table;
+}
+
 std::string text_table(const Table& table) {
   const std::vector<size_t> widths = column_widths(table);
   const auto line = [&](const std::vector<std::string>& cells) {
@@ -58,7 +68,7 @@ std::string text_table(const Table& table) {
   for (const size_t w : widths) total += w;
   text += std::string(total, '-') + "\n";
   for (const auto& row : table.rows) text += line(row);
-  return text;
+  return text + (table.best.empty() ? "" : "* the best\n");
 }
 
 // What stands in a cell, or is the title, stays there.
@@ -81,22 +91,40 @@ std::string csv_table(const Table& table) {
   return text;
 }
 
+std::string markdown_escaped(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '|' ? "\\|" : std::string(1, c);
+  return escaped;
+}
+
+// The rows with their cells written by `escape`, and the best ones as `bold` has them.
+template <class Escape, class Bold>
+std::vector<std::vector<std::string>> written_rows(const Table& table, const Escape& escape,
+                                                   const Bold& bold) {
+  std::vector<std::vector<std::string>> rows;
+  for (size_t r = 0; r < table.rows.size(); ++r) {
+    auto& cells = rows.emplace_back();
+    for (size_t c = 0; c < table.columns.size(); ++c) {
+      const std::string cell = escape(table.rows[r][c]);
+      cells.push_back(table.best.contains({r, c}) ? bold(cell) : cell);
+    }
+  }
+  return rows;
+}
+
 std::string markdown_table(const Table& table) {
   const auto line = [](const std::vector<std::string>& cells) {
-    std::string text = "|";
-    for (const std::string& cell : cells) {
-      std::string escaped;
-      for (const char c : cell) escaped += c == '|' ? "\\|" : std::string(1, c);
-      text += " " + escaped + " |";
-    }
-    return text + "\n";
+    return fmt::format("| {} |\n", fmt::join(cells, " | "));
   };
+  std::vector<std::string> columns;
+  for (const std::string& column : table.columns) columns.push_back(markdown_escaped(column));
   std::string text = table.title.empty() ? "" : fmt::format("**{}**\n\n", table.title);
-  text += line(table.columns) + "|";
+  text += line(columns) + "|";
   for (size_t c = 0; c < table.columns.size(); ++c)
     text += is_numeric(table, c) ? " ---: |" : " --- |";
   text += "\n";
-  for (const auto& row : table.rows) text += line(row);
+  const auto bold = [](const std::string& cell) { return "**" + cell + "**"; };
+  for (const auto& row : written_rows(table, markdown_escaped, bold)) text += line(row);
   return text;
 }
 
@@ -134,19 +162,19 @@ std::string latex_label(const std::string& title) {
 
 std::string latex_table(const Table& table) {
   const auto line = [](const std::vector<std::string>& cells) {
-    std::vector<std::string> escaped;
-    for (const std::string& cell : cells) escaped.push_back(latex_escaped(cell));
-    return fmt::format("{} \\\\\n", fmt::join(escaped, " & "));
+    return fmt::format("{} \\\\\n", fmt::join(cells, " & "));
   };
+  std::vector<std::string> names;
+  for (const std::string& column : table.columns) names.push_back(latex_escaped(column));
   std::string columns;
   for (size_t c = 0; c < table.columns.size(); ++c) columns += is_numeric(table, c) ? 'r' : 'l';
   std::string text = "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n";
   if (!table.title.empty())
     text += fmt::format("\\caption{{{}}}\n\\label{{tab:{}}}\n", latex_escaped(table.title),
                         latex_label(table.title));
-  text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}\\midrule\n", columns,
-                      line(table.columns));
-  for (const auto& row : table.rows) text += line(row);
+  text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}\\midrule\n", columns, line(names));
+  const auto bold = [](const std::string& cell) { return "\\textbf{" + cell + "}"; };
+  for (const auto& row : written_rows(table, latex_escaped, bold)) text += line(row);
   return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
 }
 
@@ -183,7 +211,7 @@ std::string render_table(const Table& table, TableFormat format) {
   for ([[maybe_unused]] const auto& row : table.rows) assert(row.size() == table.columns.size());
   switch (format) {
     case TableFormat::text:
-      return text_table(with_printable_text(table));
+      return text_table(with_stars(with_printable_text(table)));
     case TableFormat::csv:
       return csv_table(table);
     case TableFormat::markdown:

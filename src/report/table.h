@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/enum_names.h"
@@ -21,6 +23,8 @@ struct Table {
   std::string title;
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;  ///< each as long as `columns`
+  /// Cells (row, column) that are the best of something: bold, in text with a star, in CSV as all.
+  std::set<std::pair<size_t, size_t>> best = {};
 };
 
 /// The rows of all tables below each other, under every column that any of them has, in the order

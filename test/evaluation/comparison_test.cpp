@@ -102,14 +102,33 @@ TEST_CASE("queries that ground truths disagree on, or windows can't reach, are l
   CHECK(reached.disputed == 0);
 }
 
-TEST_CASE("recall@K beyond 1 is compared where all ranks are known") {
+TEST_CASE("recall@K beyond 1 is known of methods with ranks, and compared where both have them") {
   NamedOutcomes one = method("cw");
   one.outcomes.has_ranks = true;
   one.outcomes.queries[0].rank = 1;
   one.outcomes.queries[1].rank = 4;
   CHECK(find(compare({one, one}), "recall_at_5", 1).value == 1);
   const Comparison mixed = compare({one, method("cw")});
-  for (const ComparedValue& value : mixed.values) CHECK(value.metric != "recall_at_5");
+  CHECK(find(mixed, "recall_at_5", 0).value == 1);
+  CHECK_FALSE(find(mixed, "recall_at_5", 1).value);
+  CHECK_FALSE(find(mixed, "recall_at_5", 1).difference);
+  for (const ComparedValue& value : compare({method("cw"), method("cw")}).values)
+    CHECK(value.metric != "recall_at_5");
+}
+
+TEST_CASE("another walk is measured over its own queries, without partners") {
+  NamedOutcomes replay = method("ccwwwwwcn");  // twice as slow, and with a frame that has no match
+  replay.is_paired = false;
+  const Comparison found = compare({method("cwwc"), replay, method("cccw")});
+  CHECK(found.common == 4);
+  CHECK(found.own == std::vector<size_t>{4, 9, 4});
+  CHECK(find(found, "recall_at_1", 0).value == 0.5);
+  CHECK(find(found, "recall_at_1", 1).value == Approx(3 / 8.0));
+  CHECK(*find(found, "recall_at_1", 1).difference == Approx(-1 / 8.0));
+  CHECK_FALSE(find(found, "recall_at_1", 1).interval);
+  CHECK(find(found, "recall_at_1", 2).interval);
+  CHECK(found.paired[1].both_right + found.paired[1].neither == 0);
+  CHECK(found.paired[2].both_right == 1);
 }
 
 TEST_CASE("intervals are those of the closed form for independent queries") {

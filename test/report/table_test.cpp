@@ -63,3 +63,23 @@ TEST_CASE("a LaTeX table has rules of booktabs, and a label that can be referred
         "\\begin{tabular}{r}\n\\toprule\nn \\\\\n\\midrule\n1 \\\\\n\\bottomrule\n"
         "\\end{tabular}\n\\end{table}\n");
 }
+
+TEST_CASE("the best cells are bold, with a star in text, and CSV has numbers only") {
+  Table table{"T", {"of", "R@1", "gap"}, {{"a|b", "0.5", "-"}, {"c", "0.25", "3"}}};
+  table.best = {{0, 1}, {1, 2}};
+  CHECK(render_table(table, TableFormat::text) ==
+        "T\n"
+        "of     R@1  gap\n"
+        "---------------\n"
+        "a|b   0.5*   -\n"
+        "c    0.25    3*\n"
+        "* the best\n");
+  CHECK(render_table(table, TableFormat::csv) == "of,R@1,gap\na|b,0.5,-\nc,0.25,3\n");
+  CHECK(render_table(table, TableFormat::markdown) ==
+        "**T**\n\n| of | R@1 | gap |\n| --- | ---: | ---: |\n| a\\|b | **0.5** | - |\n"
+        "| c | 0.25 | **3** |\n");
+  const std::string latex = render_table(table, TableFormat::latex);
+  CHECK(latex.find("a|b & \\textbf{0.5} & - \\\\") != std::string::npos);
+  CHECK(latex.find("c & 0.25 & \\textbf{3} \\\\") != std::string::npos);
+  CHECK(latex.find("\\label{tab:T}") != std::string::npos);
+}

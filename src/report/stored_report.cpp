@@ -1,0 +1,204 @@
+#include "report/stored_report.h"
+
+#include <charconv>
+#include <limits>
+#include <map>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/text.h"
+#include "recognition/score_kind.h"
+#include "report/json_fields.h"
+
+namespace vpr {
+namespace {
+
+constexpr uint64_t kMostFrames = uint64_t{1} << 32;
+
+template <class T>
+std::optional<T> number(std::string_view word) {
+  T value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
+  query.has_match = letter == 'c' || letter == 'w';
+  switch (letter) {
+    case 'c':
+      query.verdict = Verdict::correct;
+      return;
+    case 'b':
+      query.is_unreachable = true;
+      [[fallthrough]];
+    case 'w':
+    case 'n':
+      query.verdict = Verdict::incorrect;
+      return;
+    case 'i':
+      query.verdict = Verdict::ignored;
+      return;
+    case 'u':
+      query.verdict = Verdict::unreadable;
+      return;
+    default:
+      fields.fail("an outcome is none");
+  }
+}
+
+Outcomes read_outcomes(const Fields& fields) {
+  const Fields part = fields.object("outcomes");
+  Outcomes outcomes;
+  const auto kind = enum_value<ScoreOrder>(part.text("scores_are"));
+  if (!kind) fields.fail("its scores are neither distances nor similarities");
+  outcomes.kind = *kind;
+  const uint64_t first = part.count("first_frame", kMostFrames);
+  outcomes.window_length = first + 1;
+  const std::string letters = part.text("best");
+  const std::string scores_text = part.text("scores");
+  const auto scores = split_words(scores_text);
+  outcomes.has_ranks = part.has("ranks");
+  const std::string ranks_text = outcomes.has_ranks ? part.text("ranks") : "";
+  const auto ranks = split_words(ranks_text);
+  if (scores.size() != letters.size() || (outcomes.has_ranks && ranks.size() != letters.size()))
+    fields.fail("its outcomes do not fit each other");
+  for (size_t q = 0; q < letters.size(); ++q) {
+    QueryOutcome& query = outcomes.queries.emplace_back();
+    query.frame = first + q;
+    set_verdict(query, letters[q], fields);
+    if (scores[q] != "-") {
+      const auto score = number<double>(scores[q]);
+      if (!score) fields.fail("a score is no number");
+      query.key = score_key(*score, outcomes.kind);
+    }
+    if (outcomes.has_ranks && ranks[q] != "-") {
+      query.rank = number<size_t>(ranks[q]);
+      if (!query.rank) fields.fail("a rank is no number");
+    }
+  }
+  outcomes.query_frames = first + letters.size();
+  return outcomes;
+}
+
+bool is_of_places(const Json& settings) {
+  return settings.is_object() &&
+         settings.contains(std::string(probability_kind().threshold_symbol));
+}
+
+// What replayed queries add to the words of a ground truth, with their walk behind it.
+constexpr std::string_view kReplayed = ", query replayed ";
+
+std::string words_of_recording(const StoredReport& report) {
+  return report.walk.empty() ? report.ground_truth
+                             : report.ground_truth.substr(0, report.ground_truth.find(kReplayed));
+}
+
+void read_walk(StoredReport& report, const Fields& fields) {
+  if (!fields.has("warp")) return;
+  const Fields warp = fields.object("warp");
+  report.walk = fmt::format("replayed: {}, seed {}", warp.text("name"),
+                            warp.count("seed", std::numeric_limits<uint64_t>::max()));
+}
+
+void read_path(StoredReport& report, const Fields& fields) {
+  if (!fields.has("localisation")) return;
+  const Fields path = fields.object("localisation");
+  if (path.has("share") && path["share"].is_number()) report.share = path["share"].get<double>();
+  if (path.has("longest_gap_frames"))
+    report.longest_gap = path.count("longest_gap_frames", kMostFrames);
+  const Fields outcomes = fields.object("outcomes");
+  if (!outcomes.has("fixes")) return;
+  report.fixes = outcomes.text("fixes");
+  if (report.fixes.size() != report.outcomes.query_frames ||
+      report.fixes.find_first_not_of("rwi.") != std::string::npos)
+    fields.fail("its fixes do not fit its outcomes");
+}
+
+}  // namespace
+
+StoredReport read_report(const std::filesystem::path& path) {
+  return stored_report(read_json(path, ErrorKind::data), path.string());
+}
+
+StoredReport stored_report(const Json& json, const std::string& where) {
+  require_schema(json, "report", where, ErrorKind::data);
+  const Fields fields(json, where);
+  if (!fields.has("outcomes"))
+    throw Error(ErrorKind::data, fmt::format("{}: has no outcomes of single queries; make it again "
+                                             "with vpr-eval",
+                                             where));
+  StoredReport report;
+  report.method = fields.text("method");
+  report.query = fields.text("query");
+  report.ground_truth = fields.object("protocol").text("ground_truth");
+  const Fields provenance = fields.object("provenance");
+  if (provenance.has("ground_truth"))
+    report.ground_truth_fingerprint = provenance.text("ground_truth");
+  if (fields.has("name")) report.name = fields.text("name");
+  report.has_places = fields.has("settings") && is_of_places(json["settings"]);
+  report.fingerprint = provenance.text(provenance.has("result") ? "result" : "scores");
+  report.outcomes = read_outcomes(fields);
+  read_walk(report, fields);
+  read_path(report, fields);
+  return report;
+}
+
+bool is_same_walk(const StoredReport& a, const StoredReport& b) { return a.walk == b.walk; }
+
+GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports) {
+  bool is_known = true;
+  std::map<bool, std::string> of_kind;  // places or frames
+  for (const StoredReport& report : reports) {
+    if (!is_same_walk(report, reports.front())) {
+      // Labels of other frames have another fingerprint: only the words can be compared.
+      if (words_of_recording(report) != words_of_recording(reports.front()))
+        return GroundTruths::different;
+      continue;
+    }
+    const auto& fingerprint = report.ground_truth_fingerprint;
+    is_known = is_known && fingerprint;
+    if (!fingerprint) continue;
+    const auto found = of_kind.emplace(report.has_places, *fingerprint).first;
+    if (found->second != *fingerprint) return GroundTruths::different;
+  }
+  const bool agree = of_kind.size() < 2 || of_kind[true] == of_kind[false];
+  if (!agree) return GroundTruths::of_places_and_frames;
+  return is_known ? GroundTruths::same : GroundTruths::unknown;
+}
+
+std::vector<std::string> report_names(const std::vector<StoredReport>& reports,
+                                      const std::vector<std::string>& paths) {
+  // What each may be called, the best first; the last tells every report apart.
+  std::vector<std::vector<std::string>> choices;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const std::string stem = std::filesystem::path(paths[r]).stem().string();
+    if (reports[r].name)
+      choices.push_back(
+          {*reports[r].name, *reports[r].name, fmt::format("{} ({})", *reports[r].name, r + 1)});
+    else
+      choices.push_back({reports[r].method, stem, fmt::format("{} ({})", stem, r + 1)});
+  }
+  std::vector<size_t> chosen(reports.size(), 0);
+  const auto clashes = [&](size_t r) {
+    for (size_t other = 0; other < reports.size(); ++other)
+      if (other != r && choices[other][chosen[other]] == choices[r][chosen[r]] &&
+          (reports[other].name || !reports[r].name))  // a user's name makes way for another only
+        return true;
+    return false;
+  };
+  for (size_t level = 0; level < 2; ++level) {
+    std::vector<size_t> next = chosen;
+    for (size_t r = 0; r < reports.size(); ++r)
+      if (chosen[r] == level && clashes(r)) next[r] = level + 1;
+    chosen = next;
+  }
+  std::vector<std::string> names;
+  for (size_t r = 0; r < reports.size(); ++r) names.push_back(choices[r][chosen[r]]);
+  return names;
+}
+
+}  // namespace vpr
