@@ -38,6 +38,7 @@ JudgedBy judged_by(const Session& session, const EvalInputs& inputs,
   by.confidence = inputs.confidence;
   by.poses = inputs.scores.poses;
   by.recall_at = recall_at_of(inputs.scores);
+  by.stretch_frames = stretch_of(inputs.scores);
   if (!inputs.ground_truth.empty())
     by.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
   if (!inputs.dataset.empty() &&

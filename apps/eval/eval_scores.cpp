@@ -87,8 +87,19 @@ std::string metrics_help() {
   std::string text = "Metrics (best matches, and all pairs of a matrix):\n";
   for (const CurveMetric& metric : curve_metrics())
     text += fmt::format("  {:<32}{}\n", metric.column, metric.meaning);
-  return text + fmt::format("  {:<32}{}\n", "R@K",
-                            "share of queries with a right reference among the K best");
+  for (const auto& [name, meaning] :
+       {std::pair("R@K", "share of queries with a right reference among the K best"),
+        std::pair("P@K, mAP@K", "right references among the K best, of K; and how early they come"),
+        std::pair("RAR r", "share of stretches of the path whose R@1 is r or more")})
+    text += fmt::format("  {:<32}{}\n", name, meaning);
+  return text;
+}
+
+size_t stretch_of(const ScoreInputs& inputs) {
+  if (inputs.stretch_frames == 0 || inputs.stretch_frames > kMostFrames)
+    throw Error(ErrorKind::usage, fmt::format("--stretch must be 1 to {}, found {}", kMostFrames,
+                                              inputs.stretch_frames));
+  return inputs.stretch_frames;
 }
 
 void check_score_inputs(const ScoreInputs& inputs, bool has_result) {

@@ -15,6 +15,7 @@ struct ScoreInputs {
   std::string query_npy;      ///< descriptors that scores are computed of; empty: none
   std::string reference_npy;  ///< of the references
   std::vector<uint64_t> recall_at;
+  uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
   bool is_distance = false;
   bool is_similarity = false;
   bool references_first = false;
@@ -52,6 +53,9 @@ void check_window(const ScoreInputs& inputs);
 /// K of recall@K, rising, 1 among them; none where the flag was not given. Throws Error(usage) for
 /// a K out of range.
 std::vector<size_t> recall_at_of(const ScoreInputs& inputs);
+
+/// Throws Error(usage) for a --stretch out of range.
+size_t stretch_of(const ScoreInputs& inputs);
 
 /// What a report says of --scores alone. `seed`: of a replay. Throws what replay throws.
 ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed);

@@ -164,6 +164,10 @@ int main(int argc, char** argv) {
   add_setting(app, "--confidence", inputs.confidence,
               "what best matches are accepted by, in curves, metrics and pictures: score (default) "
               "or margin, how much better than the best one elsewhere; the other stands beside it");
+  add_setting(app, "--stretch", inputs.scores.stretch_frames,
+              fmt::format("frames of a stretch of the path, for the recall achievement rate "
+                          "(default {})",
+                          kRouteStretch));
   add_setting(app, "--format", inputs.format, "of the table: text, csv, markdown or latex");
   app.add_footer(metrics_help());
   CompareInputs compare;

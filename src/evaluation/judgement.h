@@ -8,6 +8,7 @@
 #include "evaluation/localisation.h"
 #include "evaluation/matrix_scan.h"
 #include "evaluation/metrics.h"
+#include "evaluation/recall_achievement.h"
 
 namespace vpr {
 
@@ -37,6 +38,7 @@ struct Judgement {
   std::vector<Fix> fixes;                  ///< one a query frame
   Localisation localisation;
   std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K of what is reported
+  size_t stretch_frames = kRouteStretch;  ///< of what is reported of the recall achievement rate
 };
 
 /// Whether the frame's fix is as right as the query's best match, so that the one can stand for the

@@ -16,6 +16,7 @@ struct BestColumn {
 /// One worker's share.
 struct Share {
   std::vector<PlaceLabel> labels;
+  std::vector<BestColumn> heap;
   MatrixScan scan;
 };
 
@@ -27,6 +28,32 @@ size_t rank_of(const BestColumn& correct, std::span<const uint64_t> keys,
     in_front += is_ahead && labels[c] != PlaceLabel::ignore ? 1 : 0;
   }
   return in_front + 1;
+}
+
+/// Better scores first, ties to the first.
+bool is_ahead(const BestColumn& a, const BestColumn& b) {
+  return a.key < b.key || (a.key == b.key && a.column < b.column);
+}
+
+// Which of the kMostRanked best references are right. The heap's front is the worst that is kept.
+void rank_right_ones(QueryOutcome& query, std::vector<BestColumn>& heap,
+                     std::span<const uint64_t> keys, const std::vector<PlaceLabel>& labels) {
+  heap.clear();
+  for (size_t c = 0; c < keys.size(); ++c) {
+    query.right_count += labels[c] == PlaceLabel::same ? 1 : 0;
+    if (keys[c] == kNoScore || labels[c] == PlaceLabel::ignore) continue;
+    if (heap.size() == kMostRanked) {
+      if (keys[c] >= heap.front().key) continue;  // a tie comes behind
+      std::pop_heap(heap.begin(), heap.end(), is_ahead);
+      heap.pop_back();
+    }
+    heap.push_back({keys[c], c});
+    std::push_heap(heap.begin(), heap.end(), is_ahead);
+  }
+  std::sort_heap(heap.begin(), heap.end(), is_ahead);
+  for (size_t rank = 1; rank <= heap.size(); ++rank)
+    if (labels[heap[rank - 1].column] == PlaceLabel::same)
+      query.right_ranks.push_back(static_cast<uint8_t>(rank));
 }
 
 void count_pairs(Share& share, std::span<const uint64_t> keys) {
@@ -65,6 +92,7 @@ void judge(QueryOutcome& query, Share& share, std::span<const uint64_t> keys,
   share.scan.best_key = std::min(share.scan.best_key, best.key);
   if (correct.key != kNoScore) query.rank = rank_of(correct, keys, share.labels);
   query.key = best.key;
+  rank_right_ones(query, share.heap, keys, share.labels);
   if (best.key == kNoScore) return;
   query.best = match_of_column(layout, best.column);
   if (share.labels[best.column] == PlaceLabel::same) query.verdict = Verdict::correct;

@@ -27,6 +27,9 @@ enum class Confidence { score, margin };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<Confidence> = {"score", "margin"};
 
+/// Of how many best references of a query it is kept whether they are right.
+inline constexpr size_t kMostRanked = 100;
+
 /// One query window (of FAB-MAP: frame), and its best match.
 struct QueryOutcome {
   size_t frame = 0;  ///< of the query: a window's anchor
@@ -39,6 +42,9 @@ struct QueryOutcome {
   /// 1 + references in front of the first correct one, ties to the first, ignored ones left out;
   /// known from a matrix only, and none where no correct one has a score.
   std::optional<size_t> rank;
+  /// Ranks of right references, rising, as far as they are known: up to kMostRanked, from a matrix.
+  std::vector<uint8_t> right_ranks = {};
+  size_t right_count = 0;             ///< references of the query's place; from a matrix
   std::optional<double> margin = {};  ///< of the best match, in score a frame; none: not known
   std::optional<double> asked_margin =
       {};  ///< that makes it a hit, where the decision is by margin

@@ -45,6 +45,7 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
                                 : judge(result, truth, travelled_m, monitor);
   order_by(evaluation.judgement, by.confidence);
   if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
+  evaluation.judgement.stretch_frames = by.stretch_frames;
   JudgedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
   judged.by_view = count_by_view(result, truth, monitor);
@@ -68,6 +69,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
       judge(matrix, layout, evaluation.truth, settings.threshold, travelled_m, monitor);
   order_by(evaluation.judgement, by.confidence);
   if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
+  evaluation.judgement.stretch_frames = by.stretch_frames;
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);
   return evaluation;

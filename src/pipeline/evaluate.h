@@ -18,6 +18,7 @@ struct JudgedBy {
   std::filesystem::path poses;  ///< of the query's frames, for metres; empty: frames only
   Confidence confidence = Confidence::score;  ///< of best matches
   std::vector<size_t> recall_at = {};         ///< K of recall@K; none: kRecallAt
+  size_t stretch_frames = kRouteStretch;      ///< of the recall achievement rate
 };
 
 /// What is known of a score matrix of another program.

@@ -1,12 +1,13 @@
 #include "report/metrics_report.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/json.h"
 #include "evaluation/metrics.h"
+#include "evaluation/precision_at.h"
 #include "evaluation/recall_at.h"
 
 namespace vpr {
@@ -26,6 +27,15 @@ const char* other_key(Confidence confidence) {
   return confidence == Confidence::score ? "by_margin" : "by_score";
 }
 
+Json achievement_json(const Judgement& judgement) {
+  const auto recalls = local_recalls(judgement.outcomes, judgement.stretch_frames);
+  const auto known = std::ranges::count_if(recalls, [](const auto& r) { return r.has_value(); });
+  Json json = {{"stretch_frames", judgement.stretch_frames}, {"stretches", known}};
+  for (const double target : kRecallTargets)
+    json["targets"][fmt::format("{:g}", target)] = or_null(recall_achievement(recalls, target));
+  return json;
+}
+
 Json metrics_json(const Judgement& judgement) {
   Json json = {{"single_best", curve_metrics_json(judgement.single_best)}};
   if (judgement.outcomes.has_ranks)
@@ -42,6 +52,13 @@ Json metrics_json(const Judgement& judgement) {
     if (k == 1 || judgement.outcomes.has_ranks)
       recall[std::to_string(k)] = or_null(recall_at(judgement.outcomes, k));
   json["recall_at"] = recall;
+  json["recall_achievement"] = achievement_json(judgement);
+  if (!judgement.outcomes.has_ranks) return json;
+  for (const size_t k : judgement.recall_at) {
+    if (k > kMostRanked) continue;
+    json["precision_at"][std::to_string(k)] = or_null(precision_at(judgement.outcomes, k));
+    json["map_at"][std::to_string(k)] = or_null(mean_average_precision_at(judgement.outcomes, k));
+  }
   return json;
 }
 
@@ -95,78 +112,6 @@ Json outcomes_json(const Outcomes& outcomes) {
   if (outcomes.has_margins) json["margins"] = margins;
   if (outcomes.has_ranks) json["ranks"] = ranks;
   return json;
-}
-
-std::string shown(const Json& value, int digits) {
-  if (value.is_null()) return "-";
-  if (value.is_number_integer()) return value.dump();
-  return fmt::format("{:.{}f}", value.get<double>(), digits);
-}
-
-std::vector<std::string> metric_cells(const Json& mode) {
-  std::vector<std::string> cells;
-  for (const CurveMetric& metric : curve_metrics())
-    cells.push_back(shown(mode[std::string(metric.key)], 4));
-  return cells;
-}
-
-Table curve_table(const Json& report) {
-  const Json& best = report["best_match"];
-  const Json& metrics = report["metrics"];
-  Table table;
-  table.title = fmt::format(
-      "Metrics ({} with a match; {} without one, wrong if accepted{}; {} ignored, {} "
-      "unreadable, left out{})",
-      counted(best["queries"].get<uint64_t>(), "query", "queries"), best["without_match"].dump(),
-      best["unreachable"] == 0
-          ? ""
-          : fmt::format("; {} whose place lies where no training window ends, likewise",
-                        best["unreachable"].dump()),
-      best["ignored"].dump(), best["unreadable"].dump(),
-      metrics["single_best"].contains("tied_queries")
-          ? fmt::format("; {} tied, to the first", metrics["single_best"]["tied_queries"].dump())
-          : "");
-  table.columns = {"of", "to find"};
-  for (const CurveMetric& metric : curve_metrics()) table.columns.emplace_back(metric.column);
-  const auto add = [&](const std::string& name, const Json& mode) {
-    table.rows.push_back({name, mode["to_find"].dump()});
-    for (std::string& cell : metric_cells(mode)) table.rows.back().push_back(std::move(cell));
-  };
-  const bool by_margin = report.contains("confidence");
-  add(by_margin ? "best matches, by margin" : "best matches", metrics["single_best"]);
-  for (const auto& [key, name] :
-       {std::pair("by_margin", "the same by margin"), std::pair("by_score", "the same by score")})
-    if (metrics.contains(key)) add(name, metrics[key]);
-  if (metrics.contains("all_pairs")) add("all pairs", metrics["all_pairs"]);
-  return table;
-}
-
-Table recall_table(const Json& report) {
-  Table table;
-  table.title =
-      "Recall@K (queries with a match; ties to the first; ignored references passed over)";
-  table.rows.emplace_back();
-  for (const auto& item : report["metrics"]["recall_at"].items()) {
-    table.columns.push_back("R@" + item.key());
-    table.rows[0].push_back(shown(item.value(), 4));
-  }
-  return table;
-}
-
-Table localisation_table(const Json& report) {
-  const Json& found = report["localisation"];
-  Table table;
-  table.title =
-      fmt::format("Along the path ({})", report["protocol"].value("localisation", std::string()));
-  table.columns = {"frames", "right", "wrong", "share", "longest gap", "first fix"};
-  table.rows = {{found["frames"].dump(), found["right"].dump(), found["wrong"].dump(),
-                 shown(found["share"], 4), found["longest_gap_frames"].dump(),
-                 shown(found["first_fix_frames"], 0)}};
-  if (found["longest_gap_m"].is_null()) return table;
-  table.columns.insert(table.columns.end(), {"longest gap m", "first fix m"});
-  table.rows[0].push_back(shown(found["longest_gap_m"], 2));
-  table.rows[0].push_back(shown(found["first_fix_m"], 2));
-  return table;
 }
 
 }  // namespace
@@ -231,6 +176,13 @@ void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_re
     protocol["all_pairs"] =
         "a threshold accepts pairs that score at least as good; recall is over all pairs of the "
         "same place; pairs labelled ignore, and queries without any score, are left out";
+  if (has_ranks)
+    protocol["precision_at"] =
+        "right references among the K best, of K; mAP@K: mean over queries of the precision at "
+        "each right one among the K best, of as many right ones as K can hold";
+  protocol["recall_achievement"] =
+      "the path is cut into stretches of about as many frames; share of those with a query to "
+      "find whose recall@1 reaches the target";
   protocol["ties"] =
       "equal scores are accepted together; the best match, and ranks, take the first";
   protocol["localisation"] =
@@ -240,30 +192,6 @@ void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_re
                       "{}",
                       judgement.threshold ? fmt::format("{:.6g}", *judgement.threshold)
                                           : "any correct one before the first mistake");
-}
-
-std::vector<Table> metrics_tables(const Json& report) {
-  std::vector<Table> tables = {curve_table(report)};
-  if (report["metrics"]["recall_at"].size() > 1) tables.push_back(recall_table(report));
-  tables.push_back(localisation_table(report));
-  return tables;
-}
-
-void append_metrics(Table& table, const Json& report) {
-  const auto add = [&](const std::string& column, const std::string& value) {
-    table.columns.push_back(column);
-    table.rows.front().push_back(value);
-  };
-  for (const auto& [key, name] :
-       {std::pair("single_best", "best"), std::pair("by_margin", "margin"),
-        std::pair("by_score", "score"), std::pair("all_pairs", "pairs")}) {
-    if (!report["metrics"].contains(key)) continue;
-    const std::vector<std::string> cells = metric_cells(report["metrics"][key]);
-    for (size_t m = 0; m < cells.size(); ++m)
-      add(fmt::format("{} {}", name, curve_metrics()[m].column), cells[m]);
-  }
-  for (const Table& more : {recall_table(report), localisation_table(report)})
-    for (size_t c = 0; c < more.columns.size(); ++c) add(more.columns[c], more.rows[0][c]);
 }
 
 }  // namespace vpr

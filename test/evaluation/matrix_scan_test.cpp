@@ -292,3 +292,37 @@ TEST_CASE("a large matrix gives the same for any number of threads") {
     CHECK(curve.points.back().correct + curve.points.back().incorrect == 3500000);
   }
 }
+
+TEST_CASE("ranks of right references are those of sorting the row") {
+  const test::TemporaryFolder folder;
+  constexpr size_t kReferences = 300;
+  RandomEngine engine(11);
+  std::vector<float> values;
+  for (size_t i = 0; i < 6 * kReferences; ++i)
+    values.push_back(uniform_below(engine, 20) == 0 ? std::numeric_limits<float>::quiet_NaN()
+                                                    : float(uniform_below(engine, 40)));
+  std::vector<std::array<int, 3>> pairs;
+  for (int query = 0; query < 5; ++query)  // the last query has no match
+    for (int reference = 0; reference < int(kReferences); ++reference)
+      if (const uint64_t kind = uniform_below(engine, 6); kind < 2)
+        pairs.push_back({query, reference, int(kind)});
+  const GroundTruth truth = truth_of(6, pairs);
+  const MatrixScan found = scan(write_matrix<float>(folder, values, 6, kReferences), truth);
+  for (size_t query = 0; query < 6; ++query) {
+    std::vector<std::pair<float, size_t>> order;
+    std::vector<bool> is_right(kReferences);
+    std::vector<bool> is_ignored(kReferences);
+    for (const auto& pair : truth.pairs[query])
+      (pair.label == PlaceLabel::same ? is_right : is_ignored)[pair.first] = true;
+    for (size_t r = 0; r < kReferences; ++r)
+      if (const float value = values[query * kReferences + r]; value == value && !is_ignored[r])
+        order.emplace_back(value, r);
+    std::sort(order.begin(), order.end());
+    std::vector<uint8_t> expected;
+    for (size_t rank = 1; rank <= kMostRanked; ++rank)
+      if (is_right[order[rank - 1].second]) expected.push_back(static_cast<uint8_t>(rank));
+    CHECK(found.outcomes.queries[query].right_ranks == expected);
+    CHECK(found.outcomes.queries[query].right_count ==
+          size_t(std::count(is_right.begin(), is_right.end(), true)));
+  }
+}

@@ -11,6 +11,9 @@
 #include "evaluation/extended_precision.h"
 #include "evaluation/full_precision_recall.h"
 #include "evaluation/max_f1.h"
+#include "evaluation/precision_at.h"
+#include "evaluation/recall_achievement.h"
+#include "evaluation/risk_coverage.h"
 #include "evaluation/roc_auc.h"
 
 using namespace vpr;
@@ -227,4 +230,106 @@ TEST_CASE("keys sort scores best first and give them back") {
     CHECK(score_key(NAN, kind) == kNoScore);
     CHECK(score_key(-NAN, kind) == kNoScore);
   }
+}
+
+namespace {
+
+/// The mean risk by its definition, over all orders of those that tie, drawn at random.
+double plain_risk(std::vector<Scored> scored, size_t orders) {
+  RandomEngine engine(5);
+  double sum = 0;
+  for (size_t order = 0; order < orders; ++order) {
+    std::vector<size_t> at(scored.size());
+    for (size_t i = 0; i < at.size(); ++i) at[i] = i;
+    for (size_t i = at.size(); i > 1; --i) std::swap(at[i - 1], at[uniform_below(engine, i)]);
+    std::stable_sort(at.begin(), at.end(),
+                     [&](size_t a, size_t b) { return scored[a].distance < scored[b].distance; });
+    double wrong = 0;
+    for (size_t i = 0; i < at.size(); ++i) {
+      wrong += scored[at[i]].is_correct ? 0 : 1;
+      sum += wrong / double(i + 1) / double(at.size());
+    }
+  }
+  return sum / double(orders);
+}
+
+/// A query of each letter (c right, w wrong, n without a match, i ignored), the first at a frame.
+Outcomes outcomes_of(const std::string& letters, size_t first = 0) {
+  Outcomes outcomes;
+  for (const char letter : letters) {
+    QueryOutcome& query = outcomes.queries.emplace_back();
+    query.frame = first + outcomes.queries.size() - 1;
+    query.has_match = letter == 'c' || letter == 'w';
+    query.verdict = letter == 'c'   ? Verdict::correct
+                    : letter == 'i' ? Verdict::ignored
+                                    : Verdict::incorrect;
+  }
+  outcomes.query_frames = first + letters.size();
+  return outcomes;
+}
+
+}  // namespace
+
+TEST_CASE("the area of risk and coverage is that computed by hand, the expected one of ties") {
+  // Risks 0/1, 0/2, 1/3, 1/4, 2/5.
+  CHECK(*risk_coverage_area(curve_from(kFive, 4)).value ==
+        Approx((0 + 0 + 1 / 3.0 + 1 / 4.0 + 2 / 5.0) / 5));
+  // A right and a wrong one tie: 0 or 1 with the first, 1/2 with both; then 1/3.
+  CHECK(*risk_coverage_area(curve_from({{1, true}, {1, false}, {2, true}}, 2)).value ==
+        Approx((0.5 + 0.5 + 1 / 3.0) / 3));
+  CHECK(risk_coverage_area(curve_from({{1, true}, {2, true}}, 9)).value == 0);
+  CHECK(risk_coverage_area(curve_from({{1, false}, {2, false}}, 9)).value == 1);
+  CHECK_FALSE(risk_coverage_area(curve_from({}, 3)).value);
+  RandomEngine engine(3);
+  std::vector<Scored> many;
+  for (size_t i = 0; i < 40; ++i)
+    many.push_back({double(uniform_below(engine, 8)), uniform_below(engine, 3) > 0});
+  CHECK(*risk_coverage_area(curve_from(many, 40)).value ==
+        Approx(plain_risk(many, 20000)).margin(0.002));
+  const auto points = risk_coverage_points(curve_from(kFive, 4));
+  REQUIRE(points.size() == 4);  // no threshold at a wrong one alone, but the last
+  CHECK(points[1] == std::pair(0.4, 0.0));
+  CHECK(points[2] == std::pair(0.8, 0.25));
+  CHECK(points[3].first == 1);
+}
+
+TEST_CASE("the recall achievement rate is that counted by hand") {
+  // Stretches of four frames: 3/4, 1/2 (of two with a match), none with a match, 1.
+  const Outcomes outcomes = outcomes_of("cccwcwninnnicccc");
+  const auto recalls = local_recalls(outcomes, 4);
+  REQUIRE(recalls.size() == 4);
+  CHECK(recalls[0] == 0.75);
+  CHECK(recalls[1] == 0.5);
+  CHECK_FALSE(recalls[2]);
+  CHECK(recalls[3] == 1);
+  CHECK(*recall_achievement(recalls, 0.5) == 1);
+  CHECK(*recall_achievement(recalls, 0.75) == Approx(2 / 3.0));
+  CHECK(*recall_achievement(recalls, 1) == Approx(1 / 3.0));
+  // Seven frames are two stretches, of three and of four; frames before the first window count.
+  const auto uneven = local_recalls(outcomes_of("wcccc", 2), 4);
+  REQUIRE(uneven.size() == 2);
+  CHECK(uneven[0] == 0);
+  CHECK(uneven[1] == 1);
+  CHECK(local_recalls(outcomes_of("cw"), 100).size() == 1);
+  CHECK_FALSE(recall_achievement(local_recalls(outcomes_of("nn"), 1), 0.5));
+}
+
+TEST_CASE("precision@K and mAP@K are those computed by hand") {
+  Outcomes outcomes = outcomes_of("cwn");
+  outcomes.has_ranks = true;
+  outcomes.queries[0].right_ranks = {1, 3, 4};
+  outcomes.queries[0].right_count = 3;
+  outcomes.queries[1].right_ranks = {2};
+  outcomes.queries[1].right_count = 8;
+  CHECK(*precision_at(outcomes, 1) == Approx((1 + 0) / 2.0));
+  CHECK(*precision_at(outcomes, 3) == Approx((2 / 3.0 + 1 / 3.0) / 2));
+  CHECK(*precision_at(outcomes, 10) == Approx((3 / 10.0 + 1 / 10.0) / 2));
+  CHECK(*mean_average_precision_at(outcomes, 1) == Approx(0.5));
+  // (1/1 + 2/3) / min(3, 3) and (1/2) / min(3, 8).
+  CHECK(*mean_average_precision_at(outcomes, 3) == Approx((5 / 9.0 + 1 / 6.0) / 2));
+  CHECK(*mean_average_precision_at(outcomes, 5) ==
+        Approx(((1 + 2 / 3.0 + 3 / 4.0) / 3 + 0.5 / 5) / 2));
+  CHECK_FALSE(precision_at(outcomes, kMostRanked + 1));
+  outcomes.has_ranks = false;
+  CHECK_FALSE(precision_at(outcomes, 1));
 }
