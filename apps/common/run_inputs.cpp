@@ -15,8 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kOutputs = {
-    "output",      "save-matrix",  "save-posteriors",  "html",       "plot", "map", "heat-map",
-    "save-config", "outcomes-csv", "recognitions-csv", "descriptors"};
+    "output",      "save-matrix", "save-posteriors", "html",         "plot",
+    "map",         "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv",
+    "descriptors", "junit",       "fixes-tum"};
 
 bool has_name(const GivenFlag& flag, const char* name) {
   return std::find(flag.names.begin(), flag.names.end(), name) != flag.names.end();

@@ -8,10 +8,12 @@
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "eval_csv.h"
+#include "eval_expect.h"
 #include "eval_loops.h"
 #include "eval_map.h"
 #include "eval_pictures.h"
 #include "eval_scores.h"
+#include "eval_trajectory.h"
 #include "pipeline/evaluate.h"
 #include "report/table.h"
 
@@ -26,13 +28,14 @@ struct EvalInputs {
   std::string dataset;
   GroundTruthFlags flags;
   std::string protocols;
-  std::string expected;
+  ExpectInputs expect;
   TableFormat format = TableFormat::text;
   Confidence confidence = Confidence::score;
   CsvInputs csv;
   ScoreInputs scores;
   PictureInputs pictures;
   MapInputs map;
+  TrajectoryInputs trajectory;
   LoopInputs loops;
 };
 

@@ -50,10 +50,11 @@ LoopRules rules_of(const EvalInputs& inputs) {
 void refuse_others(const EvalInputs& inputs) {
   if (inputs.loops.path.empty())
     throw Error(ErrorKind::usage, "--gap, --times and --frames-by belong to --loops LIST");
-  const bool has_others =
-      !inputs.results.empty() || inputs.scores.any() || !inputs.ground_truth.empty() ||
-      !inputs.dataset.empty() || !inputs.protocols.empty() || !inputs.expected.empty() ||
-      !inputs.map.folder.empty() || inputs.csv.any() || !inputs.pictures.html.empty();
+  const bool has_others = !inputs.results.empty() || inputs.scores.any() ||
+                          !inputs.ground_truth.empty() || !inputs.dataset.empty() ||
+                          !inputs.protocols.empty() || !inputs.expect.expected.empty() ||
+                          !inputs.trajectory.file.empty() || !inputs.map.folder.empty() ||
+                          inputs.csv.any() || !inputs.pictures.html.empty();
   if (has_others)
     throw Error(ErrorKind::usage,
                 "--loops judges a list by its trajectory alone: give --poses, --radius, --gap, "

@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -10,10 +9,10 @@
 #include "eval_check.h"
 #include "eval_compare.h"
 #include "eval_convert.h"
+#include "eval_grid.h"
 #include "eval_inputs.h"
 #include "eval_results.h"
 #include "eval_several.h"
-#include "evaluation/expectation.h"
 #include "report/run_info.h"
 #include "report/summary.h"
 
@@ -83,12 +82,12 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
   check_picture_outputs(session, inputs.pictures);
   check_map_inputs(session, inputs.map, inputs.dataset);
   claim_csv_outputs(session, inputs.csv, !inputs.result.empty());
+  claim_trajectory(session, inputs.trajectory, inputs.dataset);
 }
 
 void run_one(Session& session, const EvalInputs& inputs) {
   claim_outputs(session, inputs);
-  const Json expected =
-      inputs.expected.empty() ? Json() : read_json(inputs.expected, ErrorKind::usage);
+  const Json expected = read_expected(session, inputs.expect);
   const Stopwatch watch;
   Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
@@ -96,18 +95,19 @@ void run_one(Session& session, const EvalInputs& inputs) {
       summary_sentence(evaluation.judgement, evaluation.truth.is_known, frames_per_second(inputs));
   add_run(evaluated, inputs, session.run, watch.elapsed_s());
   const Json& report = evaluated.report;
-  std::vector<std::string> unmet;
-  if (!expected.is_null()) unmet = unmet_expectations(report, expected, inputs.expected);
+  const std::vector<CheckedValue> values = check_expected(session, inputs.expect, expected, report);
   session.write_output(report);
   write_pictures(session, inputs.pictures, inputs.dataset, evaluation, report, summary);
   draw_map(session, inputs, evaluated);
   CsvRows rows;
   add_rows(rows, inputs.csv, evaluation, inputs.row_name);
   write_csv_rows(session, inputs.csv, rows);
-  session.print_result(tables(evaluated, summary, inputs), report);
-  if (!unmet.empty())
-    throw Error(ErrorKind::expectation,
-                fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));
+  write_trajectory(session, inputs.trajectory, inputs.dataset, evaluation,
+                   frames_per_second(inputs));
+  std::string text = tables(evaluated, summary, inputs);
+  if (inputs.format == TableFormat::text) text += met_sentence(inputs.expect, values);
+  session.print_result(text, report);
+  require_met(inputs.expect, values);
 }
 
 void run(Session& session, const EvalInputs& inputs) {
@@ -133,12 +133,15 @@ int main(int argc, char** argv) {
                   "--ground-truth pairs.csv\n"
                   "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
                   "--name \"c_l 20\"\n"
+                  "  vpr-eval result.json --dataset walks.json --expect baseline.json --junit "
+                  "junit.xml\n"
                   "  vpr-eval result.json --protocol nordland-all\n"
                   "  vpr-eval --loops loops.csv --poses trajectory.txt --radius 2 --gap 30s "
                   "--similarity --plot loops");
   EvalInputs inputs;
   ConvertInputs convert;
   CheckInputs check;
+  GridInputs grid;
   const Command app = program.command();
   app.add_option("RESULT", inputs.results,
                  "result of vpr-query; several make one table with a row for each");
@@ -147,9 +150,7 @@ int main(int argc, char** argv) {
   app.add_list("--name", inputs.names,
                "what tables and comparisons call the result or the scores (default: the method, or "
                "the file's name); repeat it for several results, in their order");
-  app.add_option("--expect", inputs.expected,
-                 "compare the counts with a vpr.expected/1 file or an earlier report; exit code 5 "
-                 "if they differ");
+  add_expect_options(app, inputs.expect);
   add_score_options(app, inputs.scores);
   add_loop_options(app, inputs.loops);
   add_picture_options(app, inputs.pictures);
@@ -159,6 +160,7 @@ int main(int argc, char** argv) {
                  "nordland-all; a row for each");
   add_ground_truth_flags(app, inputs.flags);
   add_csv_options(app, inputs.csv);
+  add_trajectory_options(app, inputs.trajectory);
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--confidence", inputs.confidence,
@@ -174,6 +176,7 @@ int main(int argc, char** argv) {
   add_compare(program, compare);
   program.set_run([&](Session& session) { run(session, inputs); });
   add_convert(program, convert);
+  add_grid(program, grid);
   add_check(program, check);
   return program.main(argc, argv);
 }

@@ -49,17 +49,22 @@ Localisation localise(std::span<const Fix> fixes, std::span<const double> travel
   return found;
 }
 
-std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth) {
-  const size_t length = result.window_length();
+std::vector<const Match*> fixing_hits(const Result& result) {
   const ScoreOrder order = result.score().order;
-  std::vector<Fix> fixes(result.query_frames, Fix::none);
-  const Match* best = nullptr;
-  for (const Match& hit : result.hits) {  // in the order of query windows
-    const bool is_next = best == nullptr || hit.query != best->query;
-    if (!is_next && !is_better(hit.score, best->score, order)) continue;
-    best = &hit;
-    fixes[anchor_of(hit.query, length)] = fix_of(label_of(truth, hit, length));
+  std::vector<const Match*> hits(result.query_frames, nullptr);
+  for (const Match& hit : result.hits) {
+    const Match*& best = hits[anchor_of(hit.query, result.window_length())];
+    if (best == nullptr || is_better(hit.score, best->score, order)) best = &hit;
   }
+  return hits;
+}
+
+std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth) {
+  const std::vector<const Match*> hits = fixing_hits(result);
+  std::vector<Fix> fixes(hits.size(), Fix::none);
+  for (size_t frame = 0; frame < hits.size(); ++frame)
+    if (hits[frame] != nullptr)
+      fixes[frame] = fix_of(label_of(truth, *hits[frame], result.window_length()));
   return fixes;
 }
 

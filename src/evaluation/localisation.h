@@ -31,6 +31,9 @@ struct Localisation {
 /// `travelled_m`: way from the start to each frame, or empty. As long as `fixes` otherwise.
 Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m);
 
+/// The hit that fixes each query frame, or none: of the window that ends there, of several the one
+/// with the best score, ties to the first. They live as long as the result.
+std::vector<const Match*> fixing_hits(const Result& result);
 /// One fix a frame: the hit of the window that ends there; of several the one with the best score,
 /// ties to the first.
 std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth);

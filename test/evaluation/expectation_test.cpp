@@ -15,7 +15,7 @@ const Json kReport = Json::parse(R"({"schema": "vpr.report/1", "method": "fastab
   "best_match": {"correct": 48, "rate": 0.25}})");
 
 std::vector<std::string> unmet(const std::string& expected) {
-  return unmet_expectations(kReport, Json::parse(expected), "e.json");
+  return unmet_expectations(check_expectations(kReport, Json::parse(expected), "e.json"));
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ TEST_CASE("settings and ground truth of an earlier report are expected, too") {
   report["protocol"] = {{"ground_truth", "aligned"}, {"tolerance_frames", 3}, {"anchor", "last"}};
   report["provenance"] = {{"ground_truth", "xxh3:a"}, {"commit", "1"}};
   const auto unmet_of = [&](const Json& expected) {
-    return unmet_expectations(report, expected, "e.json");
+    return unmet_expectations(check_expectations(report, expected, "e.json"));
   };
   Json baseline = report;
   baseline["provenance"]["commit"] = "2";
@@ -74,7 +74,7 @@ TEST_CASE("settings and ground truth of an earlier report are expected, too") {
     Json judged = baseline;
     baseline["protocol"]["ground_truth"] = then;
     judged["protocol"]["ground_truth"] = now;
-    return unmet_expectations(judged, baseline, "e").empty();
+    return unmet_expectations(check_expectations(judged, baseline, "e")).empty();
   };
   CHECK(words("pairs: 21 labelled pairs, references within 0 frames of one count",
               "pairs: 21 labelled pairs"));
@@ -92,7 +92,7 @@ TEST_CASE("the name of a score matrix is not expected") {
       "settings": {"method": "new", "window": 1}})");
   Json baseline = report;
   baseline["settings"]["method"] = "old";
-  CHECK(unmet_expectations(report, baseline, "e.json").empty());
+  CHECK(unmet_expectations(check_expectations(report, baseline, "e.json")).empty());
 }
 
 TEST_CASE("expectations that can't fail, or can't be met, are usage errors") {
@@ -104,6 +104,10 @@ TEST_CASE("expectations that can't fail, or can't be met, are usage errors") {
       R"({"schema": "vpr.expected/1", "counts": {"hits": 3}})",
       R"({"schema": "vpr.expected/1", "counts": {"distinct": {"value": 3, "tolerance": -1}}})",
       R"({"schema": "vpr.expected/1", "counts": {"distinct": {"value": 3, "tol": 1}}})",
+      R"({"schema": "vpr.expected/1", "counts": {"distinct": {"min": "3"}}})",
+      R"({"schema": "vpr.expected/1", "counts": {"distinct": {"min": 3, "max": 2}}})",
+      R"({"schema": "vpr.expected/1", "counts": {"distinct": {"min": 3, "value": 3}}})",
+      R"({"schema": "vpr.expected/1", "counts": {"distinct": {"min": 3, "tolerance": 1}}})",
       R"({"schema": "vpr.result/1", "counts": {"distinct": 3}})", R"({"schema": 3})");
   CHECK(test::error_kind([&] { unmet(text); }) == ErrorKind::usage);
 }
@@ -111,10 +115,42 @@ TEST_CASE("expectations that can't fail, or can't be met, are usage errors") {
 TEST_CASE("a rate that is none is met by none alone") {
   const Json none = Json::parse(R"({"counts": {"distinct": 0}, "best_match": {"rate": null}})");
   const auto unmet_of = [&](const Json& report, const char* expected) {
-    return unmet_expectations(report, Json::parse(expected), "e.json").size();
+    return unmet_expectations(check_expectations(report, Json::parse(expected), "e.json")).size();
   };
   CHECK(unmet_of(none, R"({"schema": "vpr.expected/1", "counts": {"distinct": 0},
                            "best_match": {"rate": null}})") == 0);
   CHECK(unmet_of(none, R"({"schema": "vpr.expected/1", "best_match": {"rate": 0.5}})") == 1);
   CHECK(unmet_of(kReport, R"({"schema": "vpr.expected/1", "best_match": {"rate": null}})") == 1);
+}
+
+TEST_CASE("bounds are one-sided, or two, and included") {
+  const auto unmet_of = [](const std::string& bounds) {
+    return unmet(R"({"schema": "vpr.expected/1", "counts": {"hits": {"correct": )" + bounds +
+                 "}}}");
+  };
+  CHECK(unmet_of(R"({"min": 52})").empty());
+  CHECK(unmet_of(R"({"max": 52})").empty());
+  CHECK(unmet_of(R"({"min": 50, "max": 60})").empty());
+  CHECK(unmet_of(R"({"min": 53})") ==
+        std::vector<std::string>{"counts.hits.correct: expected at least 53, found 52"});
+  CHECK(unmet_of(R"({"max": 51})") ==
+        std::vector<std::string>{"counts.hits.correct: expected at most 51, found 52"});
+  CHECK(unmet_of(R"({"min": 53, "max": 60})") ==
+        std::vector<std::string>{"counts.hits.correct: expected 53 to 60, found 52"});
+}
+
+TEST_CASE("what is updated is met, keeps its tolerances, and bounds that are met") {
+  Json report = kReport;
+  report["settings"] = {{"c_l", 10}};
+  const Json expected = Json::parse(R"({"schema": "vpr.expected/1",
+      "counts": {"hits": {"correct": {"value": 40, "tolerance": 2}, "incorrect": {"max": 20}},
+                 "distinct": {"min": 4}},
+      "best_match": {"correct": 1, "rate": {"min": 0.5, "max": 0.6}}, "settings": {"c_l": 20}})");
+  const Json updated = updated_expectations(report, expected, "e.json");
+  CHECK(updated == Json::parse(R"({"schema": "vpr.expected/1",
+      "counts": {"hits": {"correct": {"value": 52, "tolerance": 2}, "incorrect": {"max": 20}},
+                 "distinct": {"min": 3}},
+      "best_match": {"correct": 48, "rate": {"min": 0.25, "max": 0.6}}, "settings": {"c_l": 10}})"));
+  CHECK(unmet_expectations(check_expectations(report, updated, "e.json")).empty());
+  CHECK(updated_expectations(report, kReport, "e.json") == report);
 }

@@ -28,5 +28,8 @@ const Json& report() {
 }  // namespace
 
 void fuzz::run(std::string_view input) {
-  unmet_expectations(report(), read_json(memory_file(input), ErrorKind::usage), "expected");
+  const Json expected = read_json(memory_file(input), ErrorKind::usage);
+  unmet_expectations(check_expectations(report(), expected, "expected"));
+  const Json updated = updated_expectations(report(), expected, "expected");
+  if (!unmet_expectations(check_expectations(report(), updated, "updated")).empty()) std::abort();
 }

@@ -1,0 +1,52 @@
+#include "report/fix_trajectory.h"
+
+#include <fmt/format.h>
+
+#include "pipeline/evaluate.h"
+
+namespace vpr {
+namespace {
+
+/// Where each query frame is said to be; nothing for frames without a fix.
+std::vector<std::optional<FrameMatch>> fix_matches(const Evaluation& evaluation) {
+  const Judgement& judgement = evaluation.judgement;
+  std::vector<std::optional<FrameMatch>> matches(judgement.fixes.size());
+  if (!evaluation.result) {
+    for (const QueryOutcome& query : judgement.outcomes.queries)
+      if (judgement.fixes[query.frame] != Fix::none) matches[query.frame] = query.best;
+    return matches;
+  }
+  const Result& result = evaluation.result->result;
+  const std::vector<const Match*> hits = fixing_hits(result);
+  for (size_t frame = 0; frame < hits.size(); ++frame) {
+    if (hits[frame] == nullptr) continue;
+    const uint32_t sequence = result.places ? 0 : hits[frame]->target;
+    matches[frame] = FrameMatch{sequence, anchor_of(hits[frame]->train, result.window_length())};
+  }
+  return matches;
+}
+
+const RoutePoint* position_of(const TrainPositions& positions, const FrameMatch& match) {
+  if (match.sequence >= positions.size()) return nullptr;
+  const auto& frames = positions[match.sequence];
+  if (match.reference >= frames.size() || !frames[match.reference]) return nullptr;
+  return &*frames[match.reference];
+}
+
+}  // namespace
+
+std::string fix_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
+                           std::optional<double> frames_per_second) {
+  std::string text = fmt::format("# time{} x y z qx qy qz qw\n", frames_per_second ? " (s)" : "");
+  const auto matches = fix_matches(evaluation);
+  for (size_t frame = 0; frame < matches.size(); ++frame) {
+    if (!matches[frame]) continue;
+    const RoutePoint* point = position_of(positions, *matches[frame]);
+    if (point == nullptr) continue;
+    const double time = static_cast<double>(frame) / frames_per_second.value_or(1);
+    text += fmt::format("{:.6f} {:.6f} {:.6f} 0 0 0 0 1\n", time, point->x, point->y);
+  }
+  return text;
+}
+
+}  // namespace vpr

@@ -1,0 +1,174 @@
+#include "report/grid_page.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/counted.h"
+#include "report/comparison_page.h"
+#include "report/html_parts.h"
+#include "report/html_text.h"
+#include "report/palette.h"
+
+namespace vpr {
+namespace {
+
+using Value = std::optional<double>;
+
+/// A number of a report, found by its way through the JSON.
+struct GridMetric {
+  std::string_view key;
+  std::string_view title;
+  std::string_view pointer;
+};
+
+constexpr std::array<GridMetric, 4> kMetrics = {
+    {{"recall_at_1", "R@1: share of queries with a right best match", "/metrics/recall_at/1"},
+     {"average_precision", "AP of best matches", "/metrics/single_best/average_precision"},
+     {"recall_at_100_precision", "R@100P of best matches",
+      "/metrics/single_best/recall_at_100_precision"},
+     {"share", "Share of the path with a right fix", "/localisation/share"}}};
+
+Value value_of(const Json& report, const GridMetric& metric) {
+  const Json::json_pointer pointer{std::string(metric.pointer)};
+  if (!report.contains(pointer) || !report[pointer].is_number()) return std::nullopt;
+  return report[pointer].get<double>();
+}
+
+/// Texts in the order in which they first occur.
+std::vector<std::string> distinct(std::span<const GridReport> reports,
+                                  std::string GridReport::*field) {
+  std::vector<std::string> found;
+  for (const GridReport& report : reports)
+    if (std::ranges::find(found, report.*field) == found.end()) found.push_back(report.*field);
+  return found;
+}
+
+Value cell_of(std::span<const GridReport> reports, const std::string& method,
+              const std::string& query, const GridMetric& metric) {
+  for (const GridReport& report : reports)
+    if (report.method == method && report.query == query) return value_of(report.report, metric);
+  return std::nullopt;
+}
+
+// Of a method that has them all.
+Value mean_of(const std::vector<Value>& values) {
+  double sum = 0;
+  for (const Value& value : values) {
+    if (!value) return std::nullopt;
+    sum += *value;
+  }
+  return sum / static_cast<double>(values.size());
+}
+
+void mark_best(Table& table, const std::vector<std::vector<Value>>& rows) {
+  for (size_t column = 0; rows.size() > 1 && column < rows[0].size(); ++column) {
+    Value best;
+    for (const auto& row : rows)
+      if (row[column] && (!best || *row[column] > *best)) best = row[column];
+    for (size_t r = 0; r < rows.size(); ++r)
+      if (best && rows[r][column] == best) table.best.insert({r, column + 1});
+  }
+}
+
+Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) {
+  Table table;
+  table.title = fmt::format("{} (over the queries that each report judges)", metric.title);
+  const std::vector<std::string> queries = distinct(reports, &GridReport::query);
+  table.columns = {"method"};
+  table.columns.insert(table.columns.end(), queries.begin(), queries.end());
+  if (queries.size() > 1) table.columns.emplace_back("mean");
+  std::vector<std::vector<Value>> rows;
+  for (const std::string& method : distinct(reports, &GridReport::method)) {
+    auto& values = rows.emplace_back();
+    for (const std::string& query : queries)
+      values.push_back(cell_of(reports, method, query, metric));
+    if (queries.size() > 1) values.push_back(mean_of(values));
+    auto& cells = table.rows.emplace_back(std::vector{method});
+    for (const Value& value : values) cells.push_back(value ? fmt::format("{:.4f}", *value) : "-");
+  }
+  mark_best(table, rows);
+  return table;
+}
+
+std::string query_section(std::span<const GridReport> reports, const std::string& query) {
+  std::vector<StoredReport> stored;
+  std::vector<std::string> names;
+  for (const GridReport& report : reports) {
+    if (report.query != query) continue;
+    stored.push_back(report.stored);
+    names.push_back(report.method);
+  }
+  const std::string& truth = stored.front().ground_truth;
+  return "<section><h2>" + html_escaped(query) + "</h2><p class=\"note\">" +
+         html_escaped("Ground truth: " + truth) + "</p>" + methods_html(query, stored, names) +
+         "</section>\n";
+}
+
+std::string sentence_of(std::span<const GridReport> reports) {
+  const size_t methods = distinct(reports, &GridReport::method).size();
+  const size_t queries = distinct(reports, &GridReport::query).size();
+  const Table table = grid_table(reports, kMetrics[0]);
+  std::vector<std::string> best;
+  for (const auto& [row, column] : table.best)
+    if (column + 1 == table.columns.size())
+      best.push_back(fmt::format("{} ({}{})", table.rows[row][0],
+                                 queries > 1 ? "a mean R@1 of " : "R@1 ", table.rows[row][column]));
+  return fmt::format(
+      "{} on {}{}.", counted(methods, "method"), counted(queries, "query", "queries"),
+      best.empty() ? "" : fmt::format("; the most best matches right: {}", fmt::join(best, ", ")));
+}
+
+}  // namespace
+
+std::string grid_name(const Json& report) {
+  if (report.contains("name")) return report["name"].get<std::string>();
+  std::string name = report["method"].get<std::string>();
+  const Json& settings = report["settings"];
+  for (const char* key : {"c_l", "c_w", "window"})
+    if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
+  if (settings.contains("score") && settings["score"].is_string())
+    name += ", " + settings["score"].get<std::string>();
+  if (report.contains("warp")) name += ", replayed: " + report["warp"]["name"].get<std::string>();
+  return name;
+}
+
+std::vector<Table> grid_tables(std::span<const GridReport> reports) {
+  std::vector<Table> tables;
+  for (const GridMetric& metric : kMetrics) tables.push_back(grid_table(reports, metric));
+  return tables;
+}
+
+Table grid_rows(std::span<const GridReport> reports) {
+  Table table{"", {"method", "query", "metric", "value"}, {}};
+  for (const GridReport& report : reports)
+    for (const GridMetric& metric : kMetrics) {
+      const Value value = value_of(report.report, metric);
+      table.rows.push_back({report.method, report.query, std::string(metric.key),
+                            value ? fmt::format("{}", *value) : ""});
+    }
+  return table;
+}
+
+std::string grid_page(const std::string& title, std::span<const GridReport> reports) {
+  std::string sections = "<section><h2>Numbers</h2>";
+  for (const Table& table : grid_tables(reports)) sections += table_html(table);
+  sections += "</section>\n";
+  for (const std::string& query : distinct(reports, &GridReport::query))
+    sections += query_section(reports, query);
+  const Json& first = reports.front().report;
+  Json protocol = first["protocol"];
+  protocol.erase("ground_truth");
+  return fill_page(html_parts().comparison_page,
+                   {{"title", html_escaped(title)},
+                    {"summary", html_escaped(sentence_of(reports))},
+                    {"subtitle", "Rows are methods, columns queries; the best of each is bold."},
+                    {"style", palette_css() + std::string(html_parts().style)},
+                    {"sections", sections},
+                    {"protocol", list_html(protocol)},
+                    {"provenance", list_html(first["provenance"])}});
+}
+
+}  // namespace vpr

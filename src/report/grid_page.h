@@ -1,0 +1,38 @@
+// Reports of several methods on several queries: a whole data set at a glance.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json.h"
+#include "report/stored_report.h"
+#include "report/table.h"
+
+namespace vpr {
+
+/// A report with its place in the grid: one report for each pair of a method and a query.
+struct GridReport {
+  std::string method;
+  std::string query;
+  Json report;
+  StoredReport stored;
+};
+
+/// What a report is called as a row: the name that the user gave, or the method with its window
+/// length and score.
+std::string grid_name(const Json& report);
+
+/// For each of R@1, AP, R@100P and the share of the path with a right fix, a table with methods as
+/// rows and queries as columns, the best of each query in bold, and the mean over the queries that
+/// a method has all of. Numbers are over the queries that each report judges.
+std::vector<Table> grid_tables(std::span<const GridReport> reports);
+
+/// The same as rows of a method, a query, a metric and its value in full, for data frames.
+Table grid_rows(std::span<const GridReport> reports);
+
+/// The tables, and for each query the curves and paths of all methods, as one page that needs
+/// nothing else. `title`: what the data set is called.
+std::string grid_page(const std::string& title, std::span<const GridReport> reports);
+
+}  // namespace vpr

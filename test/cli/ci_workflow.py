@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""Runs the shell steps of docs/ci/recognition.yml on a rendered building, as CI would, but for the
+one that builds the toolkit.   ci_workflow.py SOURCE BIN"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as xml
+
+
+def steps_of(text):
+    """Names of steps and the lines of their `run: |`, from a workflow of this simple form."""
+    steps, name, lines = [], None, None
+    for line in text.splitlines():
+        indent = len(line) - len(line.lstrip())
+        if lines is not None and line.strip() and indent < 10:
+            steps.append((name, "\n".join(lines)))
+            lines = None
+        if line.startswith("      - name: "):
+            name = line.split(": ", 1)[1]
+        elif line == "        run: |":
+            lines = []
+        elif lines is not None:
+            lines.append(line[10:])
+    return steps
+
+
+def run(script, folder, bin):
+    environment = {**os.environ, "PATH": bin + ":" + os.environ["PATH"]}
+    return subprocess.run(["bash", "-e", "-o", "pipefail", "-c", script], cwd=folder, text=True,
+                          env=environment, capture_output=True)
+
+
+def main(source, bin):
+    steps = dict(steps_of(open(f"{source}/docs/ci/recognition.yml").read()))
+    assert list(steps) == ["Install the toolkit", "Train", "Recognise", "Judge"], list(steps)
+    with tempfile.TemporaryDirectory() as folder:
+        world = f"vpr-synth {source}/configs/worlds/small.json -o world --quiet && cp -r world/* . && mv dataset.json walks.json"
+        first = run(world, folder, bin)
+        assert first.returncode == 0, first.stderr
+        for name in ("Train", "Recognise"):
+            found = run(steps[name], folder, bin)
+            assert found.returncode == 0, (name, found.stderr)
+        baseline = steps["Judge"].replace("--junit junit.xml", "--update")
+        found = run(baseline, folder, bin)
+        assert found.returncode == 0, found.stderr
+        found = run(steps["Judge"] + " --force", folder, bin)
+        assert found.returncode == 0, found.stderr
+        assert "baseline.json: all of" in found.stdout, found.stdout
+        suites = xml.parse(f"{folder}/junit.xml").getroot()
+        assert suites.get("failures") == "0" and int(suites.get("tests")) > 20, suites.attrib
+        # A worse run fails, and the file says of which value.
+        expected = {"schema": "vpr.expected/1", "best_match": {"rate": {"min": 1.5}}}
+        json.dump(expected, open(f"{folder}/baseline.json", "w"))
+        found = run(steps["Judge"] + " --force", folder, bin)
+        assert found.returncode == 5, (found.returncode, found.stderr)
+        case = xml.parse(f"{folder}/junit.xml").getroot()[0][0]
+        assert case.get("name") == "best_match.rate", case.attrib
+        assert case[0].get("message").startswith("expected at least 1.5, found "), case[0].attrib
+        assert os.path.getsize(f"{folder}/report.html") > 10000
+        # An update takes the value over, and the next run is met.
+        assert run(baseline + " --force", folder, bin).returncode == 0
+        assert run(steps["Judge"] + " --force", folder, bin).returncode == 0
+
+
+main(*sys.argv[1:])

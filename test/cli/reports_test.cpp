@@ -1,0 +1,138 @@
+// What vpr-eval gives to others: expectations, XML, trajectories and pages of whole data sets.
+#include <filesystem>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "cli/world.h"
+#include "ground_truth/route.h"
+#include "support.h"
+
+using namespace vpr;
+using test::run_program;
+using test::world;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A result of the world's query, of single frames or longer windows.
+std::string query(const test::TemporaryFolder& out, const std::string& name,
+                  const std::string& length = "1") {
+  REQUIRE(
+      run_program("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l", length,
+                                "--t-r", "0.3", "-o", out / (name + ".json"), "--quiet"})
+          .exit_code == 0);
+  return out / (name + ".json");
+}
+
+test::RunOutcome evaluate(const std::string& result, const std::vector<std::string>& more) {
+  std::vector<std::string> words = {result, "--dataset", world().dataset()};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_program("vpr-eval", words);
+}
+
+}  // namespace
+
+TEST_CASE("a baseline is made, met, missed and updated") {
+  const test::TemporaryFolder out;
+  const std::string result = query(out, "r");
+  const std::string baseline = out / "baseline.json";
+  CHECK(evaluate(result, {"--expect", baseline}).exit_code == 3);
+  CHECK(evaluate(result, {"--update"}).exit_code == 2);
+  CHECK(evaluate(result, {"--junit", out / "j.xml"}).exit_code == 2);
+  REQUIRE(evaluate(result, {"--expect", baseline, "--update"}).exit_code == 0);
+  const auto met = evaluate(result, {"--expect", baseline});
+  CHECK(met.exit_code == 0);
+  CHECK(has(met.out, "expected values are met."));
+  test::write_text(baseline, R"({"schema": "vpr.expected/1",
+      "best_match": {"rate": {"min": 2}, "queries": {"min": 1}}})");
+  const auto missed = evaluate(result, {"--expect", baseline, "--junit", out / "j.xml"});
+  CHECK(missed.exit_code == 5);
+  CHECK(has(missed.err, "best_match.rate: expected at least 2, found "));
+  CHECK(has(test::read_text(out / "j.xml"), "tests=\"2\" failures=\"1\""));
+  const auto updated = evaluate(result, {"--expect", baseline, "--update"});
+  CHECK(updated.exit_code == 0);
+  CHECK(has(updated.out, "updated; 1 of 2 expected values were not met."));
+  const Json kept = Json::parse(test::read_text(baseline));
+  CHECK(kept["best_match"]["queries"]["min"] == 1);
+  CHECK(kept["best_match"]["rate"]["min"].get<double>() <= 1);
+  CHECK(evaluate(result, {"--expect", baseline}).exit_code == 0);
+}
+
+TEST_CASE("fixes are written as a trajectory of training positions") {
+  const test::TemporaryFolder out;
+  const std::string result = query(out, "r");
+  REQUIRE(
+      evaluate(result, {"--fixes-tum", out / "f.txt", "--outcomes-csv", out / "o.csv"}).exit_code ==
+      0);
+  // Of single frames the closest hit is the best match, which the rows name.
+  const Json dataset = Json::parse(test::read_text(world().dataset()));
+  const auto folder = std::filesystem::path(world().dataset()).parent_path();
+  std::map<std::string, std::vector<std::optional<RoutePoint>>> routes;
+  for (const Json& train : dataset["train"])
+    routes[train["name"].get<std::string>()] =
+        read_route(folder / train["poses"].get<std::string>());
+  const double rate = dataset.value("fps", 1.0);
+  std::string expected =
+      dataset.contains("fps") ? "# time (s) x y z qx qy qz qw\n" : "# time x y z qx qy qz qw\n";
+  std::istringstream rows(test::read_text(out / "o.csv"));
+  std::string line;
+  std::getline(rows, line);
+  while (std::getline(rows, line)) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    if (cells[9] == "none") continue;
+    const auto& point = routes.at(cells[4]).at(std::stoul(cells[5]));
+    REQUIRE(point);
+    expected += fmt::format("{:.6f} {:.6f} {:.6f} 0 0 0 0 1\n", std::stod(cells[3]) / rate,
+                            point->x, point->y);
+  }
+  CHECK(test::read_text(out / "f.txt") == expected);
+  CHECK(std::count(expected.begin(), expected.end(), '\n') > 5);
+  CHECK(run_program("vpr-eval", {result, "--ground-truth", "aligned", "--fixes-tum", out / "g.txt"})
+            .exit_code == 2);
+}
+
+TEST_CASE("a folder of results and reports becomes one table and one page") {
+  const test::TemporaryFolder out;
+  std::filesystem::create_directories(out / "all/more");
+  const std::string first = query(out, "all/first");
+  query(out, "all/more/second", "3");
+  REQUIRE(evaluate(first, {"-o", out / "all/first.report.json", "--name", "mine"}).exit_code == 0);
+  test::write_text(out / "all/other.json", R"({"schema": "another"})");
+  const std::vector<std::string> words = {"report", out / "all", "--dataset", world().dataset()};
+  auto page_words = words;
+  page_words.insert(page_words.end(), {"--html", out / "all.html", "-o", out / "all.json"});
+  const auto run = run_program("vpr-eval", page_words);
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  CHECK(has(run.out, "R@1: share of queries"));
+  CHECK(has(run.out, "\nmine "));  // a result that has its report is there once
+  CHECK(has(run.out, "\nfastable, c_l 3"));
+  const Json json = Json::parse(test::read_text(out / "all.json"));
+  CHECK(json["schema"] == "vpr.reports/1");
+  REQUIRE(json["reports"].size() == 2);
+  const std::string page = test::read_text(out / "all.html");
+  CHECK(has(page, "2 methods on 1 query"));
+  CHECK(has(page, "<svg class=\"lanes\""));
+  auto csv_words = words;
+  csv_words.insert(csv_words.end(), {"--format", "csv"});
+  const std::string csv = run_program("vpr-eval", csv_words).out;
+  CHECK(csv.rfind("method,query,metric,value\n", 0) == 0);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 2 * 4);
+  // Without a ground truth, reports alone.
+  const auto alone = run_program("vpr-eval", {"report", out / "all"});
+  CHECK(alone.exit_code == 0);
+  CHECK_FALSE(has(alone.out, "c_l 3"));
+  CHECK(run_program("vpr-eval", {"report", out / "none"}).exit_code == 3);
+  CHECK(run_program("vpr-eval", {"report", out / "all/more"}).exit_code == 3);
+  std::filesystem::copy(out / "all/first.report.json", out / "all/again.json");
+  const auto clash = run_program("vpr-eval", {"report", out / "all"});
+  CHECK(clash.exit_code == 2);
+  CHECK(has(clash.err, "are both of mine on"));
+}
