@@ -20,13 +20,23 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
   if (flags.tolerance_frames) argument.tolerance_frames = *flags.tolerance_frames;
   if (!flags.format.empty()) argument.format = flags.format;
   GroundTruthOptions& options = argument.options;
-  if (!flags.reference.empty()) options.reference = flags.reference;
-  if (!flags.soft.empty()) options.soft = flags.soft;
-  if (flags.options.radius_m) options.radius_m = flags.options.radius_m;
-  if (flags.options.angle_deg) options.angle_deg = flags.options.angle_deg;
-  if (flags.options.reference_step) options.reference_step = flags.options.reference_step;
-  if (flags.options.matrix_rows != MatrixRows::automatic)
-    options.matrix_rows = flags.options.matrix_rows;
+  const GroundTruthOptions& given = flags.options;
+  const auto take = [](auto& field, const auto& flag) {
+    if (flag) field = flag;
+  };
+  take(options.radius_m, given.radius_m);
+  take(options.angle_deg, given.angle_deg);
+  take(options.reference_step, given.reference_step);
+  take(options.max_difference_s, given.max_difference_s);
+  take(options.offset_s, given.offset_s);
+  take(options.reference_offset_s, given.reference_offset_s);
+  if (given.matrix_rows != MatrixRows::automatic) options.matrix_rows = given.matrix_rows;
+  GroundTruthOptions paths = given;
+  visit_paths(options, [&](std::string_view name, std::filesystem::path& file) {
+    visit_paths(paths, [&](std::string_view other, const std::filesystem::path& path) {
+      if (name == other && !path.empty()) file = path;
+    });
+  });
   return argument;
 }
 
@@ -49,23 +59,55 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
       .group(kGroundTruthGroup);
   add(format_flag, flags.format, "default: found by content").choices("FORMAT", format_names());
   command.add_footer("Ground truth formats:\n" + format_summaries());
-  add("--ground-truth-reference", flags.reference,
-      "poses, tum, kitti, utm: those of the training sequence");
-  add_number(command, "--radius", flags.options.radius_m,
-             "poses, tum, kitti, utm: the same place within so many metres (utm: default 25)");
+  const auto add_path = [&](const std::string& flag, std::filesystem::path& path,
+                            const std::string& help) {
+    command
+        .add_option(
+            flag, [&path](const std::string& text) { path = text; }, help)
+        .type_name("FILE")
+        .group(kGroundTruthGroup);
+  };
+  GroundTruthOptions& options = flags.options;
+  add_path(
+      "--ground-truth-reference", options.reference,
+      "poses, tum, kitti, euroc, utm: those of the training sequence; anchors: for a tolerance "
+      "in metres");
+  add_number(
+      command, "--radius", flags.options.radius_m,
+      "poses, tum, kitti, euroc, utm, anchors: the same place within so many metres (utm: default "
+      "25)");
   add_number(command, "--angle", flags.options.angle_deg,
              "and with headings that differ by at most so many degrees (default: any)");
   add_number(command, "--reference-step", flags.options.reference_step,
              "aligned: query frame i is training frame STEP i (default 1)");
-  add("--soft", flags.soft, "matrix: .npy file of pairs to ignore");
+  add_path("--soft", options.soft, "matrix: .npy file of pairs to ignore");
+  add_path("--query-times", options.query_times,
+           "tum, kitti, euroc: when query frames were taken (a list, a folder of images named by "
+           "their times, or a video); poses are found by time");
+  add_path("--reference-times", options.reference_times, "the same of training frames");
+  add_path("--query-pose-times", options.query_pose_times,
+           "kitti: when the query's poses are of (times.txt)");
+  add_path("--reference-pose-times", options.reference_pose_times,
+           "the same of --ground-truth-reference");
+  add_number(command, "--max-difference", options.max_difference_s,
+             "seconds from a frame to its nearest pose at most (default 0.02)");
+  add_number(command, "--offset", options.offset_s,
+             "seconds that are added to --query-times, where clocks differ");
+  add_number(command, "--reference-offset", options.reference_offset_s,
+             "seconds that are added to --reference-times");
   add_setting(command, "--matrix-rows", flags.options.matrix_rows,
               "matrix, mask: rows are query or reference frames (default: as the format's authors)")
       .group(kGroundTruthGroup);
 }
 
 bool any_given(const GroundTruthFlags& flags) {
-  return flags.tolerance_frames || !flags.format.empty() || !flags.reference.empty() ||
-         !flags.soft.empty() || value_to_json(flags.options) != value_to_json(GroundTruthOptions{});
+  bool has_paths = false;
+  GroundTruthOptions options = flags.options;
+  visit_paths(options, [&](const char*, const std::filesystem::path& path) {
+    has_paths = has_paths || !path.empty();
+  });
+  return flags.tolerance_frames || !flags.format.empty() || has_paths ||
+         value_to_json(flags.options) != value_to_json(GroundTruthOptions{});
 }
 
 std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,

@@ -17,9 +17,7 @@ inline constexpr const char* kGroundTruthGroup = "Ground truth";
 struct GroundTruthFlags {
   std::optional<int> tolerance_frames;  ///< none: the data set's, or 0
   std::string format;
-  std::string reference;
-  std::string soft;
-  GroundTruthOptions options;  ///< without paths
+  GroundTruthOptions options;
 };
 
 /// For the help of --ground-truth.

@@ -60,8 +60,9 @@ struct Inputs {
 
   void add_truth(const std::optional<GroundTruthArgument>& truth) {
     if (!truth) return;
-    for (const fs::path& path : {truth->path, truth->options.reference, truth->options.soft})
-      add(path);
+    add(truth->path);
+    GroundTruthOptions options = truth->options;
+    visit_paths(options, [&](const char*, const fs::path& path) { add(path); });
   }
 
   void add_dataset(const fs::path& path) {

@@ -77,6 +77,11 @@ LoopsEvaluation evaluate(const EvalInputs& inputs) {
   found.trajectory = read_trajectory(inputs.scores.poses, inputs.loops.times);
   LoopListRules rules;
   rules.frames = inputs.loops.frames;
+  if (const auto seconds = inputs.flags.options.max_difference_s) {
+    if (!(*seconds >= 0 && *seconds <= kMostGap))
+      throw Error(ErrorKind::usage, "--max-difference must not be negative");
+    rules.max_difference_ns = std::llround(*seconds * double{kSecond});
+  }
   found.list = read_loop_list(inputs.loops.path, found.trajectory, rules);
   require_order(inputs, found.list);
   found.judgement = judge_loops(found.list, found.trajectory, found.rules);

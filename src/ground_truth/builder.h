@@ -52,6 +52,7 @@ class GroundTruthBuilder {
   void check_stop() const { vpr::check_stop(monitor_); }
   void at_file(const std::filesystem::path& path) { location_ = {path.string()}; }
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
+  const Monitor& monitor() const { return monitor_; }
   /// One sentence for the user about something that is odd but no error.
   void warn_user(const std::string& sentence) const { warn(monitor_, sentence); }
   /// What an error says more of query frames that are out of range.

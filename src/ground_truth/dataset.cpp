@@ -90,8 +90,7 @@ std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::
     return reader.find(name) == nullptr ? fs::path() : folder / reader.text(name);
   };
   argument.path = path("path");
-  argument.options.reference = path("reference");
-  argument.options.soft = path("soft");
+  visit_paths(argument.options, [&](const char* name, fs::path& file) { file = path(name); });
   if (argument.format.empty() && argument.path.empty())
     reader.fail("needs a \"format\" or a \"path\"");
   if (const Json* tolerance = reader.find("tolerance"))

@@ -28,24 +28,48 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<MatrixRows> = {"auto
 
 /// What some formats of ground truth need beside a path and a tolerance.
 struct GroundTruthOptions {
-  std::filesystem::path reference;  ///< poses and file names: the training side
-  std::filesystem::path soft;       ///< matrices: pairs to ignore where the matrix has 0
+  std::filesystem::path reference = {};  ///< poses and file names: the training side
+  std::filesystem::path soft = {};       ///< matrices: pairs to ignore where the matrix has 0
   /// Poses and file names: the same place within so many metres, bounds included. Poses need it;
   /// nothing with file names: the benchmark's 25.
-  std::optional<double> radius_m;
-  std::optional<double> angle_deg;  ///< and with headings that differ by at most so much
+  std::optional<double> radius_m = {};
+  std::optional<double> angle_deg = {};  ///< and with headings that differ by at most so much
   /// Aligned: query frame i is training frame `reference_step` i, rounded. Nothing: 1.
-  std::optional<double> reference_step;
+  std::optional<double> reference_step = {};
   MatrixRows matrix_rows = MatrixRows::automatic;
+  /// Trajectories: the times of query and training frames, a list, a folder of images that are
+  /// named by their times, or a video; empty: pose i is that of frame i.
+  std::filesystem::path query_times = {};
+  std::filesystem::path reference_times = {};
+  std::filesystem::path query_pose_times = {};  ///< of trajectories whose files have no times
+  std::filesystem::path reference_pose_times = {};
+  /// Seconds from a frame to its nearest pose at most. Nothing: 0.02.
+  std::optional<double> max_difference_s = {};
+  std::optional<double> offset_s = {};            ///< is added to the query's times
+  std::optional<double> reference_offset_s = {};  ///< is added to those of the training frames
 };
 
-/// The names under which the options stand in data set descriptions.
+/// The options that are files, by their names in data set descriptions.
+template <class Visitor>
+void visit_paths(GroundTruthOptions& options, Visitor&& visit) {
+  visit("reference", options.reference);
+  visit("soft", options.soft);
+  visit("query_times", options.query_times);
+  visit("reference_times", options.reference_times);
+  visit("query_pose_times", options.query_pose_times);
+  visit("reference_pose_times", options.reference_pose_times);
+}
+
+/// The names under which the others stand there.
 template <class Visitor>
 void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
   visit("radius_m", options.radius_m);
   visit("angle_deg", options.angle_deg);
   visit("reference_step", options.reference_step);
   visit("matrix_rows", options.matrix_rows);
+  visit("max_difference_s", options.max_difference_s);
+  visit("offset_s", options.offset_s);
+  visit("reference_offset_s", options.reference_offset_s);
 }
 
 /// Where a ground truth stands and how it is read.

@@ -12,11 +12,13 @@
 #include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/aligned.h"
+#include "ground_truth/anchors.h"
 #include "ground_truth/mask_image.h"
 #include "ground_truth/matrix_file.h"
 #include "ground_truth/openseqslam_csv.h"
 #include "ground_truth/pairs_csv.h"
 #include "ground_truth/poses.h"
+#include "ground_truth/trajectory.h"
 #include "ground_truth/utm_names.h"
 
 namespace vpr {
@@ -72,8 +74,15 @@ std::filesystem::path path_without_range(const std::filesystem::path& path) {
 std::span<const GroundTruthFormat> ground_truth_formats() {
   static const std::vector<std::string_view> kPoseOptions = {"path", "range", "reference",
                                                              "radius_m", "angle_deg"};
+  static const std::vector<std::string_view> kTimedOptions = {"path",     "range",     "reference",
+                                                              "radius_m", "angle_deg", "times"};
   static const std::vector<GroundTruthFormat> kFormats = {
       {"aligned", "frame i is frame i", {"reference_step"}, nullptr, read_aligned},
+      {"anchors",
+       "CSV query,reference of a few frames, linear between them",
+       {"path", "range", "reference", "radius_m"},
+       is_anchors_csv,
+       read_anchors},
       {"pairs",
        "CSV query,reference[,label] or query,sequence,reference[,label]",
        {"path", "range"},
@@ -82,8 +91,10 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        write_pairs_csv,
        true},
       {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions, is_pose_csv, read_poses},
-      {"tum", "trajectories: time x y z qx qy qz qw", kPoseOptions, is_tum, read_tum_poses},
-      {"kitti", "trajectories: 3 x 4 matrices", kPoseOptions, is_kitti, read_kitti_poses},
+      {"tum", "trajectories: time x y z qx qy qz qw", kTimedOptions, is_tum, read_tum_poses},
+      {"kitti", "trajectories: 3 x 4 matrices", kTimedOptions, is_kitti, read_kitti_poses},
+      {"euroc", "trajectories: CSV time in ns, x, y, z, qw, qx, qy, qz, ...", kTimedOptions,
+       is_euroc, read_euroc_poses},
       {"utm", "images called @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
       {"matrix",
        "0/1 matrix, .npy or .npz, with a soft one to ignore",
@@ -166,6 +177,12 @@ void require_options(const GroundTruthFormat& format, const GroundTruthArgument&
   check("radius_m", options.radius_m.has_value());
   check("angle_deg", options.angle_deg.has_value());
   check("reference_step", options.reference_step.has_value());
+  GroundTruthOptions timed = options;
+  bool has_times = timed.max_difference_s || timed.offset_s || timed.reference_offset_s;
+  visit_paths(timed, [&](const char* name, const std::filesystem::path& file) {
+    has_times = has_times || (std::string_view(name).ends_with("times") && !file.empty());
+  });
+  check("times", has_times);
   check("matrix_rows", options.matrix_rows != MatrixRows::automatic);
 }
 

@@ -9,10 +9,14 @@
 #include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/numbers.h"
-#include "images/sequence_argument.h"
+#include "images/sequence.h"
+#include "images/video_reader.h"
 
 namespace vpr {
 namespace {
+
+/// In which a video has a byte that no text has.
+constexpr size_t kStartBytes = 65536;
 
 /// The column of times by a header's names; 0 where none is called so.
 size_t time_column(const std::vector<std::string_view>& header) {
@@ -20,6 +24,28 @@ size_t time_column(const std::vector<std::string_view>& header) {
     for (size_t i = 0; i < header.size(); ++i)
       if (header[i] == name) return i;
   return 0;
+}
+
+/// Of the names of images, without their extensions.
+std::vector<int64_t> times_of_names(const Sequence& sequence) {
+  FileLocation location;
+  std::vector<int64_t> times;
+  std::optional<TimeUnit> unit;
+  for (const std::filesystem::path& file : sequence.files) {
+    location.file = file.string();
+    const std::string name = file.stem().string();
+    if (!unit) unit = unit_of_time(name);
+    if (!unit) location.fail(fmt::format("its name \"{}\" is no time", name));
+    const int64_t time = read_time(location, name, *unit);
+    if (!times.empty() && time <= times.back()) refuse_time_order(location, times.back(), time);
+    times.push_back(time);
+  }
+  return times;
+}
+
+bool is_text(const std::filesystem::path& path) {
+  const MappedFile file(path);
+  return file.text().substr(0, kStartBytes).find('\0') == std::string_view::npos;
 }
 
 }  // namespace
@@ -67,6 +93,15 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   }
   if (times.empty()) location.fail("has no times");
   return times;
+}
+
+std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const Monitor& monitor) {
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  std::error_code error;
+  if (std::filesystem::is_directory(source.path, error))
+    return times_of_names(open_sequence(source));
+  if (is_text(source.path)) return read_time_list(path);
+  return read_video_times(source, monitor);
 }
 
 }  // namespace vpr

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/monitor.h"
 #include "ground_truth/file_location.h"
 #include "ground_truth/times.h"
 
@@ -23,5 +24,12 @@ int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit 
 /// Throws Error(input) if it can't be read, Error(data), naming the line, for what is no time and
 /// for times that do not rise.
 std::vector<int64_t> read_time_list(const std::filesystem::path& path);
+
+/// Nanoseconds, one a frame: of a list as read_time_list reads it, of the images of a folder by
+/// their names, which must be numbers (1305031102.175304.png, 1403636579763555584.png), or of a
+/// video since its first frame; a range behind the path picks frames. Throws Error(input) for what
+/// can't be read, Error(data), naming the image or line, for what is no time and for times that do
+/// not rise.
+std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const Monitor& monitor);
 
 }  // namespace vpr

@@ -25,6 +25,8 @@ class NamedRows {
   /// Makes `row` the present one. Throws Error(data) if it has not as many fields as the header.
   void go_to(size_t row);
   bool has(std::string_view column) const;
+  /// Where the present row starts in the file, counted from 1.
+  size_t line() const { return row_->line; }
   /// A field of the present row; empty without such a column.
   const std::string& text(std::string_view column) const;
   /// A finite number. Throws Error(data), naming the line, for anything else.

@@ -138,14 +138,18 @@ std::optional<double> angle_between(const Pose& a, const Pose& b) {
 }
 
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
-                        const Poses& train, std::optional<double> usual_radius_m) {
+                        const Poses& train, std::optional<double> usual_radius_m,
+                        const std::vector<bool>& nowhere) {
   const Nearness nearness = find_nearness(builder, usual_radius_m);
   const SortedPoses sorted = sort_poses(train);
   uint64_t known = 0;
   uint64_t same = 0;
+  uint64_t unknown = 0;
   for (size_t frame = 0; frame < query.size(); ++frame) {
     builder.check_stop();
+    if (frame < nowhere.size() && nowhere[frame]) continue;
     if (!query[frame]) {
+      ++unknown;
       if (!train.empty()) builder.add(frame, sequence, 0, train.size() - 1, PlaceLabel::ignore);
       continue;
     }
@@ -158,8 +162,7 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       builder.add(frame, sequence, reference, reference, PlaceLabel::ignore);
   }
   warn_of_large_share(builder, nearness, same, known * sorted.known.size());
-  return describe(nearness, builder.argument().tolerance_frames, query.size() - known,
-                  sorted.unknown.size());
+  return describe(nearness, builder.argument().tolerance_frames, unknown, sorted.unknown.size());
 }
 
 }  // namespace vpr

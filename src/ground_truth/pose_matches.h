@@ -32,8 +32,10 @@ std::optional<double> angle_between(const Pose& a, const Pose& b);
 /// poses are the same. Throws Error(data) if the numbers of poses are not those of the frames,
 /// Error(usage) for a radius or angle that is none, and where no radius is known. Returns the
 /// protocol in words. References are sorted by one coordinate, so that only those near it are
-/// compared.
+/// compared. Query frames of `nowhere`, which is empty or has one entry each, are different from
+/// all.
 std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
-                        const Poses& train, std::optional<double> usual_radius_m = std::nullopt);
+                        const Poses& train, std::optional<double> usual_radius_m = std::nullopt,
+                        const std::vector<bool>& nowhere = {});
 
 }  // namespace vpr

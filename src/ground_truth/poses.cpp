@@ -10,13 +10,11 @@
 #include "ground_truth/numbers.h"
 #include "ground_truth/pose_csv.h"
 #include "ground_truth/pose_matches.h"
+#include "ground_truth/pose_times.h"
 #include "ground_truth/trajectory.h"
 
 namespace vpr {
 namespace {
-
-/// Takes the poses of one file, whose name may end in a range.
-using PoseReader = Poses (*)(const std::filesystem::path& path, const FrameCount& frames);
 
 Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames) {
   PoseCsvRules rules{frames.frames, kMostGrownFrames};
@@ -32,33 +30,46 @@ Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames
   return poses;
 }
 
-Poses read_tum_lines(const std::filesystem::path& path, const FrameCount&) {
-  return read_tum_without_times(path);
-}
+/// A trajectory, of whose times the second reader makes sure where they are asked for.
+struct TrajectoryReaders {
+  Trajectory (*without_times)(const std::filesystem::path& path);
+  Trajectory (*with_times)(const std::filesystem::path& path);
+};
 
-Poses read_kitti_lines(const std::filesystem::path& path, const FrameCount&) {
-  return read_kitti(path).poses;
-}
-
-Poses read_side(GroundTruthBuilder& builder, const std::filesystem::path& path,
-                const FrameCount& frames, PoseReader read) {
-  builder.at_file(path);  // for what is found out about the whole file
-  return read(path, frames);
-}
-
-std::string read_both(GroundTruthBuilder& builder, std::string_view format, PoseReader read) {
-  const GroundTruthArgument& argument = builder.argument();
-  const size_t sequence = builder.only_searched(argument.path.string());
+const std::filesystem::path& training_path(const GroundTruthArgument& argument) {
   if (argument.options.reference.empty())
     throw Error(ErrorKind::usage,
                 fmt::format("{}: has the poses of the query; give those of the training sequence, "
                             "as in --ground-truth-reference POSES",
                             argument.path.string()));
-  const Poses query = read_side(builder, argument.path, builder.query(), read);
+  return argument.options.reference;
+}
+
+/// `read(side, path)` gives the poses of one side.
+template <class Read>
+std::string read_both(GroundTruthBuilder& builder, std::string_view format, Read&& read) {
+  const GroundTruthArgument& argument = builder.argument();
+  const size_t sequence = builder.only_searched(argument.path.string());
+  const std::filesystem::path& reference = training_path(argument);
+  builder.at_file(argument.path);  // for what is found out about the whole file
+  const Poses query = read(PoseSide::query, argument.path);
   builder.require_query_frames(query.size());
-  const Poses train = read_side(builder, argument.options.reference, builder.train(sequence), read);
+  builder.at_file(reference);
+  const Poses train = read(PoseSide::train, reference);
   builder.require_train_frames(sequence, train.size());
-  return fmt::format("{} poses: {}", format, match_poses(builder, sequence, query, train));
+  return fmt::format("{} poses{}: {}", format, times_in_words(argument.options),
+                     match_poses(builder, sequence, query, train));
+}
+
+std::string read_trajectories(GroundTruthBuilder& builder, std::string_view format,
+                              const TrajectoryReaders& readers) {
+  return read_both(builder, format, [&](PoseSide side, const std::filesystem::path& path) {
+    const GroundTruthOptions& options = builder.argument().options;
+    const bool has_times =
+        !(side == PoseSide::query ? options.query_times : options.reference_times).empty();
+    return poses_of_side(builder, side, path,
+                         has_times ? readers.with_times : readers.without_times);
+  });
 }
 
 bool has_numbers(std::string_view line, size_t count) {
@@ -71,15 +82,23 @@ bool has_numbers(std::string_view line, size_t count) {
 }  // namespace
 
 std::string read_poses(GroundTruthBuilder& builder) {
-  return read_both(builder, "csv", read_csv_poses);
+  return read_both(builder, "csv", [&](PoseSide side, const std::filesystem::path& path) {
+    return read_csv_poses(path, side == PoseSide::query
+                                    ? builder.query()
+                                    : builder.train(builder.only_searched(path.string())));
+  });
 }
 
 std::string read_tum_poses(GroundTruthBuilder& builder) {
-  return read_both(builder, "tum", read_tum_lines);
+  return read_trajectories(builder, "tum", {read_tum_without_times, read_tum});
 }
 
 std::string read_kitti_poses(GroundTruthBuilder& builder) {
-  return read_both(builder, "kitti", read_kitti_lines);
+  return read_trajectories(builder, "kitti", {read_kitti, read_kitti});
+}
+
+std::string read_euroc_poses(GroundTruthBuilder& builder) {
+  return read_trajectories(builder, "euroc", {read_euroc, read_euroc});
 }
 
 bool is_pose_csv(const FileStart& start) {

@@ -17,14 +17,18 @@ std::string read_poses(GroundTruthBuilder& builder);
 bool is_pose_csv(const FileStart& start);
 
 /// One pose a line, time x y z qx qy qz qw (the RGB-D benchmark of the TU Munich); lines that start
-/// with # are skipped. Line i is frame i; times are not looked at.
+/// with # are skipped. Poses of frames are found by time where the argument has the frames' times
+/// (pose_times.h); otherwise line i is frame i, and times are not looked at.
 std::string read_tum_poses(GroundTruthBuilder& builder);
 /// Whether the first line holds eight numbers with spaces between them.
 bool is_tum(const FileStart& start);
 
 /// One pose a line, the 3 x 4 matrix (rotation, position) row by row (the KITTI odometry
-/// benchmark). Line i is frame i. A matrix whose first three columns are no rotation is refused.
+/// benchmark), by time or line as of tum. A matrix whose first three columns are no rotation is
+/// refused.
 std::string read_kitti_poses(GroundTruthBuilder& builder);
+/// One pose a line with its time, as EuRoC has it (trajectory.h), by time or line as of tum.
+std::string read_euroc_poses(GroundTruthBuilder& builder);
 /// Whether the first line holds twelve numbers with spaces between them.
 bool is_kitti(const FileStart& start);
 

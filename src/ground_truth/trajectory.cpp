@@ -157,8 +157,8 @@ Trajectory read_any(const std::filesystem::path& path) {
 
 Trajectory read_tum(const std::filesystem::path& path) { return read_lines(path, kTum); }
 
-Poses read_tum_without_times(const std::filesystem::path& path) {
-  return read_lines(path, kTumPoses).poses;
+Trajectory read_tum_without_times(const std::filesystem::path& path) {
+  return read_lines(path, kTumPoses);
 }
 
 Trajectory read_euroc(const std::filesystem::path& path) { return read_lines(path, kEuroc); }
@@ -182,6 +182,15 @@ void require_rising_times(const Trajectory& trajectory) {
   }
 }
 
+void add_times(Trajectory& trajectory, const std::filesystem::path& times) {
+  trajectory.times_ns = read_time_list(times);
+  if (trajectory.times_ns.size() != trajectory.poses.size())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has {}, and {} has {}", times.string(),
+                            counted(trajectory.times_ns.size(), "time"), trajectory.name,
+                            counted(trajectory.poses.size(), "pose")));
+}
+
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times) {
   Trajectory found = read_any(path);
   require_rising_times(found);
@@ -189,11 +198,7 @@ Trajectory read_trajectory(const std::filesystem::path& path, const std::filesys
   if (!found.times_ns.empty())
     throw Error(ErrorKind::usage, fmt::format("{}: has times of its own; leave out {}",
                                               path.string(), times.string()));
-  found.times_ns = read_time_list(times);
-  if (found.times_ns.size() != found.poses.size())
-    throw Error(ErrorKind::data, fmt::format("{}: has {}, and {} has {}", times.string(),
-                                             counted(found.times_ns.size(), "time"), path.string(),
-                                             counted(found.poses.size(), "pose")));
+  add_times(found, times);
   return found;
 }
 

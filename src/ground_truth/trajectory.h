@@ -25,7 +25,7 @@ struct Trajectory {
 /// can't be read and Error(data), naming the line, if it is damaged.
 Trajectory read_tum(const std::filesystem::path& path);
 /// The same without a look at the times, but that they are numbers.
-Poses read_tum_without_times(const std::filesystem::path& path);
+Trajectory read_tum_without_times(const std::filesystem::path& path);
 
 /// One pose a line, commas between: time in nanoseconds, x y z, qw qx qy qz, and maybe more
 /// (EuRoC's state_groundtruth_estimate0/data.csv); lines that start with # are skipped.
@@ -41,6 +41,9 @@ Trajectory read_kitti(const std::filesystem::path& path);
 /// `times`, which may be empty, has them: one a line (KITTI's times.txt), as many as poses. Times
 /// must rise. Throws Error(usage) if the file is none of these, or times are given twice.
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times);
+
+/// Takes the times of the poses from a file. Throws Error(data) if they are not as many.
+void add_times(Trajectory& trajectory, const std::filesystem::path& times);
 
 /// Throws Error(data), naming the line, where a time is not after the one before.
 void require_rising_times(const Trajectory& trajectory);

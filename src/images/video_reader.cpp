@@ -1,6 +1,7 @@
 #include "images/video_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -112,6 +113,27 @@ bool VideoReader::grab_below(uint64_t position, const Monitor& monitor) {
     }
   }
   return true;
+}
+
+double VideoReader::shown_at_ms() const { return capture_.get(cv::CAP_PROP_POS_MSEC); }
+
+double VideoReader::frames_per_second() const { return capture_.get(cv::CAP_PROP_FPS); }
+
+std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Monitor& monitor) {
+  VideoReader reader(argument, PixelFormat::grey);
+  std::vector<int64_t> times;
+  std::vector<int64_t> by_rate;
+  bool do_rise = true;
+  const double fps = reader.frames_per_second();
+  for (IndexedFrame frame; reader.next(frame, monitor);) {
+    times.push_back(std::llround(reader.shown_at_ms() * 1e6));
+    by_rate.push_back(fps > 0 ? std::llround(static_cast<double>(frame.recorded) * 1e9 / fps) : 0);
+    do_rise = do_rise && (times.size() < 2 || times.back() > times[times.size() - 2]);
+  }
+  if (do_rise) return times;
+  if (fps > 0 && fps < 1e6) return by_rate;
+  throw Error(ErrorKind::input, fmt::format("{}: has neither times of its frames nor a frame rate",
+                                            argument.path.string()));
 }
 
 }  // namespace vpr

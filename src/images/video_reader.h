@@ -1,6 +1,9 @@
 // A video, frame after frame.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include <opencv2/videoio.hpp>
 
 #include "images/frames.h"
@@ -32,6 +35,10 @@ class VideoReader {
 
   /// By what the video states; 0: not known.
   size_t expected_frames() const;
+  /// When the last frame is shown, in milliseconds since the start of the video, as it says itself.
+  double shown_at_ms() const;
+  /// As the video states it; 0: not known.
+  double frames_per_second() const;
 
  private:
   uint64_t property(cv::VideoCaptureProperties name) const;
@@ -45,5 +52,10 @@ class VideoReader {
   uint64_t position_ = 0;
   bool ended_ = false;
 };
+
+/// When the frames of a video's range are shown, in nanoseconds since the start of the video, by
+/// the times that it holds, or, where those do not rise, by its frame rate. Throws Error(input) for
+/// what is no video, and for one that has neither.
+std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Monitor& monitor);
 
 }  // namespace vpr

@@ -254,3 +254,37 @@ TEST_CASE("what says how a ground truth is read needs one") {
     check_failure(run_program("vpr-query", query), 2, "--save-matrix");
   }
 }
+
+TEST_CASE("poses by time and anchors are taken from flags and from data sets") {
+  const test::TemporaryFolder folder;
+  std::string poses;
+  for (int i = 0; i <= 10; ++i) poses += fmt::format("{:.1f} {} 0 0 0 0 0 1\n", 100 + i * 0.1, i);
+  test::write_text(folder / "p.tum", poses);
+  test::write_text(folder / "t.txt", "0\n0.25\n0.5\n");
+  test::write_text(folder / "late.txt", "50\n51\n");
+  const std::string path = folder / "p.tum";
+  const auto check = [&](const std::string& times, const std::string& offset) {
+    return run_program("vpr-eval", {"check", path, "--ground-truth-reference", path, "--radius",
+                                    "1", "--query-times", folder / times, "--offset", offset,
+                                    "--max-difference", "0.06", "--json"});
+  };
+  const auto run = check("t.txt", "100");
+  REQUIRE(run.exit_code == 0);
+  const Json found = Json::parse(run.out);
+  CHECK(found["frames"]["query"] == 3);
+  CHECK(found["pairs"]["same"] == 2 + 2 + 3);  // at 0, 2.5 and 5 metres
+  CHECK(found["protocol"] ==
+        "tum poses at the times of query frames, the nearest within 0.06 s, query times +100 s: "
+        "within 1 m");
+  const auto apart = check("late.txt", "0");
+  CHECK(apart.exit_code == 4);
+  CHECK(apart.err.find("they are of 50 to 51 s, and " + path + " is of 100 to 101 s") !=
+        std::string::npos);
+  // Flags that a format does not use are refused.
+  test::write_text(folder / "walk.anchors.csv", "query,reference\n0,0\n4,8\n");
+  const std::string anchors = folder / "walk.anchors.csv";
+  CHECK(run_program("vpr-eval", {"check", anchors, "--offset", "3"}).exit_code == 2);
+  const auto line = run_program("vpr-eval", {"check", anchors, "--tolerance", "1", "--json"});
+  REQUIRE(line.exit_code == 0);
+  CHECK(Json::parse(line.out)["pairs"]["same"] == 2 + 3 * 3 + 2);
+}

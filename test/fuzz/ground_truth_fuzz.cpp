@@ -1,5 +1,7 @@
 // Any bytes as a ground truth of one format: they are refused with an Error, or
 // give a ground truth that is sound.
+#include <algorithm>
+
 #include "fuzz.h"
 #include "ground_truth/check.h"
 #include "ground_truth/formats.h"
@@ -53,4 +55,16 @@ void fuzz::run(std::string_view input) {
   read(argument, 3, 4);
   read(argument, 3, 3);
   read(argument, kUnknownFrames, kUnknownFrames);
+  // The rest: anchors without poses, and poses by times.
+  if (argument.format == "anchors") {
+    argument.options = {};
+    read(argument, 3, 4);
+    read(argument, kUnknownFrames, kUnknownFrames);
+  }
+  if (std::find(uses.begin(), uses.end(), "times") == uses.end()) return;
+  argument.options.query_times = argument.options.reference_times = argument.path;
+  argument.options.max_difference_s = 0.5;
+  read(argument, kUnknownFrames, kUnknownFrames);
+  argument.options.query_pose_times = argument.options.reference_pose_times = argument.path;
+  read(argument, 3, 3);
 }

@@ -43,7 +43,8 @@ TEST_CASE("a ground truth has the options of its format") {
   const Dataset dataset = parse(folder, R"({"schema": "vpr.dataset/1", "name": "d",
     "queries": [{"name": "q", "sequence": "q", "ground_truth": {"path": "p.csv", "reference": "r.csv",
                  "radius_m": 5, "angle_deg": 40, "matrix_rows": "reference", "soft": "s.npy",
-                 "reference_step": 2}}]})");
+                 "reference_step": 2, "query_times": "t.txt", "reference_pose_times": "p.txt",
+                 "max_difference_s": 0.1, "reference_offset_s": -3}}]})");
   const GroundTruthArgument& argument = *dataset.queries.at(0).sequence_ground_truth;
   CHECK(argument.format.empty());
   CHECK(argument.options.reference == folder / "r.csv");
@@ -52,6 +53,10 @@ TEST_CASE("a ground truth has the options of its format") {
   CHECK(argument.options.angle_deg == 40);
   CHECK(argument.options.reference_step == 2);
   CHECK(argument.options.matrix_rows == MatrixRows::reference);
+  CHECK(argument.options.query_times == folder / "t.txt");
+  CHECK(argument.options.reference_pose_times == folder / "p.txt");
+  CHECK(argument.options.max_difference_s == 0.1);
+  CHECK(argument.options.reference_offset_s == -3);
 }
 
 TEST_CASE("mistakes in a data set description are usage errors") {

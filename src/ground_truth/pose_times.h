@@ -1,0 +1,29 @@
+// The poses of both sides' frames by their times.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "ground_truth/dataset.h"
+#include "ground_truth/pose_matches.h"
+#include "ground_truth/trajectory.h"
+
+namespace vpr {
+
+class GroundTruthBuilder;
+
+/// A side of a ground truth.
+enum class PoseSide { query, train };
+
+/// ", by time within 0.02 s" for a protocol; empty where no times of frames are given.
+std::string times_in_words(const GroundTruthOptions& options);
+
+/// The poses of the frames of one side: by their times, where the options say when they were taken
+/// (then every frame gets one of `read(path)` or none, as associate() does), and otherwise pose i
+/// is that of frame i. Throws as associate() and the readers of times do, and Error(usage) for
+/// options that lack what they belong to, or are no times.
+Poses poses_of_side(const GroundTruthBuilder& builder, PoseSide side,
+                    const std::filesystem::path& path,
+                    Trajectory (*read)(const std::filesystem::path& path));
+
+}  // namespace vpr
