@@ -79,6 +79,10 @@ int report_error(const std::string& program, ErrorKind kind, const std::string& 
   return exit_code(kind);
 }
 
+std::string last_sections(const std::string& example) {
+  return fmt::format("{}:\n{}\n\n{}:\n{}", kExampleSection, example, kExitCodeSection, kExitCodes);
+}
+
 }  // namespace
 
 Program::Program(const std::string& name, const std::string& description,
@@ -86,8 +90,7 @@ Program::Program(const std::string& name, const std::string& description,
     : name_(name),
       parser_(name, description,
               fmt::format("{} {} ({})", name, program_version(), program_commit())) {
-  command().add_footer(
-      fmt::format("{}:\n{}\n\n{}:\n{}", kExampleSection, example, kExitCodeSection, kExitCodes));
+  command().add_footer(last_sections(example));
   command()
       .add_option("--completion", completion_,
                   "print completions for a shell, or the manual page; nothing else may be given")
@@ -99,7 +102,7 @@ Command Program::add_command(const std::string& name, const std::string& descrip
                              const std::string& example, std::function<void(Session&)> run) {
   const Command command =
       parser_.add_command(name, description, [this, run = std::move(run)] { run_ = run; });
-  command.add_footer(fmt::format("{}:\n{}", kExampleSection, example));
+  command.add_footer(last_sections(example));
   add_common_flags(command);
   if (!run_) parser_.require_command(true);
   return command;

@@ -219,6 +219,7 @@ Command Parser::root() const { return Command(*app_); }
 Command Parser::add_command(const std::string& name, const std::string& description,
                             std::function<void()> chosen) {
   CLI::App& app = *app_->add_subcommand(name, description);
+  app.footer("");  // otherwise it is that of the program
   group_own_flags(app, version_);
   app.callback(std::move(chosen));
   return Command(app);

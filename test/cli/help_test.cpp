@@ -136,3 +136,12 @@ TEST_CASE("help wraps between words, and examples so that a shell takes them") {
             "\nMethods:\n"
             "  fast   is fast\n");
 }
+
+TEST_CASE("the help of a command has its own examples, and not those of its program") {
+  const std::string help = run_program("vpr-eval", {"compare", "--help"}).out;
+  const size_t example = help.find("\nExample:\n");
+  REQUIRE(example != std::string::npos);
+  CHECK(help.find("Example:\n", example + 2) == std::string::npos);
+  CHECK(help.find("vpr-eval result.json") == std::string::npos);
+  CHECK(help.find("\n\nExit codes:\n", example) != std::string::npos);
+}
