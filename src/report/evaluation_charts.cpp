@@ -166,6 +166,25 @@ Chart threshold_chart(const Json& report, const Judgement& judgement) {
   return chart;
 }
 
+std::vector<ThresholdStep> threshold_steps(const Json& report, const Judgement& judgement,
+                                           size_t most) {
+  const ScoreAxis axis = score_axis(report, judgement);
+  std::vector<ThresholdStep> steps;
+  ThresholdStep step;
+  for (const RankedMatch& match : strictest_first(judgement)) {
+    const double threshold = match.value / axis.divisor;
+    if (!steps.empty() && steps.back().threshold == threshold) steps.pop_back();
+    step.threshold = threshold;
+    ++step.accepted[accepted_as(*match.query)];
+    steps.push_back(step);
+  }
+  std::vector<ThresholdStep> kept;
+  const size_t thinning = std::max<size_t>(1, steps.size() / most);
+  for (size_t i = 0; i < steps.size(); ++i)
+    if (i % thinning == 0 || i + 1 == steps.size()) kept.push_back(steps[i]);
+  return kept;
+}
+
 Chart margin_chart(const Json& report, const Judgement& judgement) {
   Chart chart{"margins", evaluation_title(report)};
   chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);

@@ -1,7 +1,9 @@
 // The charts of an evaluation, for its page and for papers.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <vector>
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
@@ -20,6 +22,17 @@ Chart curve_chart(const Json& report, const Judgement& judgement);
 /// Best matches that a threshold accepts, from the strictest to the loosest, in the unit in which
 /// thresholds are given: right ones, wrong ones, and those that are not judged.
 Chart threshold_chart(const Json& report, const Judgement& judgement);
+
+/// Best matches that a threshold accepts, in the unit of that chart: right, wrong, not judged.
+struct ThresholdStep {
+  double threshold = 0;
+  std::array<size_t, 3> accepted = {};
+};
+
+/// A step for each threshold that occurs, from the strictest to the loosest; of more than about
+/// `most` some are left out, but never the last.
+std::vector<ThresholdStep> threshold_steps(const Json& report, const Judgement& judgement,
+                                           size_t most);
 
 /// The margin of every query frame's best match, a frame of its window: right ones, wrong ones and
 /// those that are not judged, and as a line the margin that was asked for, where the decision is by

@@ -107,8 +107,9 @@ std::string GalleryCards::card(const GalleryItem& item) const {
                         : outcome.verdict == Verdict::correct ? "right: "
                                                               : "wrong: ";
   std::string html = fmt::format(
-      "<article class=\"card {0}{1}\" data-kind=\"{0}\" tabindex=\"0\"><h3>{2}query {3}</h3>", kind,
-      is_judged_ ? "" : " unjudged", verdict, outcome.frame);
+      "<article class=\"card {0}{1}\" data-kind=\"{0}\" data-at=\"{4}\" "
+      "tabindex=\"0\"><h3>{2}query {3}</h3>",
+      kind, is_judged_ ? "" : " unjudged", verdict, outcome.frame, item.query);
   html += fmt::format("<p>{} {:.6g}{}{}</p>", enum_name(judgement_.outcomes.kind),
                       score_of_key(outcome.key, judgement_.outcomes.kind),
                       is_recognised(judgement_, outcome) ? ", recognised" : ", not recognised",

@@ -13,7 +13,8 @@ namespace {
 }  // namespace
 
 const HtmlParts& html_parts() {
-  static constexpr HtmlParts kParts = {kPage, kComparisonPage, kStyle, kScript};
+  static constexpr HtmlParts kParts = {kPage,   kComparisonPage, kStyle,
+                                       kScript, kHoverScript,    kLabelScript};
   return kParts;
 }
 

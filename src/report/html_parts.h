@@ -16,7 +16,9 @@ struct HtmlParts {
   std::string_view page;             ///< of an evaluation
   std::string_view comparison_page;  ///< of several reports
   std::string_view style;
-  std::string_view script;  ///< of an evaluation's page
+  std::string_view script;        ///< of an evaluation's page: gallery and queries
+  std::string_view hover_script;  ///< values below the pointer, and thresholds
+  std::string_view label_script;  ///< labels and anchors
 };
 const HtmlParts& html_parts();
 

@@ -11,6 +11,7 @@
 #include "report/evaluation_charts.h"
 #include "report/evaluation_report.h"
 #include "report/gallery_cards.h"
+#include "report/html_data.h"
 #include "report/html_parts.h"
 #include "report/html_text.h"
 #include "report/metrics_report.h"
@@ -26,20 +27,38 @@ constexpr size_t kMatrixSide = 800;  // pixels
 constexpr std::string_view kMistakes =
     "<label><input type=\"radio\" name=\"kind\" value=\"mistake\"> worst mistakes</label>";
 
+constexpr std::string_view kDisagreements =
+    "<button type=\"button\" id=\"next-disagreement\">next disagreement (n)</button>\n"
+    "<button type=\"button\" id=\"save-disagreements\">save disagreements.csv</button>";
+
 /// Two charts side by side, with their legends.
-std::string curves_html(const Json& report, const Judgement& judgement) {
-  const auto figure = [](Chart chart, const std::string& title) {
-    chart.title = title;
-    chart.width = 650;
-    chart.height = 450;
+std::string curves_html(const PageCharts& charts) {
+  const auto figure = [](const Chart& chart, const std::string& title) {
     return "<figure><figcaption>" + title + "</figcaption>" + page_svg(chart) +
            "<p class=\"legend\">" + legend_html(meanings_of(chart)) + "</p></figure>";
   };
   std::string html = "<div class=\"charts\">";
-  const Chart curves = curve_chart(report, judgement);
-  if (!curves.series.empty()) html += figure(curves, "Precision and recall");
-  return html + figure(threshold_chart(report, judgement), "What a threshold recognises") +
-         "</div>";
+  if (!charts.curve.series.empty()) html += figure(charts.curve, charts.curve.title);
+  return html + figure(charts.thresholds, charts.thresholds.title) + "</div>";
+}
+
+PageCharts page_charts(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+                       const ScoreMatrix* matrix, const Monitor& monitor) {
+  PageCharts charts = {
+      curve_chart(report, judgement), threshold_chart(report, judgement),
+      timeline_chart(report, judgement, truth, monitor),
+      matrix_chart(judgement.layout, draw_scores(judgement, truth, matrix, kMatrixSide, monitor),
+                   reference_word(report), score_words(report))};
+  charts.curve.title = "Precision and recall";
+  charts.thresholds.title = "What a threshold recognises";
+  for (Chart* chart : {&charts.curve, &charts.thresholds}) {
+    chart->width = 650;
+    chart->height = 450;
+  }
+  charts.timeline.title = "best match of every query frame";
+  charts.timeline.height = 440;
+  charts.matrix.title = "queries against references";
+  return charts;
 }
 
 /// Margins along the path, with their legend; nothing where none are known.
@@ -63,40 +82,6 @@ std::string tables_html(const Json& report, bool is_judged) {
   return html;
 }
 
-/// What scripts look up: a line of data for each query.
-Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
-               const ChartLayout& timeline) {
-  Json data;
-  data["best"] = report["outcomes"]["best"];
-  data["first_frame"] = report["outcomes"]["first_frame"];
-  data["kind"] = score_words(report);
-  data["sequences"] = Json::array();
-  for (const auto& sequence : judgement.layout.scope.sequences)
-    data["sequences"].push_back(sequence.name);
-  data["matches"] = Json::array();
-  data["scores"] = Json::array();
-  Json ranks = Json::array();
-  for (const QueryOutcome& query : judgement.outcomes.queries) {
-    data["matches"].push_back(
-        query.best ? Json::array({query.best->sequence, query.best->reference}) : Json());
-    data["scores"].push_back(
-        query.best ? Json(fmt::format("{:.6g}", score_of_key(query.key, judgement.outcomes.kind)))
-                   : Json());
-    ranks.push_back(query.rank.value_or(0));
-  }
-  if (judgement.outcomes.has_ranks) data["ranks"] = ranks;
-  data["judged"] = is_judged;
-  std::string recognised(judgement.fixes.size(), '.');
-  for (const QueryOutcome& query : judgement.outcomes.queries)
-    if (is_recognised(judgement, query)) recognised[query.frame] = 'f';
-  data["recognised"] = recognised;
-  data["frames"] = std::max<size_t>(1, judgement.fixes.size());
-  data["left"] = timeline.area.left;
-  data["width"] = timeline.area.width;
-  data["svg_width"] = timeline.width;
-  return data;
-}
-
 }  // namespace
 
 std::string html_report(const Json& report, const std::string& summary, const Judgement& judgement,
@@ -104,13 +89,7 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
                         const FrameSources& sources, const Monitor& monitor) {
   GalleryCards gallery(judgement, truth, sources);
   gallery.read_frames(monitor);
-  Chart timeline = timeline_chart(report, judgement, truth, monitor);
-  timeline.title = "best match of every query frame";
-  timeline.height = 440;
-  const ScorePicture picture = draw_scores(judgement, truth, matrix, kMatrixSide, monitor);
-  Chart pairs =
-      matrix_chart(judgement.layout, picture, reference_word(report), score_words(report));
-  pairs.title = "queries against references";
+  const PageCharts charts = page_charts(report, judgement, truth, matrix, monitor);
   Json made = report["settings"];
   made.update(report["provenance"]);
   if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
@@ -129,24 +108,25 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
        {"summary", html_escaped(summary)},
        {"subtitle", html_escaped("Ground truth: " + ground_truth)},
        {"style", palette_css() + std::string(html_parts().style)},
-       {"script", std::string(html_parts().script)},
+       {"script", std::string(html_parts().script) + std::string(html_parts().hover_script) +
+                      std::string(html_parts().label_script)},
+       {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
        {"tables", tables_html(report, truth.is_known)},
        {"protocol", list_html(protocol)},
        {"provenance", list_html(made)},
-       {"curves", curves_html(report, judgement)},
-       {"timeline_legend", legend_html(meanings_of(timeline))},
-       {"timeline", page_svg(timeline)},
+       {"curves", curves_html(charts)},
+       {"timeline_legend", legend_html(meanings_of(charts.timeline))},
+       {"timeline", page_svg(charts.timeline)},
        {"margins", margins_html(report, judgement)},
        {"matrix_title", matrix != nullptr ? "Scores of all pairs" : "Recognitions of all pairs"},
-       {"matrix_legend", legend_html(meanings_of(pairs))},
-       {"matrix", page_svg(pairs)},
+       {"matrix_legend", legend_html(meanings_of(charts.matrix))},
+       {"matrix", page_svg(charts.matrix)},
        {"gallery_title", truth.is_known ? "Mistakes and hits" : "Best matches"},
        {"mistakes", truth.is_known ? std::string(kMistakes) : ""},
        {"weak", truth.is_known ? "weakest right ones" : "weakest matches"},
        {"gallery_note", html_escaped(gallery.note())},
        {"cards", gallery.html()},
-       {"data",
-        script_json(page_data(report, judgement, truth.is_known, layout_of(timeline, true)))}});
+       {"data", script_json(page_data(report, judgement, truth.is_known, charts))}});
 }
 
 }  // namespace vpr

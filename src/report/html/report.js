@@ -42,8 +42,7 @@
   const slider = byId("at");
   const count = data.best.length;
   const here = byId("here");
-  const say = () => {
-    const i = Number(slider.value);
+  const describe = (i) => {
     const frame = data.first_frame + i;
     const match = data.matches[i];
     const parts = [];
@@ -52,9 +51,14 @@
     if (data.judged || data.best[i] === "u") parts.push(verdicts[data.best[i]]);
     if (match) parts.push(data.recognised[frame] === "." ? "not recognised" : "recognised");
     if (data.ranks && data.ranks[i]) parts.push(`the first right reference has rank ${data.ranks[i]}`);
-    byId("said").textContent = `Frame ${frame}: ${parts.join(", ")}.`;
+    return `Frame ${frame}: ${parts.join(", ")}.`;
+  };
+  const say = () => {
+    const frame = data.first_frame + Number(slider.value);
+    byId("said").textContent = describe(Number(slider.value));
     if (here) {
-      const x = data.left + data.width * (frame + 0.5) / data.frames;
+      const [from, to, begin, end] = data.areas.timeline.x;
+      const x = begin + (end - begin) * (frame + 0.5 - from) / (to - from);
       here.setAttribute("x1", x);
       here.setAttribute("x2", x);
       here.removeAttribute("visibility");
@@ -65,12 +69,30 @@
     slider.max = count - 1;
     slider.addEventListener("input", say);
     say();
-    document.querySelector("svg.timeline")?.addEventListener("click", (event) => {
-      const box = event.currentTarget.getBoundingClientRect();
-      const x = (event.clientX - box.left) / box.width * data.svg_width;
-      const frame = Math.floor((x - data.left) / data.width * data.frames);
-      slider.value = Math.max(0, Math.min(count - 1, frame - data.first_frame));
-      say();
-    });
   }
+  // What the other scripts share with this one.
+  window.page = {
+    data, count, describe,
+    at: () => Number(slider.value),
+    go: (i) => {
+      slider.value = Math.max(0, Math.min(count - 1, i));
+      say();
+    },
+    // Where the pointer is on the axes of a chart.
+    place: (event, svg, area) => {
+      const box = svg.getBoundingClientRect();
+      const unit = area.width / box.width;
+      const value = ([from, to, begin, end], at) => from + (at - begin) / (end - begin) * (to - from);
+      return [value(area.x, (event.clientX - box.left) * unit), value(area.y, (event.clientY - box.top) * unit)];
+    },
+    // The sequence and the frame at a position of an axis; nothing beside it.
+    frameAt: (bands, position) => {
+      const band = bands.find((one) => position >= one.at && position < one.at + one.count);
+      return band && [band.sequence, band.first + Math.floor(position) - band.at];
+    },
+  };
+  document.querySelector("svg.timeline")?.addEventListener("click", (event) => {
+    const [x] = window.page.place(event, event.currentTarget, data.areas.timeline);
+    if (count) window.page.go(Math.floor(x) - data.first_frame);
+  });
 })();

@@ -1,0 +1,122 @@
+// Labels of best matches and anchors on the matrix, saved as files.
+(() => {
+  const { data, count, at, go, place, frameAt } = window.page;
+  const byId = (id) => document.getElementById(id);
+  const words = { s: "same", d: "different", i: "ignore" };
+  const labels = new Map();  // by query
+  let anchors = [];  // [query frame, sequence, frame]
+  const frameOf = (i) => data.first_frame + i;
+  const several = data.sequences.length > 1;
+
+  const field = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  const row = (query, sequence, reference, ...more) =>
+    [query, ...(several ? [field(data.sequences[sequence])] : []), reference, ...more].join(",");
+  const header = several ? "query,sequence,reference" : "query,reference";
+  const file = (lines) => lines.join("\n") + "\n";
+  // Best matches that nobody labelled are to be ignored; different is what no line says.
+  const pairs = () => {
+    const lines = [`${header},label`];
+    for (let i = 0; i < count; ++i) {
+      const label = labels.get(i) ?? "ignore";
+      if (data.matches[i] && label !== "different") lines.push(row(frameOf(i), ...data.matches[i], label));
+    }
+    return file(lines);
+  };
+  const sorted = () => [...anchors].sort((a, b) => a[1] - b[1] || a[0] - b[0]);
+  const isWrong = (i) => data.matches[i] && (data.best[i] === "w" || data.best[i] === "n");
+  const disagreements = () => {
+    const lines = [`${header},score,recognised,ground_truth`];
+    for (let i = 0; i < count; ++i)
+      if (isWrong(i))
+        lines.push(row(frameOf(i), ...data.matches[i], data.scores[i], data.recognised[frameOf(i)] === "." ? "no" : "yes",
+          data.best[i] === "w" ? "elsewhere" : "no match"));
+    return file(lines);
+  };
+  const save = (name, text) => {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  };
+
+  const svg = document.querySelector("svg.matrix");
+  const make = (name) => document.createElementNS(svg.namespaceURI, name);
+  const layer = make("g");
+  svg.append(layer);
+  const pixel = ([from, to, begin, end], value) => begin + (value - from) / (to - from) * (end - begin);
+  const positionOf = (bands, sequence, frame) => {
+    const band = bands.find((one) => one.sequence === sequence && frame >= one.first && frame < one.first + one.count);
+    return band && band.at + frame - band.first + 0.5;
+  };
+  const refresh = () => {
+    layer.replaceChildren(...anchors.map(([query, sequence, frame]) => {
+      const circle = make("circle");
+      circle.setAttribute("class", "anchor");
+      circle.setAttribute("r", 6);
+      circle.setAttribute("cx", pixel(data.areas.matrix.x, positionOf(data.columns, sequence, frame)));
+      circle.setAttribute("cy", pixel(data.areas.matrix.y, positionOf(data.rows, 0, query)));
+      return circle;
+    }));
+    for (const card of document.querySelectorAll(".card")) {
+      const label = labels.get(Number(card.dataset.at));
+      if (label) card.dataset.label = label;
+      else delete card.dataset.label;
+    }
+    const here = labels.get(at());
+    const of = (word) => [...labels.values()].filter((label) => label === word).length;
+    byId("labelled").textContent = `Frame ${frameOf(at())}: ${here ?? "not labelled"}. `
+      + `${of("same")} same, ${of("different")} different, ${of("ignore")} ignored, ${anchors.length} anchor${anchors.length === 1 ? "" : "s"}.`;
+  };
+  // A query frame has one anchor in a sequence.
+  const anchor = (query, sequence, frame) => {
+    anchors = [...anchors.filter((one) => one[0] !== query || one[1] !== sequence), [query, sequence, frame]];
+    refresh();
+  };
+  svg.addEventListener("click", (event) => {
+    const near = anchors.findIndex((one, i) => {
+      const box = layer.children[i].getBoundingClientRect();
+      return event.clientX >= box.left - 2 && event.clientX <= box.right + 2 && event.clientY >= box.top - 2 && event.clientY <= box.bottom + 2;
+    });
+    if (near >= 0) {
+      anchors.splice(near, 1);
+      return refresh();
+    }
+    const [x, y] = place(event, svg, data.areas.matrix);
+    const column = frameAt(data.columns, x);
+    const line = frameAt(data.rows, y);
+    if (column && line) anchor(line[1], ...column);
+  });
+
+  const nextWrong = () => {
+    for (let step = 1; step <= count; ++step)
+      if (isWrong((at() + step) % count)) return go((at() + step) % count);
+  };
+  // The query of the card in focus, or the one that is chosen.
+  const chosen = (target) => Number(target.closest?.(".card")?.dataset.at ?? at());
+  const press = (key, target) => {
+    const i = chosen(target);
+    if (words[key] && data.matches[i]) labels.set(i, words[key]);
+    else if (key === "u") labels.delete(i);
+    else if (key === "a" && data.matches[i]) anchor(frameOf(i), ...data.matches[i]);
+    else if (key === "j" || key === "k") go(at() + (key === "j" ? 1 : -1));
+    else if (key === "n" && data.judged) nextWrong();
+    else return;
+    refresh();
+  };
+  if (!count) return;
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input[type=search]")) return;
+    press(event.key, event.target);
+  });
+  for (const button of document.querySelectorAll("#tools [data-key]"))
+    button.addEventListener("click", () => press(button.dataset.key, document.body));
+  byId("at").addEventListener("input", refresh);
+  byId("save-pairs").addEventListener("click", () => save("pairs.csv", pairs()));
+  byId("save-anchors").addEventListener("click", () =>
+    save("anchors.csv", file([header, ...sorted().map((one) => row(...one))])));
+  byId("next-disagreement")?.addEventListener("click", () => press("n", document.body));
+  byId("save-disagreements")?.addEventListener("click", () => save("disagreements.csv", disagreements()));
+  byId("tools").hidden = false;
+  refresh();
+})();

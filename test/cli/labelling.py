@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Labels a result in the page of vpr-eval as somebody does who has no ground truth, and judges it by
+what the page saves. Skipped without Chromium.   labelling.py SOURCE BIN"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+from chromium import PROGRAM, Chromium
+
+if PROGRAM is None:
+    print("chromium is missing")
+    sys.exit(77)
+
+
+def run(bin, folder, *words):
+    done = subprocess.run([f"{bin}/{words[0]}", *words[1:]], cwd=folder, text=True,
+                          capture_output=True)
+    assert done.returncode == 0, (words, done.stderr)
+    return done.stdout
+
+
+def saved(browser, folder, button):
+    """The file that a button saves."""
+    name = button.removeprefix("save-") + ".csv"
+    browser.evaluate(f"document.getElementById('{button}').click()")
+    path = f"{folder}/{name}"
+    browser.wait(lambda: os.path.exists(path) and not os.path.exists(path + ".crdownload"))
+    return open(path).read()
+
+
+def matrix_point(browser, row, column):
+    """Where a cell of the matrix is on the screen, scrolled into sight."""
+    browser.evaluate("document.querySelector('svg.matrix').scrollIntoView({block: 'nearest', behavior: 'instant'})")
+    return browser.evaluate(f"""(() => {{
+        const svg = document.querySelector('svg.matrix'), box = svg.getBoundingClientRect();
+        const {{x, y, width}} = window.page.data.areas.matrix, unit = box.width / width;
+        const at = ([from, to, begin, end], value) => begin + (value - from) / (to - from) * (end - begin);
+        return [box.left + at(x, {column} + 0.5) * unit, box.top + at(y, {row} + 0.5) * unit];
+    }})()""")
+
+
+def label_without_truth(browser, folder, bin):
+    run(bin, folder, "vpr-eval", "result.json", "--html", "look.html", "--quiet")
+    browser.open(f"{folder}/look.html")
+    data = browser.evaluate("window.page.data")
+    first, matches = data["first_frame"], data["matches"]
+    for key in "sjdjij":  # frames first, first + 1 and first + 2
+        browser.press(key)
+    browser.press("s")
+    browser.press("u")
+    lines = saved(browser, folder, "save-pairs").splitlines()
+    assert lines[0] == "query,reference,label", lines[0]
+    expected = [f"{first + i},{match[1]},{'same' if i == 0 else 'ignore'}"
+                for i, match in enumerate(matches) if match and i != 1]
+    assert lines[1:] == expected, (lines[:5], expected[:4])
+    report = json.loads(run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "pairs.csv",
+                            "--json"))
+    assert report["outcomes"]["best"][:3] == "cni", report["outcomes"]["best"][:9]
+    assert set(report["outcomes"]["best"][3:]) == {"i"}
+    # Two anchors by the pointer, one of them taken back, and one by the keyboard.
+    for row, column in ((2, 3), (20, 21), (30, 34)):
+        browser.click(*matrix_point(browser, row, column))
+    browser.click(*matrix_point(browser, 20, 21))
+    browser.evaluate("window.page.go(40)")
+    browser.press("a")
+    lines = saved(browser, folder, "save-anchors").splitlines()
+    pixel = 1 + len(matches) // 400  # cells that a pixel of the screen may be off
+    assert lines[0] == "query,reference", lines
+    assert len(lines) == 4, lines
+    found = [tuple(map(int, line.split(","))) for line in lines[1:]]
+    for (query, reference), (row, column) in zip(found, ((2, 3), (30, 34))):
+        assert abs(query - first - row) <= pixel and abs(reference - first - column) <= pixel, found
+    assert found[2] == (first + 40, matches[40][1]), found
+    judged = json.loads(run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "anchors.csv",
+                            "--tolerance", "5", "--json"))
+    begin, end = found[0][0] - first, found[2][0] - first
+    letters = judged["outcomes"]["best"]  # there is a place between the first and the last anchor
+    assert "n" not in letters[begin:end + 1] and set(letters[end + 1:]) == {"n"}, letters
+    assert letters[end] == "c", letters
+    counts = browser.evaluate("document.getElementById('labelled').textContent")
+    assert counts.endswith("1 same, 1 different, 1 ignored, 3 anchors."), counts
+
+
+def relabel_with_truth(browser, folder, bin):
+    run(bin, folder, "vpr-eval", "result.json", "--ground-truth", "aligned", "--html", "judged.html",
+        "-o", "report.json", "--quiet")
+    browser.open(f"{folder}/judged.html")
+    report = json.load(open(f"{folder}/report.json"))
+    best = report["outcomes"]["best"]
+    first = report["outcomes"]["first_frame"]
+    wrong = [first + i for i, letter in enumerate(best) if letter in "wn"]
+    lines = saved(browser, folder, "save-disagreements").splitlines()
+    assert lines[0] == "query,reference,score,recognised,ground_truth", lines[0]
+    assert [int(line.split(",")[0]) for line in lines[1:]] == wrong
+    browser.press("n")
+    said = browser.evaluate("document.getElementById('said').textContent")
+    assert said.startswith(f"Frame {wrong[0] if wrong[0] > first else wrong[1]}: "), said
+    follow_threshold(browser, report)
+
+
+def follow_threshold(browser, report):
+    """The slider's counts are those of the curve's loosest threshold, and follow it."""
+    def accepted(position):
+        browser.evaluate(f"""(() => {{ const slider = document.getElementById('threshold');
+            slider.value = {position}; slider.dispatchEvent(new Event('input')); }})()""")
+        return browser.evaluate("document.getElementById('accepted').textContent")
+
+    last = report["curves"]["single_best"]["points"][-1]
+    assert f": {last['correct']} right, {last['incorrect']} wrong" in accepted(10 ** 6)
+    assert accepted(0) != accepted(10 ** 6)
+
+
+def nothing_is_cut(profile, page):
+    with Chromium(profile, 390, 900) as browser:
+        browser.call("Emulation.setDeviceMetricsOverride", width=390, height=900,
+                     deviceScaleFactor=1, mobile=True)
+        browser.open(page)
+        width = browser.evaluate("document.documentElement.scrollWidth")
+    assert width <= 390, width
+
+
+def main(source, bin):
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        run(bin, folder, "vpr-synth", f"{source}/configs/worlds/small.json", "-o", "world", "--quiet")
+        run(bin, folder, "vpr-train", "fastable", "--train", "world/corridor", "-o", "w.vprdb", "--quiet")
+        run(bin, folder, "vpr-query", "w.vprdb", "--query", "world/query@0:90", "--c-l", "3",
+            "--t-r", "0.4", "-o", "result.json", "--quiet")
+        with Chromium(f"{folder}/profile") as browser:
+            browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=folder)
+            label_without_truth(browser, folder, bin)
+            relabel_with_truth(browser, folder, bin)
+        nothing_is_cut(f"{folder}/narrow", f"{folder}/judged.html")
+        nothing_is_cut(f"{folder}/narrow", f"{folder}/look.html")
+
+
+main(*sys.argv[1:])
