@@ -7,6 +7,7 @@
 namespace vpr {
 
 inline constexpr const char* kSequenceGroup = "FastABLE and OpenABLE";
+inline constexpr const char* kScoreGroup = "A matrix of scores";
 inline constexpr const char* kFabmapGroup = "FAB-MAP";
 
 /// The database, and where the query comes from.

@@ -52,7 +52,10 @@ ResultContext context_of(const Session& session, const QueryInputs& inputs,
   ResultContext context;
   context.run = session.run;
   context.run.simd_target = session.kernels.target;
-  context.run.paths = {{"database", inputs.database}, {"query", query_path}};
+  if (inputs.scores.path.empty())
+    context.run.paths = {{"database", inputs.database}, {"query", query_path}};
+  else
+    context.run.paths = {{"scores", inputs.scores.path}};
   context.seconds = seconds;
   return context;
 }

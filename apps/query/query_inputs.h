@@ -8,16 +8,27 @@
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "ground_truth/dataset.h"
+#include "matching/given_distances.h"
+#include "pipeline/train.h"
 #include "recognition/query_settings.h"
 #include "report/result_file.h"
 
 namespace vpr {
 
+/// A matrix of scores of any program, instead of a database and a query.
+struct QueryScores {
+  std::string path;  ///< empty: none
+  bool is_distance = false;
+  GivenFormat format;
+  std::vector<std::string> train_sequences;  ///< NAME=FIRST:LAST
+};
+
 struct QueryInputs {
-  std::string database;
+  std::string database;  ///< empty: none, with --scores
   std::optional<std::string> query;
   std::string query_npy;  ///< its descriptors instead
   bool follow = false;    ///< frames as they come
+  QueryScores scores;
   std::string dataset;
   std::string warp;  ///< how the query is replayed; empty: as it is
   std::string ground_truth;
@@ -38,6 +49,17 @@ struct QuerySource {
 
 /// The query of --query or --dataset. Throws Error(usage) if there is none.
 QuerySource find_query(const QueryInputs& inputs);
+
+/// The query of --scores: its name, and the ground truth of --ground-truth.
+QuerySource find_scored_query(const QueryInputs& inputs);
+
+/// The training sequences that --train-sequence names. Throws Error(usage) for anything but
+/// NAME=FIRST:LAST.
+std::vector<NamedArgument> scored_sequences(const QueryScores& scores);
+
+/// Throws Error(usage) for flags of --scores without it, and beside it for what a matrix has no
+/// answer to.
+void check_scores(const QueryInputs& inputs, const SequenceQuerySettings& settings);
 
 /// What a result file says of the run: machine, paths, fingerprints and seconds.
 ResultContext context_of(const Session& session, const QueryInputs& inputs,

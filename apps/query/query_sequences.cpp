@@ -12,6 +12,7 @@
 #include "evaluation/counts.h"
 #include "images/sequence.h"
 #include "pipeline/advice.h"
+#include "pipeline/given_query.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
@@ -152,12 +153,61 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
         {result_matrix_chart(result, *saved.pixels, truth ? &*truth : nullptr, session.monitor)}));
 }
 
+/// What a query is compared with, and what files say of both.
+struct Sides {
+  std::optional<GivenDistances> given;  ///< of --scores
+  SequenceDatabase database;
+  DescriptorSet query;
+  QuerySource source;
+  ResultContext context;
+};
+
+void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
+              const SequenceQuerySettings& settings) {
+  sides.source = find_query(inputs);
+  sides.database = read_sequence_database(inputs.database);
+  check_score(settings);
+  if (score_kind(settings.score).needs_statistics)
+    ensure_statistics(sides.database, session.monitor);
+  sides.query = replayed(describe_frames(open_sequence(sides.source.sequence.sequence),
+                                         sides.database, settings.skip_unreadable, session.monitor),
+                         inputs.warp, session.options.seed);
+  sides.context.database_fingerprint = sides.database.fingerprint;
+  sides.context.query_fingerprint = query_fingerprint(sides.query);
+}
+
+void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs) {
+  sides.source = find_scored_query(inputs);
+  const GivenDistances& given =
+      sides.given.emplace(inputs.scores.path, inputs.scores.format, session.monitor);
+  GivenQuery made = given_query(given, scored_sequences(inputs.scores));
+  sides.database = std::move(made.database);
+  sides.query = replayed(std::move(made.query), inputs.warp, session.options.seed);
+  const GivenUnits& units = given.units();
+  sides.context.scores = {{"kind", inputs.scores.format.is_similarity ? "similarity" : "distance"},
+                          {"best", units.best},
+                          {"unit", units.unit},
+                          {"is_exact", units.is_exact}};
+  const std::string fingerprint = given.fingerprint(session.monitor);
+  sides.context.database_fingerprint = sides.context.query_fingerprint = fingerprint;
+}
+
+QueryResources resources_of(const Session& session, const QueryInputs& inputs) {
+  QueryResources resources;
+  resources.kernels = session.kernels;
+  resources.memory_limit = inputs.memory_limit;
+  resources.verify_cells = inputs.verify_cells;
+  resources.seed = session.options.seed;
+  return resources;
+}
+
 }  // namespace
 
 void run_sequence_query(Session& session, const QueryInputs& inputs,
-                        const SequenceQuerySettings& given) {
-  if (inputs.follow) return follow_query(session, inputs, given);
-  const SequenceQuerySettings settings = with_implied(given);
+                        const SequenceQuerySettings& asked) {
+  const SequenceQuerySettings settings = with_implied(asked);
+  check_scores(inputs, settings);
+  if (inputs.follow) return follow_query(session, inputs, asked);
   const CommonOptions& options = session.options;
   if (!options.output.empty()) claim_result(options.output, session.outputs);
   claim_matrix(inputs, session.outputs);
@@ -172,21 +222,13 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
     throw Error(ErrorKind::usage, fmt::format("{} does not see every window: there is no whole "
                                               "matrix to save",
                                               settings.method));
-  QueryResources resources;
-  resources.kernels = session.kernels;
-  resources.memory_limit = inputs.memory_limit;
-  resources.verify_cells = inputs.verify_cells;
-  resources.seed = options.seed;
+  const QueryResources resources = resources_of(session, inputs);
 
   const Stopwatch watch;
-  const QuerySource source = find_query(inputs);
-  SequenceDatabase database = read_sequence_database(inputs.database);
-  check_score(settings);
-  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
-  const DescriptorSet query =
-      replayed(describe_frames(open_sequence(source.sequence.sequence), database,
-                               settings.skip_unreadable, session.monitor),
-               inputs.warp, options.seed);
+  Sides sides;
+  const bool has_scores = !inputs.scores.path.empty();
+  has_scores ? take_scores(sides, session, inputs) : describe(sides, session, inputs, settings);
+  const auto& [given, database, query, source, known] = sides;
   const double describe_s = watch.elapsed_s();
   QueryPlan planned =
       plan_query(database, query, source.sequence.name, settings, resources, session.monitor);
@@ -205,13 +247,14 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   ResultContext context =
       context_of(session, inputs, source.sequence.sequence.path.string(), found.seconds);
   context.run.memory_limit = resources.memory_limit;
-  context.database_fingerprint = database.fingerprint;
-  context.query_fingerprint = query_fingerprint(query);
+  context.scores = known.scores;
+  context.database_fingerprint = known.database_fingerprint;
+  context.query_fingerprint = known.query_fingerprint;
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
   finish_matrix(matrix, inputs.matrix, found.result, truth, context, session);
   const Json json = keep_result(session, found.result, context);
   if (found.result.hits.empty() && settings.decision == Decision::threshold &&
-      !settings.distance_threshold)
+      !settings.distance_threshold && !has_scores)
     explain_no_hits(database, settings.window_length, session.kernels, session.monitor);
   const std::string advice = advice_text(session, found.result);
   session.print_result(summary(found) + advice, json);

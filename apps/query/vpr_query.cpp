@@ -75,7 +75,7 @@ std::vector<std::string> keys_of(S settings) {
 struct FamilyQuery {
   void (*run)(Session& session, const QueryInputs& inputs, const GivenSettings& settings);
   std::vector<std::string> (*keys)();  ///< of configurations
-  std::array<const char*, 2> foreign_groups;
+  std::array<const char*, 3> foreign_groups;
 };
 
 /// A row for each DatabaseFamily.
@@ -84,12 +84,12 @@ constexpr std::array<FamilyQuery, 2> kFamilies = {{
        run_sequence_query(session, inputs, settings.sequence);
      },
      [] { return keys_of(SequenceQuerySettings{}); },
-     {kFabmapGroup, nullptr}},
+     {kFabmapGroup, nullptr, nullptr}},
     {[](Session& session, const QueryInputs& inputs, const GivenSettings& settings) {
        run_fabmap_query(session, inputs, settings.fabmap);
      },
      [] { return keys_of(FabmapQuerySettings{}); },
-     {kSequenceGroup, kGroundTruthGroup}},
+     {kSequenceGroup, kGroundTruthGroup, kScoreGroup}},
 }};
 
 // A flag of the other family would be without effect: say so instead.
@@ -139,6 +139,17 @@ void refuse_other_than_implied(const Command& app, const CommonOptions& options,
     refuse("--margin-width", "which counts views: set filter.near_views in a configuration");
 }
 
+/// A matrix of scores is one of frames of sequences.
+DatabaseFamily family_of(const QueryInputs& inputs) {
+  if (!inputs.scores.path.empty()) return DatabaseFamily::sequences;
+  if (inputs.database.empty())
+    throw Error(
+        ErrorKind::usage,
+        "give the database, as in vpr-query DB --query FOLDER, or a matrix of scores, as in "
+        "--scores S.npy --similarity");
+  return database_family(inputs.database);
+}
+
 /// Throws Error(usage) for a method that there is not.
 DatabaseFamily family_of(const std::string& method) {
   if (method == enum_name(DatabaseFamily::fabmap)) return DatabaseFamily::fabmap;
@@ -150,7 +161,7 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
          const Command& app) {
   GivenSettings settings = given;
   if (!inputs.warp.empty()) check_warp(inputs.warp);
-  const DatabaseFamily family = database_family(inputs.database);
+  const DatabaseFamily family = family_of(inputs);
   const std::string_view kind = enum_name(family);
   const std::string method = settings.method.empty() ? std::string(kind) : settings.method;
   if (family_of(method) != family)
@@ -171,16 +182,18 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
 
 int main(int argc, char** argv) {
   using namespace vpr;
-  Program program("vpr-query", "Recognise the places of a query sequence in a database.",
-                  "  vpr-query corridor.vprdb --query tuesday\n"
-                  "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
-                  "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "
-                  "-o result.json\n"
-                  "  vpr-query corridor.vprdb --query frames --method filter --follow\n"
-                  "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
-                  "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
-                  "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
-                  "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
+  Program program(
+      "vpr-query", "Recognise the places of a query sequence in a database.",
+      "  vpr-query corridor.vprdb --query tuesday\n"
+      "  vpr-query corridor.vprdb --query tuesday --c-l 20 --t-r 0.65 -o result.json\n"
+      "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "
+      "-o result.json\n"
+      "  vpr-query corridor.vprdb --query frames --method filter --follow\n"
+      "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
+      "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
+      "  vpr-query --scores S.npy --similarity --c-l 10 --score standardized -o r.json\n"
+      "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
+      "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;
   GivenSettings settings;
   const Command app = program.command();

@@ -29,6 +29,18 @@ std::vector<std::byte> as_floats(DescriptorRow row) {
   return bytes;
 }
 
+// Coordinates are numbers of their unit.
+std::vector<std::byte> as_points(DescriptorRow row, double unit) {
+  std::vector<float> values;
+  for (size_t i = 0; i < row.size(); i += sizeof(int16_t)) {
+    int16_t number = 0;
+    std::memcpy(&number, row.data() + i, sizeof(number));
+    values.push_back(static_cast<float>(number * unit));
+  }
+  const auto bytes = std::as_bytes(std::span(values));
+  return {bytes.begin(), bytes.end()};
+}
+
 std::vector<std::byte> as_bytes(DescriptorRow row, size_t count) {
   const auto* first = reinterpret_cast<const std::byte*>(row.data());
   return {first, first + count};
@@ -48,19 +60,25 @@ ExportedRows layout_of(const DescriptorShape& shape) {
       return {npy_type<uint8_t>(), shape.length};
     case ElementType::whole_numbers:
     case ElementType::wide_numbers:
+    case ElementType::coordinates:
+    case ElementType::frame_numbers:
       break;
   }
   return {npy_type<float>(), shape.length};
 }
 
-std::vector<std::byte> exported(const DescriptorShape& shape, DescriptorRow row) {
+std::vector<std::byte> exported(const DescriptorStore& store, DescriptorRow row) {
+  const DescriptorShape shape = store.shape();
   switch (shape.element) {
     case ElementType::whole_numbers:
       return as_floats<int8_t>(row);
     case ElementType::wide_numbers:
       return as_floats<int16_t>(row);
+    case ElementType::coordinates:
+      return as_points(row, store.unit);
     case ElementType::bits:
     case ElementType::grey_levels:
+    case ElementType::frame_numbers:
       break;
   }
   return as_bytes(row, layout_of(shape).numbers);
@@ -81,8 +99,7 @@ void export_descriptors(const Session& session, const std::string& path, const s
     throw Error(ErrorKind::usage, "--descriptors names the file to write; leave out -o");
   session.outputs.claim_file(file);
   const SequenceDatabase database = read_sequence_database(path);
-  const DescriptorShape shape = database.descriptors.shape();
-  const ExportedRows layout = layout_of(shape);
+  const ExportedRows layout = layout_of(database.descriptors.shape());
   OutputFile& output = session.outputs.file(file);
   output.write(npy_header(layout.type, {database.descriptors.rows().size(), layout.numbers}));
   for (const DescriptorSpan& sequence : descriptor_spans(database)) {
@@ -90,7 +107,7 @@ void export_descriptors(const Session& session, const std::string& path, const s
     for (size_t i = 0; i < sequence.rows.size(); ++i) {
       const bool is_missing = unreadable != sequence.unreadable.end() && *unreadable == i;
       if (is_missing) ++unreadable;
-      output.write(is_missing ? missing(layout) : exported(shape, sequence.rows[i]));
+      output.write(is_missing ? missing(layout) : exported(database.descriptors, sequence.rows[i]));
     }
   }
   session.print_result(

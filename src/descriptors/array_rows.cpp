@@ -3,59 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cstring>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <opencv2/core.hpp>
 
 #include "base/counted.h"
 #include "base/error.h"
+#include "base/npy_numbers.h"
 
 namespace vpr {
 namespace {
 
-template <class T>
-double number_at(const std::byte* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(value));
-  return static_cast<double>(value);
-}
-
-double half_at(const std::byte* bytes) {
-  uint16_t bits = 0;
-  std::memcpy(&bits, bytes, sizeof(bits));
-  return static_cast<double>(static_cast<float>(cv::float16_t::fromBits(bits)));
-}
-
-// `count` numbers `stride` bytes apart; they are written `out_stride` numbers apart.
-template <double (*number)(const std::byte*)>
-void convert(const std::byte* from, size_t stride, size_t count, double* out, size_t out_stride) {
-  for (size_t i = 0; i < count; ++i) out[i * out_stride] = number(from + i * stride);
-}
-
-/// How numbers of a type are read.
-struct NumberType {
-  std::string_view name;
-  size_t bytes;
-  void (*convert)(const std::byte* from, size_t stride, size_t count, double* out,
-                  size_t out_stride);
-};
-
-constexpr std::array<NumberType, 5> kTypes = {{{"<f2", 2, convert<half_at>},
-                                               {"<f4", 4, convert<number_at<float>>},
-                                               {"<f8", 8, convert<number_at<double>>},
-                                               {"|u1", 1, convert<number_at<uint8_t>>},
-                                               {"|b1", 1, convert<number_at<uint8_t>>}}};
+constexpr std::array<std::string_view, 5> kTypes = {"<f2", "<f4", "<f8", "|u1", "|b1"};
 
 const NumberType& number_type(const std::string& type, const std::string& path) {
-  const auto found = std::find_if(kTypes.begin(), kTypes.end(),
-                                  [&](const NumberType& row) { return row.name == type; });
-  if (found == kTypes.end())
+  if (std::find(kTypes.begin(), kTypes.end(), type) == kTypes.end())
     throw Error(ErrorKind::data, fmt::format("{}: holds numbers of type {}; descriptors are "
                                              "float16, float32 or float64, or uint8 or bool (bits)",
                                              path, type));
-  return *found;
+  return *find_number_type(type);
 }
 
 [[noreturn]] void refuse_shape(const std::string& path, const std::vector<size_t>& shape,
@@ -127,7 +93,7 @@ void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
         throw Error(ErrorKind::data,
                     fmt::format("{}: holds {} numbers of type {}, and the first file {} of {}",
                                 path, file.shape().back(), file.type(), length_, type_));
-      type.convert(file.value_bytes().data(), type.bytes, length_, out.data() + row * length_, 1);
+      type.read(file.value_bytes().data(), type.bytes, length_, out.data() + row * length_, 1);
     }
     return;
   }
@@ -136,14 +102,14 @@ void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
   if (array_.is_column_major()) {  // column by column: the rows of a column lie side by side
     const size_t step = sequence_.argument.range.step * type.bytes;
     for (size_t x = 0; x < length_; ++x)
-      type.convert(values + (x * rows + recorded(first)) * type.bytes, step, count, out.data() + x,
-                   length_);
+      type.read(values + (x * rows + recorded(first)) * type.bytes, step, count, out.data() + x,
+                length_);
     return;
   }
   const size_t row_bytes = length_ * type.bytes;
   for (size_t row = 0; row < count; ++row)
-    type.convert(values + recorded(first + row) * row_bytes, type.bytes, length_,
-                 out.data() + row * length_, 1);
+    type.read(values + recorded(first + row) * row_bytes, type.bytes, length_,
+              out.data() + row * length_, 1);
   array_.forget_values(recorded(first) * row_bytes,
                        (recorded(first + count - 1) - recorded(first) + 1) * row_bytes);
 }

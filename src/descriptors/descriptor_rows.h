@@ -12,8 +12,17 @@
 namespace vpr {
 
 /// What a descriptor is made of, and so what it is compared by: bits, signed whole numbers of 8 or
-/// of 16 bits (vectors), or grey levels of 8 bits (pictures).
-enum class ElementType { bits, whole_numbers, wide_numbers, grey_levels };
+/// of 16 bits (vectors, of which only directions count), coordinates of 16 bits (points, in one
+/// unit for a whole database), grey levels of 8 bits (pictures), or nothing but a frame's number,
+/// where distances are given.
+enum class ElementType {
+  bits,
+  whole_numbers,
+  wide_numbers,
+  coordinates,
+  grey_levels,
+  frame_numbers
+};
 
 /// The longest descriptors that can be compared: distances of bits fit 16 bits, scalar products of
 /// numbers 32.
@@ -33,8 +42,8 @@ struct DescriptorShape {
   bool operator==(const DescriptorShape&) const = default;
 
   /// Bytes of a row. Bit b is in byte b / 8, least significant first, and bits are padded with
-  /// zeros to whole words of 64; a whole number or a grey level is a byte, a wide number two, the
-  /// lower first.
+  /// zeros to whole words of 64; a whole number or a grey level is a byte, a wide number or a
+  /// coordinate two, a frame's number four, the lower first.
   constexpr size_t row_bytes() const {
     switch (element) {
       case ElementType::bits:
@@ -42,7 +51,10 @@ struct DescriptorShape {
       case ElementType::whole_numbers:
       case ElementType::grey_levels:
         return length;
+      case ElementType::frame_numbers:
+        return 4 * length;
       case ElementType::wide_numbers:
+      case ElementType::coordinates:
         break;
     }
     return 2 * length;
@@ -85,11 +97,14 @@ struct DescriptorRows {
   DescriptorRows first(size_t count) const { return subspan(0, count); }
 };
 
+class GivenDistances;
+
 /// The frames of one sequence as matchers take them: their descriptors, and which of them could not
-/// be read. Both are somebody else's.
+/// be read. All are somebody else's.
 struct DescriptorSpan {
   DescriptorRows rows;
-  std::span<const size_t> unreadable;  ///< rising
+  std::span<const size_t> unreadable;     ///< rising
+  const GivenDistances* given = nullptr;  ///< of a query: its distances, which are known already
 };
 
 }  // namespace vpr

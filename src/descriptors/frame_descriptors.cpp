@@ -98,6 +98,15 @@ const DescriptorKind& descriptor_kind(std::string_view name) {
                                             fmt::join(names, ", ")));
 }
 
+const DescriptorKind& given_kind() {
+  static constexpr DescriptorKind kGiven = {"scores",
+                                            "frames of which only scores are known",
+                                            {ElementType::frame_numbers, 1},
+                                            nullptr,
+                                            true};
+  return kGiven;
+}
+
 DescriptorShape DescriptorStore::shape() const {
   return {kind->shape.element, kind->shape.length == 0 ? length : kind->shape.length};
 }
@@ -117,6 +126,7 @@ DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed
   if (warp.empty()) return set;
   DescriptorSet result;
   result.descriptors.kind = set.descriptors.kind;
+  result.given = set.given;
   result.frames = replayed(set.frames, replay(warp, set.frames.count(), seed));
   const DescriptorRows rows = set.rows();
   for (const uint32_t source : result.frames.replay->sources)

@@ -50,12 +50,17 @@ const DescriptorKind* find_descriptor_kind(std::string_view name);
 /// The same; for an unknown name throws Error(usage), which lists those that describe frames.
 const DescriptorKind& descriptor_kind(std::string_view name);
 
+/// What stands for frames of which only distances are known (matching/given_distances.h): their
+/// numbers. No database that is stored has it, and no flag names it.
+const DescriptorKind& given_kind();
+
 /// Descriptors of one kind: of a fresh description, or the memory-mapped ones of a stored database.
 struct DescriptorStore {
   const DescriptorKind* kind = &descriptor_kinds().front();
   std::vector<uint8_t> owned;
   NpyArray mapped;
   size_t length = 0;  ///< of a kind whose sets say it; 0 before the first is appended
+  double unit = 0;    ///< of coordinates: what 1 is; 0: no such kind, or not known yet
 
   DescriptorShape shape() const;
   DescriptorRows rows() const;
@@ -67,9 +72,10 @@ struct DescriptorStore {
 struct DescriptorSet {
   DescriptorStore descriptors;
   FrameList frames;
+  const GivenDistances* given = nullptr;  ///< where the distances of these frames are known already
 
   DescriptorRows rows() const { return descriptors.rows(); }
-  DescriptorSpan span() const { return {rows(), frames.unreadable}; }
+  DescriptorSpan span() const { return {rows(), frames.unreadable, given}; }
 };
 
 /// The set with its frames replayed by `warp` (images/warp.h); as it is where that is empty. Rows

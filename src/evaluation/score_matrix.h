@@ -10,6 +10,7 @@
 
 #include "base/monitor.h"
 #include "base/npy.h"
+#include "base/npy_numbers.h"
 #include "recognition/score_order.h"
 
 namespace vpr {
@@ -26,9 +27,10 @@ struct ComputedScores {
   size_t queries = 0;
   size_t references = 0;
   size_t block = 1;  ///< queries that are computed together, at most
-  /// Writes the distances of queries [first, first + count) to all references, row by row. May be
-  /// called from several threads at once.
-  std::function<void(size_t first, size_t count, std::span<double> distances)> compute;
+  ScoreOrder kind = ScoreOrder::distance;
+  /// Writes the scores of queries [first, first + count) to all references, row by row; NaN where
+  /// there is none. May be called from several threads at once.
+  std::function<void(size_t first, size_t count, std::span<double> scores)> compute;
   std::function<std::string(const Monitor& monitor)> fingerprint;  ///< of what they are made of
 };
 
@@ -57,9 +59,6 @@ class ScoreMatrix {
   std::string fingerprint(const Monitor& monitor) const;
 
  private:
-  using Reader = void (*)(const std::byte* values, std::span<uint64_t> keys, size_t key_stride,
-                          const ScoreFormat& format);
-
   void compute_block(size_t first, size_t count, std::span<uint64_t> keys) const;
   void read_block(size_t first, size_t count, std::span<uint64_t> keys) const;
   void forget_block(size_t first, size_t count) const;
@@ -67,12 +66,11 @@ class ScoreMatrix {
   std::string name_;
   ScoreFormat format_;
   NpyArray array_;
-  ComputedScores computed_;  ///< instead of the array, where it has queries
-  size_t value_size_ = 0;
-  bool query_major_ = true;  // the scores of one query lie side by side
+  ComputedScores computed_;           ///< instead of the array, where it has queries
+  const NumberType* type_ = nullptr;  ///< of the array
+  bool query_major_ = true;           // the scores of one query lie side by side
   size_t queries_ = 0;
   size_t references_ = 0;
-  Reader reader_ = nullptr;
 };
 
 }  // namespace vpr

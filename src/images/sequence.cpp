@@ -108,7 +108,8 @@ Sequence open_sequence(const SequenceArgument& argument) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
-    throw Error(ErrorKind::input, fmt::format("{}: no such folder, list or video", path.string()));
+    throw Error(ErrorKind::input, fmt::format("{}: no such {}", path.string(),
+                                              is_array(path) ? "file" : "folder, list or video"));
   Sequence sequence{argument, SequenceKind::images, {}};
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {

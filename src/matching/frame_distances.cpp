@@ -8,12 +8,13 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "matching/given_distances.h"
 #include "matching/plain.h"
 
 namespace vpr {
 namespace {
 
-constexpr std::array<DistanceKind, 4> kKinds = {{
+constexpr std::array<DistanceKind, 5> kKinds = {{
     {"hamming",
      ElementType::bits,
      {"bits", 1},
@@ -50,6 +51,15 @@ constexpr std::array<DistanceKind, 4> kKinds = {{
      plain_grey_unrounded,
      grey_projector,
      grey_distances},
+    {"given",
+     ElementType::frame_numbers,
+     {"units of the scores", 1},
+     largest_given,
+     number_distance,
+     number_distance,
+     [](DescriptorRow a, DescriptorRow b) -> double { return number_distance(a, b); },
+     number_projector,
+     given_distances},
 }};
 
 void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorShape& shape) {

@@ -42,10 +42,11 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
   const size_t length = plan.settings.window_length;
   const RatedWindows windows{length, parse_rates(plan.settings.rates)};
   const std::vector<Cell> wrong =
-      !windows.rates.empty() ? wrong_rated_cells(cells, windows, plan.train, plan.query,
-                                                 basis ? &*basis : nullptr, monitor)
-      : basis                ? wrong_scores(cells, plan.train, plan.query, length, *basis, monitor)
-                             : wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
+      plan.query.given         ? wrong_given_cells(cells, plan.train, plan.query, length, monitor)
+      : !windows.rates.empty() ? wrong_rated_cells(cells, windows, plan.train, plan.query,
+                                                   basis ? &*basis : nullptr, monitor)
+      : basis ? wrong_scores(cells, plan.train, plan.query, length, *basis, monitor)
+              : wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
@@ -57,7 +58,7 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
 }
 
 std::optional<ResultViews> find_views(const QueryPlan& plan) {
-  if (plan.learned == nullptr) return std::nullopt;
+  if (plan.learned == nullptr || plan.query.given) return std::nullopt;
   const double typical = plan.learned->typical_distance;
   ResultViews views{view_starts(plan.query, typical), {}};
   for (const DescriptorSpan& sequence : plan.train)

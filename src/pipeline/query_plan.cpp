@@ -74,8 +74,9 @@ void plan_windows(QueryPlan& plan, const Monitor& monitor) {
                             plan.query_name, counted(plan.query_frames, "frame"), length));
   plan.query_windows = plan.query_frames - length + 1;
   if (!plan.query_unreadable.empty())
-    warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", plan.query_name,
-                              plan.query_unreadable.size(), counted(plan.query_frames, "frame")));
+    warn(monitor, fmt::format("{}: {} of {} {} and will never match", plan.query_name,
+                              plan.query_unreadable.size(), counted(plan.query_frames, "frame"),
+                              plan.query.given ? "have no score" : "can't be decoded"));
 }
 
 void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
@@ -147,6 +148,7 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
 void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
                      const QueryResources& resources, const Monitor& monitor) {
   const SequenceQuerySettings& settings = plan.settings;
+  if (!settings.distance_threshold && plan.query.given) return;  // there is no automatic one
   if (!settings.distance_threshold)
     return plan_automatic_thresholds(plan, database, resources, monitor);
   for (Target& sequence : plan.sequences) {
@@ -162,9 +164,10 @@ void plan_limits(QueryPlan& plan) {
     Target& sequence = plan.sequences[s];
     if (!sequence.threshold) continue;
     if (sequence.scale == ThresholdScale::mean && sequence.searched)
-      set_mean_limits(sequence,
-                      mean_window_distances(
-                          frame_distances({&plan.train[s], 1}, {plan.query.rows, {}}), length));
+      set_mean_limits(
+          sequence, mean_window_distances(frame_distances({&plan.train[s], 1},
+                                                          {plan.query.rows, {}, plan.query.given}),
+                                          length));
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
@@ -205,7 +208,8 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryR
                  const Monitor& monitor) {
   const SequenceQuerySettings& settings = plan.settings;
   plan_sequences(plan, database.sequences, monitor);
-  if (find_sequence_method(settings.method).is_exact || has_paths(settings.method))
+  const bool has_widths = !plan.query.given || settings.margin_width;
+  if (has_widths && (find_sequence_method(settings.method).is_exact || has_paths(settings.method)))
     plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
   plan_decision(plan, database, resources, monitor);
   if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 #include <unordered_set>
 
 #include "base/parallel.h"
+#include "matching/given_distances.h"
 #include "matching/plain.h"
 #include "matching/plain_standardized.h"
 #include "matching/score_kernels.h"
@@ -45,6 +47,20 @@ bool by_position(const Cell& a, const Cell& b) {
          std::tie(b.query_window, b.sequence, b.train_window);
 }
 
+// The cells whose score is not the right one, with the right one.
+std::vector<Cell> wrong_sums(std::span<const Cell> cells, const Monitor& monitor,
+                             const std::function<uint32_t(const Cell& cell)>& right_score) {
+  std::vector<uint32_t> right(cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t i) { right[i] = right_score(cells[i]); });
+  std::vector<Cell> wrong;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].score == right[i]) continue;
+    wrong.push_back(cells[i]);
+    wrong.back().score = right[i];
+  }
+  return wrong;
+}
+
 }  // namespace
 
 std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
@@ -80,18 +96,23 @@ std::vector<Cell> choose_found(const HitScanResult& found, size_t count, uint64_
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
                               const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor) {
-  std::vector<uint32_t> right(cells.size());
-  parallel_for(cells.size(), monitor, [&](size_t i) {
-    right[i] = plain_window_distance(train[cells[i].sequence].rows, cells[i].train_window, query,
-                                     cells[i].query_window, window_length);
+  return wrong_sums(cells, monitor, [&](const Cell& cell) {
+    return plain_window_distance(train[cell.sequence].rows, cell.train_window, query,
+                                 cell.query_window, window_length);
   });
-  std::vector<Cell> wrong;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    if (cells[i].score == right[i]) continue;
-    wrong.push_back(cells[i]);
-    wrong.back().score = right[i];
-  }
-  return wrong;
+}
+
+std::vector<Cell> wrong_given_cells(std::span<const Cell> cells,
+                                    std::span<const DescriptorSpan> train,
+                                    const DescriptorSpan& query, size_t window_length,
+                                    const Monitor& monitor) {
+  return wrong_sums(cells, monitor, [&](const Cell& cell) {
+    uint32_t sum = 0;
+    for (size_t k = 0; k < window_length; ++k)
+      sum += query.given->distance(frame_number(query.rows[cell.query_window + k]),
+                                   frame_number(train[cell.sequence].rows[cell.train_window + k]));
+    return sum;
+  });
 }
 
 std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,

@@ -26,6 +26,12 @@ std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const Descr
                               const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor);
 
+/// The same where the distances of the query are given: sums of single scores of the matrix.
+std::vector<Cell> wrong_given_cells(std::span<const Cell> cells,
+                                    std::span<const DescriptorSpan> train,
+                                    const DescriptorSpan& query, size_t window_length,
+                                    const Monitor& monitor);
+
 /// The same for standardized scores, as biased sums: the cells that are farther than
 /// score_tolerance from the plain oracle, with its score rounded to fixed point. `basis`: of all
 /// sequences.

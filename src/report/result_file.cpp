@@ -213,6 +213,7 @@ Json result_json(const Result& result, const ResultContext& context) {
   if (context.verified_cells)
     json["verification"] = {{"cells", *context.verified_cells}, {"differences", 0}};
   if (context.matrix) json["matrix"] = *context.matrix;
+  if (context.scores) json["scores"] = *context.scores;
   if (context.explanation) json["explanation"] = *context.explanation;
   add_context(json, context);
   return json;

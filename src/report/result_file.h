@@ -24,6 +24,7 @@ struct ResultContext {
   std::optional<size_t> verified_cells;  ///< recomputed by definition, without a difference
   std::optional<Json> matrix;            ///< layout of a saved matrix
   std::map<std::string, Json> files;     ///< of a saved matrix or posteriors: rows and checksum
+  std::optional<Json> scores;            ///< what whole numbers stand for, of a given matrix
   std::optional<Json> explanation;       ///< of one frame, by FAB-MAP
 };
 

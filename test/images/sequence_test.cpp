@@ -88,6 +88,14 @@ TEST_CASE("a byte order mark in front of a list is no part of a name") {
   CHECK(sequence.files == std::vector<fs::path>{folder / "1.png", folder / "2.png"});
 }
 
+TEST_CASE("an array that is missing is a file that is missing") {
+  const auto text = [](const char* path) {
+    return test::error_text([&] { open_sequence({path, {}}); });
+  };
+  CHECK(text("/nowhere/db.npy") == "/nowhere/db.npy: no such file");
+  CHECK(text("/nowhere") == "/nowhere: no such folder, list or video");
+}
+
 TEST_CASE("what is no sequence is an input error that names it") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "empty.txt", "\n#\n");

@@ -1,0 +1,98 @@
+// Frame distances that another program computed: a matrix of scores in a .npy file, in whole
+// numbers.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/monitor.h"
+#include "base/npy.h"
+#include "base/npy_numbers.h"
+#include "matching/frame_distances.h"
+
+namespace vpr {
+
+/// What the numbers of a matrix mean.
+struct GivenFormat {
+  bool is_similarity = false;     ///< large is good
+  bool references_first = false;  ///< rows of the file are references, columns are queries
+  std::optional<double> missing;  ///< this value is no score, as NaN never is
+};
+
+/// What whole numbers stand for: the distance k is of the score best + k * unit, or, of
+/// similarities, best - k * unit, to the nearest.
+struct GivenUnits {
+  double best = 0;
+  double unit = 1;
+  bool is_exact = false;   ///< no score is rounded
+  uint16_t largest = 0;    ///< also where there is no score
+  double worst_score = 0;  ///< of the file
+};
+
+/// A matrix of scores of all pairs of query frames and references, memory-mapped; a block is read
+/// when its distances are asked for. Whole numbers whose range fits 16 bits keep their unit; others
+/// are rounded to 65535 steps from the best score to the worst, so that a distance is off by half a
+/// step at most. The best distance is 0, but that distances which are never negative keep their 0.
+/// Infinite scores on the bad side, like NaN, are none.
+class GivenDistances {
+ public:
+  /// Reads the whole file once. Throws Error(input) if it can't be read; Error(data) if it is no
+  /// such matrix, has no score, or an infinite one that is better than all; and
+  /// Error(interrupted).
+  GivenDistances(const std::filesystem::path& path, const GivenFormat& format,
+                 const Monitor& monitor);
+
+  size_t queries() const { return queries_; }
+  size_t references() const { return references_; }
+  const GivenUnits& units() const { return units_; }
+  /// Queries, and references, without any score; rising.
+  const std::vector<size_t>& empty_queries() const { return empty_queries_; }
+  const std::vector<size_t>& empty_references() const { return empty_references_; }
+
+  /// Writes the distances of a query to references [first, first + count). May be called from
+  /// several threads at once; throws Error(data) as the constructor does for a file that changed.
+  void read(size_t query, size_t first, size_t count, uint16_t* out) const;
+  /// One of them, by the definition of units: what read is compared with.
+  uint32_t distance(size_t query, size_t reference) const;
+
+  /// Of the whole file, as provenance has it.
+  std::string fingerprint(const Monitor& monitor) const;
+
+ private:
+  void scan(const Monitor& monitor);
+  const std::byte* value(size_t query, size_t reference) const;
+  double score_of(double number) const;
+
+  std::string name_;
+  GivenFormat format_;
+  NpyArray array_;
+  const NumberType* type_ = nullptr;
+  bool is_query_major_ = true;  ///< the scores of one query lie side by side
+  size_t queries_ = 0;
+  size_t references_ = 0;
+  GivenUnits units_;
+  std::vector<size_t> empty_queries_;
+  std::vector<size_t> empty_references_;
+};
+
+/// The number of a frame as its descriptor: what stands for a frame of which only distances are
+/// known. Numbers first, first + 1, ..., appended to `rows`.
+void append_frame_numbers(std::vector<uint8_t>& rows, size_t first, size_t count);
+/// The number that a descriptor is.
+uint32_t frame_number(DescriptorRow row);
+
+/// The distances that `query.given` holds, of the query frames to the references that descriptors
+/// are the numbers of. Throws Error(usage) where nothing is given: distances of training frames to
+/// each other are not known.
+FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                               std::span<const DescriptorSpan> centred_over);
+/// Of frames of one side nothing is known but whether they are the same: 0, or the largest.
+uint32_t number_distance(DescriptorRow a, DescriptorRow b);
+/// Nothing is known that frames could have in common.
+Projector number_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
+uint16_t largest_given(const DescriptorShape& shape);
+
+}  // namespace vpr
