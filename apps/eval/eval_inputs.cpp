@@ -83,24 +83,32 @@ std::string query_name(const EvalInputs& inputs) {
   return sequence_names({parse_sequence_argument(*inputs.pictures.query)}).front();
 }
 
-void evaluate_stored(Session& session, const EvalInputs& inputs, Evaluated& evaluated) {
-  StoredResult stored = read_result(inputs.result, session.monitor);
+void evaluate_stored(Session& session, const EvalInputs& inputs, OpenedScores opened,
+                     Evaluated& evaluated) {
+  StoredResult& stored = *opened.stored;
   evaluated.by =
       judged_by(session, inputs, stored.result.query_name,
                 stored.result.places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
-  std::optional<ScoreMatrix> matrix = open_matrix_of(session, stored, inputs);
-  evaluated.evaluation =
-      evaluate_result(std::move(stored.result), std::move(matrix), evaluated.by, session.monitor);
+  evaluated.evaluation = evaluate_result(std::move(stored.result), std::move(opened.matrix),
+                                         evaluated.by, session.monitor);
   evaluated.evaluation.fingerprint = stored.fingerprint;
 }
 
 void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& evaluated) {
   evaluated.by = judged_by(session, inputs, inputs.pictures.query, DatabaseFamily::sequences);
   check_window(inputs.scores);
-  evaluated.evaluation =
-      evaluate_scores(open_scores(inputs.scores), settings_of(inputs.scores, session.options.seed),
-                      query_name(inputs), evaluated.by, session.monitor);
+  OpenedScores opened = open_inputs(session, inputs);
+  ScoreSettings settings = settings_of(inputs.scores, session.options.seed);
+  settings.format.kind = opened.matrix->kind();
+  evaluated.evaluation = evaluate_scores(std::move(*opened.matrix), settings, query_name(inputs),
+                                         evaluated.by, session.monitor);
   warn_negative(session.monitor, inputs.scores, evaluated.evaluation.judgement);
+}
+
+void require_inputs(const EvalInputs& inputs) {
+  if (inputs.result.empty() && !inputs.scores.any())
+    throw Error(ErrorKind::usage,
+                "give a result of vpr-query, or --scores of any program; see vpr-eval --help");
 }
 
 }  // namespace
@@ -114,15 +122,27 @@ EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
   return one;
 }
 
+OpenedScores open_inputs(const Session& session, const EvalInputs& inputs) {
+  require_inputs(inputs);
+  OpenedScores opened;
+  if (!inputs.result.empty()) {
+    opened.stored = read_result(inputs.result, session.monitor);
+    opened.matrix = open_matrix_of(session, *opened.stored, inputs);
+  } else if (!inputs.scores.predictions.empty()) {
+    opened.matrix.emplace(open_predictions(inputs));
+  } else {
+    opened.matrix.emplace(open_scores(inputs.scores));
+  }
+  return opened;
+}
+
 Evaluated evaluate(Session& session, const EvalInputs& inputs) {
-  if (inputs.result.empty() && !inputs.scores.any())
-    throw Error(ErrorKind::usage,
-                "give a result of vpr-query, or --scores of any program; see vpr-eval --help");
+  require_inputs(inputs);
   Evaluated evaluated;
   if (inputs.result.empty())
     evaluate_matrix(session, inputs, evaluated);
   else
-    evaluate_stored(session, inputs, evaluated);
+    evaluate_stored(session, inputs, open_inputs(session, inputs), evaluated);
   if (!inputs.scores.name.empty()) evaluated.evaluation.name = inputs.scores.name;
   evaluated.report = report_json(evaluated.evaluation, session.run, session.monitor);
   return evaluated;

@@ -9,12 +9,14 @@
 #include "common/ground_truth_flags.h"
 #include "eval_csv.h"
 #include "eval_expect.h"
+#include "eval_lists.h"
 #include "eval_loops.h"
 #include "eval_map.h"
 #include "eval_pictures.h"
 #include "eval_scores.h"
 #include "eval_trajectory.h"
 #include "pipeline/evaluate.h"
+#include "report/result_file.h"
 #include "report/table.h"
 
 namespace vpr {
@@ -33,6 +35,7 @@ struct EvalInputs {
   Confidence confidence = Confidence::score;
   CsvInputs csv;
   ScoreInputs scores;
+  PairInputs pairs;
   PictureInputs pictures;
   MapInputs map;
   TrajectoryInputs trajectory;
@@ -48,6 +51,15 @@ struct Evaluated {
 
 /// Of result i alone, or of the scores.
 EvalInputs inputs_of(const EvalInputs& inputs, size_t i);
+
+/// What is read of a result, or of scores alone.
+struct OpenedScores {
+  std::optional<StoredResult> stored;
+  std::optional<ScoreMatrix> matrix;  ///< none of a result without --scores
+};
+
+/// Opens what is named. Throws Error(usage) where nothing is, and as evaluate does.
+OpenedScores open_inputs(const Session& session, const EvalInputs& inputs);
 
 /// Evaluates the result, or scores alone. Throws Error(usage) where neither is given, or no ground
 /// truth and more than pictures of a result is asked for; Error(data) if --scores is not the matrix

@@ -111,6 +111,14 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
   const bool has_scores = inputs.any();
   if (inputs.query_npy.empty() != inputs.reference_npy.empty())
     throw Error(ErrorKind::usage, "--query-npy and --reference-npy go together");
+  if (!inputs.predictions.empty()) {
+    if (!inputs.path.empty() || !inputs.query_npy.empty() || has_result)
+      throw Error(ErrorKind::usage,
+                  "--predictions are evaluated by themselves, without a result and other scores");
+    for (const auto& [is_given, flag] : {std::pair(inputs.references_first, "--references-first"),
+                                         std::pair(inputs.missing.has_value(), "--missing")})
+      refuse(is_given, flag, "is for --scores; pairs that --predictions do not list have none");
+  }
   if (!inputs.query_npy.empty()) {
     if (!inputs.path.empty() || has_result)
       throw Error(ErrorKind::usage,

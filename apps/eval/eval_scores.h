@@ -14,6 +14,7 @@ struct ScoreInputs {
   std::string path;           ///< empty: none
   std::string query_npy;      ///< descriptors that scores are computed of; empty: none
   std::string reference_npy;  ///< of the references
+  std::string predictions;    ///< lists of what a program found; empty: none
   std::vector<uint64_t> recall_at;
   uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
   bool is_distance = false;
@@ -28,9 +29,12 @@ struct ScoreInputs {
   std::string poses;                     ///< of the query, for metres
 
   /// Whether there are scores, read or computed.
-  bool any() const { return !path.empty() || !query_npy.empty(); }
+  bool any() const { return !source().empty(); }
   /// Where they come from.
-  const std::string& source() const { return path.empty() ? query_npy : path; }
+  const std::string& source() const {
+    if (!path.empty()) return path;
+    return query_npy.empty() ? predictions : query_npy;
+  }
 };
 
 void add_score_options(const Command& app, ScoreInputs& inputs);

@@ -60,6 +60,7 @@ void add_run(Evaluated& evaluated, const EvalInputs& inputs, RunInfo run, double
        {std::pair("result", inputs.result), std::pair("scores", inputs.scores.path),
         std::pair("query", inputs.scores.query_npy),
         std::pair("reference", inputs.scores.reference_npy),
+        std::pair("predictions", inputs.scores.predictions),
         std::pair("ground_truth", truth ? truth->path.string() : "")})
     if (!path.empty()) run.paths[role] = path;
   evaluated.report["machine"] = machine_json(run);
@@ -83,11 +84,13 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
   check_map_inputs(session, inputs.map, inputs.dataset);
   claim_csv_outputs(session, inputs.csv, !inputs.result.empty());
   claim_trajectory(session, inputs.trajectory, inputs.dataset);
+  check_lists(session, inputs);
 }
 
 void run_one(Session& session, const EvalInputs& inputs) {
   claim_outputs(session, inputs);
   const Json expected = read_expected(session, inputs.expect);
+  if (only_lists(inputs)) return run_lists(session, inputs);
   const Stopwatch watch;
   Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
@@ -104,6 +107,9 @@ void run_one(Session& session, const EvalInputs& inputs) {
   write_csv_rows(session, inputs.csv, rows);
   write_trajectory(session, inputs.trajectory, inputs.dataset, evaluation,
                    frames_per_second(inputs));
+  write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
+              evaluation.judgement.layout,
+              evaluation.result ? &evaluation.result->result : nullptr);
   std::string text = tables(evaluated, summary, inputs);
   if (inputs.format == TableFormat::text) text += met_sentence(inputs.expect, values);
   session.print_result(text, report);
@@ -131,6 +137,10 @@ int main(int argc, char** argv) {
                   "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv\n"
                   "  vpr-eval --query-npy q.npy --reference-npy db.npy --recall-at 1,10,100 "
                   "--ground-truth pairs.csv\n"
+                  "  vpr-eval --predictions logs/default/preds --query queries --train database "
+                  "--ground-truth queries --ground-truth-reference database\n"
+                  "  vpr-eval --scores similarities.npy --similarity --query q.txt --train db.txt "
+                  "--top-k 20 --pairs pairs.txt\n"
                   "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
                   "--name \"c_l 20\"\n"
                   "  vpr-eval result.json --dataset walks.json --expect baseline.json --junit "
@@ -153,6 +163,7 @@ int main(int argc, char** argv) {
   add_expect_options(app, inputs.expect);
   add_score_options(app, inputs.scores);
   add_loop_options(app, inputs.loops);
+  add_list_options(app, inputs);
   add_picture_options(app, inputs.pictures);
   add_map_options(app, inputs.map);
   app.add_option("--protocol", inputs.protocols,

@@ -1,0 +1,147 @@
+#include "eval_lists.h"
+
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/json.h"
+#include "eval_inputs.h"
+#include "evaluation/best_pairs.h"
+#include "evaluation/prediction_lists.h"
+#include "report/result_file.h"
+
+namespace vpr {
+namespace {
+
+constexpr uint64_t kMostPairs = 1'000'000;  // of a query
+
+std::vector<std::string> names_of(const SequenceArgument& argument) {
+  return frame_names(argument);
+}
+
+// Names of the query's frames: those of --query, or of the data set; none where nobody says.
+std::vector<std::string> query_names(const EvalInputs& inputs) {
+  const std::optional<std::string>& query = inputs.pictures.query;
+  if (!inputs.dataset.empty())
+    return names_of(select_query(read_dataset(inputs.dataset), query).sequence.sequence);
+  return query ? names_of(parse_sequence_argument(*query)) : std::vector<std::string>{};
+}
+
+// The same of each training sequence.
+std::vector<std::vector<std::string>> train_names(const EvalInputs& inputs) {
+  std::vector<std::vector<std::string>> names;
+  for (const std::string& text : inputs.pictures.train)
+    names.push_back(names_of(parse_sequence_argument(text)));
+  if (names.empty() && !inputs.dataset.empty())
+    for (const NamedSequence& sequence : read_dataset(inputs.dataset).train)
+      names.push_back(names_of(sequence.sequence));
+  return names;
+}
+
+std::string name_of(const std::vector<std::string>& names, size_t frame) {
+  if (names.empty()) return std::to_string(frame);
+  if (frame >= names.size())
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("there are names of {}, and frame {} is to be named; give the sequences "
+                    "that were evaluated",
+                    counted(names.size(), "frame"), frame));
+  return names[frame];
+}
+
+std::string pair_lines(const std::vector<BestPair>& pairs, const EvalInputs& inputs,
+                       size_t sequences) {
+  const std::vector<std::string> query = query_names(inputs);
+  std::vector<std::vector<std::string>> train = train_names(inputs);
+  if (sequences > 1 && train.size() < sequences)
+    throw Error(ErrorKind::usage,
+                fmt::format("--pairs: name the frames of all {} training sequences, in the order "
+                            "of the database, with --train",
+                            sequences));
+  train.resize(std::max(train.size(), sequences));
+  std::string text;
+  for (const BestPair& pair : pairs)
+    text += fmt::format("{} {}\n", name_of(query, pair.query),
+                        name_of(train[pair.match.sequence], pair.match.reference));
+  return text;
+}
+
+}  // namespace
+
+void add_list_options(const Command& app, EvalInputs& inputs) {
+  const std::string group = "Lists";
+  app.add_option("--predictions", inputs.scores.predictions,
+                 "what any program found, instead of scores: a folder preds of "
+                 "VPR-methods-evaluation, or a file with \"query reference\" or \"query reference "
+                 "score\" a line; frames are numbers, or are named by --query and --train")
+      .group(group)
+      .type_name("PATH");
+  app.add_option("--pairs", inputs.pairs.path,
+                 "write the best references of each query, \"query reference\" a line, as hloc "
+                 "reads them; without a ground truth, too")
+      .group(group)
+      .type_name("FILE");
+  add_setting(app, "--top-k", inputs.pairs.most,
+              "so many for --pairs (default: 1 of a result, 10 of scores)")
+      .group(group)
+      .type_name("K");
+}
+
+void check_lists(const Session& session, const EvalInputs& inputs) {
+  if (inputs.pairs.most && inputs.pairs.path.empty())
+    throw Error(ErrorKind::usage, "--top-k says how many are written with --pairs");
+  if (inputs.pairs.path.empty()) return;
+  if (inputs.pairs.most && (*inputs.pairs.most == 0 || *inputs.pairs.most > kMostPairs))
+    throw Error(ErrorKind::usage,
+                fmt::format("--top-k must be 1 to {}, found {}", kMostPairs, *inputs.pairs.most));
+  if (!inputs.scores.any() && inputs.pairs.most.value_or(1) > 1)
+    throw Error(ErrorKind::usage,
+                "a result has the best match of each query; for more, give the matrix that was "
+                "saved with it, as --scores D.npy (vpr-query --save-matrix)");
+  session.outputs.claim_file(inputs.pairs.path);
+}
+
+ScoreMatrix open_predictions(const EvalInputs& inputs) {
+  std::optional<ScoreOrder> kind;
+  if (inputs.scores.is_distance) kind = ScoreOrder::distance;
+  if (inputs.scores.is_similarity) kind = ScoreOrder::similarity;
+  std::vector<std::string> references;
+  for (const auto& names : train_names(inputs))
+    references.insert(references.end(), names.begin(), names.end());
+  return prediction_scores(inputs.scores.predictions, FrameNames(query_names(inputs)),
+                           FrameNames(references), kind);
+}
+
+size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,
+                   const ScoreLayout& layout, const Result* result) {
+  if (inputs.pairs.path.empty()) return 0;
+  constexpr uint64_t kUsual = 10;
+  const std::vector<BestPair> pairs =
+      matrix == nullptr
+          ? best_pairs(*result)
+          : best_pairs(*matrix, layout, inputs.pairs.most.value_or(result ? 1 : kUsual),
+                       session.monitor);
+  session.outputs.file(inputs.pairs.path)
+      .write(pair_lines(pairs, inputs, layout.scope.sequences.size()));
+  return pairs.size();
+}
+
+bool only_lists(const EvalInputs& inputs) {
+  return !inputs.pairs.path.empty() && inputs.ground_truth.empty() && inputs.dataset.empty() &&
+         !wants_pictures(inputs.pictures) && inputs.expect.expected.empty() && inputs.map.folder.empty() &&
+         !inputs.csv.any();
+}
+
+void run_lists(Session& session, const EvalInputs& inputs) {
+  const OpenedScores opened = open_inputs(session, inputs);
+  const Result* result = opened.stored ? &opened.stored->result : nullptr;
+  const ScoreLayout layout =
+      result ? layout_of(*result) : layout_of(*opened.matrix, inputs.scores.window_length);
+  const ScoreMatrix* matrix = opened.matrix ? &*opened.matrix : nullptr;
+  if (matrix != nullptr) require_fit(*matrix, layout);
+  const size_t count = write_pairs(session, inputs, matrix, layout, result);
+  session.print_result(fmt::format("{}: {}\n", inputs.pairs.path, counted(count, "pair")),
+                       {{"pairs", count}});
+}
+
+}  // namespace vpr
