@@ -46,6 +46,8 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
   app.add_option("--reference-npy", inputs.reference_npy, "descriptors of the references")
       .group(group)
       .type_name("FILE");
+  add_setting(app, "--metric", inputs.metric, "of descriptors: cosine (default), or l2 (Euclidean)")
+      .group(group);
   app.add_option("--recall-at", inputs.recall_at,
                  "K of recall@K of scores, as in 1,5,10,100 (default 1,5,10,20)")
       .group(group)
@@ -133,6 +135,8 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
                                        std::pair(inputs.references_first, "--references-first"),
                                        std::pair(inputs.missing.has_value(), "--missing")})
     refuse(is_given && !has_scores, flag, without);
+  refuse(inputs.metric == DescriptorMetric::l2 && inputs.query_npy.empty(), "--metric",
+         "compares descriptors; give it with --query-npy");
   for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
                                        std::pair(inputs.threshold.has_value(), "--threshold"),
                                        std::pair(!inputs.warp.empty(), "--warp"),
@@ -157,7 +161,8 @@ ScoreFormat format_of(const ScoreInputs& inputs) {
 ScoreMatrix open_scores(const ScoreInputs& inputs) {
   if (!inputs.query_npy.empty())
     return descriptor_scores(open_sequence(parse_sequence_argument(inputs.query_npy)),
-                             open_sequence(parse_sequence_argument(inputs.reference_npy)));
+                             open_sequence(parse_sequence_argument(inputs.reference_npy)),
+                             inputs.metric);
   if (!inputs.is_distance && !inputs.is_similarity)
     throw Error(ErrorKind::usage,
                 "say what the scores are: --distance (small is good) or --similarity (large is)");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/command.h"
+#include "descriptors/imported.h"
 #include "pipeline/evaluate.h"
 
 namespace vpr {
@@ -14,6 +15,7 @@ struct ScoreInputs {
   std::string path;           ///< empty: none
   std::string query_npy;      ///< descriptors that scores are computed of; empty: none
   std::string reference_npy;  ///< of the references
+  DescriptorMetric metric = DescriptorMetric::cosine;
   std::string predictions;    ///< lists of what a program found; empty: none
   std::vector<uint64_t> recall_at;
   uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate

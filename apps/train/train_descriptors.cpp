@@ -96,9 +96,15 @@ std::string_view kind_of(const DescriptorsCommand& given) {
   if (given.precision != 8 && given.precision != 16)
     throw Error(ErrorKind::usage, fmt::format("--precision must be 16 or 8 bits a number, found {}",
                                               given.precision));
-  if (given.as_bits && given.precision != 16)
-    throw Error(ErrorKind::usage, "--precision is for vectors; --bits are exact");
+  const bool is_l2 = given.metric == DescriptorMetric::l2;
+  if (given.as_bits && (given.precision != 16 || is_l2))
+    throw Error(ErrorKind::usage,
+                "--precision and --metric are for vectors; --bits are compared by exact Hamming "
+                "distances");
+  if (is_l2 && given.precision != 16)
+    throw Error(ErrorKind::usage, "--metric l2 takes numbers of 16 bits; leave --precision out");
   if (given.as_bits) return kBitKind;
+  if (is_l2) return kPointKind;
   return given.precision == 16 ? kVectorKind : kNarrowVectorKind;
 }
 
@@ -122,6 +128,7 @@ void add_descriptors_command(Program& program, DescriptorsCommand& given) {
       "  vpr-train descriptors --npy db.npy --names db.txt -o walk.vprdb\n"
       "  vpr-train descriptors --npy db.npy --sequence monday=0:900 --sequence tuesday=900:1750 "
       "-o building.vprdb\n"
+      "  vpr-train descriptors --npy db.npy --metric l2 -o walk.vprdb\n"
       "  vpr-train descriptors --npy codes.npy --bits -o codes.vprdb",
       [&given](Session& session) { train(session, given); });
   program.add_config(command, given.settings);
@@ -136,6 +143,9 @@ void add_descriptors_command(Program& program, DescriptorsCommand& given) {
                      "text file with a line for every row of --npy: what its frame is called");
   command.add_flag("--bits", given.as_bits,
                    "uint8 are 8 bits a number, bool a bit each (Hamming distances)");
+  add_setting(command, "--metric", given.metric,
+              "cosine (default: only directions count) or l2 (Euclidean, for vectors whose lengths "
+              "count, and of length 1 finer where frames are nearly alike)");
   add_setting(command, "--precision", given.precision,
               "bits of a number of vectors: 16 (default), or 8, which take half the memory");
   add_setting(command, "--c-l", given.settings.window_length,

@@ -6,6 +6,7 @@
 
 #include "common/command.h"
 #include "database/fabmap_database.h"
+#include "descriptors/imported.h"
 #include "pipeline/fabmap_train.h"
 #include "pipeline/train.h"
 
@@ -52,6 +53,7 @@ struct DescriptorsCommand {
   std::vector<std::string> ranges;
   bool as_bits = false;
   uint64_t precision = 16;
+  DescriptorMetric metric = DescriptorMetric::cosine;
   SequenceTrainSettings settings;
 };
 

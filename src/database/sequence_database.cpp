@@ -177,6 +177,17 @@ size_t read_length(const Archive& archive, const DescriptorKind& kind) {
   return length;
 }
 
+// Of coordinates: what 1 is.
+double read_unit(const Archive& archive, const DescriptorKind& kind) {
+  if (kind.shape.element != ElementType::coordinates) return 0;
+  const auto found = archive.manifest().find("unit");
+  if (found == archive.manifest().end() || !found->is_number())
+    archive.fail("\"unit\" is no number");
+  const auto unit = found->get<double>();
+  if (!(unit > 0 && std::isfinite(unit))) archive.fail("\"unit\" is out of range");
+  return unit;
+}
+
 NpyArray read_codes(const Archive& archive, size_t frame_count, const DescriptorShape& shape) {
   NpyArray codes = archive.array(kCodesFile);
   codes.values<uint8_t>(2);
@@ -241,7 +252,8 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   database.thresholds = read_thresholds(archive, database.sequences);
   size_t frames = 0;
   for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
-  database.descriptors = {&kind, {}, read_codes(archive, frames, shape), shape.length};
+  database.descriptors = {
+      &kind, {}, read_codes(archive, frames, shape), shape.length, read_unit(archive, kind)};
   database.statistics = read_statistics(archive, frames, shape);
   database.shared_places = read_shared_places(archive, database.sequences.size());
   return database;
@@ -260,6 +272,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
                    {"method", enum_name(DatabaseFamily::sequences)},
                    {"descriptor", database.descriptors.kind->name}};
   if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
+  if (rows.shape.element == ElementType::coordinates) manifest["unit"] = database.descriptors.unit;
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = Json::array();
   for (const TrainSequence& sequence : database.sequences)

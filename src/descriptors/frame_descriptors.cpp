@@ -46,12 +46,13 @@ DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
 }
 
 template <ElementType element>
-DescriptorSet import_by(const DescriptorKind&, const Sequence& sequence, const DescriptorSettings&,
-                        Unreadable unreadable, const Monitor& monitor) {
-  return import_descriptors(sequence, element, unreadable, monitor);
+DescriptorSet import_by(const DescriptorKind&, const Sequence& sequence,
+                        const DescriptorSettings& settings, Unreadable unreadable,
+                        const Monitor& monitor) {
+  return import_descriptors(sequence, element, unreadable, monitor, settings.unit);
 }
 
-constexpr std::array<DescriptorKind, 6> kKinds = {{
+constexpr std::array<DescriptorKind, 7> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
      "the frame in 64x32 grey levels, normalised in squares, as SeqSLAM has it",
@@ -70,6 +71,11 @@ constexpr std::array<DescriptorKind, 6> kKinds = {{
      "vectors from files, in whole numbers of 8 bits",
      {ElementType::whole_numbers, 0},
      import_by<ElementType::whole_numbers>,
+     true},
+    {kPointKind,
+     "vectors from files whose lengths count, in whole numbers of 16 bits",
+     {ElementType::coordinates, 0},
+     import_by<ElementType::coordinates>,
      true},
     {kBitKind, "bits from files", {ElementType::bits, 0}, import_by<ElementType::bits>, true},
 }};
@@ -126,6 +132,7 @@ DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed
   if (warp.empty()) return set;
   DescriptorSet result;
   result.descriptors.kind = set.descriptors.kind;
+  result.descriptors.unit = set.descriptors.unit;
   result.given = set.given;
   result.frames = replayed(set.frames, replay(warp, set.frames.count(), seed));
   const DescriptorRows rows = set.rows();

@@ -16,6 +16,7 @@ namespace vpr {
 /// Settings of all kinds; each reads its own.
 struct DescriptorSettings {
   bool illumination_invariant = false;  ///< decode in colour and remove the light's colour first
+  double unit = 0;  ///< of coordinates; no setting of a user: a database's (DescriptorStore)
 };
 
 template <class Visitor>

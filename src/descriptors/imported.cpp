@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <optional>
 
 #include <fmt/format.h>
@@ -42,12 +43,43 @@ void store_bits(std::span<const double> row, size_t bits_a_number, std::span<uin
   }
 }
 
+// How long the longest point may be before its coordinates are rounded.
+double longest_point(size_t coordinates) {
+  return kLongestPoint - std::sqrt(static_cast<double>(coordinates)) / 2;
+}
+
+double length_of(std::span<const double> vector) {
+  const double largest = largest_size(vector);
+  if (largest == 0) return 0;
+  double squares = 0;
+  for (const double number : vector) squares += number / largest * (number / largest);
+  return largest * std::sqrt(squares);
+}
+
+void store_point(std::span<const double> row, double unit, std::span<uint8_t> out) {
+  std::vector<int16_t> numbers;
+  for (const double number : row)
+    numbers.push_back(static_cast<int16_t>(std::nearbyint(number / unit)));
+  std::memcpy(out.data(), numbers.data(), out.size());
+}
+
+void check_point(std::span<const double> row, double unit, const std::string& where) {
+  check_numbers(row, where);
+  constexpr double kRounding = 1e-9;
+  if (length_of(row) > unit * longest_point(row.size()) * (1 + kRounding))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is more than twice as long as the longest vector that the "
+                            "database was trained with; is it of the same descriptor?",
+                            where));
+}
+
 /// How rows of an element type come from numbers.
 struct RowImport {
   std::string_view kind;
   size_t elements_a_number = 1;
   bool is_vector = true;
-  void (*store)(std::span<const double> row, std::span<uint8_t> out) = nullptr;
+  std::function<void(std::span<const double> row, std::span<uint8_t> out)> store;
+  std::function<void(std::span<const double> row, const std::string& where)> check = {};
 };
 
 RowImport bit_import(const std::string& type) {
@@ -58,7 +90,16 @@ RowImport bit_import(const std::string& type) {
           [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 1, out); }};
 }
 
-RowImport import_of(ElementType element, const ArrayRows& rows) {
+RowImport point_import(double unit) {
+  return {
+      kPointKind, 1, true,
+      [unit](std::span<const double> row, std::span<uint8_t> out) { store_point(row, unit, out); },
+      [unit](std::span<const double> row, const std::string& where) {
+        check_point(row, unit, where);
+      }};
+}
+
+RowImport import_of(ElementType element, const ArrayRows& rows, double unit) {
   const bool is_bits = element == ElementType::bits;
   if (rows.type().starts_with("<f") == is_bits)
     throw Error(ErrorKind::data,
@@ -67,9 +108,10 @@ RowImport import_of(ElementType element, const ArrayRows& rows) {
                                     : "vectors are float16, float32 or float64, and uint8 or bool "
                                       "are bits: train with --bits"));
   if (is_bits) return bit_import(rows.type());
+  if (element == ElementType::coordinates) return point_import(unit);
   return element == ElementType::whole_numbers
-             ? RowImport{kNarrowVectorKind, 1, true, store_numbers<int8_t>}
-             : RowImport{kVectorKind, 1, true, store_numbers<int16_t>};
+             ? RowImport{kNarrowVectorKind, 1, true, store_numbers<int8_t>, check_vector}
+             : RowImport{kVectorKind, 1, true, store_numbers<int16_t>, check_vector};
 }
 
 void check_length(const ArrayRows& rows, ElementType element, size_t elements_a_number) {
@@ -99,7 +141,7 @@ std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
       missing.push_back(first + i);
       continue;
     }
-    if (import.is_vector) check_vector(row, rows.where(first + i));
+    if (import.is_vector) import.check(row, rows.where(first + i));
     import.store(row, out.subspan(i * row_bytes, row_bytes));
   }
   return missing;
@@ -126,12 +168,16 @@ bool is_missing_vector(std::span<const double> vector) {
                      [](double number) { return std::isnan(number); });
 }
 
-void check_vector(std::span<const double> vector, const std::string& where) {
+void check_numbers(std::span<const double> vector, const std::string& where) {
   const auto bad = std::find_if(vector.begin(), vector.end(),
                                 [](double number) { return !std::isfinite(number); });
   if (bad != vector.end())
     throw Error(ErrorKind::data,
                 fmt::format("{}: number {} is {}", where, bad - vector.begin(), *bad));
+}
+
+void check_vector(std::span<const double> vector, const std::string& where) {
+  check_numbers(vector, where);
   if (std::all_of(vector.begin(), vector.end(), [](double number) { return number == 0; }))
     throw Error(ErrorKind::data,
                 fmt::format("{}: is a vector of zeros, which has no direction", where));
@@ -153,15 +199,36 @@ void quantise_numbers(std::span<const double> vector, std::span<int16_t> out) {
     out[i] = static_cast<int16_t>(std::nearbyint(vector[i] / largest * scale));
 }
 
+double coordinate_unit(std::span<const Sequence> sequences, const Monitor& monitor) {
+  double unit = 0;
+  for (const Sequence& sequence : sequences) {
+    const ArrayRows rows(sequence);
+    import_of(ElementType::coordinates, rows, 0);
+    check_length(rows, ElementType::coordinates, 1);
+    std::vector<double> lengths(rows.count(), 0);
+    parallel_for(rows.count(), monitor, [&](size_t i) {
+      std::vector<double> row(rows.length());
+      rows.read(i, 1, row);
+      if (is_missing_vector(row)) return;
+      check_numbers(row, rows.where(i));
+      lengths[i] = length_of(row);
+    });
+    const double longest = *std::max_element(lengths.begin(), lengths.end());
+    unit = std::max(unit, 2 * longest / longest_point(rows.length()));
+  }
+  return unit > 0 ? unit : 1;
+}
+
 DescriptorSet import_descriptors(const Sequence& sequence, ElementType element,
-                                 Unreadable unreadable, const Monitor& monitor) {
+                                 Unreadable unreadable, const Monitor& monitor, double unit) {
   const ArrayRows rows(sequence);
-  const RowImport import = import_of(element, rows);
+  const RowImport import = import_of(element, rows, unit);
   check_length(rows, element, import.elements_a_number);
   const DescriptorShape shape{element, rows.length() * import.elements_a_number};
   DescriptorSet set;
   set.descriptors.kind = find_descriptor_kind(import.kind);
   set.descriptors.length = shape.length;
+  set.descriptors.unit = unit;
   set.descriptors.owned.resize(rows.count() * shape.row_bytes());
   const size_t block = std::max<size_t>(kBlockNumbers / rows.length(), 1);
   const size_t blocks = (rows.count() + block - 1) / block;

@@ -1,11 +1,13 @@
 // Descriptors that another program computed, from .npy files to rows of whole numbers or of bits.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "base/enum_names.h"
 #include "base/monitor.h"
 #include "descriptors/descriptor_rows.h"
 #include "images/frames.h"
@@ -15,18 +17,29 @@ namespace vpr {
 
 struct DescriptorSet;
 
+/// What vectors are compared by: their directions, or where they lie.
+enum class DescriptorMetric { cosine, l2 };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<DescriptorMetric> = {"cosine", "l2"};
+
 /// The names of what is imported: vectors, in whole numbers of 16 or of 8 bits, and bits.
 inline constexpr std::string_view kVectorKind = "vectors";
 inline constexpr std::string_view kNarrowVectorKind = "vectors8";
+inline constexpr std::string_view kPointKind = "points";  ///< vectors whose lengths count, too
 inline constexpr std::string_view kBitKind = "bits";
 
 /// The squared length of no vector of 16-bit numbers is larger: scalar products of two fit 32 bits,
 /// whatever the order of their sums.
 inline constexpr int64_t kMostWideSquare = int64_t{46340} * 46340;
 
+/// No point is farther from the origin, so that distances of two fit 16 bits.
+inline constexpr int kLongestPoint = 32767;
+
 /// Whether all numbers are NaN: a frame that is not there.
 bool is_missing_vector(std::span<const double> vector);
-/// Throws Error(data), beginning with `where`, for a number that is not finite, and for zeros only.
+/// Throws Error(data), beginning with `where`, for a number that is not finite.
+void check_numbers(std::span<const double> vector, const std::string& where);
+/// The same, and for zeros only.
 void check_vector(std::span<const double> vector, const std::string& where);
 
 /// The vector as whole numbers, the largest of which is 127 or -127: x / max |x| * 127, each
@@ -38,13 +51,20 @@ void quantise_numbers(std::span<const double> vector, std::span<int8_t> out);
 /// |y|).
 void quantise_numbers(std::span<const double> vector, std::span<int16_t> out);
 
+/// What 1 is of the coordinates of points in these sequences: so much that vectors of twice the
+/// length of the longest one there are at most kLongestPoint long. 1 where all are zero. Reads all
+/// rows, and throws as import_descriptors does.
+double coordinate_unit(std::span<const Sequence> sequences, const Monitor& monitor);
+
 /// The rows of a sequence as descriptors of the kind of this element type. Vectors are float16,
 /// float32 or float64, and only their directions count; bits are uint8 (8 bits a number) or bool
-/// (a bit a number). With Unreadable::skip, a row all of whose numbers are NaN keeps its index and
+/// (a bit a number). Points are vectors in multiples of `unit`, each coordinate rounded to the
+/// nearest. With Unreadable::skip, a row all of whose numbers are NaN keeps its index and
 /// can't be read. Memory: what comes out, and a block of rows for each thread. Throws what
 /// ArrayRows does, and Error(data), naming the first such row, for numbers that are not finite,
-/// vectors of zeros, rows that are too long, and arrays of another type.
+/// vectors of zeros that have no direction, points that are more than kLongestPoint long, rows that
+/// are too long, and arrays of another type.
 DescriptorSet import_descriptors(const Sequence& sequence, ElementType element,
-                                 Unreadable unreadable, const Monitor& monitor);
+                                 Unreadable unreadable, const Monitor& monitor, double unit = 0);
 
 }  // namespace vpr

@@ -52,31 +52,64 @@ std::vector<double> unit_vectors(const ArrayRows& rows, size_t first, size_t cou
   return vectors;
 }
 
-// In a fixed order of sums, which compilers can work on several at once.
-double product(const double* a, const double* b, size_t length) {
+// Vectors as they are.
+std::vector<double> plain_vectors(const ArrayRows& rows, size_t first, size_t count) {
+  std::vector<double> vectors(count * rows.length());
+  rows.read(first, count, vectors);
+  for (size_t i = 0; i < count; ++i) {
+    const std::span<const double> vector(vectors.data() + i * rows.length(), rows.length());
+    if (!is_missing_vector(vector)) check_numbers(vector, rows.where(first + i));
+  }
+  return vectors;
+}
+
+// Sums of what pairs of numbers give, in a fixed order, which compilers can work on several of at
+// once.
+template <double (*of_pair)(double a, double b)>
+double sum_of_pairs(const double* a, const double* b, size_t length) {
   std::array<double, kLanes> sums = {};
   size_t i = 0;
   for (; i + kLanes <= length; i += kLanes)
-    for (size_t lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
-  for (size_t lane = 0; i < length; ++i, ++lane) sums[lane] += a[i] * b[i];
+    for (size_t lane = 0; lane < kLanes; ++lane) sums[lane] += of_pair(a[i + lane], b[i + lane]);
+  for (size_t lane = 0; i < length; ++i, ++lane) sums[lane] += of_pair(a[i], b[i]);
   double sum = 0;
   for (const double part : sums) sum += part;
   return sum;
 }
 
+double product(double a, double b) { return a * b; }
+double squared_difference(double a, double b) { return (a - b) * (a - b); }
+
+/// How vectors are compared.
+struct VectorMetric {
+  std::vector<double> (*prepared)(const ArrayRows& rows, size_t first, size_t count);
+  double (*distance)(const double* a, const double* b, size_t length);
+};
+
+/// A row for each DescriptorMetric.
+constexpr std::array<VectorMetric, 2> kMetrics = {{
+    {unit_vectors, [](const double* a, const double* b,
+                      size_t length) { return 1 - sum_of_pairs<product>(a, b, length); }},
+    {plain_vectors,
+     [](const double* a, const double* b, size_t length) {
+       return std::sqrt(sum_of_pairs<squared_difference>(a, b, length));
+     }},
+}};
+
 // `distances` has a row of all references for each of the queries [first, first + count).
-void compute_cosines(const ArrayRows& query, const ArrayRows& reference, size_t first, size_t count,
-                     std::span<double> distances) {
+void compute_distances(const VectorMetric& metric, const ArrayRows& query,
+                       const ArrayRows& reference, size_t first, size_t count,
+                       std::span<double> distances) {
   const size_t length = query.length();
-  const std::vector<double> asked = unit_vectors(query, first, count);
+  const std::vector<double> asked = metric.prepared(query, first, count);
   const size_t block = std::max<size_t>(kReferenceNumbers / length, 1);
   for (size_t r = 0; r < reference.count(); r += block) {
     const size_t together = std::min(block, reference.count() - r);
-    const std::vector<double> known = unit_vectors(reference, r, together);
+    const std::vector<double> known = metric.prepared(reference, r, together);
     for (size_t q = 0; q < count; ++q)
       for (size_t i = 0; i < together; ++i)
         distances[q * reference.count() + r + i] =
-            1 - product(asked.data() + q * length, known.data() + i * length, length);
+            metric.distance(asked.data() + q * length, known.data() + i * length, length);
   }
 }
 
@@ -121,7 +154,8 @@ ComputedScores bit_scores(const Sequence& query, const Sequence& reference) {
 }
 
 ComputedScores vector_scores(const std::shared_ptr<const ArrayRows>& query,
-                             const std::shared_ptr<const ArrayRows>& reference) {
+                             const std::shared_ptr<const ArrayRows>& reference,
+                             DescriptorMetric metric) {
   if (query->length() != reference->length())
     throw Error(ErrorKind::data,
                 fmt::format("{}: its descriptors have {} numbers, those of {} {}", query->where(0),
@@ -130,15 +164,17 @@ ComputedScores vector_scores(const std::shared_ptr<const ArrayRows>& query,
   scores.queries = query->count();
   scores.references = reference->count();
   scores.block = std::max<size_t>(kBlockNumbers / query->length(), 1);
-  scores.compute = [query, reference](size_t first, size_t count, std::span<double> distances) {
-    compute_cosines(*query, *reference, first, count, distances);
+  scores.compute = [query, reference, how = kMetrics[static_cast<size_t>(metric)]](
+                       size_t first, size_t count, std::span<double> distances) {
+    compute_distances(how, *query, *reference, first, count, distances);
   };
   return scores;
 }
 
 }  // namespace
 
-ScoreMatrix descriptor_scores(const Sequence& query, const Sequence& reference) {
+ScoreMatrix descriptor_scores(const Sequence& query, const Sequence& reference,
+                              DescriptorMetric metric) {
   require_descriptors(query);
   require_descriptors(reference);
   const auto asked = std::make_shared<const ArrayRows>(query);
@@ -147,7 +183,7 @@ ScoreMatrix descriptor_scores(const Sequence& query, const Sequence& reference) 
     throw Error(ErrorKind::data, fmt::format("{} are numbers of type {}, {} of {}", asked->where(0),
                                              asked->type(), known->where(0), known->type()));
   ComputedScores scores =
-      has_bits(*asked) ? bit_scores(query, reference) : vector_scores(asked, known);
+      has_bits(*asked) ? bit_scores(query, reference) : vector_scores(asked, known, metric);
   scores.fingerprint = [query, reference](const Monitor& monitor) {
     return fingerprint_of(query, reference, monitor);
   };

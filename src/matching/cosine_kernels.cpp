@@ -38,7 +38,7 @@ void RowProducts(const int16_t* query, const T* rows, size_t length, int32_t* ou
 }
 
 template <class T>
-void BlockProducts(const CosineQuery* queries, const T* rows, size_t length, int32_t* out) {
+void BlockProducts(const ProductQuery* queries, const T* rows, size_t length, int32_t* out) {
   for (size_t q = 0; q < kTogether; ++q)
     for (size_t r = 0; r < kPairOfRows; ++r)
       out[q * kPart + r] = Product(queries[q].numbers, rows + r * length, length);
@@ -81,7 +81,7 @@ HWY_INLINE void RowProducts(const int16_t* HWY_RESTRICT query, const T* HWY_REST
 
 // Four queries against two rows: a number that is loaded takes part in several products.
 template <class T>
-HWY_INLINE void BlockProducts(const CosineQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
+HWY_INLINE void BlockProducts(const ProductQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
                               size_t length, int32_t* HWY_RESTRICT out) {
   const SumTag d;
   Sums even[8] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
@@ -110,8 +110,8 @@ HWY_INLINE void BlockProducts(const CosineQuery* HWY_RESTRICT queries, const T* 
 
 // Each of the few operations is rounded as IEEE says: the same on every machine. A vector of zeros
 // is at right angles to all.
-void Distances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT norms,
-               double query_norm, size_t count, uint16_t* HWY_RESTRICT out) {
+void CosineDistances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT norms,
+                     double query_norm, size_t count, uint16_t* HWY_RESTRICT out) {
   const hn::CappedTag<double, kCosineRows> d;
   const hn::Rebind<int32_t, decltype(d)> d32;
   const hn::Rebind<uint16_t, decltype(d)> d16;
@@ -127,8 +127,27 @@ void Distances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT 
   }
 }
 
-template <class T>
-void Tile(std::span<const CosineQuery> queries, const CosineRows<T>& rows, uint16_t* out,
+// |a - b|^2 = |a|^2 + |b|^2 - 2 ab, of whole numbers below 2^33, which doubles hold.
+void PointDistances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT squares,
+                    double query_square, size_t count, uint16_t* HWY_RESTRICT out) {
+  const hn::CappedTag<double, kCosineRows> d;
+  const hn::Rebind<int32_t, decltype(d)> d32;
+  const hn::Rebind<uint16_t, decltype(d)> d16;
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto product = hn::PromoteTo(d, hn::LoadU(d32, products + i));
+    const auto both = hn::Add(hn::Set(d, query_square), hn::LoadU(d, squares + i));
+    const auto square = hn::Sub(both, hn::Add(product, product));
+    const auto rounded = hn::Min(hn::Add(hn::Sqrt(square), hn::Set(d, 0.5)), hn::Set(d, 65535.0));
+    hn::StoreU(hn::DemoteTo(d16, hn::DemoteTo(d32, rounded)), d16, out + i);
+  }
+}
+
+/// What becomes of products, and of what stands beside each of the rows and the query.
+using Finish = void (*)(const int32_t* products, const double* sizes, double query_size,
+                        size_t count, uint16_t* out);
+
+template <class T, Finish finish>
+void Tile(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uint16_t* out,
           size_t stride) {
   std::array<int32_t, kTogether * kPart> products;
   for (size_t part = 0; part < rows.count; part += kPart) {
@@ -146,16 +165,17 @@ void Tile(std::span<const CosineQuery> queries, const CosineRows<T>& rows, uint1
             RowProducts(queries[t + q].numbers, numbers + i * rows.length, rows.length,
                         products.data() + q * kPart + i);
       for (size_t q = 0; q < together; ++q)
-        Distances(products.data() + q * kPart, rows.norms + part, queries[t + q].norm, count,
-                  out + (t + q) * stride + part);
+        finish(products.data() + q * kPart, rows.sizes + part, queries[t + q].size, count,
+               out + (t + q) * stride + part);
     }
   }
 }
 
 }  // namespace
 
-CosineKernels<int8_t> Cosines() { return {Tile<int8_t>}; }
-CosineKernels<int16_t> WideCosines() { return {Tile<int16_t>}; }
+ProductKernels<int8_t> Cosines() { return {Tile<int8_t, CosineDistances>}; }
+ProductKernels<int16_t> WideCosines() { return {Tile<int16_t, CosineDistances>}; }
+ProductKernels<int16_t> Points() { return {Tile<int16_t, PointDistances>}; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace vpr
@@ -167,15 +187,17 @@ namespace vpr {
 
 HWY_EXPORT(Cosines);
 HWY_EXPORT(WideCosines);
+HWY_EXPORT(Points);
 
 template <>
-CosineKernels<int8_t> select_cosine_kernels() {
+ProductKernels<int8_t> select_cosine_kernels() {
   return HWY_DYNAMIC_DISPATCH(Cosines)();
 }
 template <>
-CosineKernels<int16_t> select_cosine_kernels() {
+ProductKernels<int16_t> select_cosine_kernels() {
   return HWY_DYNAMIC_DISPATCH(WideCosines)();
 }
+ProductKernels<int16_t> select_point_kernels() { return HWY_DYNAMIC_DISPATCH(Points)(); }
 
 }  // namespace vpr
 

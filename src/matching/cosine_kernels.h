@@ -1,4 +1,5 @@
-// The inner loop of cosine distances, compiled once for every SIMD target and chosen at run time.
+// The inner loop of distances by scalar products, compiled once for every SIMD target and chosen at
+// run time.
 #pragma once
 
 #include <cstddef>
@@ -12,37 +13,40 @@ namespace vpr {
 inline constexpr size_t kCosineNumbers = 32;
 inline constexpr size_t kCosineRows = 8;
 
-/// A query vector, padded, and its length.
-struct CosineQuery {
+/// A query vector, padded, and its size: the length for cosines, its square for points.
+struct ProductQuery {
   const int16_t* numbers = nullptr;
-  double norm = 0;
+  double size = 0;
 };
 
-/// Training vectors, padded, one after the other, and their lengths.
+/// Training vectors, padded, one after the other, and their sizes.
 template <class T>
-struct CosineRows {
+struct ProductRows {
   const T* numbers = nullptr;
-  const double* norms = nullptr;
+  const double* sizes = nullptr;
   size_t count = 0;   ///< a multiple of kCosineRows
   size_t length = 0;  ///< of a padded vector
 };
 
 /// Kernels for training vectors of 8- or of 16-bit numbers. All targets give the same integers.
 template <class T>
-struct CosineKernels {
-  /// out[t * stride + i] = the cosine distance of queries[t] to row i. Scalar products, and any
-  /// part of their sums, must stay below 2^31: vectors of up to 131071 numbers of 8 bits do, and
-  /// those of 16 bits whose squared length is 46340^2 at most.
-  void (*tile)(std::span<const CosineQuery> queries, const CosineRows<T>& rows, uint16_t* out,
+struct ProductKernels {
+  /// out[t * stride + i] = the distance of queries[t] to row i. Scalar products, and any part of
+  /// their sums, must stay below 2^31: vectors of up to 131071 numbers of 8 bits do, and those of
+  /// 16 bits whose squared length is 46340^2 at most.
+  void (*tile)(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uint16_t* out,
                size_t stride);
 };
 
-/// The kernels of the SIMD target in use (base/simd.h).
+/// The kernels of cosine distances of the SIMD target in use (base/simd.h).
 template <class T>
-CosineKernels<T> select_cosine_kernels();
+ProductKernels<T> select_cosine_kernels();
 template <>
-CosineKernels<int8_t> select_cosine_kernels();
+ProductKernels<int8_t> select_cosine_kernels();
 template <>
-CosineKernels<int16_t> select_cosine_kernels();
+ProductKernels<int16_t> select_cosine_kernels();
+/// Those of Euclidean distances: the root of the squared one, to the nearest, a half up, 65535 at
+/// most.
+ProductKernels<int16_t> select_point_kernels();
 
 }  // namespace vpr

@@ -14,7 +14,7 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<DistanceKind, 5> kKinds = {{
+constexpr std::array<DistanceKind, 6> kKinds = {{
     {"hamming",
      ElementType::bits,
      {"bits", 1},
@@ -42,6 +42,15 @@ constexpr std::array<DistanceKind, 5> kKinds = {{
      plain_wide_cosine_unrounded,
      wide_cosine_projector,
      wide_cosine_distances},
+    {"euclidean",
+     ElementType::coordinates,
+     {"units of coordinates", 1},
+     largest_point,
+     point_distance,
+     plain_point,
+     plain_point_unrounded,
+     point_projector,
+     point_distances},
     {"absolute differences",
      ElementType::grey_levels,
      {"256ths of a grey level", 1.0 / 256},

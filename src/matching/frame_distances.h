@@ -127,6 +127,16 @@ Projector wide_cosine_projector(const DescriptorRows& to, std::span<const Compon
 /// 65535, whatever the shape.
 uint16_t largest_cosine(const DescriptorShape& shape);
 
+/// |a - b| of two points, in the unit of their coordinates and rounded to the nearest, a half up;
+/// of points of up to 131071 coordinates that are at most kLongestPoint from the origin
+/// (descriptors/imported.h). Squares are exact. A row's total takes as long as the row.
+FrameDistances point_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                               std::span<const DescriptorSpan> centred_over);
+uint32_t point_distance(DescriptorRow a, DescriptorRow b);
+Projector point_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
+/// Of opposite points, whatever the shape.
+uint16_t largest_point(const DescriptorShape& shape);
+
 /// The mean absolute difference of two pictures of one size, in 256ths of a grey level and rounded
 /// to the nearest, a half up.
 FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,

@@ -81,6 +81,19 @@ uint32_t plain_wide_cosine(DescriptorRow a, DescriptorRow b) {
   return rounded(plain_wide_cosine_unrounded(a, b));
 }
 
+double plain_point_unrounded(DescriptorRow a, DescriptorRow b) {
+  const std::vector<int64_t> from = wide_values(a);
+  const std::vector<int64_t> to = wide_values(b);
+  double sum = 0;
+  for (size_t i = 0; i < from.size(); ++i)
+    sum += static_cast<double>((from[i] - to[i]) * (from[i] - to[i]));
+  return std::sqrt(sum);
+}
+
+uint32_t plain_point(DescriptorRow a, DescriptorRow b) {
+  return static_cast<uint32_t>(std::floor(plain_point_unrounded(a, b) + 0.5));
+}
+
 double plain_grey_unrounded(DescriptorRow a, DescriptorRow b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);

@@ -18,6 +18,10 @@ uint32_t plain_cosine(DescriptorRow a, DescriptorRow b);
 /// The same of two vectors of signed 16-bit numbers, the lower byte first.
 uint32_t plain_wide_cosine(DescriptorRow a, DescriptorRow b);
 
+/// The root of the sum of squared differences of signed 16-bit numbers, the lower byte first,
+/// rounded to the nearest, a half up.
+uint32_t plain_point(DescriptorRow a, DescriptorRow b);
+
 /// The mean absolute difference of two pictures of 8-bit grey levels, times 256, rounded to the
 /// nearest, a half up.
 uint32_t plain_grey(DescriptorRow a, DescriptorRow b);
@@ -26,6 +30,7 @@ uint32_t plain_grey(DescriptorRow a, DescriptorRow b);
 double plain_hamming_unrounded(DescriptorRow a, DescriptorRow b);
 double plain_cosine_unrounded(DescriptorRow a, DescriptorRow b);
 double plain_wide_cosine_unrounded(DescriptorRow a, DescriptorRow b);
+double plain_point_unrounded(DescriptorRow a, DescriptorRow b);
 double plain_grey_unrounded(DescriptorRow a, DescriptorRow b);
 
 /// The plain distance of two frames, by the element type of their descriptors.

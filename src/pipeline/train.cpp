@@ -8,6 +8,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/step_parts.h"
+#include "descriptors/imported.h"
 #include "images/sequence.h"
 #include "matching/distance_statistics.h"
 #include "pipeline/margin_plan.h"
@@ -45,6 +46,13 @@ void append_sequences(SequenceDatabase& database, const std::vector<NamedArgumen
   for (size_t s = 0; s < sequences.size(); ++s)
     append_sequence(database, sequences[s], skip_unreadable,
                     part_of(monitor, sequences[s].name, s, sequences.size()));
+}
+
+std::vector<Sequence> opened(const std::vector<NamedArgument>& arguments) {
+  std::vector<Sequence> sequences;
+  for (const NamedArgument& argument : arguments)
+    sequences.push_back(open_sequence(argument.sequence));
+  return sequences;
 }
 
 void warn_of_short_sequences(const SequenceDatabase& database, size_t window_length,
@@ -123,8 +131,10 @@ DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& 
         fmt::format("{}: holds descriptors, but frames of the database are described by {}; "
                     "give the images",
                     sequence.argument.path.string(), kind.name));
-  return kind.describe(sequence, database.descriptor,
-                       skip_unreadable ? Unreadable::skip : Unreadable::fail, monitor);
+  DescriptorSettings settings = database.descriptor;
+  settings.unit = database.descriptors.unit;
+  return kind.describe(sequence, settings, skip_unreadable ? Unreadable::skip : Unreadable::fail,
+                       monitor);
 }
 
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
@@ -135,6 +145,8 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   SequenceDatabase database;
   database.descriptors.kind = &descriptor_kind(settings.descriptor_kind);
   database.descriptor = settings.descriptor;
+  if (database.descriptors.kind->shape.element == ElementType::coordinates)
+    database.descriptors.unit = coordinate_unit(opened(sequences), monitor);
   append_sequences(database, sequences, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
   add_typical_distances(database, monitor);
@@ -151,6 +163,7 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   extended.descriptor = database.descriptor;
   extended.sequences = database.sequences;
   extended.descriptors.kind = database.descriptors.kind;
+  extended.descriptors.unit = database.descriptors.unit;
   extended.descriptors.append(database.descriptors.rows());
   append_sequences(extended, sequences, skip_unreadable, monitor);
   add_typical_distances(extended, monitor);

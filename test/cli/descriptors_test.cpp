@@ -391,3 +391,65 @@ TEST_CASE("frames are described by other built-in descriptors") {
                                           out / "x.vprdb"}),
                 2, "choose one of ldb, thumbnail, hog");
 }
+
+TEST_CASE("vectors whose lengths count are compared by Euclidean distances") {
+  // Train and query have the same directions: only lengths tell places apart.
+  const test::TemporaryFolder out;
+  RandomEngine engine(9);
+  std::vector<double> train;
+  std::vector<double> query;
+  for (size_t i = 0; i < 30; ++i) {
+    const double length = 1 + 0.1 * static_cast<double>(i * 7 % 30);
+    for (size_t x = 0; x < 12; ++x) {
+      const double direction = std::cos(static_cast<double>(x));
+      train.push_back(length * direction);
+      query.push_back(length * direction + 0.001 * (uniform_unit(engine) - 0.5));
+    }
+  }
+  test::write_array(out / "db.npy", train, {30, 12});
+  test::write_array(out / "q.npy", query, {30, 12});
+  const auto trained = run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric",
+                                                 "l2", "--c-l", "3", "-o", out / "db.vprdb"});
+  INFO(trained.err);
+  REQUIRE(trained.exit_code == 0);
+  const Json info = printed_json(run_program("vpr-train", {"info", out / "db.vprdb", "--json"}));
+  CHECK(info["descriptor"] == "points");
+  const Json result = printed_json(
+      run_program("vpr-query", {out / "db.vprdb", "--query-npy", out / "q.npy", "--c-l", "3",
+                                "--t-r", "0.2", "--verify", "50", "-o", out / "r.json", "--json"}));
+  CHECK(result["verification"]["differences"] == 0);
+  CHECK(printed_json(
+            run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance",
+                                     "0", "--json"}))["best_match"]["rate"] == 1.0);
+  for (const auto& [metric, least] : {std::pair("l2", 1.0), std::pair("cosine", 0.0)}) {
+    const Json report = printed_json(run_program(
+        "vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy", "--metric",
+                     metric, "--ground-truth", "aligned", "--tolerance", "0", "--json"}));
+    const auto recall = report["metrics"]["recall_at"]["1"].get<double>();
+    CHECK(recall >= least);
+    CHECK((recall == 1) == (least == 1));
+  }
+  // What is exported is what was imported, to half a unit.
+  REQUIRE(run_program("vpr-train", {"export", out / "db.vprdb", "--descriptors", out / "x.npy"})
+              .exit_code == 0);
+  const NpyArray exported(out / "x.npy");
+  const auto values = exported.values<float>(2);
+  const double longest = 3.9 * std::sqrt(6.2);
+  for (size_t i = 0; i < values.size(); ++i)
+    CHECK(std::abs(values[i] - train[i]) < longest / 32000);
+  // Added vectors have the same unit, and what is far out of range is refused.
+  REQUIRE(run_program("vpr-train",
+                      {"add", out / "db.vprdb", "--train", out / "q.npy", "-o", out / "more.vprdb"})
+              .exit_code == 0);
+  for (double& number : query) number *= 3;
+  test::write_array(out / "far.npy", query, {30, 12});
+  check_failure(run_program("vpr-query", {out / "db.vprdb", "--query-npy", out / "far.npy", "--c-l",
+                                          "3", "--t-r", "0.2"}),
+                4, "more than twice as long");
+  check_failure(run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric", "l2",
+                                          "--precision", "8", "-o", out / "y.vprdb"}),
+                2, "--precision");
+  check_failure(run_program("vpr-eval", {"--scores", out / "db.npy", "--distance", "--metric", "l2",
+                                         "--ground-truth", "aligned"}),
+                2, "--metric");
+}
