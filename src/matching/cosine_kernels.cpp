@@ -18,10 +18,10 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr size_t kPart = 64;       // rows whose products are kept at once
-constexpr size_t kTogether = 4;    // queries that meet rows in registers
-constexpr size_t kPairOfRows = 2;  // that they meet
-static_assert(kPart % kCosineRows == 0 && kCosineRows % kTogether == 0);
+constexpr size_t kPart = 64;     // rows whose products are kept at once
+constexpr size_t kTogether = 4;  // queries that meet rows in registers
+constexpr size_t kRows = 4;      // whose sums are made at once
+static_assert(kPart % kCosineRows == 0 && kCosineRows % kRows == 0);
 
 #if HWY_TARGET == HWY_SCALAR  // one lane, in which no pairs are summed
 
@@ -34,13 +34,13 @@ int32_t Product(const int16_t* a, const T* b, size_t length) {
 
 template <class T>
 void RowProducts(const int16_t* query, const T* rows, size_t length, int32_t* out) {
-  for (size_t r = 0; r < kTogether; ++r) out[r] = Product(query, rows + r * length, length);
+  for (size_t r = 0; r < kRows; ++r) out[r] = Product(query, rows + r * length, length);
 }
 
 template <class T>
 void BlockProducts(const ProductQuery* queries, const T* rows, size_t length, int32_t* out) {
   for (size_t q = 0; q < kTogether; ++q)
-    for (size_t r = 0; r < kPairOfRows; ++r)
+    for (size_t r = 0; r < kRows; ++r)
       out[q * kPart + r] = Product(queries[q].numbers, rows + r * length, length);
 }
 
@@ -57,9 +57,42 @@ HWY_INLINE Numbers Load(const int8_t* from) {
   return hn::PromoteTo(NumberTag(), hn::LoadU(ByteTag(), from));
 }
 
-HWY_INLINE int32_t Total(Sums even, Sums odd) {
-  return hn::GetLane(hn::SumOfLanes(SumTag(), hn::Add(even, odd)));
+#if HWY_HAVE_SCALABLE  // of lanes that no array can have the number of, each sum by itself
+
+HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* out) {
+  const SumTag tag;
+  out[0] = hn::GetLane(hn::SumOfLanes(tag, a));
+  out[1] = hn::GetLane(hn::SumOfLanes(tag, b));
+  out[2] = hn::GetLane(hn::SumOfLanes(tag, c));
+  out[3] = hn::GetLane(hn::SumOfLanes(tag, d));
 }
+
+#else
+
+// Adds the upper half of the lanes to the lower, until four are left.
+template <class Tag, class V>
+HWY_INLINE void StoreFolded(Tag tag, V sums, int32_t* out) {
+  if constexpr (hn::MaxLanes(tag) <= 4) {
+    hn::StoreU(sums, tag, out);
+  } else {
+    const hn::Half<Tag> half;
+    StoreFolded(half, hn::Add(hn::LowerHalf(half, sums), hn::UpperHalf(half, sums)), out);
+  }
+}
+
+// The sums of the lanes of each of four vectors, of four lanes or more: they are turned while they
+// are added, in blocks of four lanes.
+HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* HWY_RESTRICT out) {
+  const SumTag tag;
+  const hn::RepartitionToWide<SumTag> wide;
+  const auto ab = hn::Add(hn::InterleaveLower(tag, a, b), hn::InterleaveUpper(tag, a, b));
+  const auto cd = hn::Add(hn::InterleaveLower(tag, c, d), hn::InterleaveUpper(tag, c, d));
+  const auto low = hn::InterleaveLower(wide, hn::BitCast(wide, ab), hn::BitCast(wide, cd));
+  const auto high = hn::InterleaveUpper(wide, hn::BitCast(wide, ab), hn::BitCast(wide, cd));
+  StoreFolded(tag, hn::Add(hn::BitCast(tag, low), hn::BitCast(tag, high)), out);
+}
+
+#endif
 
 // One query against four rows, which are read once.
 template <class T>
@@ -75,35 +108,49 @@ HWY_INLINE void RowProducts(const int16_t* HWY_RESTRICT query, const T* HWY_REST
       even[r] = hn::ReorderWidenMulAccumulate(d, Load(rows + r * length + i), from_query, even[r],
                                               odd[r]);
   }
-  HWY_UNROLL(4)
-  for (size_t r = 0; r < 4; ++r) out[r] = Total(even[r], odd[r]);
+  StoreTotals(hn::Add(even[0], odd[0]), hn::Add(even[1], odd[1]), hn::Add(even[2], odd[2]),
+              hn::Add(even[3], odd[3]), out);
 }
 
-// Four queries against two rows: a number that is loaded takes part in several products.
-template <class T>
-HWY_INLINE void BlockProducts(const ProductQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
-                              size_t length, int32_t* HWY_RESTRICT out) {
+// Some queries against four rows: a number that is loaded takes part in several products.
+template <size_t kQueries, class T>
+HWY_INLINE void SomeProducts(const ProductQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
+                             size_t length, int32_t* HWY_RESTRICT out) {
   const SumTag d;
-  Sums even[8] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
-                  hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  Sums odd[8] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
-                 hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  for (size_t i = 0; i < length; i += hn::Lanes(NumberTag())) {
-    const Numbers first = Load(rows + i);
-    const Numbers second = Load(rows + length + i);
+  Sums even[kQueries][4];
+  Sums odd[kQueries][4];
+  HWY_UNROLL(4)
+  for (size_t q = 0; q < kQueries; ++q) {
     HWY_UNROLL(4)
-    for (size_t q = 0; q < 4; ++q) {
+    for (size_t r = 0; r < 4; ++r) even[q][r] = odd[q][r] = hn::Zero(d);
+  }
+  for (size_t i = 0; i < length; i += hn::Lanes(NumberTag())) {
+    const Numbers row[4] = {Load(rows + i), Load(rows + length + i), Load(rows + 2 * length + i),
+                            Load(rows + 3 * length + i)};
+    HWY_UNROLL(4)
+    for (size_t q = 0; q < kQueries; ++q) {
       const Numbers from_query = Load(queries[q].numbers + i);
-      even[2 * q] = hn::ReorderWidenMulAccumulate(d, first, from_query, even[2 * q], odd[2 * q]);
-      even[2 * q + 1] =
-          hn::ReorderWidenMulAccumulate(d, second, from_query, even[2 * q + 1], odd[2 * q + 1]);
+      HWY_UNROLL(4)
+      for (size_t r = 0; r < 4; ++r)
+        even[q][r] = hn::ReorderWidenMulAccumulate(d, row[r], from_query, even[q][r], odd[q][r]);
     }
   }
   HWY_UNROLL(4)
-  for (size_t q = 0; q < 4; ++q) {
-    out[q * kPart] = Total(even[2 * q], odd[2 * q]);
-    out[q * kPart + 1] = Total(even[2 * q + 1], odd[2 * q + 1]);
-  }
+  for (size_t q = 0; q < kQueries; ++q)
+    StoreTotals(hn::Add(even[q][0], odd[q][0]), hn::Add(even[q][1], odd[q][1]),
+                hn::Add(even[q][2], odd[q][2]), hn::Add(even[q][3], odd[q][3]), out + q * kPart);
+}
+
+// Sixteen sums fit the registers of AVX-512, eight those of the others.
+template <class T>
+HWY_INLINE void BlockProducts(const ProductQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
+                              size_t length, int32_t* HWY_RESTRICT out) {
+#if HWY_TARGET <= HWY_AVX3
+  SomeProducts<4>(queries, rows, length, out);
+#else
+  SomeProducts<2>(queries, rows, length, out);
+  SomeProducts<2>(queries + 2, rows, length, out + 2 * kPart);
+#endif
 }
 
 #endif
@@ -156,12 +203,12 @@ void Tile(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uin
     for (size_t t = 0; t < queries.size(); t += kTogether) {
       const size_t together = std::min(kTogether, queries.size() - t);
       if (together == kTogether)
-        for (size_t i = 0; i < count; i += kPairOfRows)
+        for (size_t i = 0; i < count; i += kRows)
           BlockProducts(queries.data() + t, numbers + i * rows.length, rows.length,
                         products.data() + i);
       else
         for (size_t q = 0; q < together; ++q)
-          for (size_t i = 0; i < count; i += kTogether)
+          for (size_t i = 0; i < count; i += kRows)
             RowProducts(queries[t + q].numbers, numbers + i * rows.length, rows.length,
                         products.data() + q * kPart + i);
       for (size_t q = 0; q < together; ++q)
