@@ -95,8 +95,9 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
              "seconds that are added to --query-times, where clocks differ");
   add_number(command, "--reference-offset", options.reference_offset_s,
              "seconds that are added to --reference-times");
-  add_setting(command, "--matrix-rows", flags.options.matrix_rows,
-              "matrix, mask: rows are query or reference frames (default: as the format's authors)")
+  add_setting(
+      command, "--matrix-rows", flags.options.matrix_rows,
+      "matrix, mat, mask: rows are query or reference frames (default: as the format's authors)")
       .group(kGroundTruthGroup);
 }
 

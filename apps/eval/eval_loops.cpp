@@ -10,6 +10,7 @@
 #include "ground_truth/numbers.h"
 #include "ground_truth/times.h"
 #include "report/loops_charts.h"
+#include "report/loops_page.h"
 #include "report/loops_report.h"
 
 namespace vpr {
@@ -50,15 +51,14 @@ LoopRules rules_of(const EvalInputs& inputs) {
 void refuse_others(const EvalInputs& inputs) {
   if (inputs.loops.path.empty())
     throw Error(ErrorKind::usage, "--gap, --times and --frames-by belong to --loops LIST");
-  const bool has_others = !inputs.results.empty() || inputs.scores.any() ||
-                          !inputs.ground_truth.empty() || !inputs.dataset.empty() ||
-                          !inputs.protocols.empty() || !inputs.expect.expected.empty() ||
-                          !inputs.trajectory.file.empty() || !inputs.map.folder.empty() ||
-                          inputs.csv.any() || !inputs.pictures.html.empty();
+  const bool has_others =
+      !inputs.results.empty() || inputs.scores.any() || !inputs.ground_truth.empty() ||
+      !inputs.dataset.empty() || !inputs.protocols.empty() || !inputs.expect.expected.empty() ||
+      !inputs.trajectory.file.empty() || !inputs.map.folder.empty() || inputs.csv.any();
   if (has_others)
     throw Error(ErrorKind::usage,
                 "--loops judges a list by its trajectory alone: give --poses, --radius, --gap, "
-                "and maybe --plot, -o and --name");
+                "and maybe --html, --plot, -o and --name");
 }
 
 void require_order(const EvalInputs& inputs, const LoopList& list) {
@@ -120,8 +120,7 @@ bool is_given(const LoopInputs& inputs) {
 void run_loops(Session& session, const EvalInputs& inputs) {
   refuse_others(inputs);
   session.claim_output();
-  if (!inputs.pictures.plots.empty())
-    session.outputs.claim_folder(inputs.pictures.plots, is_marked_folder);
+  check_picture_outputs(session, inputs.pictures);
   const Stopwatch watch;
   const LoopsEvaluation evaluation = evaluate(inputs);
   Json report = loops_json(evaluation, session.run);
@@ -130,6 +129,8 @@ void run_loops(Session& session, const EvalInputs& inputs) {
   report["machine"] = machine_json(run);
   report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
   session.write_output(report);
+  if (!inputs.pictures.html.empty())
+    session.outputs.file(inputs.pictures.html).write(loops_page(evaluation, report));
   if (!inputs.pictures.plots.empty())
     draw_loops(evaluation,
                session.outputs.folder(inputs.pictures.plots, is_marked_folder).temporary());

@@ -14,6 +14,7 @@
 #include "ground_truth/aligned.h"
 #include "ground_truth/anchors.h"
 #include "ground_truth/mask_image.h"
+#include "ground_truth/mat_file.h"
 #include "ground_truth/matrix_file.h"
 #include "ground_truth/openseqslam_csv.h"
 #include "ground_truth/pairs_csv.h"
@@ -103,6 +104,7 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        read_matrix_file,
        write_matrix_file,
        true},
+      {"mat", "0/1 matrix of MATLAB, .mat", {"path", "matrix_rows"}, is_mat_file, read_mat_file},
       {"openseqslam2",
        "CSV without header: query, reference, tolerance, from 1",
        {"path"},

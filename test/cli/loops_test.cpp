@@ -39,8 +39,9 @@ struct Laps {
 TEST_CASE("a list of loop closures is judged by its trajectory, and drawn on it") {
   const Laps laps;
   const std::string plots = laps.folder / "plots";
-  const auto run = laps.run({"--radius", "0.5", "--gap", "30s", "--similarity", "--json", "--plot",
-                             plots, "-o", laps.folder / "r.json"});
+  const auto run =
+      laps.run({"--radius", "0.5", "--gap", "30s", "--similarity", "--json", "--plot", plots,
+                "--html", laps.folder / "p.html", "-o", laps.folder / "r.json"});
   CHECK(run.err.empty());
   REQUIRE(run.exit_code == 0);
   const Json report = Json::parse(run.out);
@@ -63,6 +64,12 @@ TEST_CASE("a list of loop closures is judged by its trajectory, and drawn on it"
   CHECK(test::list_folder(plots) == std::vector<std::string>{".vpr-files", "loops.png", "loops.svg",
                                                              "precision-recall.png",
                                                              "precision-recall.svg"});
+  const std::string page = test::read_text(laps.folder / "p.html");
+  CHECK(page.find("1 of 3 loops are wrong. 2 of 80 frames near an earlier one have a right loop") !=
+        std::string::npos);
+  CHECK(page.find("line 3: frame 70 at frame 5") != std::string::npos);
+  CHECK(page.find("frame with a right loop") != std::string::npos);
+  CHECK(page.find("{{") == std::string::npos);
   CHECK(test::read_text(plots + "/loops.svg").find("wrong loop") != std::string::npos);
 }
 

@@ -1,0 +1,191 @@
+#include "ground_truth/mat_file.h"
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <matio.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "base/mapped_file.h"
+#include "ground_truth/builder.h"
+#include "ground_truth/matrix_shape.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostBytes = size_t{1} << 31;  // of a matrix in memory
+constexpr std::string_view kVersion5 = "MATLAB 5.0 MAT-file";
+constexpr std::string_view kVersion73 = "MATLAB 7.3 MAT-file";
+constexpr size_t kHeaderBytes = 128;
+constexpr size_t kTagBytes = 8;
+constexpr std::string_view kUsualName = "truth";
+
+struct Closer {
+  void operator()(mat_t* file) const { Mat_Close(file); }
+  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
+};
+using MatFile = std::unique_ptr<mat_t, Closer>;
+using MatVariable = std::unique_ptr<matvar_t, Closer>;
+
+bool is_numeric(const matvar_t& variable) {
+  return variable.class_type >= MAT_C_SPARSE && variable.class_type <= MAT_C_UINT64;
+}
+
+bool is_matrix(const matvar_t& variable) {
+  return is_numeric(variable) && variable.rank == 2 && variable.dims != nullptr &&
+         variable.dims[0] * variable.dims[1] > 1 && variable.isComplex == 0;
+}
+
+std::string name_of(const matvar_t& variable) {
+  return variable.name == nullptr ? "" : variable.name;
+}
+
+uint32_t number_at(std::string_view bytes, size_t at, bool is_little) {
+  uint32_t number = 0;
+  for (size_t i = 0; i < 4; ++i)
+    number |= uint32_t{static_cast<uint8_t>(bytes[at + i])} << 8 * (is_little ? i : 3 - i);
+  return number;
+}
+
+/// The library fills up what a file lacks with zeros, and would not tell.
+void require_whole(const GroundTruthBuilder& builder, std::string_view bytes) {
+  if (!bytes.starts_with(kVersion5)) return;
+  const bool is_little = bytes.size() >= kHeaderBytes && bytes[kHeaderBytes - 2] == 'I';
+  size_t at = kHeaderBytes;
+  while (at + kTagBytes <= bytes.size()) at += kTagBytes + number_at(bytes, at + 4, is_little);
+  if (at != bytes.size()) builder.fail("is cut off, or has bytes that belong to nothing");
+}
+
+/// Of the only matrix, or of several the one with the usual name.
+std::string find_matrix(const GroundTruthBuilder& builder, mat_t& file) {
+  std::vector<std::string> names;
+  while (const MatVariable variable{Mat_VarReadNextInfo(&file)})
+    if (is_matrix(*variable)) names.push_back(name_of(*variable));
+  if (names.size() == 1) return names.front();
+  for (const std::string& name : names)
+    if (name == kUsualName) return name;
+  if (names.empty()) builder.fail("has no matrix of numbers, or is damaged");
+  builder.fail(fmt::format("has several matrices ({}); keep one, or call it {}",
+                           fmt::join(names, ", "), kUsualName));
+}
+
+MatVariable read_matrix(const GroundTruthBuilder& builder, mat_t& file, const std::string& name) {
+  const MatVariable info{Mat_VarReadInfo(&file, name.c_str())};
+  if (!info || !is_matrix(*info)) builder.fail(fmt::format("its matrix {} is damaged", name));
+  const size_t rows = info->dims[0];
+  const size_t cols = info->dims[1];
+  if (rows > kMostGrownFrames || cols > kMostGrownFrames ||
+      (info->class_type != MAT_C_SPARSE && rows * cols > kMostBytes / sizeof(double)))
+    builder.fail(fmt::format("its matrix {} of {} x {} is too large", name, rows, cols));
+  MatVariable matrix{Mat_VarRead(&file, name.c_str())};
+  if (!matrix || matrix->data == nullptr)
+    builder.fail(fmt::format("its matrix {} is damaged", name));
+  return matrix;
+}
+
+/// Calls `use(row, column)` for every one of the matrix.
+template <class T, class Use>
+void for_each_one(const GroundTruthBuilder& builder, const matvar_t& matrix, Use&& use) {
+  const T* values = static_cast<const T*>(matrix.data);
+  for (size_t column = 0; column < matrix.dims[1]; ++column) {
+    builder.check_stop();
+    for (size_t row = 0; row < matrix.dims[0]; ++row) {
+      const T value = values[column * matrix.dims[0] + row];
+      if (value == T{1}) use(row, column);
+      if (value != T{0} && value != T{1})
+        builder.fail(fmt::format("row {}, column {} of its matrix {} is {}; expected 0 or 1",
+                                 row + 1, column + 1, name_of(matrix), value));
+    }
+  }
+}
+
+template <class Use>
+void for_each_sparse(const GroundTruthBuilder& builder, const matvar_t& matrix, Use&& use) {
+  const auto& sparse = *static_cast<const mat_sparse_t*>(matrix.data);
+  const auto damaged = [&] {
+    builder.fail(fmt::format("its sparse matrix {} is damaged", name_of(matrix)));
+  };
+  if (sparse.njc != matrix.dims[1] + 1 || sparse.jc == nullptr) damaged();
+  for (size_t column = 0; column < matrix.dims[1]; ++column) {
+    if (sparse.jc[column] > sparse.jc[column + 1] || sparse.jc[column + 1] > sparse.nir ||
+        sparse.jc[column + 1] > sparse.ndata)
+      damaged();
+    for (size_t k = sparse.jc[column]; k < sparse.jc[column + 1]; ++k) {
+      if (sparse.ir[k] >= matrix.dims[0]) damaged();
+      const double value = matrix.data_type == MAT_T_DOUBLE
+                               ? static_cast<const double*>(sparse.data)[k]
+                               : static_cast<const uint8_t*>(sparse.data)[k];
+      if (value == 1) use(sparse.ir[k], column);
+      if (value != 0 && value != 1)
+        builder.fail(fmt::format("row {}, column {} of its matrix {} is {}; expected 0 or 1",
+                                 sparse.ir[k] + 1, column + 1, name_of(matrix), value));
+    }
+  }
+}
+
+template <class Use>
+void visit_ones(const GroundTruthBuilder& builder, const matvar_t& matrix, Use&& use) {
+  if (matrix.class_type == MAT_C_SPARSE) {
+    const bool is_known = matrix.data_type == MAT_T_DOUBLE || matrix.data_size == 1;
+    if (!is_known) builder.fail("the values of its sparse matrix are neither numbers nor logical");
+    return for_each_sparse(builder, matrix, use);
+  }
+  switch (matrix.data_type) {
+    case MAT_T_DOUBLE:
+      return for_each_one<double>(builder, matrix, use);
+    case MAT_T_SINGLE:
+      return for_each_one<float>(builder, matrix, use);
+    case MAT_T_INT8:
+      return for_each_one<int8_t>(builder, matrix, use);
+    case MAT_T_UINT8:
+      return for_each_one<uint8_t>(builder, matrix, use);
+    case MAT_T_INT16:
+      return for_each_one<int16_t>(builder, matrix, use);
+    case MAT_T_UINT16:
+      return for_each_one<uint16_t>(builder, matrix, use);
+    case MAT_T_INT32:
+      return for_each_one<int32_t>(builder, matrix, use);
+    case MAT_T_UINT32:
+      return for_each_one<uint32_t>(builder, matrix, use);
+    case MAT_T_INT64:
+      return for_each_one<int64_t>(builder, matrix, use);
+    case MAT_T_UINT64:
+      return for_each_one<uint64_t>(builder, matrix, use);
+    default:
+      builder.fail(fmt::format("its matrix {} has values of an unknown kind", name_of(matrix)));
+  }
+}
+
+}  // namespace
+
+std::string read_mat_file(GroundTruthBuilder& builder) {
+  const std::filesystem::path& path = builder.argument().path;
+  const size_t sequence = builder.only_searched(path.string());
+  require_whole(builder, MappedFile(path).text());
+  const MatFile file{Mat_Open(path.c_str(), MAT_ACC_RDONLY)};
+  if (!file) builder.fail("is no MAT-file that can be read");
+  const std::string name = find_matrix(builder, *file);
+  const MatVariable matrix = read_matrix(builder, *file, name);
+  const size_t rows = matrix->dims[0];
+  const size_t cols = matrix->dims[1];
+  const bool rows_are_query = require_matrix_shape(builder, sequence, rows, cols, true);
+  visit_ones(builder, *matrix, [&](size_t row, size_t column) {
+    const size_t reference = rows_are_query ? column : row;
+    builder.add(rows_are_query ? row : column, sequence, reference, reference, PlaceLabel::same);
+  });
+  return fmt::format("matrix {} of {} x {}, rows are {} frames; within {} of a 1", name, rows, cols,
+                     rows_are_query ? "query" : "training",
+                     counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame"));
+}
+
+bool is_mat_file(const FileStart& start) {
+  return start.bytes.starts_with(kVersion5) || start.bytes.starts_with(kVersion73) ||
+         (!start.is_folder && start.path.extension() == ".mat");
+}
+
+}  // namespace vpr

@@ -1,0 +1,117 @@
+// Matrices of MATLAB, written by the library that reads them.
+#include <catch2/catch.hpp>
+#include <matio.h>
+
+#include "base/error.h"
+#include "ground_truth/truth_files.h"
+
+using namespace vpr;
+using test::Files;
+
+namespace {
+
+/// A variable of a file; values in columns, as MATLAB has them.
+struct Variable {
+  std::string name;
+  matio_classes kind;
+  matio_types type;
+  std::vector<size_t> shape;
+  void* values;
+  int flags = 0;
+};
+
+void write_mat(const std::filesystem::path& path, const std::vector<Variable>& variables,
+               mat_ft version = MAT_FT_MAT5, matio_compression packed = MAT_COMPRESSION_ZLIB) {
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, version);
+  REQUIRE(file != nullptr);
+  for (const Variable& v : variables) {
+    matvar_t* variable =
+        Mat_VarCreate(v.name.c_str(), v.kind, v.type, static_cast<int>(v.shape.size()),
+                      const_cast<size_t*>(v.shape.data()), v.values, v.flags);
+    REQUIRE(variable != nullptr);
+    REQUIRE(Mat_VarWrite(file, variable, packed) == 0);
+    Mat_VarFree(variable);
+  }
+  Mat_Close(file);
+}
+
+}  // namespace
+
+TEST_CASE("a MATLAB matrix of two rows and three columns, in every version of its files") {
+  const Files files;
+  // 1 0 1
+  // 0 0 1
+  std::vector<double> values = {1, 0, 0, 0, 1, 1};
+  const Variable truth{"truth", MAT_C_DOUBLE, MAT_T_DOUBLE, {2, 3}, values.data()};
+  for (const mat_ft version : {MAT_FT_MAT4, MAT_FT_MAT5, MAT_FT_MAT73}) {
+    write_mat(files.folder / "g.mat", {truth}, version,
+              version == MAT_FT_MAT4 ? MAT_COMPRESSION_NONE : MAT_COMPRESSION_ZLIB);
+    CHECK(files.read("g.mat", 2, 3) == "S.S ..S");
+    CHECK(files.read("g.mat", 3, 2) == "S. .. SS");  // only the other way fits
+  }
+  write_mat(files.folder / "g.mat", {truth}, MAT_FT_MAT5, MAT_COMPRESSION_NONE);
+  GroundTruthArgument argument{"mat", "g.mat", 1};
+  CHECK(files.read(argument, 2, 3) == "SSS .SS");
+  CHECK(test::error_kind([&] { files.read("g.mat", 2, 4); }) == ErrorKind::data);
+}
+
+TEST_CASE("of several variables the only matrix counts, or that which is called truth") {
+  const Files files;
+  std::vector<uint8_t> bits = {0, 1, 1, 0};
+  std::vector<double> number = {0.5};
+  const Variable logical{"loops", MAT_C_UINT8, MAT_T_UINT8, {2, 2}, bits.data(), MAT_F_LOGICAL};
+  const Variable radius{"radius", MAT_C_DOUBLE, MAT_T_DOUBLE, {1, 1}, number.data()};
+  write_mat(files.folder / "g.mat", {radius, logical});
+  CHECK(files.read("g.mat", 2, 2) == ".S S.");
+  std::vector<int32_t> others = {1, 0, 0, 1};
+  const Variable truth{"truth", MAT_C_INT32, MAT_T_INT32, {2, 2}, others.data()};
+  write_mat(files.folder / "g.mat", {logical, truth});
+  CHECK(files.read("g.mat", 2, 2) == "S. .S");
+  Variable poses = truth;
+  poses.name = "poses";
+  write_mat(files.folder / "g.mat", {logical, poses});
+  CHECK(test::error_text([&] {
+          files.read("g.mat", 2, 2);
+        }).find("several matrices (loops, poses)") != std::string::npos);
+  write_mat(files.folder / "g.mat", {radius});
+  CHECK(test::error_kind([&] { files.read("g.mat", 2, 2); }) == ErrorKind::data);
+}
+
+TEST_CASE("a sparse matrix of MATLAB is read like a full one") {
+  const Files files;
+  std::vector<mat_uint32_t> rows = {2, 0, 1};
+  std::vector<mat_uint32_t> starts = {0, 1, 1, 3};  // columns of one, none and two
+  std::vector<double> values = {1, 1, 1};
+  mat_sparse_t sparse{};
+  sparse.nzmax = sparse.nir = sparse.ndata = 3;
+  sparse.ir = rows.data();
+  sparse.njc = 4;
+  sparse.jc = starts.data();
+  sparse.data = values.data();
+  const Variable truth{"truth", MAT_C_SPARSE, MAT_T_DOUBLE, {3, 3}, &sparse, MAT_F_DONT_COPY_DATA};
+  write_mat(files.folder / "g.mat", {truth});
+  CHECK(files.read("g.mat", 3, 3) == "..S ..S S..");
+}
+
+TEST_CASE("other values, cut files and what is no MAT-file are damage") {
+  const Files files;
+  std::vector<double> values = {1, 0, 0.5, 0};
+  write_mat(files.folder / "g.mat", {{"m", MAT_C_DOUBLE, MAT_T_DOUBLE, {2, 2}, values.data()}});
+  CHECK(test::error_text([&] {
+          files.read("g.mat", 2, 2);
+        }).find("row 1, column 2 of its matrix m is 0.5") != std::string::npos);
+  std::vector<double> good(400);
+  write_mat(files.folder / "g.mat", {{"m", MAT_C_DOUBLE, MAT_T_DOUBLE, {20, 20}, good.data()}},
+            MAT_FT_MAT5, MAT_COMPRESSION_NONE);
+  const std::string bytes = test::read_text(files.folder / "g.mat");
+  CHECK(files.read("g.mat", 20, 20).find('S') == std::string::npos);
+  for (const size_t length : {size_t{0}, size_t{100}, size_t{130}, size_t{200}, bytes.size() / 2}) {
+    files.text("g.mat", bytes.substr(0, length));
+    INFO(length << ": " << test::error_text([&] { files.read("g.mat", 20, 20); }));
+    CHECK(test::error_kind([&] { files.read("g.mat", 20, 20); }) == ErrorKind::data);
+  }
+  files.text("g.mat", "frame,x,y\n");
+  CHECK(test::error_kind([&] {
+          files.read(GroundTruthArgument{"mat", "g.mat"}, 20, 20);
+        }) == ErrorKind::data);
+}
