@@ -12,6 +12,7 @@
 #include "base/json.h"
 #include "bench/generated.h"
 #include "bench/paper_times.h"
+#include "descriptors/centre_codes.h"
 #include "descriptors/frame_descriptors.h"
 #include "descriptors/hog.h"
 #include "descriptors/ldb.h"
@@ -130,7 +131,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   result.settings["images"] = images ? "recorded" : "generated, 640x480";
   const Frames frames = load_frames(images, settings.frames, seed);
   size_t next = 0;
-  StepCounter counter(monitor, "measure", 5 + kinds.size());
+  StepCounter counter(monitor, "measure", 7 + kinds.size());
   const auto add = [&](const std::string& work, auto&& run) {
     BenchRow row{work,
                  {{"width", static_cast<double>(frames.grey[0].cols)},
@@ -158,6 +159,8 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   });
   add("ldb", [&](size_t i) { describe_ldb(frames.grey[i]); });
   add("thumbnail", [&](size_t i) { describe_thumbnail(frames.grey[i]); });
+  add("brief", [&](size_t i) { describe_brief(frames.grey[i]); });
+  add("orb of the centre", [&](size_t i) { describe_orb(frames.grey[i]); });
   add("hog", [&](size_t i) { describe_hog(frames.grey[i]); });
   for (const FeatureKind kind : kinds) {
     FeatureSettings feature = settings.feature_settings;

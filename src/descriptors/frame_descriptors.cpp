@@ -12,6 +12,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
+#include "descriptors/centre_codes.h"
 #include "descriptors/hog.h"
 #include "descriptors/illumination.h"
 #include "descriptors/imported.h"
@@ -52,7 +53,7 @@ DescriptorSet import_by(const DescriptorKind&, const Sequence& sequence,
   return import_descriptors(sequence, element, unreadable, monitor, settings.unit);
 }
 
-constexpr std::array<DescriptorKind, 7> kKinds = {{
+constexpr std::array<DescriptorKind, 9> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
      "the frame in 64x32 grey levels, normalised in squares, as SeqSLAM has it",
@@ -62,6 +63,14 @@ constexpr std::array<DescriptorKind, 7> kKinds = {{
      "histograms of oriented gradients of the whole frame, 30752 numbers",
      {ElementType::whole_numbers, kHogLength},
      describe_by<describe_hog>},
+    {"brief",
+     "a binary code of pairs of pixels of the whole frame, of 256 bits",
+     {ElementType::bits, kCentreBits},
+     describe_by<describe_brief>},
+    {"orb",
+     "OpenCV's ORB of the frame's centre, not turned, of 256 bits",
+     {ElementType::bits, kCentreBits},
+     describe_by<describe_orb>},
     {kVectorKind,
      "vectors from files, in whole numbers of 16 bits",
      {ElementType::wide_numbers, 0},

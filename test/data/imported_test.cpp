@@ -101,13 +101,30 @@ Recalls exact_recalls(const cv::Mat& train, const cv::Mat& query, size_t toleran
                  });
 }
 
+// Euclidean, in float64.
+Recalls exact_point_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance) {
+  return recalls(static_cast<size_t>(query.rows), static_cast<size_t>(train.rows), tolerance,
+                 [&](size_t q, size_t i) {
+                   return cv::norm(query.row(static_cast<int>(q)), train.row(static_cast<int>(i)));
+                 });
+}
+
+cv::Mat of_length_one(const cv::Mat& rows) {
+  cv::Mat units = rows.clone();
+  for (int r = 0; r < units.rows; ++r) cv::normalize(units.row(r), units.row(r));
+  return units;
+}
+
 Recalls quantised_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance,
                           ElementType element) {
   const test::TemporaryFolder folder;
   write(folder / "train.npy", train);
   write(folder / "query.npy", query);
+  const Sequence walked = open_sequence({folder / "train.npy", {}});
+  const double unit = element == ElementType::coordinates ? coordinate_unit({&walked, 1}, {}) : 0;
   const auto import = [&](const char* name) {
-    return import_descriptors(open_sequence({folder / name, {}}), element, Unreadable::fail, {});
+    return import_descriptors(open_sequence({folder / name, {}}), element, Unreadable::fail, {},
+                              unit);
   };
   const DescriptorSet trained = import("train.npy");
   const DescriptorSet asked = import("query.npy");
@@ -148,7 +165,14 @@ TEST_CASE("imported vectors find what float64 finds") {
             quantised_recalls(train, query, set.tolerance, ElementType::wide_numbers);
         const Recalls narrow =
             quantised_recalls(train, query, set.tolerance, ElementType::whole_numbers);
+        const Recalls exact_points = exact_point_recalls(train, query, set.tolerance);
+        const Recalls points =
+            quantised_recalls(train, query, set.tolerance, ElementType::coordinates);
+        const Recalls unit_points = quantised_recalls(of_length_one(train), of_length_one(query),
+                                                      set.tolerance, ElementType::coordinates);
         for (size_t k = 0; k < exact.size(); ++k) {
+          INFO(fmt::format("Euclidean: float64 {:.2f}, 16 bits {:.2f}; of length 1: {:.2f}",
+                           exact_points[k], points[k], unit_points[k]));
           const std::string found = fmt::format(
               "{}, {}, {} components, K {}: float64 {:.2f}, rounded {:.2f}, 16 bits {:.2f}, 8 bits "
               "{:.2f}",
@@ -160,6 +184,8 @@ TEST_CASE("imported vectors find what float64 finds") {
           CHECK(std::abs(wide[k] - exact[k]) <= (has_nearer ? 0.6 : 0.1));
           CHECK(std::abs(wide[k] - rounded[k]) <= 0.1);
           CHECK(std::abs(narrow[k] - exact[k]) <= 1);
+          CHECK(std::abs(points[k] - exact_points[k]) <= 0.1);
+          CHECK(std::abs(unit_points[k] - exact[k]) <= 0.1);
         }
       }
     }
