@@ -105,7 +105,8 @@ void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {
   const Command command = add_bench(
       program, bench, "matching", "Matching time against database size and window length (tab6).",
       "  vpr-bench matching -o matching.json --plot plots\n"
-      "  vpr-bench matching --query-frames 500,1000,1500,2000 --databases 8000 --c-l 40",
+      "  vpr-bench matching --query-frames 500,1000,1500,2000 --databases 8000 --c-l 40\n"
+      "  vpr-bench matching --descriptor-length 512 --databases 100000 --c-l 20",
       [](Session& session, const MatchingBenchSettings& settings) {
         BenchResult result =
             bench_matching(settings, session.options.seed, session.kernels, session.monitor);
@@ -118,6 +119,10 @@ void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {
   add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
   add_numbers(command, "--c-l", bench.settings.window_lengths, "window lengths c_l");
   add_numbers(command, "--query-frames", bench.settings.query_frames, "query lengths in frames");
+  add_setting(command, "--descriptor-length", bench.settings.descriptor_length,
+              "vectors of so many numbers, as of a network, instead of LDB codes");
+  add_setting(command, "--precision", bench.settings.precision,
+              "bits of a number of these vectors: 16 (default) or 8");
   add_setting(command, "--seconds", bench.settings.seconds, "of each measurement (default 0.3)");
 }
 

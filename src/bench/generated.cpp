@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/random.h"
+#include "descriptors/imported.h"
 
 namespace vpr {
 namespace {
@@ -41,6 +42,28 @@ std::vector<LdbCode> walk_again(const std::vector<LdbCode>& walk, size_t first, 
     flip_bits(codes.back(), changed_bits, engine);
   }
   return codes;
+}
+
+GeneratedVectors generate_vectors(size_t count, size_t length, size_t bits, uint64_t seed,
+                                  uint64_t noise_seed, size_t first) {
+  GeneratedVectors vectors;
+  vectors.shape = {bits == 8 ? ElementType::whole_numbers : ElementType::wide_numbers, length};
+  RandomEngine engine(seed);
+  RandomEngine noise(noise_seed);
+  std::vector<double> place(length, 0);
+  std::vector<double> seen(length);
+  std::vector<uint8_t> row(vectors.shape.row_bytes());
+  for (size_t i = 0; i < first + count; ++i) {
+    for (size_t x = 0; x < length; ++x) place[x] = 0.9 * place[x] + uniform_unit(engine) - 0.5;
+    if (i < first) continue;
+    for (size_t x = 0; x < length; ++x) seen[x] = place[x] + 0.3 * (uniform_unit(noise) - 0.5);
+    if (bits == 8)
+      quantise_numbers(seen, std::span(reinterpret_cast<int8_t*>(row.data()), length));
+    else
+      quantise_numbers(seen, std::span(reinterpret_cast<int16_t*>(row.data()), length));
+    vectors.bytes.insert(vectors.bytes.end(), row.begin(), row.end());
+  }
+  return vectors;
 }
 
 cv::Mat generate_frame(uint64_t seed) {

@@ -1,6 +1,7 @@
 #include "bench/matching_bench.h"
 
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -33,6 +34,43 @@ void check_settings(const MatchingBenchSettings& settings) {
     throw Error(ErrorKind::usage, fmt::format("changed_bits must be at most {}, found {}", kLdbBits,
                                               settings.changed_bits));
   for (const std::string& method : settings.methods) find_matching_timer(method);
+  if (settings.descriptor_length > kMostNumbers)
+    throw Error(ErrorKind::usage, fmt::format("descriptor_length must be at most {}, found {}",
+                                              kMostNumbers, settings.descriptor_length));
+  if (settings.precision != 8 && settings.precision != 16)
+    throw Error(ErrorKind::usage,
+                fmt::format("precision must be 16 or 8 bits, found {}", settings.precision));
+}
+
+// Those that take the descriptors.
+std::vector<std::string> timed_methods(const MatchingBenchSettings& settings) {
+  std::vector<std::string> methods;
+  for (const std::string& method : settings.methods)
+    if (settings.descriptor_length == 0 || !find_matching_timer(method).needs_codes)
+      methods.push_back(method);
+  return methods;
+}
+
+/// A database and the query of a size, of the kind that is timed.
+struct Generated {
+  std::vector<LdbCode> train_codes;
+  GeneratedVectors train_vectors;
+
+  Generated(const MatchingBenchSettings& settings, uint64_t frames, uint64_t seed) {
+    if (settings.descriptor_length == 0)
+      train_codes = generate_walk(frames, seed);
+    else
+      train_vectors =
+          generate_vectors(frames, settings.descriptor_length, settings.precision, seed, seed + 1);
+  }
+};
+
+std::unique_ptr<MatchingCase> make_case(const Generated& train, const GeneratedVectors& asked,
+                                        const std::vector<LdbCode>& again,
+                                        const MatchSettings& match) {
+  if (train.train_codes.empty())
+    return std::make_unique<MatchingCase>(train.train_vectors.rows(), asked.rows(), match);
+  return std::make_unique<MatchingCase>(train.train_codes, again, match);
 }
 
 NamedNumbers parameters_of(uint64_t frames, uint64_t length, uint64_t query) {
@@ -99,11 +137,17 @@ BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
   StepCounter counter(monitor, "measure",
                       settings.databases.size() * settings.window_lengths.size() *
                           settings.query_frames.size() * settings.methods.size());
+  const std::vector<std::string> methods = timed_methods(settings);
   for (const uint64_t frames : settings.databases) {
-    const std::vector<LdbCode> train = generate_walk(frames, seed);
+    const Generated train(settings, frames, seed);
     for (const uint64_t query : settings.query_frames) {
-      const std::vector<LdbCode> again =
-          walk_again(train, frames / 3, query, settings.changed_bits, seed + 1);
+      std::vector<LdbCode> again;
+      GeneratedVectors asked;
+      if (settings.descriptor_length == 0)
+        again = walk_again(train.train_codes, frames / 3, query, settings.changed_bits, seed + 1);
+      else
+        asked = generate_vectors(query, settings.descriptor_length, settings.precision, seed,
+                                 seed + 2, frames / 3);
       for (const uint64_t length : settings.window_lengths) {
         if (length >= frames || length >= query) {
           result.left_out.push_back(
@@ -112,9 +156,10 @@ BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
           continue;
         }
         MatchSettings match{length, kDefaultMemoryLimit, kernels, settings.lsh, seed};
-        const MatchingCase example(train, again, match);
-        check_methods(example, settings.methods, monitor);
-        for (const std::string& method : settings.methods) {
+        const auto example_case = make_case(train, asked, again, match);
+        const MatchingCase& example = *example_case;
+        check_methods(example, methods, monitor);
+        for (const std::string& method : methods) {
           BenchRow row{method, parameters_of(frames, length, query), "query frame", {}, {}, ""};
           find_matching_timer(method).measure(example, effort, monitor, row);
           add_rates(row);

@@ -17,6 +17,10 @@ struct MatchingBenchSettings {
   uint64_t clustered_hits = 1'000'000;  ///< 0: clustering is not timed
   double seconds = 0.3;                 ///< of each measurement
   uint64_t changed_bits = 150;          ///< by which query frames differ from training frames
+  /// Of generated vectors, compared by 1 - cos; 0: LDB codes. Other methods than those that take
+  /// any distances are left out.
+  uint64_t descriptor_length = 0;
+  uint64_t precision = 16;  ///< bits of a number of these: 16 or 8
   LshSettings lsh = {};
 };
 
@@ -29,6 +33,8 @@ void visit_fields(MatchingBenchSettings& settings, Visitor&& visit) {
   visit("clustered_hits", settings.clustered_hits);
   visit("seconds", settings.seconds);
   visit("changed_bits", settings.changed_bits);
+  visit("descriptor_length", settings.descriptor_length);
+  visit("precision", settings.precision);
   visit("lsh", settings.lsh);
 }
 

@@ -13,21 +13,25 @@ namespace vpr {
 
 /// One database and one query, as codes and as distances.
 struct MatchingCase {
-  const std::vector<LdbCode>& train_codes;
+  std::span<const LdbCode> train_codes;  ///< none of other descriptors
   std::vector<LdbCode> query_codes;
   MatchSettings settings;
   FrameDistances distances;
 
   MatchingCase(const std::vector<LdbCode>& train_frames, std::vector<LdbCode> query_frames,
                const MatchSettings& match);
+  /// Of descriptors of any kind, which must outlive it.
+  MatchingCase(const DescriptorRows& train, const DescriptorRows& query,
+               const MatchSettings& match);
   MatchingCase(const MatchingCase&) = delete;
-  size_t rows() const { return query_codes.size() - settings.window_length + 1; }
+  size_t rows() const { return distances.query_frames - settings.window_length + 1; }
 };
 
 /// A row of the table of what is timed.
 struct MatchingTimer {
   std::string_view name;
   std::string_view summary;
+  bool needs_codes = false;  ///< compares LDB codes only
   /// Milliseconds per query frame. Adds to values and note what there is to say.
   void (*measure)(const MatchingCase&, const Effort&, const Monitor&, BenchRow&);
 };

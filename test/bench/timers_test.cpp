@@ -105,3 +105,40 @@ TEST_CASE("FAB-MAP's variants are timed for every number of places") {
   settings.slow_limit = 0;
   CHECK(bench_fabmap(settings, 1, {}).left_out.size() == 2 * 3);
 }
+
+TEST_CASE("vectors are timed by the methods that take any distances, after a check of cells") {
+  for (const uint64_t precision : {8, 16}) {
+    MatchingBenchSettings settings = small_settings();
+    settings.methods = {"fastable-online", "fastable",       "standardized",
+                        "openable",        "plain-openable", "lsh"};
+    settings.descriptor_length = 40;
+    settings.precision = precision;
+    const BenchResult result = bench_matching(settings, 1, select_kernels(), {});
+    const auto has = [&](const char* work) {
+      return std::any_of(result.rows.begin(), result.rows.end(),
+                         [&](const BenchRow& row) { return row.work == work; });
+    };
+    for (const char* work : {"fastable-online", "fastable", "standardized", "openable"})
+      CHECK(has(work));
+    CHECK_FALSE(has("plain-openable"));
+    CHECK_FALSE(has("lsh"));
+  }
+  MatchingBenchSettings settings = small_settings();
+  settings.precision = 12;
+  CHECK(test::error_kind([&] { bench_matching(settings, 1, select_kernels(), {}); }) ==
+        ErrorKind::usage);
+}
+
+TEST_CASE("generated vectors are a walk, and the same walk again with other noise") {
+  const GeneratedVectors walk = generate_vectors(60, 64, 16, 1, 2);
+  const GeneratedVectors again = generate_vectors(20, 64, 16, 1, 3, 15);
+  REQUIRE(walk.rows().size() == 60);
+  for (size_t q = 0; q < 20; ++q) {
+    size_t best = 0;
+    for (size_t i = 1; i < 60; ++i)
+      if (wide_cosine_distance(again.rows()[q], walk.rows()[i]) <
+          wide_cosine_distance(again.rows()[q], walk.rows()[best]))
+        best = i;
+    CHECK(best == q + 15);
+  }
+}
