@@ -16,7 +16,7 @@ struct ScoreInputs {
   std::string query_npy;      ///< descriptors that scores are computed of; empty: none
   std::string reference_npy;  ///< of the references
   DescriptorMetric metric = DescriptorMetric::cosine;
-  std::string predictions;    ///< lists of what a program found; empty: none
+  std::string predictions;  ///< lists of what a program found; empty: none
   std::vector<uint64_t> recall_at;
   uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
   bool is_distance = false;
