@@ -98,9 +98,7 @@ std::string_view kind_of(const DescriptorsCommand& given) {
                                               given.precision));
   const bool is_l2 = given.metric == DescriptorMetric::l2;
   if (given.as_bits && (given.precision != 16 || is_l2))
-    throw Error(ErrorKind::usage,
-                "--precision and --metric are for vectors; --bits are compared by exact Hamming "
-                "distances");
+    throw Error(ErrorKind::usage, "--precision and --metric are for vectors; --bits are exact");
   if (is_l2 && given.precision != 16)
     throw Error(ErrorKind::usage, "--metric l2 takes numbers of 16 bits; leave --precision out");
   if (given.as_bits) return kBitKind;

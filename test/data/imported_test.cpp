@@ -165,7 +165,9 @@ TEST_CASE("imported vectors find what float64 finds") {
             quantised_recalls(train, query, set.tolerance, ElementType::wide_numbers);
         const Recalls narrow =
             quantised_recalls(train, query, set.tolerance, ElementType::whole_numbers);
-        const Recalls exact_points = exact_point_recalls(train, query, set.tolerance);
+        const bool is_long = is_hog && components == 0;  // products of float64 take half a minute
+        const Recalls exact_points =
+            is_long ? Recalls{} : exact_point_recalls(train, query, set.tolerance);
         const Recalls points =
             quantised_recalls(train, query, set.tolerance, ElementType::coordinates);
         const Recalls unit_points = quantised_recalls(of_length_one(train), of_length_one(query),
@@ -184,7 +186,7 @@ TEST_CASE("imported vectors find what float64 finds") {
           CHECK(std::abs(wide[k] - exact[k]) <= (has_nearer ? 0.6 : 0.1));
           CHECK(std::abs(wide[k] - rounded[k]) <= 0.1);
           CHECK(std::abs(narrow[k] - exact[k]) <= 1);
-          CHECK(std::abs(points[k] - exact_points[k]) <= 0.1);
+          if (!is_long) CHECK(std::abs(points[k] - exact_points[k]) <= 0.1);
           CHECK(std::abs(unit_points[k] - exact[k]) <= 0.1);
         }
       }
