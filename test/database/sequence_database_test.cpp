@@ -188,7 +188,7 @@ TEST_CASE("the manifest names what frames are described by; without it, LDB") {
 
 TEST_CASE("an unknown descriptor is refused with the choices") {
   CHECK(test::error_text([] { descriptor_kind("surf"); }) ==
-        "unknown descriptor \"surf\"; choose one of ldb, thumbnail, hog");
+        "unknown descriptor \"surf\"; choose one of ldb, thumbnail, hog, brief, orb");
   CHECK(&descriptor_kind("ldb") == &descriptor_kinds().front());
   CHECK(find_descriptor_kind("") == nullptr);
 }
