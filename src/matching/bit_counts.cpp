@@ -25,7 +25,7 @@ constexpr size_t kMostInByte = 255;
 class BitCounter {
  public:
   explicit BitCounter(size_t row_bytes)
-      : counts_{0, std::vector<uint32_t>(8 * row_bytes, 0)}, packed_(row_bytes, 0) {}
+      : counts_{0, std::vector<uint32_t>(8 * row_bytes, 0), 0}, packed_(row_bytes, 0) {}
 
   void add(DescriptorRow code) {
     for (size_t i = 0; i < packed_.size(); ++i) packed_[i] += kSpread[code[i]];
@@ -34,6 +34,7 @@ class BitCounter {
   }
   BitCounts result() {
     flush();
+    counts_.total = std::accumulate(counts_.ones.begin(), counts_.ones.end(), int64_t{0});
     return std::move(counts_);
   }
 
@@ -64,7 +65,7 @@ BitCounts count_bits(std::span<const DescriptorSpan> sequences, size_t row_bytes
 
 uint64_t distance_sum(const BitCounts& counts, DescriptorRow code) {
   // A bit that is not set differs from the codes that have it, one that is set from all others.
-  int64_t sum = std::accumulate(counts.ones.begin(), counts.ones.end(), int64_t{0});
+  int64_t sum = counts.total;
   const auto frames = static_cast<int64_t>(counts.frames);
   for (size_t byte = 0; byte < code.size(); byte += sizeof(uint64_t)) {
     uint64_t bits = 0;

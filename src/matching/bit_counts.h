@@ -14,6 +14,7 @@ namespace vpr {
 struct BitCounts {
   size_t frames = 0;
   std::vector<uint32_t> ones;  ///< frames that have the bit, for every bit of a row, with padding
+  int64_t total = 0;           ///< their sum
 };
 
 /// Readable frames of all sequences, whose rows have `row_bytes` bytes. Fewer than 2^32 frames.

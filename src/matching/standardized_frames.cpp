@@ -80,28 +80,48 @@ void learn_query(StandardizedState& state, const Monitor& monitor) {
   state.update.reset();
 }
 
+// A view has been pushed; the row of the one that is learned, if any, becomes its.
+void keep_row(StandardizedState& state) {
+  if (state.rows.size() < state.views.pending.size())
+    state.rows.emplace_back(state.distances.train_frames);
+  else
+    std::rotate(state.rows.begin(), state.rows.begin() + 1, state.rows.end());
+}
+
 // Decides what is learned before the frame is scored.
 void begin_frame(StandardizedState& state, size_t frame) {
   state.frame = frame;
   state.offset = row_offset(state, frame);
   find_common(state, frame);
   state.update.reset();
+  state.keeps_row = false;
   if (state.offline || !state.settings.learn || state.readable[frame] == 0) return;
   if (!is_new_view(state.views, state.distances.query.rows, frame)) return;
   if (const auto view = push_view(state.views, frame)) plan_update(state, *view);
+  state.keeps_row = state.views.lag <= kMostKeptRows;
+  if (state.keeps_row) keep_row(state);
 }
 
-// Learns these training frames' share of the update first.
+// Writes the distances of the frame, and learns these training frames' share of the update.
+void learn_and_compare(StandardizedState& state, size_t first, size_t count, Distances& distances) {
+  const std::array<uint32_t, 2> queries = {
+      static_cast<uint32_t>(state.frame),
+      static_cast<uint32_t>(state.update ? state.update->view : 0)};
+  const size_t asked = state.update && !state.keeps_row ? 2 : 1;
+  state.distances.tile(std::span(queries).first(asked), first, first + count, distances.data(),
+                       kRowStride);
+  uint16_t* kept = state.keeps_row ? state.rows.back().data() + first : nullptr;
+  if (state.update)
+    learn_chunk(state, kept != nullptr ? kept : distances.data() + kRowStride, first, count);
+  if (kept != nullptr) std::copy_n(distances.data(), count, kept);
+}
+
 void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t* out) {
   assert(first % kStretchFrames == 0);
-  std::array<uint32_t, 2> queries = {static_cast<uint32_t>(state.frame), 0};
-  if (state.update) queries[1] = static_cast<uint32_t>(state.update->view);
   Distances distances;
   for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
     const size_t count = std::min(kChunkFrames, last - chunk);
-    state.distances.tile(std::span(queries).first(state.update ? 2 : 1), chunk, chunk + count,
-                         distances.data(), kRowStride);
-    if (state.update) learn_chunk(state, distances.data() + kRowStride, chunk, count);
+    learn_and_compare(state, chunk, count, distances);
     state.kernels.standardize(distances.data(), state.offset,
                               common_part(state, state.frame, chunk), state.mean.data() + chunk,
                               state.variance.data() + chunk, state.least_variance,

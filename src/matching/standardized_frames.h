@@ -13,7 +13,12 @@
 
 namespace vpr {
 
-/// What is known of every training frame's centred distances: 8 bytes a frame.
+/// The rows of distances of so many pending views are kept until they are learned, 2 bytes a
+/// training frame each; with a longer lag they are computed again.
+inline constexpr size_t kMostKeptRows = 8;
+
+/// What is known of every training frame's centred distances: 8 bytes a frame, and the rows that
+/// are kept.
 struct StandardizedState {
   FrameDistances distances;  ///< that are standardized
   StandardizationSettings settings;
@@ -39,6 +44,10 @@ struct StandardizedState {
     float gain = 0;
   };
   std::optional<ViewUpdate> update;
+  /// Of the pending views, where they are kept. That of the frame, the last one, still has the
+  /// distances of the view that is learned, stretch by stretch, until its own come.
+  std::vector<std::vector<uint16_t>> rows;
+  bool keeps_row = false;  ///< whether the frame's distances are kept
   size_t frame = 0;
   float offset = 0;  ///< of the frame
 };
