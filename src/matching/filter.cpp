@@ -161,8 +161,10 @@ void check_filter(const FilterSettings& settings) {
           "from 0 to 1000 deviations", settings.establish_margin);
   require(settings.support >= -32 && settings.support <= 32, "support", "from -32 to 32",
           settings.support);
-  require(settings.present_support >= 0 && settings.present_support <= 1, "present_support",
-          "from 0 to 1", settings.present_support);
+  require(settings.establish_evidence >= 0 && settings.establish_evidence <= 1e6,
+          "establish_evidence", "from 0 to 1e6 deviations", settings.establish_evidence);
+  require(settings.present_support >= 0 && settings.present_support <= 2.5, "present_support",
+          "from 0 to 2.5", settings.present_support);
 }
 
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,

@@ -18,11 +18,15 @@ struct FilterSettings {
   uint64_t near_views = 10;   ///< training views so close to the best one are not elsewhere
   /// A path is trusted once it was the best one for so many views (the mean of those of the query
   /// and those of the training sequence that it passed) and has had establish_margin, or for twice
-  /// as many and has had half of it; and for as long as it goes on.
+  /// as many and has had half of it, or once its evidence was so large (PathTrack) and it has had
+  /// establish_margin; and for as long as it goes on.
   uint64_t establish_views = 18;
-  double establish_margin = 8;  ///< in deviations
-  double support = 1.5;  ///< least mean of -z at the best places of 24 views, to establish a path
-  double present_support = 0.5;  ///< least share of it in the last views, weighted 1/2, 1/4, ...
+  double establish_margin = 8;     ///< in deviations
+  double establish_evidence = 24;  ///< in deviations
+  double support = 1.5;  ///< least mean of -z at the best places of 24 views, for the first two
+  /// Least sum of the shares that its last views, weighted 1/2, 1/4, ..., have of a path's support
+  /// and the last one of its margin, less how much more the query changed than the training walk.
+  double present_support = 1.1;
 };
 
 template <class Visitor>
@@ -37,6 +41,7 @@ void visit_fields(FilterSettings& settings, Visitor&& visit) {
   visit("near_views", settings.near_views);
   visit("establish_views", settings.establish_views);
   visit("establish_margin", settings.establish_margin);
+  visit("establish_evidence", settings.establish_evidence);
   visit("support", settings.support);
   visit("present_support", settings.present_support);
 }

@@ -12,6 +12,7 @@ namespace {
 constexpr size_t kRecentViews = 16;
 constexpr size_t kFewViews = 6;  // fewer say nothing of the rate
 constexpr size_t kSupportViews = 24;
+constexpr size_t kMarginViews = 16;
 
 struct BestPlace {
   size_t cell = 0;
@@ -69,14 +70,32 @@ bool supports_path(const PathTrack& track, double least) {
   return support_sum(track) >= views * std::lround(least * kScoreUnit);
 }
 
-// Whoever is carried elsewhere loses the support that the path had.
-bool supports_present(const PathTrack& track, double share) {
-  const auto views = static_cast<int64_t>(track.supports.size());
-  return track.support * views * kScoreUnit >= support_sum(track) * std::lround(share * kScoreUnit);
+// The mean of the views before it.
+double usual_margin(const PathTrack& track, uint32_t margin) {
+  if (track.margins.empty()) return margin;
+  const auto sum = std::accumulate(track.margins.begin(), track.margins.end(), uint64_t{0});
+  return static_cast<double>(sum) / static_cast<double>(track.margins.size());
+}
+
+// Whoever is carried elsewhere loses support and margin that the path had, and what he sees changes
+// more than the training walk did. `excess`: by how much, in typical distances.
+bool is_present(const PathTrack& track, uint32_t margin, double excess, double least) {
+  const double usual =
+      static_cast<double>(support_sum(track)) / static_cast<double>(track.supports.size());
+  if (usual <= 0 || margin == 0) return false;
+  const double margins = margin / usual_margin(track, margin);
+  return track.support / usual + std::min(margins, kMostMarginShare) -
+             kChangeWeight * std::max(excess, 0.0) >=
+         least;
+}
+
+bool has_evidence(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
+  return track.evidence >= std::llround(settings.establish_evidence * kScoreUnit) &&
+         margin >= in_scores(settings.establish_margin);
 }
 
 // The longer a path, the smaller a margin will do.
-bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
+bool is_long_enough(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
   const size_t cell = track.last.cell;
   const size_t passed = track.views + cell - std::min(cell, track.start);  // twice the length
   const size_t enough = 2 * settings.establish_views;
@@ -86,44 +105,62 @@ bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_
 }
 
 // Before: whether the path was established. `margin` is what the place has, trusted or not.
-void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin) {
-  const bool is_present = supports_present(track, settings.present_support);
+void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin, double excess) {
   if (track.views == 1 || margin == 0 || track.support < 0) track.is_established = false;
-  if (is_present && establishes(track, settings, margin) && supports_path(track, settings.support))
+  const bool is_now = is_present(track, margin, excess, settings.present_support);
+  if (is_now &&
+      (has_evidence(track, settings, margin) ||
+       (is_long_enough(track, settings, margin) && supports_path(track, settings.support))))
     track.is_established = true;
-  track.last.margin = track.is_established && is_present ? margin : 0;
+  track.last.margin = track.is_established && is_now ? margin : 0;
+  track.margins.push_back(margin);
+  if (track.margins.size() > kMarginViews) track.margins.pop_front();
+}
+
+void begin_path(PathTrack& track, size_t cell) {
+  track.views = 0;
+  track.start = cell;
+  track.support = 0;
+  track.supports.clear();
+  track.evidence = 0;
+  track.margins.clear();
+  track.recent.clear();
+}
+
+void add_support(PathTrack& track, int32_t support) {
+  track.support = (track.support + support) >> 1;  // rounded down, also below 0
+  track.supports.push_back(support);
+  if (track.supports.size() > kSupportViews) track.supports.pop_front();
+  const int64_t most = in_scores(kMostEvidence);
+  const int64_t added = support - static_cast<int64_t>(in_scores(kUnrelatedSupport));
+  track.evidence = std::max<int64_t>(0, track.evidence + std::clamp(added, -most, most));
 }
 
 }  // namespace
 
-void follow_view(PathTrack& track, const FilterState& state, std::span<const uint16_t> scores,
-                 size_t query_frame) {
+void follow_view(PathTrack& track, const FilterState& state, const QueryView& view) {
   const BestPlace best = find_best(track, state);
+  double excess = 0;
   if (!goes_on(track, state, best.cell)) {
-    track.views = 0;
-    track.start = best.cell;
-    track.support = 0;
-    track.supports.clear();
-    track.recent.clear();
+    begin_path(track, best.cell);
+  } else if (view.walked_change) {
+    excess = view.change - view.walked_change(track.last.cell, best.cell);
   }
   const size_t frame = state.cells.frames[best.cell];
   ++track.views;
-  const auto support = static_cast<int32_t>(kScoreBias) - static_cast<int32_t>(scores[frame]);
-  track.support = (track.support + support) >> 1;  // rounded down, also below 0
-  track.supports.push_back(support);
-  if (track.supports.size() > kSupportViews) track.supports.pop_front();
-  track.recent.push_back({query_frame, frame});
+  add_support(track, static_cast<int32_t>(kScoreBias) - static_cast<int32_t>(view.scores[frame]));
+  track.recent.push_back({view.frame, frame});
   if (track.recent.size() > kRecentViews) track.recent.pop_front();
   track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt};
   if (track.recent.size() >= kFewViews) {
     const PathTrack::Point& from = track.recent.front();
     const size_t passed = frame - std::min(frame, from.train_frame);
     track.last.rate =
-        static_cast<double>(passed) / static_cast<double>(query_frame - from.query_frame);
+        static_cast<double>(passed) / static_cast<double>(view.frame - from.query_frame);
   }
   const uint32_t elsewhere =
       std::min(least_elsewhere(track, state, best.cell), state.nowhere_value);
-  judge(track, state.settings, elsewhere - std::min(elsewhere, best.value));
+  judge(track, state.settings, elsewhere - std::min(elsewhere, best.value), excess);
 }
 
 PathFrame path_at(const PathTrack& track, const FilterCells& cells, size_t query_frame) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,16 @@ namespace vpr {
 
 /// Which training sequences are walks of one place, [a][b]: none where it is empty.
 using SharedPlaces = std::vector<std::vector<uint8_t>>;
+
+/// What a view of the query shows.
+struct QueryView {
+  std::span<const uint16_t> scores;  ///< to all training frames
+  size_t frame = 0;                  ///< its first one
+  double change = 0;                 ///< since the last view, in typical distances
+  /// How much the training walk changes between two places of a sequence, in the same; not set: as
+  /// the query.
+  std::function<double(size_t from, size_t to)> walked_change;
+};
 
 /// What is known at a query frame.
 struct PathFrame {
@@ -31,6 +42,10 @@ struct PathTrack {
   size_t start = 0;              ///< the cell where it began
   int32_t support = 0;           ///< mean of -z at its places, in scores, weighted 1/2, 1/4, ...
   std::deque<int32_t> supports;  ///< -z at the places of its last views, in scores
+  /// The sum of -z - kUnrelatedSupport at its places, in scores, never below 0; a view adds or
+  /// takes kMostEvidence at most.
+  int64_t evidence = 0;
+  std::deque<uint32_t> margins;  ///< of the views before the last one, trusted or not
   PathFrame last;
 
   struct Point {
@@ -40,13 +55,21 @@ struct PathTrack {
   std::deque<Point> recent;  ///< first frames of views that met
 };
 
-/// Takes what the filter says of a view that begins at this query frame. The path goes on where
+/// Deviations: what places that only look alike support a path by, and what a view counts for.
+inline constexpr double kUnrelatedSupport = 1.25;
+inline constexpr double kMostEvidence = 3;
+
+/// What a share of the usual margin counts at most, and what a change by a typical distance more
+/// than the training walk's takes from the shares.
+inline constexpr double kMostMarginShare = 1.5;
+inline constexpr double kChangeWeight = 1.5;
+
+/// Takes what the filter says of a view, which is behind the last one. The path goes on where
 /// the best place is at most near_views from the last one, in the same sequence, and is a new one
 /// elsewhere. The margin is the smallest value of a place farther than near_views from the best one
 /// in its sequence, of one in a sequence that shows another place, or of being nowhere, less the
 /// best value; and 0 unless the path is trusted (FilterSettings).
-void follow_view(PathTrack& track, const FilterState& state, std::span<const uint16_t> scores,
-                 size_t query_frame);
+void follow_view(PathTrack& track, const FilterState& state, const QueryView& view);
 
 /// Where the query is at a frame of the last view, if it goes on through the training view at its
 /// rate: at most at the view's end. A path of few views is taken to be as fast as the training

@@ -27,20 +27,45 @@ void find_scores(FilteredQuery& query, const FrameDistances& distances, size_t f
   parallel_for(parts, Monitor{}, find);
 }
 
-bool shows_new_view(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
-  const double least_change = query.filter.settings.view_change * distances.typical_distance;
-  return !query.view || frame_distance(distances.query.rows, *query.view, frame) >= least_change;
+// Since the last view.
+double change_since(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
+  return query.view ? frame_distance(distances.query.rows, *query.view, frame) : 0;
+}
+
+double in_typical(double change, double typical_distance) {
+  return typical_distance > 0 ? change / typical_distance : 0;
+}
+
+// Of the training walk, between two places of a sequence.
+double walked_change(const FilterCells& cells, const FrameDistances& distances, size_t from,
+                     size_t to) {
+  const auto index = static_cast<size_t>(&run_of(cells, to) - cells.runs.data());
+  const FrameRun& run = distances.train_runs[index];
+  const size_t first = run.first - run.first_in_sequence;
+  return frame_distance(distances.train[run.sequence].rows, cells.frames[from] - first,
+                        cells.frames[to] - first);
+}
+
+QueryView see_view(const FilteredQuery& query, const FrameDistances& distances, size_t number,
+                   double change) {
+  const double typical = distances.typical_distance;
+  const auto walked = [&query, &distances, typical](size_t from, size_t to) {
+    return in_typical(walked_change(query.filter.cells, distances, from, to), typical);
+  };
+  return {query.scores, number, in_typical(change, typical), walked};
 }
 
 void write_views(FilteredQuery& query) {
   const FilterCells& cells = query.filter.cells;
+  const uint32_t* frames = cells.frames.data();
+  const uint32_t* values = query.filter.values.data();
+  uint32_t* row = query.row.data();
   for (const CellRun& run : cells.runs) {
-    size_t frame = cells.frames[run.first];
-    for (size_t cell = run.first; cell < run.first + run.count; ++cell) {
-      const size_t end = view_end(cells, run, cell);
-      const uint32_t value = query.filter.values[cell];
-      for (; frame < end; ++frame) query.row[frame] = value;
-    }
+    const size_t last = run.first + run.count - 1;
+    for (size_t cell = run.first; cell < last; ++cell)
+      for (size_t frame = frames[cell]; frame < frames[cell + 1]; ++frame)
+        row[frame] = values[cell];
+    std::fill(row + frames[last], row + run.frames_end, values[last]);
   }
 }
 
@@ -77,10 +102,11 @@ void forget_frames(FilteredQuery& query) {
 PathReport take_frame(FilteredQuery& query, const FrameDistances& distances, size_t frame) {
   const size_t number = query.passed + frame;
   find_scores(query, distances, frame);
-  if (shows_new_view(query, distances, frame)) {
+  const double change = change_since(query, distances, frame);
+  if (!query.view || change >= query.filter.settings.view_change * distances.typical_distance) {
     query.view = frame;
     advance_filter(query.filter, query.scores);
-    follow_view(query.track, query.filter, query.scores, number);
+    follow_view(query.track, query.filter, see_view(query, distances, number, change));
     write_views(query);
   }
   const PathFrame path = path_at(query.track, query.filter.cells, number);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "matching/filter_track.h"
 #include "matching/score_kernels.h"
 
 namespace vpr {
@@ -55,18 +56,44 @@ double mean_support(std::span<const PlainView> path) {
   return sum / static_cast<double>(last.size());
 }
 
+// In deviations.
+double path_evidence(std::span<const PlainView> path) {
+  double evidence = 0;
+  for (const PlainView& view : path) {
+    const double added = static_cast<double>(view.support) / kScoreUnit - kUnrelatedSupport;
+    evidence = std::max(0.0, evidence + std::max(-kMostEvidence, std::min(kMostEvidence, added)));
+  }
+  return evidence;
+}
+
+// Of the last 16 views before the last one.
+double margin_share(std::span<const PlainView> path) {
+  const std::span<const PlainView> before = path.first(path.size() - 1);
+  const std::span<const PlainView> last = before.last(std::min<size_t>(before.size(), 16));
+  double sum = 0;
+  for (const PlainView& view : last) sum += view.margin;
+  return last.empty() ? 1 : path.back().margin / (sum / static_cast<double>(last.size()));
+}
+
 bool is_present(std::span<const PlainView> path, const FilterSettings& settings) {
-  return present_support(path) >= settings.present_support * mean_support(path);
+  const PlainView& view = path.back();
+  if (mean_support(path) <= 0 || view.margin == 0) return false;
+  const double excess = path.size() > 1 ? std::max(view.excess, 0.0) : 0;
+  return present_support(path) / mean_support(path) +
+             std::min(margin_share(path), kMostMarginShare) - kChangeWeight * excess >=
+         settings.present_support;
 }
 
 bool establishes(std::span<const PlainView> path, const FilterSettings& settings) {
+  if (!is_present(path, settings)) return false;
   const double margin = static_cast<double>(path.back().margin) / kScoreUnit;
+  if (path_evidence(path) >= settings.establish_evidence && margin >= settings.establish_margin)
+    return true;
   const double length = path_length(path);
   const auto views = static_cast<double>(settings.establish_views);
   const bool is_long = (length >= views && margin >= settings.establish_margin) ||
                        (length >= 2 * views && margin >= settings.establish_margin / 2);
-  return is_long && is_present(path, settings) &&
-         mean_support(path) >= settings.support * kScoreUnit;
+  return is_long && mean_support(path) >= settings.support * kScoreUnit;
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ struct PlainView {
   size_t sequence = 0;
   uint32_t margin = 0;  ///< of the best place, trusted or not
   int32_t support = 0;  ///< its -z
+  double excess = 0;    ///< change of the query less that of the training walk, since the last view
 };
 
 /// Which views are believed, of those of a query from the first on. As follow_view, but every view

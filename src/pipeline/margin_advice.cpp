@@ -53,10 +53,12 @@ std::optional<ThresholdAdvice> margin_advice(const Result& result) {
     const auto& settings = std::get<SequenceQuerySettings>(result.settings);
     advice.sentence = fmt::format(
         "No path through training frames was followed for {} views with a margin of {:g} at its "
-        "best, or for {} with {:g} (establish_views and establish_margin of \"filter\"). Both "
+        "best, or for {} with {:g}, nor was there evidence of {:g} deviations for one "
+        "(establish_views, establish_margin, establish_evidence of \"filter\"). Both "
         "walks must go the same way: the way back is another training sequence.",
         settings.filter.establish_views, settings.filter.establish_margin,
-        2 * settings.filter.establish_views, settings.filter.establish_margin / 2);
+        2 * settings.filter.establish_views, settings.filter.establish_margin / 2,
+        settings.filter.establish_evidence);
     return advice;
   }
   if (margins.empty()) {

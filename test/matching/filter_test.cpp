@@ -203,5 +203,6 @@ TEST_CASE("settings of the filter out of range are refused") {
   CHECK(refused(&FilterSettings::leave, std::nan("")) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::view_change, -1) == ErrorKind::usage);
   CHECK(refused(&FilterSettings::establish_margin, -1) == ErrorKind::usage);
-  CHECK(refused(&FilterSettings::present_support, 1.5) == ErrorKind::usage);
+  CHECK(refused(&FilterSettings::establish_evidence, -1) == ErrorKind::usage);
+  CHECK(refused(&FilterSettings::present_support, 3) == ErrorKind::usage);
 }

@@ -20,6 +20,7 @@ struct Places {
   FilterState state;
   PathTrack track;
   std::vector<uint16_t> scores;
+  double change = 0.25;  ///< as the training walk
 
   Places() {
     for (const auto& [sequence, count] : {std::pair<size_t, size_t>{0, 40}, {1, 30}}) {
@@ -51,7 +52,7 @@ struct Places {
     forget();
     state.values[cell(sequence, place)] = kScoreBias + kUnit;
     state.nowhere_value = kScoreBias + kUnit + margin;
-    follow_view(track, state, scores, query_frame);
+    follow_view(track, state, {scores, query_frame, change, [](size_t, size_t) { return 0.25; }});
   }
 
   void show(double z) {
@@ -77,10 +78,35 @@ TEST_CASE("a path is believed after 18 views, and as long as it goes on") {
 
 TEST_CASE("who stands still needs twice as many views of his own") {
   Places places;
+  places.state.settings.establish_evidence = 1000;
   for (size_t view = 0; view < 40; ++view) {
     places.see(0, 5, view);
     CHECK((places.track.last.margin > 0) == (view >= 35));
   }
+}
+
+TEST_CASE("a path of much evidence is believed sooner") {
+  const auto first_believed = [](double z, uint32_t margin) {
+    Places places;
+    places.show(z);
+    size_t view = 0;
+    while (view < 40 && places.track.last.margin == 0) {
+      places.see(0, view, view, margin);
+      ++view;
+    }
+    return view;
+  };
+  CHECK(first_believed(-4, 8 * kUnit) == 9);       // 2.75 a view
+  CHECK(first_believed(-7, 8 * kUnit) == 8);       // 3 at most
+  CHECK(first_believed(-7, 8 * kUnit - 1) == 37);  // by its length
+  Places places;
+  places.show(-4);
+  for (size_t view = 0; view < 5; ++view) places.see(0, view, view);
+  places.show(3);  // 3 at most; evidence of 13.75 is 1.75 after four of them
+  for (size_t view = 5; view < 9; ++view) places.see(0, view, view);
+  CHECK(places.track.evidence == 7 * kUnit / 4);
+  places.see(0, 9, 9);
+  CHECK(places.track.evidence == 0);
 }
 
 TEST_CASE("half the margin does for a path of twice the length") {
@@ -114,12 +140,25 @@ TEST_CASE("a path that its frames do not support any more is not believed, and g
   Places places;
   for (size_t view = 0; view < 20; ++view) places.see(0, view, view);
   REQUIRE(places.track.last.margin > 0);
-  places.show(0.25);  // support 0.875, and 1.89 on average
-  places.see(0, 20, 20);
+  places.show(0.25);  // support 0.875, and 1.89 on average: a share of 0.46
+  places.see(0, 20, 20, 16 * kUnit);
+  CHECK(places.track.last.margin == 16 * kUnit);  // and 0.67 of the margin
+  places.show(-0.9);                              // shares of 0.48 and 0.68
+  places.see(0, 21, 21, 16 * kUnit);
+  CHECK(places.track.last.margin == 16 * kUnit);
+  places.change = 0.5;  // 0.375 less
+  places.show(-1);
+  places.see(0, 22, 22, 16 * kUnit);
   CHECK(places.track.last.margin == 0);
   CHECK(places.track.is_established);
-  places.show(2);
-  places.see(0, 21, 21);
+  places.change = 0.125;  // less change than that of the training walk is no better
+  places.show(-2);
+  places.see(0, 23, 23, 6 * kUnit);  // shares of 0.83 and 0.27
+  CHECK(places.track.last.margin == 0);
+  places.see(0, 24, 24, 24 * kUnit);
+  CHECK(places.track.last.margin == 24 * kUnit);
+  places.show(4);
+  places.see(0, 25, 25);
   CHECK_FALSE(places.track.is_established);
 }
 
@@ -141,10 +180,11 @@ TEST_CASE("what is believed is as its plain twin says") {
                   : std::min<size_t>(place + uniform_below(engine, 2), 29);
       const auto margin = static_cast<uint32_t>(uniform_below(engine, margins * kUnit));
       places.show(0.5 - static_cast<double>(uniform_below(engine, 5 * kUnit)) / kUnit);
+      places.change = static_cast<double>(uniform_below(engine, 100)) / 128;
       places.see(sequence, place, view, margin);
       const size_t cell = places.cell(sequence, place);
       const int support = static_cast<int>(kScoreBias) - places.scores[0];
-      seen.push_back({cell, sequence, margin, support});
+      seen.push_back({cell, sequence, margin, support, places.change - 0.25});
       found.push_back(places.track.last.margin > 0);
     }
     const std::vector<uint8_t> expected = plain_belief(seen, places.state.settings);
@@ -162,11 +202,11 @@ TEST_CASE("what is believed is as its plain twin says") {
 TEST_CASE("what is near the best place, or the same one, is not elsewhere") {
   Places places;
   const auto margin_with = [&](size_t sequence, size_t place) {
-    for (size_t view = 0; view < 20; ++view) places.see(0, view, view);
+    for (size_t view = 0; view < 20; ++view) places.see(0, view, view, 9 * kUnit);
     places.forget();
     places.state.values[places.cell(0, 20)] = kScoreBias + kUnit;
     places.state.values[places.cell(sequence, place)] = kScoreBias + 3 * kUnit;
-    follow_view(places.track, places.state, places.scores, 20);
+    follow_view(places.track, places.state, {places.scores, 20, 0, {}});
     return places.track.last.margin;
   };
   CHECK(margin_with(0, 10) == 24 * kUnit);
