@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "ground_truth/dataset.h"
+#include "ground_truth/frame_times.h"
 #include "report/fix_trajectory.h"
 
 namespace vpr {
@@ -50,6 +51,7 @@ void claim_trajectory(const Session& session, const TrajectoryInputs& inputs,
 
 void write_trajectory(const Session& session, const TrajectoryInputs& inputs,
                       const std::string& dataset, const Evaluation& evaluation,
+                      const std::optional<GroundTruthArgument>& truth,
                       std::optional<double> frames_per_second) {
   if (inputs.file.empty()) return;
   const TrainPositions positions = read_positions(read_dataset(dataset), evaluation);
@@ -58,7 +60,11 @@ void write_trajectory(const Session& session, const TrajectoryInputs& inputs,
                 fmt::format("{}: no training sequence that was searched names \"poses\", which "
                             "--fixes-tum needs (CSV frame,x,y; of FAB-MAP \"place_poses\")",
                             dataset));
-  session.outputs.file(inputs.file).write(fix_trajectory(evaluation, positions, frames_per_second));
+  FrameClock clock{{}, frames_per_second};
+  const bool is_replayed = evaluation.judgement.layout.scope.replay.has_value();
+  if (truth && !truth->options.query_times.empty() && !is_replayed)
+    clock.times_ns = read_frame_times(truth->options.query_times, session.monitor);
+  session.outputs.file(inputs.file).write(fix_trajectory(evaluation, positions, clock));
 }
 
 }  // namespace vpr

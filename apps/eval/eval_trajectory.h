@@ -19,9 +19,11 @@ void add_trajectory_options(const Command& app, TrajectoryInputs& inputs);
 void claim_trajectory(const Session& session, const TrajectoryInputs& inputs,
                       const std::string& dataset);
 
-/// Throws Error(usage) if the data set has no positions of training frames.
+/// Times are those of --query-times, where the query is judged by them and is not replayed. Throws
+/// Error(usage) if the data set has no positions of training frames, and as read_frame_times does.
 void write_trajectory(const Session& session, const TrajectoryInputs& inputs,
                       const std::string& dataset, const Evaluation& evaluation,
+                      const std::optional<GroundTruthArgument>& truth,
                       std::optional<double> frames_per_second);
 
 }  // namespace vpr

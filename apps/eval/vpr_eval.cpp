@@ -106,7 +106,7 @@ void run_one(Session& session, const EvalInputs& inputs) {
   add_rows(rows, inputs.csv, evaluation, inputs.row_name);
   write_csv_rows(session, inputs.csv, rows);
   write_trajectory(session, inputs.trajectory, inputs.dataset, evaluation,
-                   frames_per_second(inputs));
+                   evaluated.by.ground_truth, frames_per_second(inputs));
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
               evaluation.judgement.layout,
               evaluation.result ? &evaluation.result->result : nullptr);

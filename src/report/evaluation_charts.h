@@ -19,6 +19,10 @@ struct ScorePicture;
 /// there are some, all pairs. It has no series where nothing is judged.
 Chart curve_chart(const Json& report, const Judgement& judgement);
 
+/// The share of mistakes among accepted best matches against the share of best matches that are
+/// accepted, by score and, where margins are known, by margin. No series where nothing is judged.
+Chart risk_chart(const Json& report, const Judgement& judgement);
+
 /// Best matches that a threshold accepts, from the strictest to the loosest, in the unit in which
 /// thresholds are given: right ones, wrong ones, and those that are not judged.
 Chart threshold_chart(const Json& report, const Judgement& judgement);
@@ -57,9 +61,9 @@ Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const G
 /// The meanings that a chart shows, for a legend outside it.
 std::vector<Meaning> meanings_of(const Chart& chart);
 
-/// Writes precision-recall, recall@K (where ranks are known), timeline, margins (where they are
-/// known) and matrix as SVG and PNG
-/// into the folder of an output. Throws Error(output).
+/// Writes precision-recall, risk-coverage, recall@K (where ranks are known), timeline, margins
+/// (where they are known) and matrix as SVG and PNG into the folder of an output. Throws
+/// Error(output).
 void draw_evaluation(const Json& report, const Judgement& judgement, const GroundTruth& truth,
                      const ScoreMatrix* matrix, const std::filesystem::path& folder,
                      const Monitor& monitor);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "ground_truth/times.h"
 #include "pipeline/evaluate.h"
 
 namespace vpr {
@@ -33,18 +34,24 @@ const RoutePoint* position_of(const TrainPositions& positions, const FrameMatch&
   return &*frames[match.reference];
 }
 
+std::string time_of(const FrameClock& clock, size_t frame) {
+  if (frame < clock.times_ns.size()) return time_text(clock.times_ns[frame]);
+  const double rate = clock.frames_per_second.value_or(1);
+  return fmt::format("{:.6f}", static_cast<double>(frame) / rate);
+}
+
 }  // namespace
 
 std::string fix_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
-                           std::optional<double> frames_per_second) {
-  std::string text = fmt::format("# time{} x y z qx qy qz qw\n", frames_per_second ? " (s)" : "");
+                           const FrameClock& clock) {
+  const bool is_seconds = !clock.times_ns.empty() || clock.frames_per_second;
+  std::string text = fmt::format("# time{} x y z qx qy qz qw\n", is_seconds ? " (s)" : "");
   const auto matches = fix_matches(evaluation);
   for (size_t frame = 0; frame < matches.size(); ++frame) {
     if (!matches[frame]) continue;
     const RoutePoint* point = position_of(positions, *matches[frame]);
     if (point == nullptr) continue;
-    const double time = static_cast<double>(frame) / frames_per_second.value_or(1);
-    text += fmt::format("{:.6f} {:.6f} {:.6f} 0 0 0 0 1\n", time, point->x, point->y);
+    text += fmt::format("{} {:.6f} {:.6f} 0 0 0 0 1\n", time_of(clock, frame), point->x, point->y);
   }
   return text;
 }

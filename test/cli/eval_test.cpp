@@ -163,7 +163,8 @@ TEST_CASE("pictures: a page with the frames of both sequences, and plots") {
   CHECK(test::list_folder(folder / "plots") ==
         std::vector<std::string>{".vpr-files", "matrix.png", "matrix.svg", "precision-recall.png",
                                  "precision-recall.svg", "recall-at.png", "recall-at.svg",
-                                 "timeline.png", "timeline.svg"});
+                                 "risk-coverage.png", "risk-coverage.svg", "timeline.png",
+                                 "timeline.svg"});
   CHECK(run.out.rfind("Recognised in 4 of 12 frames, none of them wrong; the first right one at "
                       "frame 0.\n",
                       0) == 0);

@@ -295,3 +295,24 @@ TEST_CASE("a map can be stopped") {
   monitor.stop = &stop;
   CHECK_THROWS_AS(route_charts(map, {panel}, monitor), Error);
 }
+
+TEST_CASE("risk against coverage, and what thresholds accept, are those counted by hand") {
+  Judgement judgement = walk("rRwr");
+  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  const Json report = report_of(judgement, aligned(judgement));
+  const Chart chart = risk_chart(report, judgement);
+  REQUIRE(chart.series.size() == 1);
+  CHECK(chart.series[0].points ==
+        std::vector<std::pair<double, double>>{{0.25, 0}, {0.5, 0}, {1, 0.25}});
+  const auto steps = threshold_steps(report, judgement, 100);
+  REQUIRE(steps.size() == 4);
+  CHECK(steps[1].accepted == std::array<size_t, 3>{2, 0, 0});
+  CHECK(steps[2].threshold == 2);
+  CHECK(steps[3].accepted == std::array<size_t, 3>{3, 1, 0});
+  // Equal scores are accepted together.
+  judgement.outcomes.queries[2].key = judgement.outcomes.queries[1].key;
+  CHECK(threshold_steps(report, judgement, 100)[1].accepted == std::array<size_t, 3>{2, 1, 0});
+  const auto thinned = threshold_steps(report, judgement, 1);
+  CHECK(thinned.back().accepted == std::array<size_t, 3>{3, 1, 0});
+}
