@@ -18,7 +18,8 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kMostBytes = size_t{1} << 31;  // of a matrix in memory
+// What zlib makes of a byte at most, rounded up: a matrix has no more values.
+constexpr size_t kMostValuesOfByte = 1100;
 constexpr std::string_view kVersion5 = "MATLAB 5.0 MAT-file";
 constexpr std::string_view kVersion73 = "MATLAB 7.3 MAT-file";
 constexpr size_t kHeaderBytes = 128;
@@ -54,7 +55,10 @@ uint32_t number_at(std::string_view bytes, size_t at, bool is_little) {
 
 /// The library fills up what a file lacks with zeros, and would not tell.
 void require_whole(const GroundTruthBuilder& builder, std::string_view bytes) {
-  if (!bytes.starts_with(kVersion5)) return;
+  if (bytes.starts_with(kVersion73)) return;
+  // Any bytes may be of version 4, where the library believes what is claimed.
+  if (!bytes.starts_with(kVersion5))
+    builder.fail("is no MAT-file of version 5 to 7.3; save it anew in MATLAB");
   const bool is_little = bytes.size() >= kHeaderBytes && bytes[kHeaderBytes - 2] == 'I';
   size_t at = kHeaderBytes;
   while (at + kTagBytes <= bytes.size()) at += kTagBytes + number_at(bytes, at + 4, is_little);
@@ -74,14 +78,16 @@ std::string find_matrix(const GroundTruthBuilder& builder, mat_t& file) {
                            fmt::join(names, ", "), kUsualName));
 }
 
-MatVariable read_matrix(const GroundTruthBuilder& builder, mat_t& file, const std::string& name) {
+MatVariable read_matrix(const GroundTruthBuilder& builder, mat_t& file, const std::string& name,
+                        size_t file_bytes) {
   const MatVariable info{Mat_VarReadInfo(&file, name.c_str())};
   if (!info || !is_matrix(*info)) builder.fail(fmt::format("its matrix {} is damaged", name));
   const size_t rows = info->dims[0];
   const size_t cols = info->dims[1];
-  if (rows > kMostGrownFrames || cols > kMostGrownFrames ||
-      (info->class_type != MAT_C_SPARSE && rows * cols > kMostBytes / sizeof(double)))
-    builder.fail(fmt::format("its matrix {} of {} x {} is too large", name, rows, cols));
+  const size_t stored = info->class_type == MAT_C_SPARSE ? cols : rows * cols;
+  if (rows > kMostGrownFrames || cols > kMostGrownFrames || stored > file_bytes * kMostValuesOfByte)
+    builder.fail(
+        fmt::format("its matrix {} of {} x {} is too large for its file", name, rows, cols));
   MatVariable matrix{Mat_VarRead(&file, name.c_str())};
   if (!matrix || matrix->data == nullptr)
     builder.fail(fmt::format("its matrix {} is damaged", name));
@@ -166,11 +172,12 @@ void visit_ones(const GroundTruthBuilder& builder, const matvar_t& matrix, Use&&
 std::string read_mat_file(GroundTruthBuilder& builder) {
   const std::filesystem::path& path = builder.argument().path;
   const size_t sequence = builder.only_searched(path.string());
-  require_whole(builder, MappedFile(path).text());
+  const MappedFile bytes(path);
+  require_whole(builder, bytes.text());
   const MatFile file{Mat_Open(path.c_str(), MAT_ACC_RDONLY)};
   if (!file) builder.fail("is no MAT-file that can be read");
   const std::string name = find_matrix(builder, *file);
-  const MatVariable matrix = read_matrix(builder, *file, name);
+  const MatVariable matrix = read_matrix(builder, *file, name, bytes.text().size());
   const size_t rows = matrix->dims[0];
   const size_t cols = matrix->dims[1];
   const bool rows_are_query = require_matrix_shape(builder, sequence, rows, cols, true);
