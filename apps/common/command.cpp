@@ -36,6 +36,9 @@ void on_signal(int number) {
   std::signal(number, SIG_DFL);  // a second Ctrl-C ends the program at once
 }
 
+// Of several processes, the first one prints.
+bool is_first_process() { return launched_index().value_or(0) == 0; }
+
 void set_up_process() {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
@@ -46,13 +49,15 @@ void set_up_process() {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   std::cerr.rdbuf(nullptr);  // OpenCV's codecs write there, and nothing of ours
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  if (!is_first_process() && std::freopen("/dev/null", "w", stdout) == nullptr) std::abort();
 }
 
 std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {
   auto logger = std::make_shared<spdlog::logger>(
       "vpr", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
   logger->set_pattern("%^%l%$: %v");
-  logger->set_level(options.quiet     ? spdlog::level::err
+  logger->set_level(!is_first_process() ? spdlog::level::off
+                    : options.quiet   ? spdlog::level::err
                     : options.verbose ? spdlog::level::debug
                                       : spdlog::level::info);
   return logger;
@@ -68,7 +73,7 @@ constexpr const char* kExitCodes =
     "  130  interrupted";
 
 // A list in a sentence has indented lines of its own; a name in it begins none.
-int report_error(const std::string& program, ErrorKind kind, const std::string& sentence) {
+void print_error(const std::string& program, const std::string& sentence) {
   std::string text;
   for (size_t begin = 0; begin <= sentence.size();) {
     const size_t end = std::min(sentence.find("\n  ", begin), sentence.size());
@@ -76,7 +81,6 @@ int report_error(const std::string& program, ErrorKind kind, const std::string& 
     begin = end + 1;
   }
   fmt::print(stderr, "{}: {}\n", program, text);
-  return exit_code(kind);
 }
 
 std::string last_sections(const std::string& example) {
@@ -99,19 +103,24 @@ Program::Program(const std::string& name, const std::string& description,
 }
 
 Command Program::add_command(const std::string& name, const std::string& description,
-                             const std::string& example, std::function<void(Session&)> run) {
+                             const std::string& example, std::function<void(Session&)> run,
+                             Processes processes) {
   const Command command =
-      parser_.add_command(name, description, [this, run = std::move(run)] { run_ = run; });
+      parser_.add_command(name, description, [this, run = std::move(run), processes] {
+        run_ = run;
+        processes_ = processes;
+      });
   command.add_footer(last_sections(example));
   add_common_flags(command);
   if (!run_) parser_.require_command(true);
   return command;
 }
 
-void Program::set_run(std::function<void(Session&)> run) {
+void Program::set_run(std::function<void(Session&)> run, Processes processes) {
   add_common_flags(command());
   parser_.require_command(false);
   run_ = std::move(run);
+  processes_ = processes;
 }
 
 void Program::add_common_flags(const Command& command) {
@@ -151,10 +160,26 @@ void Program::add_config_option(const Command& command,
       .read_first();
 }
 
+void Program::join_others() {
+  if (!launched_index()) return;
+  if (processes_ == Processes::one)
+    throw Error(ErrorKind::usage, "this is work for one process: leave mpirun out");
+  group_ = std::make_unique<ProcessGroup>(stop_wanted);
+}
+
+// The others wait until the first process has written and printed all. Gives what each did.
+std::vector<std::string> Program::end_together() {
+  if (!group_) return {};
+  std::vector<std::string> lines;
+  if (common_.verbose) lines = group_->report();
+  group_->end();
+  return lines;
+}
+
 void Program::run_session(int argc, char** argv) {
   const auto logger = make_logger(common_);
   mute_codecs();
-  ProgressLine progress(!common_.quiet);
+  ProgressLine progress(!common_.quiet && is_first_process());
   Monitor monitor;
   monitor.progress = [&](const std::string& step, size_t done, size_t total) {
     progress.show(step, done, total);
@@ -171,11 +196,14 @@ void Program::run_session(int argc, char** argv) {
   const MegapixelLimit pixels(common_.max_megapixels);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
+  join_others();
   OutputTransaction outputs(common_.existing());
   // Without --force, nothing that exists is replaced anyway.
   if (common_.force)
     for (const std::filesystem::path& input : run_inputs(parser_.given())) outputs.protect(input);
   Session session{common_, monitor, {}, select_kernels(), progress, outputs};
+  if (group_) session.share = group_->share();
+  if (!session.share.is_first()) outputs.leave_to_another();
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
   session.run.threads = thread_count();
@@ -185,13 +213,26 @@ void Program::run_session(int argc, char** argv) {
   try {
     run_(session);
     outputs.commit();
+    for (const std::string& line : end_together()) logger->debug(line);
   } catch (const Error& error) {
     throw Error(error.kind(), outputs.with_targets(error.what()));
   }
 }
 
+int Program::report(const Error& error) {
+  const Error reported = group_ ? group_->fail(error) : error;
+  if (is_first_process()) print_error(name_, reported.what());
+  return exit_code(reported.kind());
+}
+
 int Program::main(int argc, char** argv) {
   set_up_process();
+  const int code = run_reported(argc, argv);
+  if (group_) group_->close();
+  return code;
+}
+
+int Program::run_reported(int argc, char** argv) {
   try {
     if (argc == 3 && std::string_view(argv[1]) == "--completion") {  // for the installation
       fmt::print("{}", command_text(parser_.describe(), argv[2], program_version()));
@@ -204,18 +245,17 @@ int Program::main(int argc, char** argv) {
     run_session(argc, argv);
     return 0;
   } catch (const Error& error) {
-    return report_error(name_, error.kind(), error.what());
+    return report(error);
   } catch (const std::bad_alloc&) {
-    return report_error(name_, ErrorKind::internal,
-                        fmt::format("out of memory; use fewer frames{}",
-                                    parser_.takes(kMemoryFlag) ? " or a lower --max-memory" : ""));
+    return report({ErrorKind::internal,
+                   fmt::format("out of memory; use fewer frames{}",
+                               parser_.takes(kMemoryFlag) ? " or a lower --max-memory" : "")});
   } catch (const std::filesystem::filesystem_error& error) {
-    return report_error(name_, ErrorKind::output,
-                        fmt::format("{}: can't be read or written: {}", error.path1().string(),
-                                    error.code().message()));
+    return report({ErrorKind::output, fmt::format("{}: can't be read or written: {}",
+                                                  error.path1().string(), error.code().message())});
   } catch (const std::exception& error) {
-    return report_error(name_, ErrorKind::internal,
-                        fmt::format("internal error, please report it: {}", error.what()));
+    return report({ErrorKind::internal,
+                   fmt::format("internal error, please report it: {}", error.what())});
   }
 }
 

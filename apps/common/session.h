@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "base/monitor.h"
 #include "base/output_transaction.h"
+#include "base/share.h"
 #include "images/codec_scope.h"
 #include "matching/row_kernels.h"
 #include "report/run_info.h"
@@ -46,6 +47,7 @@ struct Session {
   RowKernels kernels;
   ProgressLine& progress;
   OutputTransaction& outputs;
+  Share share = {};  ///< where mpirun started several processes; the first one writes and prints
 
   /// Claims the file of --output, where it is given.
   void claim_output() const;

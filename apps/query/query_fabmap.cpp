@@ -34,7 +34,7 @@ struct FabmapQuery {
 };
 
 FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& database,
-                           bool skip_unreadable, const Monitor& monitor) {
+                           bool skip_unreadable, const Session& session) {
   FabmapQuery query;
   if (!inputs.query_bow.empty()) {
     if (inputs.query || !inputs.dataset.empty())
@@ -50,14 +50,15 @@ FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& data
   query.path = source.sequence.sequence.path.string();
   query.images = source.sequence.sequence;
   query.words =
-      describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable, monitor);
+      describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable,
+                     session.share, session.monitor);
   return query;
 }
 
 FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
-                       bool skip_unreadable, uint64_t seed, const Monitor& monitor) {
-  FabmapQuery query = read_recording(inputs, database, skip_unreadable, monitor);
-  query.words = replayed(std::move(query.words), inputs.warp, seed);
+                       bool skip_unreadable, const Session& session) {
+  FabmapQuery query = read_recording(inputs, database, skip_unreadable, session);
+  query.words = replayed(std::move(query.words), inputs.warp, session.options.seed);
   return query;
 }
 
@@ -125,7 +126,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);
   const FabmapQuery query =
-      read_query(inputs, database, settings.skip_unreadable, options.seed, session.monitor);
+      read_query(inputs, database, settings.skip_unreadable, session);
   const double describe_s = watch.elapsed_s();
   const size_t frames = query.words.frames.size();
   images_by_group(inputs, database);  // a wrong name should not cost the whole query

@@ -170,7 +170,8 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   if (score_kind(settings.score).needs_statistics)
     ensure_statistics(sides.database, session.monitor);
   sides.query = replayed(describe_frames(open_sequence(sides.source.sequence.sequence),
-                                         sides.database, settings.skip_unreadable, session.monitor),
+                                         sides.database, settings.skip_unreadable, session.share,
+                                         session.monitor),
                          inputs.warp, session.options.seed);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);

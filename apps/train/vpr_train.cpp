@@ -27,7 +27,8 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
   std::vector<std::string> taken;
   for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
   store_sequences(session, add_sequences(database, named_arguments(inputs.train, taken),
-                                         inputs.skip_unreadable, session.kernels, session.monitor));
+                                         inputs.skip_unreadable, session.kernels, session.share,
+                                         session.monitor));
 }
 
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
@@ -35,7 +36,7 @@ void add_to_fabmap(Session& session, const std::string& path, const AddInputs& i
   std::vector<std::string> taken;
   for (const ViewGroup& group : database.groups) taken.push_back(group.name);
   add_views(database, group_arguments(inputs.train, inputs.places, taken), inputs.skip_unreadable,
-            session.monitor);
+            session.share, session.monitor);
   store_fabmap(session, database);
 }
 
@@ -81,8 +82,10 @@ void add_fastable_command(Program& program, FastableCommand& given) {
       [&](Session& session) {
         claim_database(session);
         store_sequences(session, train_sequences(named_arguments(given.inputs), given.settings,
-                                                 session.kernels, session.monitor));
-      });
+                                                 session.kernels, session.share,
+                                                 session.monitor));
+      },
+      Processes::several);
   program.add_config(fastable, given.settings);
   add_inputs(fastable, given.inputs);
   fastable.add_option("--dataset", given.inputs.dataset,
@@ -141,7 +144,8 @@ void add_add_command(Program& program, DatabaseCommands& given) {
           add_to_fabmap(session, given.path, given.added);
         else
           add_to_sequences(session, given.path, given.added);
-      });
+      },
+      Processes::several);
   program.add_config(add, given.settings);
   add.add_option("DB", given.path, "database to start from").required();
   add_inputs(add, given.added.train);

@@ -16,7 +16,7 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
     const SequenceWords query =
         replayed(describe_words(open_sequence(source.sequence.sequence), database,
-                                command.settings.skip_unreadable, monitor),
+                                command.settings.skip_unreadable, session.share, monitor),
                  inputs.warp, session.options.seed);
     return sweep_fabmap(database, query, source.sequence.name, command.settings,
                         grid != nullptr ? *grid : fabmap_grid(inputs.grid), reader,

@@ -39,7 +39,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
     const DescriptorSet query =
         replayed(describe_frames(open_sequence(source.sequence.sequence), database,
-                                 settings.skip_unreadable, monitor),
+                                 settings.skip_unreadable, session.share, monitor),
                  inputs.warp, session.options.seed);
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,

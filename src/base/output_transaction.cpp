@@ -119,10 +119,12 @@ OutputTransaction::Output& OutputTransaction::ask(const fs::path& path, FolderCh
   return output;
 }
 
-void OutputTransaction::claim_file(const fs::path& path) { claim(path, nullptr); }
+void OutputTransaction::claim_file(const fs::path& path) {
+  if (!is_left_) claim(path, nullptr);
+}
 
 void OutputTransaction::claim_folder(const fs::path& path, FolderCheck is_ours) {
-  claim(path, is_ours);
+  if (!is_left_) claim(path, is_ours);
 }
 
 OutputFile& OutputTransaction::file(const fs::path& path) { return *ask(path, nullptr).file; }

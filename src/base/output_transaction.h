@@ -26,6 +26,9 @@ class OutputTransaction {
 
   Existing existing() const { return existing_; }
 
+  /// Of a process whose outputs another one writes: claims are not looked at from here on.
+  void leave_to_another() { is_left_ = true; }
+
   /// A file or folder that the run reads: no output may replace it, or a folder that it is in.
   /// Throws Error(usage) if one that is claimed already would. What does not exist is let pass.
   void protect(const std::filesystem::path& input);
@@ -68,6 +71,7 @@ class OutputTransaction {
   void check_protected(const std::filesystem::path& path) const;
 
   Existing existing_;
+  bool is_left_ = false;
   std::vector<std::unique_ptr<Output>> outputs_;  // in the order of claims
   std::set<Identity> inputs_;
   std::set<Identity> around_inputs_;  // folders that inputs are in

@@ -14,7 +14,7 @@ struct BestColumn {
 };
 
 /// One worker's share.
-struct Share {
+struct ScanPart {
   std::vector<PlaceLabel> labels;
   std::vector<BestColumn> heap;
   MatrixScan scan;
@@ -56,7 +56,7 @@ void rank_right_ones(QueryOutcome& query, std::vector<BestColumn>& heap,
       query.right_ranks.push_back(static_cast<uint8_t>(rank));
 }
 
-void count_pairs(Share& share, std::span<const uint64_t> keys) {
+void count_pairs(ScanPart& share, std::span<const uint64_t> keys) {
   MatrixScan& scan = share.scan;
   for (size_t c = 0; c < keys.size(); ++c) {
     if (share.labels[c] == PlaceLabel::different) continue;
@@ -72,7 +72,7 @@ void count_pairs(Share& share, std::span<const uint64_t> keys) {
   }
 }
 
-void judge(QueryOutcome& query, Share& share, std::span<const uint64_t> keys,
+void judge(QueryOutcome& query, ScanPart& share, std::span<const uint64_t> keys,
            const ScoreLayout& layout) {
   const auto has_score = [](uint64_t key) { return key != kNoScore; };
   if (std::none_of(keys.begin(), keys.end(), has_score)) {
@@ -115,10 +115,10 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
   Outcomes& outcomes = scan.outcomes;
   outcomes = {matrix.kind(), layout.scope.query_frames, layout.window_length, true, {}};
   outcomes.queries.resize(matrix.queries());
-  std::vector<Share> shares(thread_count());
+  std::vector<ScanPart> shares(thread_count());
   matrix.for_each_row(shares.size(), monitor, "reading scores",
                       [&](size_t worker, size_t row, std::span<const uint64_t> keys) {
-                        Share& share = shares[worker];
+                        ScanPart& share = shares[worker];
                         QueryOutcome& query = outcomes.queries[row];
                         query.frame = layout.anchor(row);
                         look_up_match(query, truth, layout);
@@ -126,9 +126,9 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                         judge(query, share, keys, layout);
                       });
   size_t pairs = 0;
-  for (const Share& share : shares) pairs += share.scan.same_keys.size();
+  for (const ScanPart& share : shares) pairs += share.scan.same_keys.size();
   scan.same_keys.reserve(pairs);
-  for (Share& share : shares) merge(scan, std::move(share.scan));
+  for (ScanPart& share : shares) merge(scan, std::move(share.scan));
   std::sort(scan.same_keys.begin(), scan.same_keys.end());
   return scan;
 }

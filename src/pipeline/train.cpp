@@ -12,6 +12,7 @@
 #include "images/sequence.h"
 #include "matching/distance_statistics.h"
 #include "pipeline/margin_plan.h"
+#include "pipeline/shared_frames.h"
 #include "pipeline/thresholds.h"
 
 namespace vpr {
@@ -25,10 +26,31 @@ namespace {
                                            element_words(found), expected.length));
 }
 
+// Of a sequence that several processes describe, each has the rows of its part, and zeros.
+void join_rows(DescriptorSet& set, const Sequence& sequence, NeededBy needed, const Share& share) {
+  const ItemRange own = *sequence.own;
+  std::vector<uint8_t>& rows = set.descriptors.owned;
+  const size_t row_bytes = set.descriptors.shape().row_bytes();
+  const auto at = [&](size_t frame) { return rows.begin() + ptrdiff_t(frame * row_bytes); };
+  rows = joined(share, needed, std::vector<uint8_t>(at(own.first), at(own.last)));
+  join_unreadable(set.frames, sequence, share);
+}
+
+DescriptorSet describe_together(const Sequence& given, const SequenceDatabase& database,
+                                bool skip_unreadable, NeededBy needed, const Share& share,
+                                const Monitor& monitor) {
+  const Sequence sequence = own_frames(given, share);
+  DescriptorSet set = describe_frames(sequence, database, skip_unreadable, monitor);
+  if (is_in_parts(sequence)) join_rows(set, sequence, needed, share);
+  return set;
+}
+
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
-                     bool skip_unreadable, const Monitor& monitor) {
+                     bool skip_unreadable, const Share& share, const Monitor& monitor) {
   DescriptorSet described =
-      describe_frames(open_sequence(argument.sequence), database, skip_unreadable, monitor);
+      describe_together(open_sequence(argument.sequence), database, skip_unreadable,
+                        NeededBy::first, share, monitor);
+  if (!share.is_first()) return;
   if (!described.frames.unreadable.empty())
     warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,
                               described.frames.unreadable.size(),
@@ -42,9 +64,9 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
 }
 
 void append_sequences(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,
-                      bool skip_unreadable, const Monitor& monitor) {
+                      bool skip_unreadable, const Share& share, const Monitor& monitor) {
   for (size_t s = 0; s < sequences.size(); ++s)
-    append_sequence(database, sequences[s], skip_unreadable,
+    append_sequence(database, sequences[s], skip_unreadable, share,
                     part_of(monitor, sequences[s].name, s, sequences.size()));
 }
 
@@ -137,9 +159,14 @@ DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& 
                        monitor);
 }
 
+DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
+                              bool skip_unreadable, const Share& share, const Monitor& monitor) {
+  return describe_together(sequence, database, skip_unreadable, NeededBy::all, share, monitor);
+}
+
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const RowKernels& kernels,
-                                 const Monitor& monitor) {
+                                 const Share& share, const Monitor& monitor) {
   check_window_length(settings.window_length);
   check_safety_factor(settings.safety_factor);
   SequenceDatabase database;
@@ -147,7 +174,8 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   database.descriptor = settings.descriptor;
   if (database.descriptors.kind->shape.element == ElementType::coordinates)
     database.descriptors.unit = coordinate_unit(opened(sequences), monitor);
-  append_sequences(database, sequences, settings.skip_unreadable, monitor);
+  append_sequences(database, sequences, settings.skip_unreadable, share, monitor);
+  if (!share.is_first()) return database;
   warn_of_short_sequences(database, settings.window_length, monitor);
   add_typical_distances(database, monitor);
   ensure_places(database, kernels, monitor);
@@ -158,14 +186,16 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
 
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
-                               const RowKernels& kernels, const Monitor& monitor) {
+                               const RowKernels& kernels, const Share& share,
+                               const Monitor& monitor) {
   SequenceDatabase extended;
   extended.descriptor = database.descriptor;
   extended.sequences = database.sequences;
   extended.descriptors.kind = database.descriptors.kind;
   extended.descriptors.unit = database.descriptors.unit;
   extended.descriptors.append(database.descriptors.rows());
-  append_sequences(extended, sequences, skip_unreadable, monitor);
+  append_sequences(extended, sequences, skip_unreadable, share, monitor);
+  if (!share.is_first()) return extended;
   add_typical_distances(extended, monitor);
   ensure_places(extended, kernels, monitor);
   for (const ThresholdTable& table : database.thresholds) {
