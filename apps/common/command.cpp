@@ -164,7 +164,7 @@ void Program::join_others() {
   if (!launched_index()) return;
   if (processes_ == Processes::one)
     throw Error(ErrorKind::usage, "this is work for one process: leave mpirun out");
-  group_ = std::make_unique<ProcessGroup>(stop_wanted);
+  group_ = join_processes(stop_wanted);
 }
 
 // The others wait until the first process has written and printed all. Gives what each did.

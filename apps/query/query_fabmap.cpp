@@ -135,7 +135,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
     throw Error(ErrorKind::usage, fmt::format("--explain {}: the query's frames are 0 to {}",
                                               *explained, frames - 1));
   std::optional<PosteriorFile> posteriors;
-  if (!inputs.posteriors.empty())
+  if (!inputs.posteriors.empty() && session.share.is_first())
     posteriors.emplace(session.outputs.file(inputs.posteriors), frames,
                        database.views.views() + (settings.loop ? frames : 0));
   std::vector<double> explained_posterior;
@@ -144,7 +144,8 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
     if (frame == explained) explained_posterior.assign(posterior.begin(), posterior.end());
   };
   FabmapRun run = query_fabmap(database, query.words, query.name, settings, options.seed, observe,
-                               session.monitor);
+                               session.share, session.monitor);
+  if (!session.share.is_first()) return;
   run.seconds["describe"] = describe_s;
   run.seconds["total"] = watch.elapsed_s();
   ResultContext context = context_of(session, inputs, query.path, run.seconds);

@@ -199,7 +199,17 @@ QueryResources resources_of(const Session& session, const QueryInputs& inputs) {
   resources.memory_limit = inputs.memory_limit;
   resources.verify_cells = inputs.verify_cells;
   resources.seed = session.options.seed;
+  resources.share = session.share;
   return resources;
+}
+
+void check_sharing(const Session& session, const QueryInputs& inputs) {
+  if (session.share.is_alone()) return;
+  if (inputs.follow)
+    throw Error(ErrorKind::usage, "--follow is work for one process: leave mpirun out");
+  if (!inputs.matrix.empty())
+    throw Error(ErrorKind::usage, "--save-matrix is work for one process: leave mpirun out");  if (!inputs.scores.path.empty())
+    throw Error(ErrorKind::usage, "--scores is work for one process: leave mpirun out");
 }
 
 }  // namespace
@@ -208,6 +218,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& asked) {
   const SequenceQuerySettings settings = with_implied(asked);
   check_scores(inputs, settings);
+  check_sharing(session, inputs);
   if (inputs.follow) return follow_query(session, inputs, asked);
   const CommonOptions& options = session.options;
   if (!options.output.empty()) claim_result(options.output, session.outputs);
@@ -242,6 +253,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const std::vector<RowConsumer> observers =
       start_matrix(matrix, inputs.matrix, shape, has_gaps(planned), session);
   QueryRun found = run_query(std::move(planned), resources, observers, session.monitor);
+  if (!session.share.is_first()) return;
   found.seconds["describe"] = describe_s;
   found.seconds["total"] = watch.elapsed_s();
 

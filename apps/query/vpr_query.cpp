@@ -207,6 +207,7 @@ int main(int argc, char** argv) {
   add_sequence_flags(app, inputs, settings.sequence);
   add_ground_truth_flags(app, inputs.flags);
   add_fabmap_flags(app, inputs, settings.fabmap);
-  program.set_run([&](Session& session) { run(session, inputs, settings, app); });
+  program.set_run([&](Session& session) { run(session, inputs, settings, app); },
+                  Processes::several);
   return program.main(argc, argv);
 }

@@ -33,7 +33,8 @@ void tune_fastable(Session& session, const FastableTune& command) {
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
   ensure_places(database, session.kernels, monitor);
-  const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
+  const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed,
+                                 session.share};
   session.run.memory_limit = command.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
@@ -45,11 +46,13 @@ void tune_fastable(Session& session, const FastableTune& command) {
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,
         resources, monitor);
-    if (settings.decision == Decision::threshold) explain_automatic(found.cells, database, session);
+    if (settings.decision == Decision::threshold && session.share.is_first())
+      explain_automatic(found.cells, database, session);
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(sources, sweep, monitor);
-  present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
+  if (session.share.is_first())
+    present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
 }
 
 }  // namespace
@@ -62,7 +65,7 @@ void add_fastable(Program& program, FastableTune& tune) {
       "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json\n"
       "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
       "--score standardized --decide margin --margin 0.2:1:0.1",
-      [&tune](Session& session) { tune_fastable(session, tune); });
+      [&tune](Session& session) { tune_fastable(session, tune); }, Processes::several);
   program.add_config(command, tune.settings);
   add_tune_inputs(command, tune.inputs);
   command.add_option("--c-l", tune.inputs.grid.windows, window_length_help());

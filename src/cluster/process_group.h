@@ -2,8 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,8 +9,6 @@
 
 #include "base/error.h"
 #include "base/share.h"
-#include "base/stopwatch.h"
-#include "cluster/channel.h"
 
 namespace vpr {
 
@@ -25,46 +21,32 @@ std::optional<size_t> launched_index();
 /// all of them with one sentence and one exit code.
 class ProcessGroup {
  public:
-  /// Connects with the others. While it waits for them, `stop` ends the work. Throws Error(usage)
-  /// in a build without MPI.
-  explicit ProcessGroup(const std::atomic<bool>& stop);
-  ~ProcessGroup();
-  ProcessGroup(const ProcessGroup&) = delete;
-  ProcessGroup& operator=(const ProcessGroup&) = delete;
+  virtual ~ProcessGroup() = default;
 
   /// Must not outlive the group.
-  Share share();
+  virtual Share share() = 0;
+
+  /// A step: what each process did, a line each, then what went between them. In the first one.
+  virtual std::vector<std::string> report() = 0;
 
   /// The last step, where all went well. Throws the Error of another process.
-  void end();
+  virtual void end() = 0;
 
   /// In place of all further steps: this process has failed. Gives the failure that all processes
   /// report, the lowest one's of several. One that was interrupted asks nobody.
-  Error fail(const Error& own);
+  virtual Error fail(const Error& own) = 0;
 
   /// Behind end() or fail(), once all that is to be said was said: waits for the others.
-  void close();
-
-  /// A step: what every process did, a line each, then what went between them. In the first one.
-  std::vector<std::string> report();
-
- private:
-  struct Traffic {
-    uint64_t steps = 0;
-    uint64_t bytes = 0;  ///< that this process has given
-  };
-
-  void agree(int64_t step, const Error* failure);
-  void begin_step(std::string_view what, uint64_t bytes);
-  std::vector<Bytes> collect(std::span<const std::byte> own);
-  void spread(size_t from, Bytes& bytes);
-
-  std::unique_ptr<Channel> channel_;
-  std::optional<Error> agreed_;  ///< the failure that ends all
-  std::map<std::string, Traffic, std::less<>> traffic_;
-  int64_t steps_ = 0;
-  bool is_cut_ = false;  ///< interrupted: nobody may listen
-  Stopwatch since_start_;
+  virtual void close() = 0;
 };
+
+/// Connects with the others, by a module that is loaded by processes that mpirun started only.
+/// While the group waits for them, `stop` ends the work. Throws Error(usage) in a build without
+/// MPI, Error(input) where the module can't be loaded.
+std::unique_ptr<ProcessGroup> join_processes(const std::atomic<bool>& stop);
+
+/// What the module has by the name kOpenGroup.
+using OpenGroup = ProcessGroup* (*)(const std::atomic<bool>& stop);
+inline constexpr const char* kOpenGroup = "vpr_open_group";
 
 }  // namespace vpr

@@ -25,7 +25,7 @@ constexpr std::array<FabmapVariant, 5> kVariants = {{
     {"fabmap2-fixed", "the same in fixed point, faster", fabmap2_fixed_log_likelihoods},
     {"fabmap1", "the definition: every word of every view", fabmap1_log_likelihoods},
     {"lut", "the definition from a table of rounded logarithms", lut_log_likelihoods},
-    {"fbo", "fast bail-out: drops views that can't win any more", fbo_log_likelihoods},
+    {"fbo", "fast bail-out: drops views that can't win any more", fbo_log_likelihoods, false},
 }};
 
 int32_t as_fixed(double value) {

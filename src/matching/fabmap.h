@@ -44,6 +44,7 @@ struct FabmapVariant {
   std::string_view summary;
   /// One log-likelihood for each known view. Same for any number of threads and any SIMD target.
   std::vector<double> (*log_likelihoods)(const FabmapQuery&);
+  bool is_by_view = true;  ///< a view's does not depend on the others
 };
 
 /// All variants, in the order in which help lists them.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/monitor.h"
+#include "base/share.h"
 #include "pipeline/fabmap_train.h"
 #include "recognition/result.h"
 
@@ -38,9 +39,11 @@ FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& q
                           const std::string& query_name);
 
 /// Recognises every frame of the query in order. The same for any number of threads. Throws
-/// Error(usage) for settings out of range, or a database without places unless `loop`.
+/// Error(usage) for settings out of range, or a database without places unless `loop`. Several
+/// processes share the views; the first one observes, and has the result.
 FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                        const std::string& query_name, const FabmapQuerySettings& settings,
-                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
+                       uint64_t seed, const PosteriorObserver& observe, const Share& share,
+                       const Monitor& monitor);
 
 }  // namespace vpr

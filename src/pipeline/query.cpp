@@ -14,6 +14,7 @@
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/verify.h"
+#include "recognition/joined_scans.h"
 
 namespace vpr {
 namespace {
@@ -36,17 +37,28 @@ SearchRecall measure_recall(const QueryPlan& plan, const HitScanResult& approxim
   return recall;
 }
 
-void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
-                 const std::optional<ScoreBasis>& basis, const Monitor& monitor) {
-  if (cells.empty()) return;
+std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan,
+                             const std::optional<ScoreBasis>& basis, const Monitor& monitor) {
+  if (cells.empty()) return {};
   const size_t length = plan.settings.window_length;
   const RatedWindows windows{length, parse_rates(plan.settings.rates)};
+  if (plan.query.given)
+    return wrong_given_cells(cells, plan.train, plan.query, length, monitor);
+  if (!windows.rates.empty())
+    return wrong_rated_cells(cells, windows, plan.train, plan.query, basis ? &*basis : nullptr,
+                             monitor);
+  if (basis) return wrong_scores(cells, plan.train, plan.query, length, *basis, monitor);
+  return wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
+}
+
+// Each of several processes checks a part of them; the first one says what is wrong.
+void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
+                 const std::optional<ScoreBasis>& basis, const Share& share,
+                 const Monitor& monitor) {
+  const ItemRange own = own_part(share, cells.size());
   const std::vector<Cell> wrong =
-      plan.query.given         ? wrong_given_cells(cells, plan.train, plan.query, length, monitor)
-      : !windows.rates.empty() ? wrong_rated_cells(cells, windows, plan.train, plan.query,
-                                                   basis ? &*basis : nullptr, monitor)
-      : basis ? wrong_scores(cells, plan.train, plan.query, length, *basis, monitor)
-              : wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
+      collected(share, "wrong cells",
+                find_wrong(std::span(cells).subspan(own.first, own.count()), plan, basis, monitor));
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
@@ -102,7 +114,7 @@ void take_report(Found& found, const PathReport& report, int64_t score_offset) {
   if (report.rate) found.path->rates[report.query_frame] = *report.rate;
 }
 
-Found match_rows(const QueryPlan& plan, const SequenceMethod& method,
+Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const TrainPart& part,
                  const FrameDistances& distances, MatchSettings match,
                  const QueryResources& resources, const std::vector<RowConsumer>& observers,
                  const Monitor& monitor) {
@@ -113,23 +125,30 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method,
       take_report(found, report, plan.score_offset());
     };
   }
-  HitScan scan(scan_settings(plan, resources));
+  const HitScanSettings limits = scan_settings(plan, resources);
+  HitScan scan(limits);
   std::optional<MarginScan> margins;
   if (plan.elsewhere && !method.has_paths)
     margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
-  CellScan cells(choose_cells(distances.train_runs, distances.query_runs, match.window_length,
+  CellScan cells(choose_cells(searched_runs(plan), distances.query_runs, match.window_length,
                               method.is_exact ? resources.verify_cells : 0, resources.seed));
-  method.match(distances, match, monitor, [&](const ScoreRow& row) {
+  const auto take = [&](const ScoreRow& row) {
     const uint32_t least = resources.kernels.minimum(row.scores.data(), row.scores.size());
     scan.take(row, least);
     if (margins) margins->take(row, least);
     cells(row);
     for (const RowConsumer& observe : observers) observe(row);
-  });
-  found.matches = scan.result();
-  if (margins) found.margins = margins->result().margins;
+  };
+  const Share& share = resources.share;
+  method.match(distances, match, monitor,
+               share.is_alone() ? RowConsumer(take) : own_rows(part, take));
+  found.matches = joined_hits(share, scan.result(), limits.max_hits);
+  if (margins) {
+    margins->join(share);
+    found.margins = margins->result().margins;
+  }
   found.cells = method.is_exact
-                    ? cells.result()
+                    ? joined_cells(share, cells.result())
                     : choose_found(found.matches, resources.verify_cells, resources.seed);
   if (resources.verify_cells > 0 && found.cells.empty())
     warn(monitor, fmt::format("{} found no cell that could be verified", method.name));
@@ -148,7 +167,9 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
       plan.settings.filter};
   if (plan.elsewhere) match.shared_places = plan.elsewhere->shared;
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
-  FrameDistances distances = searched_distances(plan);
+  const Share& share = resources.share;
+  OwnDistances own = own_distances(plan, plan.settings.window_length, share);
+  FrameDistances& distances = own.frames;
   StepTimer timer(run.seconds);
 
   // A relative threshold is known only after all distances were seen once.
@@ -156,12 +177,12 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   if (has_two_passes) {
     MaximumScan scan(plan.sequences.size(), resources.kernels);
     method.match(distances, match, part_of(monitor, "pass", 0, 2), std::ref(scan));
-    set_relative_limits(plan, scan.result());
+    set_relative_limits(plan, joined_maxima(share, scan.result()));
     timer.end_step("maximum");
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
-  distances = scored(std::move(distances), basis, plan, last_pass);
-  Found found = match_rows(plan, method, distances, match, resources, observers, last_pass);
+  distances = scored(std::move(distances), basis, plan, own.part.held, last_pass);
+  Found found = match_rows(plan, method, own.part, distances, match, resources, observers, last_pass);
   run.result = make_result(plan, found.matches, found.margins);
   run.result.path = std::move(found.path);
   timer.end_step("match");
@@ -171,10 +192,11 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
     timer.end_step("recall");
   }
   if (resources.verify_cells > 0) {
-    check_cells(found.cells, plan, basis, monitor);
+    check_cells(found.cells, plan, basis, share, monitor);
     run.verified_cells = found.cells.size();
     timer.end_step("verify");
   }
+  if (!share.is_first()) return run;
   found = {};  // clustering needs the memory
   cluster(run.result, monitor);
   timer.end_step("cluster");

@@ -8,6 +8,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "matching/rates.h"
+#include "matching/train_part.h"
 #include "pipeline/margin_plan.h"
 #include "pipeline/query.h"
 #include "pipeline/query_steps.h"
@@ -110,6 +111,16 @@ const ThresholdTable* stored_table(const SequenceDatabase& database, size_t wind
   return is_old ? nullptr : table;
 }
 
+// Computed by the first of several processes.
+ThresholdTable closest_once(const SequenceDatabase& database, const SequenceQuerySettings& settings,
+                            const MatchSettings& match, const Share& share,
+                            const Monitor& monitor) {
+  return {settings.window_length, settings.safety_factor.value_or(1),
+          made_by_first(share, "closest windows", [&] {
+            return closest_windows(database, settings, match, monitor).closest;
+          })};
+}
+
 // What the database holds, or else computed. Closest windows of standardized scores, and of several
 // rates, depend on the settings, and are computed for each query.
 ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
@@ -117,15 +128,15 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
   const SequenceQuerySettings& settings = plan.settings;
   MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
   match.rates = parse_rates(settings.rates);
-  if (!score_kind(settings.score).is_stored || !match.rates.empty())
-    return closest_windows(database, settings, match, monitor);
+  const auto compute = [&] { return closest_once(database, settings, match, resources.share, monitor); };
+  if (!score_kind(settings.score).is_stored || !match.rates.empty()) return compute();
   const ThresholdTable* stored = stored_table(database, settings.window_length);
   if (stored != nullptr) return *stored;
   if (is_left_to_queries(plan.train))
     warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
                               "takes a while; vpr-tune threshold DB --c-l {} --write keeps it",
                               settings.window_length, settings.window_length));
-  ThresholdTable table = closest_windows(database, settings, match, monitor);
+  ThresholdTable table = compute();
   table.safety_factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
   return table;
 }
@@ -157,17 +168,22 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
   }
 }
 
+// Distances to a sequence of which nothing but the totals of rows is asked for.
+FrameDistances totals_of(const QueryPlan& plan, size_t sequence, const Share& share) {
+  const std::span<const DescriptorSpan> train(&plan.train[sequence], 1);
+  const DescriptorSpan query{plan.query.rows, {}, plan.query.given};
+  return share.is_alone() ? frame_distances(train, query)
+                          : part_distances({}, {}, query, train, share);
+}
+
 // Limits that need no distances: automatic thresholds, and numbers that are not relative.
-void plan_limits(QueryPlan& plan) {
+void plan_limits(QueryPlan& plan, const Share& share) {
   const uint64_t length = plan.settings.window_length;
   for (size_t s = 0; s < plan.train.size(); ++s) {
     Target& sequence = plan.sequences[s];
     if (!sequence.threshold) continue;
     if (sequence.scale == ThresholdScale::mean && sequence.searched)
-      set_mean_limits(
-          sequence, mean_window_distances(frame_distances({&plan.train[s], 1},
-                                                          {plan.query.rows, {}, plan.query.given}),
-                                          length));
+      set_mean_limits(sequence, mean_window_distances(totals_of(plan, s, share), length));
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
@@ -181,7 +197,7 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
   if (decision_kind(plan.settings.decision).accepts != nullptr)
     return plan_margins(plan, database, resources, monitor);
   plan_thresholds(plan, database, resources, monitor);
-  plan_limits(plan);
+  plan_limits(plan, resources.share);
 }
 
 // What is known without a frame of the query. `asked`: as its frames are described.

@@ -20,6 +20,24 @@ std::vector<uint32_t> window_limits(const Target& sequence) {
   return limits;
 }
 
+// A sequence that is not searched has no frames, so that indices stay the same.
+std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
+  std::vector<DescriptorSpan> searched = plan.train;
+  for (size_t s = 0; s < searched.size(); ++s)
+    if (!plan.sequences[s].searched) searched[s] = {};
+  return searched;
+}
+
+void check_sharing(const SequenceQuerySettings& settings, const Share& share) {
+  if (share.is_alone()) return;
+  if (!find_sequence_method(settings.method).is_exact)
+    throw Error(ErrorKind::usage, fmt::format("{} is work for one process: leave mpirun out",
+                                              settings.method));
+  if (!settings.rates.empty())
+    throw Error(ErrorKind::usage,
+                "windows of several rates are work for one process: leave mpirun out");
+}
+
 }  // namespace
 
 void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
@@ -44,10 +62,19 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& as
 }
 
 FrameDistances searched_distances(const QueryPlan& plan) {
-  std::vector<DescriptorSpan> searched = plan.train;
-  for (size_t s = 0; s < searched.size(); ++s)
-    if (!plan.sequences[s].searched) searched[s] = {};
-  return frame_distances(searched, plan.query, plan.train);
+  return frame_distances(searched_sequences(plan), plan.query, plan.train);
+}
+
+OwnDistances own_distances(const QueryPlan& plan, size_t longest, const Share& share) {
+  check_sharing(plan.settings, share);
+  const std::vector<DescriptorSpan> searched = searched_sequences(plan);
+  TrainPart part = own_windows(searched, longest, share);
+  FrameDistances frames = part_distances(searched, part, plan.query, plan.train, share);
+  return {std::move(part), std::move(frames)};
+}
+
+std::vector<FrameRun> searched_runs(const QueryPlan& plan) {
+  return readable_runs(searched_sequences(plan));
 }
 
 bool needs_maxima(const QueryPlan& result) {

@@ -41,9 +41,10 @@ ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan) {
 }
 
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
-                      const QueryPlan& plan, const Monitor& monitor) {
+                      const QueryPlan& plan, std::span<const ItemRange> frames,
+                      const Monitor& monitor) {
   if (!basis) return distances;
-  return standardized(std::move(distances), searched_basis(*basis, plan), monitor);
+  return standardized(std::move(distances), basis_of(*basis, plan.train, frames), monitor);
 }
 
 }  // namespace vpr

@@ -12,6 +12,7 @@
 #include "matching/rates.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
+#include "recognition/joined_scans.h"
 
 namespace vpr {
 namespace {
@@ -93,30 +94,37 @@ HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& reso
 void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
             const Monitor& monitor) {
   const QueryPlan& first = lengths.front().planned.front();
-  const FrameDistances distances = searched_distances(first);
   const std::optional<ScoreBasis> basis = score_basis(first.learned, first.settings);
   std::vector<size_t> windows;
   for (const LengthSweep& length : lengths)
     windows.push_back(length.planned.front().settings.window_length);
+  const Share& share = resources.share;
+  const OwnDistances own =
+      own_distances(first, *std::max_element(windows.begin(), windows.end()), share);
   MatchSettings match{1, resources.memory_limit, resources.kernels};
   match.rates = parse_rates(first.settings.rates);
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
-    match_fastable_lengths(scored(distances, basis, first, monitor), windows, match, monitor,
-                           consume);
+    match_fastable_lengths(scored(own.frames, basis, first, own.part.held, monitor), windows, match,
+                           monitor, share.is_alone() ? consume : own_length_rows(own.part, consume));
   };
   if (any_relative(lengths)) {
     std::deque<MaximumScan> maxima;
     for (size_t l = 0; l < lengths.size(); ++l)
       maxima.emplace_back(first.sequences.size(), resources.kernels);
     match_lengths([&](size_t l, const ScoreRow& row) { maxima[l](row); });
-    for (size_t l = 0; l < lengths.size(); ++l)
+    for (size_t l = 0; l < lengths.size(); ++l) {
+      const std::vector<uint32_t> found = joined_maxima(share, maxima[l].result());
       for (QueryPlan& plan : lengths[l].planned)
-        if (needs_maxima(plan)) set_relative_limits(plan, maxima[l].result());
+        if (needs_maxima(plan)) set_relative_limits(plan, found);
+    }
   }
   std::deque<HitScan> hits;
+  std::vector<size_t> most_hits;
   std::deque<MarginScan> margins;
   for (const LengthSweep& length : lengths) {
-    hits.emplace_back(widest_scan(length, share_of(resources, lengths.size())));
+    const HitScanSettings limits = widest_scan(length, share_of(resources, lengths.size()));
+    hits.emplace_back(limits);
+    most_hits.push_back(limits.max_hits);
     if (decision_kind(first.settings.decision).accepts != nullptr)
       margins.emplace_back(*first.elsewhere, length.planned.front().query_windows,
                            resources.kernels);
@@ -126,8 +134,10 @@ void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
     if (!margins.empty()) margins[l](row);
   });
   for (size_t l = 0; l < lengths.size(); ++l) {
-    lengths[l].found = hits[l].result();
-    if (!margins.empty()) lengths[l].margins = margins[l].result().margins;
+    lengths[l].found = joined_hits(share, hits[l].result(), most_hits[l]);
+    if (margins.empty()) continue;
+    margins[l].join(share);
+    lengths[l].margins = margins[l].result().margins;
   }
 }
 
@@ -174,12 +184,13 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
     const LengthSweep& length = lengths[cell / thresholds];
     return cell_result(length.planned[cell % thresholds], length, monitor);
   };
-  return count_cells(shape, grid, result_of, truth, resources.seed, monitor);
+  return count_cells(shape, grid, result_of, truth, resources.seed, resources.share, monitor);
 }
 
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
-                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor) {
+                   const TruthReader& read_truth, uint64_t seed, const Share& share,
+                   const Monitor& monitor) {
   check_grid(grid, base);
   const std::vector<uint32_t> place_of = database.places();
   const size_t thresholds = grid.thresholds.size();
@@ -194,7 +205,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                     place_of);
     }
   };
-  const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
+  const Result all = query_fabmap(database, query, query_name, base, seed, observe, share, monitor).result;
   const auto result_of = [&](size_t cell) {
     Result result = all;
     FabmapQuerySettings settings = base;
@@ -204,7 +215,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     result.hits = hits[cell];
     return result;
   };
-  return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, monitor);
+  return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, share, monitor);
 }
 
 }  // namespace vpr

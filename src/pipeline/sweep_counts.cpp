@@ -40,6 +40,21 @@ void name_threshold(Sweep& sweep, const QuerySettings& settings) {
   sweep.threshold_order = decision == nullptr ? sweep.score->order : decision->order;
 }
 
+std::vector<CellCounts> counted_cells(const Grid& grid,
+                                      const std::function<Result(size_t cell)>& result_of,
+                                      const GroundTruth& truth, const Monitor& monitor) {
+  const size_t thresholds = grid.thresholds.size();
+  std::vector<CellCounts> cells(grid.windows.size() * thresholds);
+  StepCounter counter(monitor, "count", cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    const Result result = result_of(c);
+    cells[c] = {grid.windows[c / thresholds], grid.thresholds[c % thresholds],
+                threshold_scale(result), count_recognitions(result, truth, monitor)};
+    counter.add();
+  });
+  return cells;
+}
+
 }  // namespace
 
 Grid grid_of(std::span<const CellCounts> cells) {
@@ -53,24 +68,17 @@ Grid grid_of(std::span<const CellCounts> cells) {
 
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Monitor& monitor) {
+                  uint64_t seed, const Share& share, const Monitor& monitor) {
   Sweep sweep;
   sweep.query_name = shape.query_name;
   sweep.replay = shape.replay;
   sweep.score = &shape.score();
   name_threshold(sweep, shape.settings);
   sweep.protocol = truth.protocol;
-  const size_t thresholds = grid.thresholds.size();
-  sweep.cells.resize(grid.windows.size() * thresholds);
-  StepCounter counter(monitor, "count", sweep.cells.size());
-  parallel_for(sweep.cells.size(), monitor, [&](size_t c) {
-    const Result result = result_of(c);
-    sweep.cells[c] = {grid.windows[c / thresholds], grid.thresholds[c % thresholds],
-                      threshold_scale(result), count_recognitions(result, truth, monitor)};
-    counter.add();
-  });
+  sweep.cells = made_by_first(
+      share, "counts", [&] { return counted_cells(grid, result_of, truth, monitor); });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
-  if (!sweep.recommendation.cell) return sweep;
+  if (!sweep.recommendation.cell || !share.is_first()) return sweep;
   const Result recommended = result_of(*sweep.recommendation.cell);
   sweep.recommended_settings = recommended.settings;
   sweep.intervals = count_intervals(recommended, truth, seed);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "base/share.h"
 #include "evaluation/sweep.h"
 #include "ground_truth/ground_truth.h"
 #include "recognition/result.h"
@@ -23,10 +24,11 @@ struct Grid {
 Grid grid_of(std::span<const CellCounts> cells);
 
 /// Counts every cell, by window, then threshold, and chooses. `shape`: the result before anything
-/// is found; `result_of` gives a cell's, from any thread.
+/// is found; `result_of` gives a cell's, from any thread. Of several processes, the first one
+/// counts, and the others are told the counts and the choice.
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Monitor& monitor);
+                  uint64_t seed, const Share& share, const Monitor& monitor);
 
 /// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:
 /// blocks of c_l windows, for neighbours share most of their frames, or of c_w frames, but at least

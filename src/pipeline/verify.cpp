@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <tuple>
 #include <unordered_set>
 
 #include "base/parallel.h"
@@ -40,11 +39,6 @@ std::unordered_set<uint64_t> choose_indices(uint64_t bound, uint64_t count, uint
     if (!chosen.insert(drawn).second) chosen.insert(j);
   }
   return chosen;
-}
-
-bool by_position(const Cell& a, const Cell& b) {
-  return std::tie(a.query_window, a.sequence, a.train_window) <
-         std::tie(b.query_window, b.sequence, b.train_window);
 }
 
 // The cells whose score is not the right one, with the right one.

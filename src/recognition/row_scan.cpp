@@ -14,16 +14,6 @@
 namespace vpr {
 namespace {
 
-bool by_position(const Cell& a, const Cell& b) {
-  return std::tie(a.query_window, a.sequence, a.train_window) <
-         std::tie(b.query_window, b.sequence, b.train_window);
-}
-
-bool closer(const Cell& a, const Cell& b) {
-  return std::tie(a.score, a.sequence, a.train_window) <
-         std::tie(b.score, b.sequence, b.train_window);
-}
-
 Cell cell_at(const ScoreRow& row, size_t x) {
   return {static_cast<uint32_t>(row.query_window), static_cast<uint32_t>(row.sequence),
           static_cast<uint32_t>(row.train_window + x), row.scores[x],
@@ -31,6 +21,24 @@ Cell cell_at(const ScoreRow& row, size_t x) {
 }
 
 }  // namespace
+
+bool by_position(const Cell& a, const Cell& b) {
+  return std::tie(a.query_window, a.sequence, a.train_window) <
+         std::tie(b.query_window, b.sequence, b.train_window);
+}
+
+bool is_closer(const Cell& a, const Cell& b) {
+  return std::tie(a.score, a.sequence, a.train_window) <
+         std::tie(b.score, b.sequence, b.train_window);
+}
+
+void refuse_hits(size_t max_hits) {
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("more than {} hits, which is what --max-memory has room for; give a stricter "
+                  "--t-r, or more memory",
+                  max_hits));
+}
 
 struct MaximumScan::Threads {
   oneapi::tbb::enumerable_thread_specific<std::vector<uint32_t>> maxima;
@@ -92,7 +100,7 @@ void HitScan::take(const ScoreRow& row, uint32_t least) {
   Cell& best = local.best[row.query_window];
   if (least <= best.score) {
     const Cell candidate = cell_at(row, kernels.find_below(scores, 0, count, least + 1));
-    if (best.score == kNoCell || closer(candidate, best)) best = candidate;
+    if (best.score == kNoCell || is_closer(candidate, best)) best = candidate;
   }
   const uint32_t limit = settings_.limit(row.sequence, row.query_window);
   if (least >= limit) return;
@@ -102,11 +110,7 @@ void HitScan::take(const ScoreRow& row, uint32_t least) {
     local.hits.push_back(cell_at(row, x));
   if (threads_->hit_count.fetch_add(local.hits.size() - before) + local.hits.size() - before >
       settings_.max_hits)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("more than {} hits, which is what --max-memory has room for; give a stricter "
-                    "--t-r, or more memory",
-                    settings_.max_hits));
+    refuse_hits(settings_.max_hits);
 }
 
 HitScanResult HitScan::result() {
@@ -119,7 +123,7 @@ HitScanResult HitScan::result() {
     for (size_t j = 0; j < local.best.size(); ++j) {
       const Cell& candidate = local.best[j];
       if (candidate.score == kNoCell) continue;
-      if (!result.best[j] || closer(candidate, *result.best[j])) result.best[j] = candidate;
+      if (!result.best[j] || is_closer(candidate, *result.best[j])) result.best[j] = candidate;
     }
   }
   oneapi::tbb::parallel_sort(result.hits.begin(), result.hits.end(), by_position);

@@ -21,6 +21,14 @@ struct Cell {
   bool operator==(const Cell&) const = default;
 };
 
+/// By query window, sequence, train window.
+bool by_position(const Cell& a, const Cell& b);
+/// Whether of two cells of a row `a` is the best match; ties to the smallest sequence and train
+/// window.
+bool is_closer(const Cell& a, const Cell& b);
+/// Throws the Error(usage) of a scan that may keep so many hits and finds more.
+[[noreturn]] void refuse_hits(size_t max_hits);
+
 /// The largest score of each training sequence; 0 for one without windows, or if no row came.
 class MaximumScan {
  public:

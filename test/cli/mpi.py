@@ -1,0 +1,200 @@
+#!/usr/bin/env python3
+"""Several processes give the bytes of one, and end together.   mpi.py SOURCE BIN
+Ends with 77 (skipped) without mpirun, or in a build without MPI."""
+import filecmp
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy
+
+source, programs = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+for missing, why in ((not shutil.which("mpirun"), "mpirun is not installed"),
+                     (not (programs / "../lib/vpr-toolkit/vpr_mpi.so").exists(), "built without MPI")):
+    if missing:
+        print(f"skipped: {why} (scripts/install-deps.sh --cluster)")
+        sys.exit(77)
+
+folder = pathlib.Path(tempfile.mkdtemp())
+# More processes than cores, and root, are fine here.
+environment = {**os.environ, "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
+               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "TMPDIR": "/tmp"}
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit(f"mpi: {message}")
+
+
+def command(processes, words):
+    program, *rest = words.split()
+    start = ["mpirun", "-n", str(processes)] if processes else []
+    return [*start, programs / program, *rest, "--threads", "1"]
+
+
+def run(processes, words, code=0):
+    """What was said; of no processes: without mpirun."""
+    done = subprocess.run(command(processes, words), cwd=folder, env=environment,
+                          capture_output=True, text=True)
+    check(done.returncode == code,
+          f"{processes} processes: {words}: code {done.returncode}\n{done.stderr}")
+    return done
+
+
+def sentences(said, program):
+    return [line for line in said.stderr.splitlines() if line.startswith(f"{program}: ")]
+
+
+def content(path):
+    """A JSON less what differs from run to run."""
+    parsed = json.loads(path.read_text())
+    return {key: value for key, value in parsed.items() if key not in ("machine", "timing")}
+
+
+def compare_outputs(alone, shared, what):
+    """Files or folders that begin with these names; their printed tables were compared before."""
+    names = sorted(path.name[len(alone):] for path in folder.glob(f"{alone}.*"))
+    check(names and names == sorted(path.name[len(shared):] for path in folder.glob(f"{shared}.*")),
+          f"{what}: other files")
+    for name in names:
+        one, other = folder / f"{alone}{name}", folder / f"{shared}{name}"
+        if one.is_dir():
+            match, differ, odd = filecmp.cmpfiles(one, other, os.listdir(one), shallow=False)
+            check(not differ and not odd and sorted(match) == sorted(os.listdir(other)),
+                  f"{what}: {differ} {odd}")
+        elif name == ".json":
+            check(content(one) == content(other), f"{what}: {name} differs")
+        else:
+            check(one.read_bytes() == other.read_bytes(), f"{what}: {name} differs")
+
+
+def same_bytes(words, suffix, counts):
+    alone = run(0, f"{words.replace('NAME', 'alone')} -o alone{suffix}")
+    for processes in counts:
+        shared = run(processes, f"{words.replace('NAME', 'shared')} -o shared{suffix}")
+        what = f"{processes} processes: {words}"
+        check(shared.stdout.replace("shared", "alone") == alone.stdout, f"{what}: other output")
+        compare_outputs("alone", "shared", what)
+        remove("shared")
+    remove("alone")
+
+
+def remove(name):
+    for path in folder.glob(f"{name}.*"):
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def compare_runs():
+    run(0, f"vpr-synth {source}/test/golden/world.json -o data --quiet")
+    walks = json.loads((folder / "data/dataset.json").read_text())["train"]
+    frames = sorted((folder / "data" / walks[0]["sequence"]).glob("*.jpg")) or sorted(
+        (folder / "data" / walks[0]["sequence"]).glob("*.png"))
+    frames[len(frames) // 3].write_bytes(b"no image")  # ends a run of windows
+    data = "--dataset data/dataset.json --skip-unreadable"
+    same_bytes(f"vpr-train fastable {data} --c-l 6", ".vprdb", (1, 2, 7))
+    train = " ".join(f"--pretrain data/{walk['sequence']}" for walk in walks)
+    train = f"vpr-train fabmap {data} {train} --features orb --words 40"
+    same_bytes(train, ".vprdb", (3,))
+    run(0, f"vpr-train fastable {data} --c-l 6 -o walks.vprdb --quiet")
+    run(0, f"{train} -o places.vprdb --quiet")
+    query = f"walks.vprdb {data}"
+    every = range(1, 8)
+    same_bytes(f"vpr-query {query} --c-l 6 --verify 30", ".json", (1, 4))
+    same_bytes(f"vpr-query {query} --c-l 5 --score standardized --decide margin --verify 30", ".json",
+               every)
+    same_bytes(f"vpr-query {query} --c-l 4 --margin 0.1 --decide margin", ".json", (2, 5))
+    same_bytes(f"vpr-query {query} --c-l 4 --t-r 0.6 --method fastable-online", ".json", (3,))
+    same_bytes(f"vpr-query {query} --c-l 4 --t-r 0.7 --t-r-scale mean --method openable", ".json", (4,))
+    same_bytes(f"vpr-query {query} --c-l 3 --score standardized-offline --verify 9", ".json", (2, 6))
+    same_bytes(f"vpr-tune fastable {query} --c-l 3,6 --t-r 0.3,0.6,auto", ".json", (3, 7))
+    same_bytes(f"vpr-tune fastable {query} --c-l 3,6 --score standardized --decide margin", ".json", (2,))
+    places = f"places.vprdb {data}"
+    same_bytes(f"vpr-query {places} --t-p 0.3 --save-posteriors NAME.posteriors.npy", ".json", (2, 7))
+    same_bytes(f"vpr-query {places} --t-p 0.3 --variant fabmap2-fixed --loop", ".json", (3,))
+    same_bytes("vpr-tune fabmap places.vprdb --query data/back --ground-truth aligned --tolerance 3 "
+               "--c-w 1,2 --t-p 0.3,0.9", ".json", (5,))
+
+
+def compare_failures():
+    """One sentence, and the exit code of one process."""
+    data = "--dataset data/dataset.json"
+    alone = run(0, f"vpr-train fastable {data} -o failed.vprdb", code=3)
+    shared = run(3, f"vpr-train fastable {data} -o failed.vprdb", code=3)
+    check(sentences(shared, "vpr-train") == sentences(alone, "vpr-train") != [],
+          f"a frame that one process can't read: {shared.stderr}")
+    for words in (f"vpr-query walks.vprdb {data} --skip-unreadable --method lsh --t-r 0.5",
+                  f"vpr-query walks.vprdb {data} --skip-unreadable --rates 1/2,1 --t-r 0.5",
+                  f"vpr-query walks.vprdb {data} --skip-unreadable --save-matrix failed.npy --t-r 0.5",
+                  f"vpr-query places.vprdb {data} --skip-unreadable --variant fbo",
+                  "vpr-eval failed.json", "vpr-train info walks.vprdb", "vpr-query --no-such-flag"):
+        said = run(2, words, code=2)
+        check(len(sentences(said, words.split()[0])) == 1, f"{words}: {said.stderr}")
+    check(not list(folder.glob("failed*")) and not list(folder.glob(".failed*")), "something was written")
+
+
+def processes_of(parent):
+    """Processes that mpirun has started, by their number, once all of them are connected."""
+    found = {}
+    for path in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if int((path / "stat").read_text().rsplit(")", 1)[1].split()[1]) != parent:
+                continue
+            if "vpr_mpi.so" not in (path / "maps").read_text():
+                continue
+            variables = (path / "environ").read_bytes().decode(errors="replace").split("\0")
+        except OSError:
+            continue
+        number = dict(v.split("=", 1) for v in variables if "=" in v)["OMPI_COMM_WORLD_RANK"]
+        found[int(number)] = int(path.name)
+    return found
+
+
+def interrupted(end):
+    """A run of minutes that `end` ends, given mpirun and its three processes."""
+    words = "vpr-query long.vprdb --query-npy long.npy --method openable --c-l 900 --t-r 0.3 -o long.json"
+    mpirun = subprocess.Popen(command(3, words), cwd=folder, env=environment, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    deadline = time.monotonic() + 60
+    while len(processes_of(mpirun.pid)) < 3:
+        check(mpirun.poll() is None and time.monotonic() < deadline, "the processes did not start")
+        time.sleep(0.1)
+    time.sleep(1)
+    started = processes_of(mpirun.pid)
+    end(mpirun.pid, started)
+    _, said = mpirun.communicate(timeout=60)
+    while any(pathlib.Path(f"/proc/{pid}").exists() for pid in started.values()):
+        check(time.monotonic() < deadline, "a process goes on")
+        time.sleep(0.1)
+    check(mpirun.returncode != 0 and not list(folder.glob("long.*json*"))
+          and not list(folder.glob("long.*npy.*")) and not list(folder.glob(".*")),
+          f"something was written: {sorted(os.listdir(folder))}")
+    return [line for line in said.splitlines() if line.startswith("vpr-query: ")], mpirun.returncode, said
+
+
+def compare_ends():
+    codes = numpy.random.default_rng(1).integers(0, 256, (20000, 8), dtype=numpy.uint8)
+    numpy.save(folder / "long.npy", codes)
+    run(0, "vpr-train descriptors --npy long.npy --bits --c-l 10 -o long.vprdb --quiet")
+    one = ["vpr-query: interrupted; nothing was written"]
+    other = ["vpr-query: interrupted, by the user or the end of another process; nothing was written"]
+    said = interrupted(lambda mpirun, started: os.kill(started[1], signal.SIGKILL))
+    check(said[0] in (one, other), f"a process is killed: {said}")
+    said = interrupted(lambda mpirun, started: os.kill(started[0], signal.SIGKILL))
+    check(said[0] == [], f"the first process is killed, and mpirun says so: {said}")
+    said = interrupted(lambda mpirun, started: os.kill(mpirun, signal.SIGINT))
+    check(said[0] in (one, other), f"interrupted: {said}")
+
+
+try:
+    compare_runs()
+    compare_failures()
+    compare_ends()
+finally:
+    shutil.rmtree(folder)
+print("mpi: the bytes of one process, and one end for all")
