@@ -89,7 +89,7 @@ class MpiGroup : public ProcessGroup {
   void agree(int64_t step, const Error* failure) {
     int64_t states[] = {failure == nullptr ? 0 : count_ - index_, step,
                         step == kAnyStep ? kAnyStep : -step};
-    reduce(std::span(states), MPI_INT64_T, MPI_MAX);
+    reduce(std::span<int64_t>(states), MPI_INT64_T, MPI_MAX);
     if (states[0] > 0) {
       std::string text;
       if (failure != nullptr) text = static_cast<char>(failure->kind()) + std::string(failure->what());
