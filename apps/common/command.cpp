@@ -57,9 +57,9 @@ std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {
       "vpr", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
   logger->set_pattern("%^%l%$: %v");
   logger->set_level(!is_first_process() ? spdlog::level::off
-                    : options.quiet   ? spdlog::level::err
-                    : options.verbose ? spdlog::level::debug
-                                      : spdlog::level::info);
+                    : options.quiet     ? spdlog::level::err
+                    : options.verbose   ? spdlog::level::debug
+                                        : spdlog::level::info);
   return logger;
 }
 
@@ -254,8 +254,8 @@ int Program::run_reported(int argc, char** argv) {
     return report({ErrorKind::output, fmt::format("{}: can't be read or written: {}",
                                                   error.path1().string(), error.code().message())});
   } catch (const std::exception& error) {
-    return report({ErrorKind::internal,
-                   fmt::format("internal error, please report it: {}", error.what())});
+    return report(
+        {ErrorKind::internal, fmt::format("internal error, please report it: {}", error.what())});
   }
 }
 

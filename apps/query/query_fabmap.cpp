@@ -49,9 +49,8 @@ FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& data
   query.name = source.sequence.name;
   query.path = source.sequence.sequence.path.string();
   query.images = source.sequence.sequence;
-  query.words =
-      describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable,
-                     session.share, session.monitor);
+  query.words = describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable,
+                               session.share, session.monitor);
   return query;
 }
 
@@ -125,8 +124,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   if (!inputs.posteriors.empty()) session.outputs.claim_file(inputs.posteriors);
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);
-  const FabmapQuery query =
-      read_query(inputs, database, settings.skip_unreadable, session);
+  const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session);
   const double describe_s = watch.elapsed_s();
   const size_t frames = query.words.frames.size();
   images_by_group(inputs, database);  // a wrong name should not cost the whole query

@@ -169,10 +169,10 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   check_score(settings);
   if (score_kind(settings.score).needs_statistics)
     ensure_statistics(sides.database, session.monitor);
-  sides.query = replayed(describe_frames(open_sequence(sides.source.sequence.sequence),
-                                         sides.database, settings.skip_unreadable, session.share,
-                                         session.monitor),
-                         inputs.warp, session.options.seed);
+  sides.query =
+      replayed(describe_frames(open_sequence(sides.source.sequence.sequence), sides.database,
+                               settings.skip_unreadable, session.share, session.monitor),
+               inputs.warp, session.options.seed);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);
 }
@@ -208,7 +208,8 @@ void check_sharing(const Session& session, const QueryInputs& inputs) {
   if (inputs.follow)
     throw Error(ErrorKind::usage, "--follow is work for one process: leave mpirun out");
   if (!inputs.matrix.empty())
-    throw Error(ErrorKind::usage, "--save-matrix is work for one process: leave mpirun out");  if (!inputs.scores.path.empty())
+    throw Error(ErrorKind::usage, "--save-matrix is work for one process: leave mpirun out");
+  if (!inputs.scores.path.empty())
     throw Error(ErrorKind::usage, "--scores is work for one process: leave mpirun out");
 }
 

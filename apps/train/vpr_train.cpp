@@ -26,9 +26,9 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
   const SequenceDatabase database = read_sequence_database(path);
   std::vector<std::string> taken;
   for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
-  store_sequences(session, add_sequences(database, named_arguments(inputs.train, taken),
-                                         inputs.skip_unreadable, session.kernels, session.share,
-                                         session.monitor));
+  store_sequences(
+      session, add_sequences(database, named_arguments(inputs.train, taken), inputs.skip_unreadable,
+                             session.kernels, session.share, session.monitor));
 }
 
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
@@ -82,8 +82,7 @@ void add_fastable_command(Program& program, FastableCommand& given) {
       [&](Session& session) {
         claim_database(session);
         store_sequences(session, train_sequences(named_arguments(given.inputs), given.settings,
-                                                 session.kernels, session.share,
-                                                 session.monitor));
+                                                 session.kernels, session.share, session.monitor));
       },
       Processes::several);
   program.add_config(fastable, given.settings);

@@ -92,7 +92,8 @@ class MpiGroup : public ProcessGroup {
     reduce(std::span<int64_t>(states), MPI_INT64_T, MPI_MAX);
     if (states[0] > 0) {
       std::string text;
-      if (failure != nullptr) text = static_cast<char>(failure->kind()) + std::string(failure->what());
+      if (failure != nullptr)
+        text = static_cast<char>(failure->kind()) + std::string(failure->what());
       const auto own = std::as_bytes(std::span(text));
       Bytes told(own.begin(), own.end());
       spread(count_ - static_cast<int>(states[0]), told);
@@ -188,6 +189,7 @@ class MpiGroup : public ProcessGroup {
 
 extern "C" vpr::ProcessGroup* vpr_open_group(const std::atomic<bool>& stop) {
   int provided = 0;
-  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);  // ends the process if it fails
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED,
+                  &provided);  // ends the process if it fails
   return new vpr::MpiGroup(stop);
 }

@@ -27,11 +27,10 @@ std::vector<FrameRun> held_runs(std::span<const DescriptorSpan> train, const Tra
   std::vector<FrameRun> runs;
   for (const FrameRun& run : readable_runs(train)) {
     const ItemRange& held = part.held[run.sequence];
-    const ItemRange in =
-        overlap(held, {run.first_in_sequence, run.first_in_sequence + run.count});
+    const ItemRange in = overlap(held, {run.first_in_sequence, run.first_in_sequence + run.count});
     if (in.count() > 0)
-      runs.push_back({first_held[run.sequence] + in.first - held.first, in.count(), run.sequence,
-                      in.first});
+      runs.push_back(
+          {first_held[run.sequence] + in.first - held.first, in.count(), run.sequence, in.first});
   }
   return runs;
 }
@@ -54,8 +53,7 @@ std::vector<DescriptorSpan> readable_part(std::span<const DescriptorSpan> sequen
 bool has_exact_totals(const DescriptorShape& shape) { return shape.element == ElementType::bits; }
 
 std::optional<ScoreRow> cut_to(const ItemRange& windows, const ScoreRow& row) {
-  const ItemRange in =
-      overlap({row.train_window, row.train_window + row.scores.size()}, windows);
+  const ItemRange in = overlap({row.train_window, row.train_window + row.scores.size()}, windows);
   if (in.count() == 0) return std::nullopt;
   ScoreRow cut = row;
   cut.train_window = in.first;

@@ -31,7 +31,9 @@ cv::Mat no_descriptors(const FeatureSettings& settings) {
   return {0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F};
 }
 
-std::span<const std::byte> bytes_of(const WordSet& words) { return std::as_bytes(std::span(words)); }
+std::span<const std::byte> bytes_of(const WordSet& words) {
+  return std::as_bytes(std::span(words));
+}
 std::span<const std::byte> bytes_of(const cv::Mat& descriptors) {
   assert(descriptors.empty() || descriptors.isContinuous());
   return {reinterpret_cast<const std::byte*>(descriptors.data),
@@ -257,9 +259,9 @@ void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& group
                bool skip_unreadable, const Share& share, const Monitor& monitor) {
   for (size_t g = 0; g < groups.size(); ++g) {
     const GroupArgument& group = groups[g];
-    const SequenceWords words = describe_together(
-        open_sequence(group.sequence), database, skip_unreadable, NeededBy::first, share,
-        part_of(monitor, group.name, g, groups.size()));
+    const SequenceWords words =
+        describe_together(open_sequence(group.sequence), database, skip_unreadable, NeededBy::first,
+                          share, part_of(monitor, group.name, g, groups.size()));
     add_group(database, {group.name, group.is_place, words.names, words.unreadable}, words.frames);
   }
   if (share.is_first()) index_views(database);

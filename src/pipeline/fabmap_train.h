@@ -40,8 +40,8 @@ std::string words_fingerprint(const SequenceWords& words);
 /// Local features of the pretraining frames become a vocabulary and a Chow-Liu tree; training
 /// frames become views. Throws Error(usage) for settings out of range, pretraining frames without
 /// any feature, or more words than descriptors, and what for_each_frame throws. Warns where a tenth
-/// of the frames or more have no features. Several processes share the frames; the first one has the
-/// database then.
+/// of the frames or more have no features. Several processes share the frames; the first one has
+/// the database then.
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
                             const FabmapTrainSettings& settings, uint64_t seed, const Share& share,

@@ -42,8 +42,7 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan,
   if (cells.empty()) return {};
   const size_t length = plan.settings.window_length;
   const RatedWindows windows{length, parse_rates(plan.settings.rates)};
-  if (plan.query.given)
-    return wrong_given_cells(cells, plan.train, plan.query, length, monitor);
+  if (plan.query.given) return wrong_given_cells(cells, plan.train, plan.query, length, monitor);
   if (!windows.rates.empty())
     return wrong_rated_cells(cells, windows, plan.train, plan.query, basis ? &*basis : nullptr,
                              monitor);
@@ -182,7 +181,8 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), basis, plan, own.part.held, last_pass);
-  Found found = match_rows(plan, method, own.part, distances, match, resources, observers, last_pass);
+  Found found =
+      match_rows(plan, method, own.part, distances, match, resources, observers, last_pass);
   run.result = make_result(plan, found.matches, found.margins);
   run.result.path = std::move(found.path);
   timer.end_step("match");

@@ -44,9 +44,10 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
 
 /// Distances, hits, best matches and clusters of a planned query. Every row also goes to
 /// `observers`, once. Throws Error(expectation) if a verified cell differs, and what score_basis
-/// and start_standardized throw. Of several processes, which have all planned the same, each compares
-/// its training windows, and the first one has the result; there are no observers then. Throws
-/// Error(usage) where these can't share a plan: methods that are not exact, and several rates.
+/// and start_standardized throw. Of several processes, which have all planned the same, each
+/// compares its training windows, and the first one has the result; there are no observers then.
+/// Throws Error(usage) where these can't share a plan: methods that are not exact, and several
+/// rates.
 QueryRun run_query(QueryPlan plan, const QueryResources& resources,
                    const std::vector<RowConsumer>& observers, const Monitor& monitor);
 

@@ -128,7 +128,9 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
   const SequenceQuerySettings& settings = plan.settings;
   MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
   match.rates = parse_rates(settings.rates);
-  const auto compute = [&] { return closest_once(database, settings, match, resources.share, monitor); };
+  const auto compute = [&] {
+    return closest_once(database, settings, match, resources.share, monitor);
+  };
   if (!score_kind(settings.score).is_stored || !match.rates.empty()) return compute();
   const ThresholdTable* stored = stored_table(database, settings.window_length);
   if (stored != nullptr) return *stored;

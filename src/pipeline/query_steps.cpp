@@ -31,8 +31,8 @@ std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
 void check_sharing(const SequenceQuerySettings& settings, const Share& share) {
   if (share.is_alone()) return;
   if (!find_sequence_method(settings.method).is_exact)
-    throw Error(ErrorKind::usage, fmt::format("{} is work for one process: leave mpirun out",
-                                              settings.method));
+    throw Error(ErrorKind::usage,
+                fmt::format("{} is work for one process: leave mpirun out", settings.method));
   if (!settings.rates.empty())
     throw Error(ErrorKind::usage,
                 "windows of several rates are work for one process: leave mpirun out");

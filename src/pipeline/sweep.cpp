@@ -105,7 +105,8 @@ void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
   match.rates = parse_rates(first.settings.rates);
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
     match_fastable_lengths(scored(own.frames, basis, first, own.part.held, monitor), windows, match,
-                           monitor, share.is_alone() ? consume : own_length_rows(own.part, consume));
+                           monitor,
+                           share.is_alone() ? consume : own_length_rows(own.part, consume));
   };
   if (any_relative(lengths)) {
     std::deque<MaximumScan> maxima;
@@ -205,7 +206,8 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                     place_of);
     }
   };
-  const Result all = query_fabmap(database, query, query_name, base, seed, observe, share, monitor).result;
+  const Result all =
+      query_fabmap(database, query, query_name, base, seed, observe, share, monitor).result;
   const auto result_of = [&](size_t cell) {
     Result result = all;
     FabmapQuerySettings settings = base;

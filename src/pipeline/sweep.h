@@ -17,8 +17,8 @@ using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
 /// cell to choose. Frame distances are computed once (twice with thresholds relative to the largest
 /// distance): windows of all lengths come from the same pass, thresholds of one length from its
 /// hits at the largest. `base`: the other settings. Each warning is said once. Throws as plan_query
-/// does, and Error(usage) where the hits of all lengths do not fit into the memory together. Several
-/// processes share the training windows; all are told the counts.
+/// does, and Error(usage) where the hits of all lengths do not fit into the memory together.
+/// Several processes share the training windows; all are told the counts.
 Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
                       const std::string& query_name, const SequenceQuerySettings& base,
                       const Grid& grid, const TruthReader& read_truth,

@@ -75,8 +75,8 @@ Sweep count_cells(const Result& shape, const Grid& grid,
   sweep.score = &shape.score();
   name_threshold(sweep, shape.settings);
   sweep.protocol = truth.protocol;
-  sweep.cells = made_by_first(
-      share, "counts", [&] { return counted_cells(grid, result_of, truth, monitor); });
+  sweep.cells = made_by_first(share, "counts",
+                              [&] { return counted_cells(grid, result_of, truth, monitor); });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
   if (!sweep.recommendation.cell || !share.is_first()) return sweep;
   const Result recommended = result_of(*sweep.recommendation.cell);

@@ -47,9 +47,8 @@ DescriptorSet describe_together(const Sequence& given, const SequenceDatabase& d
 
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Share& share, const Monitor& monitor) {
-  DescriptorSet described =
-      describe_together(open_sequence(argument.sequence), database, skip_unreadable,
-                        NeededBy::first, share, monitor);
+  DescriptorSet described = describe_together(open_sequence(argument.sequence), database,
+                                              skip_unreadable, NeededBy::first, share, monitor);
   if (!share.is_first()) return;
   if (!described.frames.unreadable.empty())
     warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,

@@ -53,9 +53,9 @@ uint32_t smallest_elsewhere(const RowOutlines& row, size_t sequence, size_t wind
 constexpr size_t kOutlineNumbers = 6;
 
 void append_numbers(std::vector<uint32_t>& numbers, size_t row, const RowOutline& outline) {
-  numbers.insert(numbers.end(), {static_cast<uint32_t>(row), outline.sequence, outline.width,
-                                 outline.best.window, outline.best.score,
-                                 static_cast<uint32_t>(outline.points.size())});
+  numbers.insert(numbers.end(),
+                 {static_cast<uint32_t>(row), outline.sequence, outline.width, outline.best.window,
+                  outline.best.score, static_cast<uint32_t>(outline.points.size())});
   for (const RowOutline::Point& point : outline.points)
     numbers.insert(numbers.end(), {point.window, point.score});
 }

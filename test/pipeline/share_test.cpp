@@ -182,13 +182,12 @@ TEST_CASE("several processes count what one counts in a sweep") {
     test::run_together(count, [&](const Share& share) {
       const std::vector<CellCounts> found = counts(share);
       same += found.size() == expected.size() &&
-                           std::equal(found.begin(), found.end(), expected.begin(),
-                                      [](const CellCounts& a, const CellCounts& b) {
-                                        return a.counts.hits.correct == b.counts.hits.correct &&
-                                               a.counts.hits.incorrect == b.counts.hits.incorrect &&
-                                               a.counts.clusters->correct ==
-                                                   b.counts.clusters->correct;
-                                      });
+              std::equal(found.begin(), found.end(), expected.begin(),
+                         [](const CellCounts& a, const CellCounts& b) {
+                           return a.counts.hits.correct == b.counts.hits.correct &&
+                                  a.counts.hits.incorrect == b.counts.hits.incorrect &&
+                                  a.counts.clusters->correct == b.counts.clusters->correct;
+                         });
     });
     CHECK(same == count);
   }
