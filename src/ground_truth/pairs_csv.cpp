@@ -80,6 +80,26 @@ void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) 
   if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
 }
 
+// A few anchors have the same header as pairs, and another meaning for the frames between them.
+void warn_of_anchors(const GroundTruthBuilder& builder, const PairColumns& columns,
+                     const std::vector<CsvRow>& rows) {
+  constexpr size_t kFramesAPair = 10;  // with fewer frames to a pair it is no mere outline
+  const size_t pairs = rows.size() - 1;
+  if (columns.has_label || pairs < 2 || builder.query().grows ||
+      pairs * kFramesAPair > builder.query().frames)
+    return;
+  for (size_t r = 2; r < rows.size(); ++r) {
+    const auto before = parse_frame(rows[r - 1].fields.front());
+    const auto frame = parse_frame(rows[r].fields.front());
+    if (!before || !frame || frame->value <= before->value) return;
+  }
+  builder.warn_user(fmt::format(
+      "{} labels {} of {}, and what is recognised in the others counts as wrong; if "
+      "these are anchors, with the frames between them on the way, add "
+      "--ground-truth-format anchors",
+      builder.argument().path.string(), pairs, counted(builder.query().frames, "query frame")));
+}
+
 }  // namespace
 
 bool is_pairs_csv(const FileStart& start) {
@@ -100,6 +120,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
   size_t pairs = 0;
   for (size_t r = 1; r < rows.size(); ++r)
     pairs += read_row(builder, columns, rows[r], only_sequence, source.range) ? 1 : 0;
+  if (builder.argument().format.empty()) warn_of_anchors(builder, columns, rows);
   const std::string text = "pairs: " + counted(pairs, "labelled pair");
   const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
   if (tolerance == 0) return text;

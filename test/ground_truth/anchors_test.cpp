@@ -34,6 +34,28 @@ TEST_CASE("anchors are recognised by their file's name, and are pairs under any 
         "anchors: 2 anchors, linear between them and nothing beyond, within 0 frames");
 }
 
+TEST_CASE("pairs that may be meant as anchors are warned of") {
+  const Files files;
+  const auto warnings = [&](const std::string& text, size_t frames, const std::string& format) {
+    files.text("some.csv", text);
+    size_t count = 0;
+    Monitor monitor;
+    monitor.warn = [&](const std::string& sentence) {
+      CHECK(sentence.find("some.csv labels 2 of 20 query frames") != std::string::npos);
+      ++count;
+    };
+    read_ground_truth({format, files.folder / "some.csv"}, {frames, {{"ref", 99}}}, monitor);
+    return count;
+  };
+  CHECK(warnings("query,reference\n0,0\n10,12\n", 20, "") == 1);
+  CHECK(warnings("query,reference\n0,0\n10,12\n", 20, "pairs") == 0);
+  CHECK(warnings("query,reference\n0,0\n10,12\n", 19, "") == 0);
+  CHECK(warnings("query,reference\n10,12\n0,0\n", 20, "") == 0);
+  CHECK(warnings("query,reference\n0,0\n0,1\n", 20, "") == 0);
+  CHECK(warnings("query,reference,label\n0,0,same\n10,12,same\n", 20, "") == 0);
+  CHECK(warnings("query,reference\n0,0\n", 20, "") == 0);
+}
+
 TEST_CASE("a tolerance of anchors in metres goes by the poses of the training sequence") {
   const Files files;
   files.text("anchors.csv", "query,reference\n0,0\n2,3\n");
