@@ -24,6 +24,16 @@ bool is_result(const Json& json) {
          json["schema"].get_ref<const std::string&>().starts_with("vpr.result/");
 }
 
+// What vpr-tune calibrate found.
+Json calibrated_settings(const Json& json, const std::string& path) {
+  if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("{}: is a calibration that found no threshold; calibrate on another walk, "
+                  "or with other settings",
+                  path));
+}
+
 }  // namespace
 
 Json read_config(const std::string& path) {
@@ -35,6 +45,7 @@ Json read_config(const std::string& path) {
                 fmt::format("{}: is a sweep, of many settings; let vpr-tune write those that it "
                             "recommends (--save-config FILE), and give that file",
                             path));
+  if (json["schema"] == "vpr.calibration/1") return calibrated_settings(json, path);
   require_schema(json, "config", path, ErrorKind::usage);
   json.erase("schema");
   return json;

@@ -13,6 +13,7 @@ namespace vpr {
 namespace {
 
 constexpr const char* kWindowLengths = "5,10,20,40,80";
+constexpr const char* kCalibratedLengths = "10,20,40";
 constexpr const char* kFabmapWindows = "1,2,3,5,8";
 constexpr const char* kPlaceThresholds = "0.3:0.9:0.1,0.95,0.99,0.999";
 
@@ -29,11 +30,11 @@ std::string given_or(const std::string& given, const char* otherwise) {
 }
 
 // Those that are no usage error for this query.
-std::vector<uint64_t> fitting_windows(const SequenceDatabase& database,
+std::vector<uint64_t> fitting_windows(const char* lengths_text, const SequenceDatabase& database,
                                       const DescriptorSet& query) {
   const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   const std::vector<FrameRun> query_runs = readable_runs(query.span());
-  std::vector<uint64_t> lengths = parse_counts(kWindowLengths, "--c-l");
+  std::vector<uint64_t> lengths = parse_counts(lengths_text, "--c-l");
   const uint64_t shortest = lengths.front();
   std::erase_if(lengths, [&](uint64_t length) {
     return count_windows(query_runs, length) == 0 ||
@@ -61,9 +62,16 @@ std::vector<std::optional<double>> swept_thresholds(const GridFlags& flags,
 
 Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
                    const SequenceDatabase& database, const DescriptorSet& query) {
-  return {flags.windows.empty() ? fitting_windows(database, query)
+  return {flags.windows.empty() ? fitting_windows(kWindowLengths, database, query)
                                 : parse_counts(flags.windows, "--c-l"),
           swept_thresholds(flags, settings)};
+}
+
+std::vector<uint64_t> calibrated_lengths(const std::string& windows,
+                                         const SequenceDatabase& database,
+                                         const DescriptorSet& query) {
+  return windows.empty() ? fitting_windows(kCalibratedLengths, database, query)
+                         : parse_counts(windows, "--c-l");
 }
 
 Grid fabmap_grid(const GridFlags& flags) {
@@ -76,6 +84,13 @@ Grid fabmap_grid(const GridFlags& flags) {
 std::string window_length_help() {
   return fmt::format("window lengths, as in 2,5,10 or 10:50:10 (default: those of {} that fit)",
                      kWindowLengths);
+}
+
+std::string calibrated_lengths_help() {
+  return fmt::format(
+      "window lengths, of which the one that recognises most is taken, as in 10,20 "
+      "(default: those of {} that fit)",
+      kCalibratedLengths);
 }
 
 std::string distance_threshold_help() {

@@ -22,8 +22,15 @@ Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings
                    const SequenceDatabase& database, const DescriptorSet& query);
 Grid fabmap_grid(const GridFlags& flags);
 
+/// The c_l to calibrate: those of the list, or by default those of 10, 20 and 40 that fit (10 where
+/// none does).
+std::vector<uint64_t> calibrated_lengths(const std::string& windows,
+                                         const SequenceDatabase& database,
+                                         const DescriptorSet& query);
+
 /// For help: "windows ..., default ...".
 std::string window_length_help();
+std::string calibrated_lengths_help();
 std::string distance_threshold_help();
 std::string margin_help();
 std::string fabmap_window_help();

@@ -62,13 +62,13 @@ std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily f
                     : parse_source(inputs, inputs.validate, inputs.validate_ground_truth);
 }
 
+}  // namespace
+
 TruthReader reader_of(const GroundTruthArgument& argument, const Monitor& monitor) {
   return [&argument, &monitor](const GroundTruthScope& scope) {
     return read_ground_truth(argument, scope, monitor);
   };
 }
-
-}  // namespace
 
 Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Monitor& monitor) {
   if (!inputs.warp.empty()) check_warp(inputs.warp);

@@ -84,6 +84,22 @@ struct FabmapTune {
 };
 void add_fabmap(Program& program, FabmapTune& tune);
 
+/// vpr-tune calibrate: margins of standardized scores, where nothing else is said. `tune` must live
+/// as long as the program.
+struct CalibrateTune {
+  CalibrateTune();
+  TuneInputs inputs;
+  SequenceQuerySettings settings;
+  std::optional<double> precision;
+  std::optional<double> fps;
+  std::string windows;
+  size_t memory_limit = kDefaultMemoryLimit;
+};
+void add_calibrate(Program& program, CalibrateTune& tune);
+
+/// The ground truth of a source, once the scope of a result is known. Both must outlive it.
+TruthReader reader_of(const GroundTruthArgument& argument, const Monitor& monitor);
+
 /// vpr-tune threshold; `tune` must live as long as the program.
 struct ThresholdTune {
   std::string database;

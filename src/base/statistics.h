@@ -32,4 +32,10 @@ std::vector<uint32_t> block_weights(size_t count, size_t block, RandomEngine& en
 /// be empty; block is at least 1.
 Interval bootstrap_sum(const std::vector<double>& values, size_t block, uint64_t seed);
 
+/// The exact 95 % interval of the mean of a Poisson distribution of which `count` was drawn
+/// (Garwood 1936): below its low end, so many or more are drawn with 2.5 %, above its high end so
+/// many or fewer. Where none was drawn, all 5 % are above the high end, which is 3.0 then (the rule
+/// of three).
+Interval poisson_interval(uint64_t count);
+
 }  // namespace vpr

@@ -39,6 +39,10 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
     throw Error(
         ErrorKind::usage,
         fmt::format("a sweep is exact; {} is not, leave it out of the settings", base.method));
+  if (base.threshold_share)
+    throw Error(ErrorKind::usage,
+                "a sweep has no t_r_share, which goes with the one t_r that vpr-tune calibrate "
+                "gives; leave it out of the settings");
   // Each sentence once: most are the same for every setting.
   std::set<std::string> said;
   Monitor once = monitor;

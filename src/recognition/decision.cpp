@@ -11,8 +11,8 @@
 namespace vpr {
 namespace {
 
-constexpr std::array<std::string_view, 4> kThresholdSettings = {"t_r", "t_r_scale", "safety_factor",
-                                                                "safety_margin"};
+constexpr std::array<std::string_view, 5> kThresholdSettings = {"t_r", "t_r_scale", "t_r_share",
+                                                                "safety_factor", "safety_margin"};
 constexpr std::array<std::string_view, 2> kMarginSettings = {"decide", "margin"};
 
 void check_threshold(const SequenceQuerySettings& settings) {
@@ -20,6 +20,15 @@ void check_threshold(const SequenceQuerySettings& settings) {
     throw Error(ErrorKind::usage,
                 fmt::format("margin {} decides nothing here; add --decide margin, or leave it out",
                             *settings.margin));
+  if (!settings.threshold_share) return;
+  if (!(*settings.threshold_share >= 0 && *settings.threshold_share <= 1))
+    throw Error(ErrorKind::usage,
+                fmt::format("t_r_share must be from 0 to 1, found {}", *settings.threshold_share));
+  if (!find_sequence_method(settings.method).is_exact)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} does not see every window, and so not what is elsewhere, which "
+                            "t_r_share needs; take fastable, or leave it out",
+                            settings.method));
 }
 
 void check_margin(const SequenceQuerySettings& settings) {
@@ -30,7 +39,7 @@ void check_margin(const SequenceQuerySettings& settings) {
                             "which a margin needs; take fastable, or --decide threshold",
                             settings.method));
   if (settings.distance_threshold || settings.threshold_scale || settings.safety_factor ||
-      settings.safety_margin != 0)
+      settings.safety_margin != 0 || settings.threshold_share)
     throw Error(ErrorKind::usage,
                 "t_r, its scale and its safety decide nothing with --decide margin; leave them "
                 "out, or take --decide threshold");

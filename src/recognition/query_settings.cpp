@@ -13,6 +13,7 @@ void leave_out_decisions(Json& json, const SequenceQuerySettings& settings) {
   for (size_t d = 0; d < decision_kinds().size(); ++d)
     if (d != static_cast<size_t>(settings.decision))
       for (const std::string_view key : decision_kinds()[d].settings) json.erase(key);
+  if (!settings.threshold_share) json.erase("t_r_share");
   if (!settings.margin_width) json.erase("margin_width");
   if (settings.same_place.empty()) json.erase("same_place");
 }

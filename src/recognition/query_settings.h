@@ -26,6 +26,9 @@ struct SequenceQuerySettings {
   /// The scale of a t_r that is a number; automatic ones have their own. None: the default of the
   /// score (scale_of).
   std::optional<ThresholdScale> threshold_scale;
+  /// A hit must also be closer than what is elsewhere but for this share of the windows so far
+  /// (running_share.h); none: t_r alone decides.
+  std::optional<double> threshold_share;
   std::optional<double> safety_factor;      ///< of automatic t_r; none: the database's
   std::vector<std::string> only_sequences;  ///< empty: all
   bool skip_unreadable = false;
@@ -50,6 +53,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_length);
   visit("t_r", settings.distance_threshold);
   visit("t_r_scale", settings.threshold_scale);
+  visit("t_r_share", settings.threshold_share);
   visit("safety_factor", settings.safety_factor);
   visit("only_sequence", settings.only_sequences);
   visit("skip_unreadable", settings.skip_unreadable);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "matching/rates.h"
+#include "recognition/running_share.h"
 
 namespace vpr {
 
@@ -47,6 +48,7 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found,
   }
   result.margins.assign(margins.begin(), margins.end());
   decide(result, decision_kind(plan.settings.decision));
+  if (plan.settings.threshold_share) limit_by_share(result, *plan.settings.threshold_share);
   return result;
 }
 

@@ -1,6 +1,7 @@
 #include "base/statistics.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <catch2/catch.hpp>
 
@@ -45,4 +46,15 @@ TEST_CASE("the bootstrap of a sum has its closed forms") {
   const Interval wide = bootstrap_sum(stretches, 20, 3);
   CHECK(wide.high - wide.low > 2 * (coin.high - coin.low));
   CHECK(bootstrap_sum(stretches, 20, 3).low == wide.low);
+}
+
+TEST_CASE("intervals of a Poisson mean are the exact ones of tables") {
+  CHECK(poisson_interval(0).low == 0);
+  CHECK(poisson_interval(0).high == Approx(-std::log(0.05)));
+  CHECK(poisson_interval(1).low == Approx(0.02532).epsilon(1e-3));
+  CHECK(poisson_interval(1).high == Approx(5.5716).epsilon(1e-4));
+  CHECK(poisson_interval(10).low == Approx(4.7954).epsilon(1e-4));
+  CHECK(poisson_interval(10).high == Approx(18.3904).epsilon(1e-4));
+  CHECK(poisson_interval(1000).low == Approx(938.97).epsilon(1e-4));
+  CHECK(poisson_interval(1000).high == Approx(1063.94).epsilon(1e-4));
 }

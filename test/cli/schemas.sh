@@ -49,6 +49,12 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
 "$bin/vpr-eval" "$out/fr.json" --ground-truth aligned -o "$out/fe.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
   -o "$out/s.json" --quiet
+"$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --fps 8 \
+  -o "$out/ca.json" --quiet
+"$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --warp stops \
+  --decide threshold --score raw -o "$out/ct.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --config "$out/ct.json" \
+  -o "$out/rc.json" --quiet
 "$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/building/hall@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
   --validate "$out/building/hall@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --warp varying -o "$out/rw.json" --quiet

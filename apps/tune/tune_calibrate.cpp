@@ -1,0 +1,131 @@
+// vpr-tune calibrate: a threshold from a labelled walk, for walks without labels.
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "common/warp_flag.h"
+#include "images/sequence.h"
+#include "pipeline/calibrate.h"
+#include "pipeline/margin_plan.h"
+#include "pipeline/score_basis.h"
+#include "pipeline/train.h"
+#include "report/calibration_report.h"
+#include "tune_inputs.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kMostFps = 1000;
+
+CalibrationRequest request_of(const CalibrateTune& command) {
+  if (command.fps && !(*command.fps > 0 && *command.fps <= kMostFps))
+    throw Error(ErrorKind::usage, fmt::format("--fps must be above 0 and at most {}, found {}",
+                                              kMostFps, *command.fps));
+  return {command.precision.value_or(1), command.fps};
+}
+
+CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const Source& source,
+                         double precision) {
+  const Monitor& monitor = session.monitor;
+  SequenceDatabase database = read_sequence_database(command.inputs.database);
+  const SequenceQuerySettings settings = with_implied(command.settings);
+  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
+  ensure_places(database, session.kernels, monitor);
+  const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
+  const DescriptorSet query = replayed(describe_frames(open_sequence(source.sequence.sequence),
+                                                       database, settings.skip_unreadable, monitor),
+                                       command.inputs.warp, session.options.seed);
+  return calibrate_walk(database, query, source.sequence.name, settings,
+                        calibrated_lengths(command.windows, database, query), precision,
+                        reader_of(source.ground_truth, monitor), resources, monitor);
+}
+
+void tune_calibrate(Session& session, const CalibrateTune& command) {
+  const CalibrationRequest request = request_of(command);
+  session.claim_output();
+  const Sources sources = find_sources(command.inputs, DatabaseFamily::sequences, session.monitor);
+  if (sources.queries.size() > 1)
+    throw Error(ErrorKind::usage, "a calibration is of one walk; give one --dataset");
+  const Stopwatch watch;
+  const CalibratedWalk walk =
+      calibrate(session, command, sources.queries.front(), request.precision);
+  if (!walk.chosen)
+    throw Error(ErrorKind::expectation,
+                fmt::format("{}: no threshold: {}", walk.query_name, calibration_failure(walk)));
+  session.run.simd_target = session.kernels.target;
+  session.run.memory_limit = command.memory_limit;
+  session.run.paths = {{"database", command.inputs.database}};
+  const Json json = calibration_json(walk, request, session.run, watch.elapsed_s());
+  session.write_output(json);
+  session.print_result(render_table(calibration_table(walk), command.inputs.format) + "\n" +
+                           calibration_text(walk, request),
+                       json);
+}
+
+void add_walk(const Command& command, TuneInputs& inputs) {
+  command.add_option("DB", inputs.database, "database of sequences").required();
+  command.add_option("--query", inputs.query, "a walk, or with --dataset the name of one");
+  command.add_option("--ground-truth", inputs.ground_truth, ground_truth_help());
+  command.add_list("--dataset", inputs.datasets,
+                   "data set description with the walk and its ground truth");
+  add_warp_flag(command, inputs.warp);
+  add_ground_truth_flags(command, inputs.flags);
+}
+
+void add_asked(const Command& command, CalibrateTune& tune) {
+  command.add_option("--precision", tune.precision,
+                     "share of the recognised windows that is to be right (default 1)");
+  command.add_option("--fps", tune.fps,
+                     "frames of the walk a second: false recognitions are given for an hour "
+                     "(default: for 1000 windows)");
+  command.add_option("--c-l", tune.windows, calibrated_lengths_help());
+}
+
+void add_settings(const Command& command, SequenceQuerySettings& settings) {
+  add_setting(command, "--method", settings.method,
+              "fastable (default), filter, or another exact one of vpr-query");
+  add_setting(command, "--score", settings.score,
+              "raw, standardized (default) or standardized-offline");
+  add_setting(command, "--decide", settings.decision,
+              "what is a hit: margin (default), or threshold, of which no choice holds as often");
+  add_setting(command, "--margin-width", settings.margin_width,
+              "elsewhere is more than so many frames before or behind the best match (default: "
+              "after how many a training sequence shows another place)");
+  command.add_list("--same-place", settings.same_place,
+                   "A=B: these training sequences show the same place; repeatable; none: all "
+                   "differ (default: as found)");
+  command
+      .add_list("--rates", settings.rates,
+                "windows of these rates, as vpr-query takes them (default 1)")
+      .comma_separated()
+      .type_name("P/Q");
+  command.add_flag("--skip-unreadable", settings.skip_unreadable,
+                   "frames that can't be decoded keep their index and never match");
+}
+
+}  // namespace
+
+CalibrateTune::CalibrateTune() {
+  settings.score = Score::standardized;
+  settings.decision = Decision::margin;
+}
+
+void add_calibrate(Program& program, CalibrateTune& tune) {
+  const Command command = program.add_command(
+      "calibrate", "A threshold from a short labelled walk, for vpr-query --config on others.",
+      "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth aligned "
+      "--tolerance 3 --fps 2 -o calibrated.json\n"
+      "  vpr-query corridor.vprdb --query another/walk --config calibrated.json -o result.json\n"
+      "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth pairs.csv "
+      "--method filter --precision 0.99",
+      [&tune](Session& session) { tune_calibrate(session, tune); });
+  program.add_config(command, tune.settings);
+  add_walk(command, tune.inputs);
+  add_asked(command, tune);
+  add_settings(command, tune.settings);
+  add_memory_flag(command, tune.memory_limit, "for rings and hits, as in 512M");
+  add_setting(command, "--format", tune.inputs.format,
+              "of the table: text (default), csv, markdown or latex");
+}
+
+}  // namespace vpr

@@ -1,0 +1,67 @@
+// From a walk of which the truth is known to a threshold for walks of which it is not.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/enum_names.h"
+#include "base/statistics.h"
+
+namespace vpr {
+
+/// What a query window tells of every threshold there is. Strengths are whole numbers: what is
+/// asked for is at least some strength, so that a larger one is stricter. Of margins it is the
+/// margin, of scores (where less is better) the score times -1, both summed over the window.
+struct CalibrationWindow {
+  std::optional<int64_t> right;  ///< it has a right hit where no more than this is asked
+  std::optional<int64_t> wrong;  ///< the same of a wrong hit
+  /// What the window would reach, were its place not trained: it is wrong for sure.
+  std::optional<int64_t> untrained;
+};
+
+/// What a walk allows to say.
+enum class CalibrationAdvice {
+  calibrated,
+  no_right_hit,  ///< there is none at the least strength either
+  none_is_safe,  ///< where a right hit is left, the precision is not reached
+  nothing_wrong  ///< no window shows how strong a wrong match gets, and no least strength is known
+};
+template <>
+inline constexpr std::array<std::string_view, 4> kEnumNames<CalibrationAdvice> = {
+    "calibrated", "no_right_hit", "none_is_safe", "nothing_wrong"};
+
+struct CalibrationSettings {
+  /// Of the recognised windows, the share that is right: above 0, at most 1.
+  double precision = 1;
+  std::optional<int64_t> least;  ///< no smaller strength is chosen
+  size_t block = 1;              ///< windows in a row that share frames: at least 1
+  uint64_t seed = 1;             ///< of the bootstrap
+};
+
+/// False recognitions, each a run of windows in a row that are recognised wrongly, in a walk as
+/// long as the one of calibration.
+struct FalseRecognitions {
+  uint64_t seen = 0;  ///< by thresholds that were chosen without the stretches in which they are
+  Interval interval;  ///< 95 %
+};
+
+struct Calibration {
+  CalibrationAdvice advice = CalibrationAdvice::nothing_wrong;
+  std::optional<int64_t> strength;  ///< of the advice `calibrated`
+  uint64_t right = 0;               ///< windows recognised at this strength, without a wrong hit
+  uint64_t wrong = 0;               ///< windows with a wrong hit
+  FalseRecognitions expected;
+};
+
+/// The least strength at which the precision is reached and some window is recognised rightly. A
+/// window counts as wrong where it has a wrong hit, whatever else it has. For precision 1 it is
+/// just above all that windows reach wrongly, or would if their place were not trained; for less,
+/// only what they do reach counts. Windows must be in the order of the query; none are no window.
+Calibration calibrate(std::span<const CalibrationWindow> windows,
+                      const CalibrationSettings& settings);
+
+}  // namespace vpr

@@ -1,0 +1,93 @@
+#include "evaluation/labelled_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+#include <utility>
+
+namespace vpr {
+namespace {
+
+constexpr size_t kLocks = 256;
+
+void keep_smaller(std::optional<uint32_t>& kept, const std::optional<uint32_t>& value) {
+  if (value && (!kept || *value < *kept)) kept = value;
+}
+
+// Cells [begin, end) of a row.
+ScoreRow part_of_row(const ScoreRow& row, size_t begin, size_t end) {
+  ScoreRow part = row;
+  part.train_window += begin;
+  part.scores = row.scores.subspan(begin, end - begin);
+  if (!row.rates.empty()) part.rates = row.rates.subspan(begin, end - begin);
+  return part;
+}
+
+// Whether frames are labelled same or ignore, or at most `width` before or behind one that is.
+std::vector<uint8_t> near_place(const std::vector<PlaceLabel>& labels, size_t width) {
+  std::vector<uint8_t> near(labels.size(), 0);
+  size_t marked = 0;  // frames in front of it are done
+  for (size_t frame = 0; frame < labels.size(); ++frame) {
+    if (labels[frame] == PlaceLabel::different) continue;
+    const size_t first = std::max(marked, frame - std::min(frame, width));
+    const size_t end = std::min(labels.size(), frame + width + 1);
+    for (size_t f = first; f < end; ++f) near[f] = 1;
+    marked = end;
+  }
+  return near;
+}
+
+}  // namespace
+
+struct LabelledScan::Windows {
+  explicit Windows(size_t count) : found(count) {}
+  std::vector<LabelledWindow> found;
+  std::array<std::mutex, kLocks> locks;
+};
+
+LabelledScan::LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
+                           size_t query_windows, const RowKernels& kernels)
+    : truth_(truth),
+      widths_(elsewhere.widths),
+      window_length_(window_length),
+      untrained_(std::move(elsewhere), query_windows, kernels),
+      windows_(std::make_unique<Windows>(query_windows)) {}
+
+LabelledScan::~LabelledScan() = default;
+
+void LabelledScan::operator()(const ScoreRow& row) {
+  const size_t count = row.scores.size();
+  const size_t width = widths_[row.sequence];
+  const size_t anchor = window_length_ - 1;
+  std::vector<PlaceLabel> labels(row.train_window + anchor + count + width);
+  truth_.label_row(row.query_window + anchor, row.sequence, labels);
+  const std::vector<uint8_t> near = near_place(labels, width);
+  const size_t first = row.train_window + anchor;
+  LabelledWindow seen;
+  for (size_t cell = 0; cell < count; ++cell) {
+    const PlaceLabel label = labels[first + cell];
+    if (label == PlaceLabel::same) keep_smaller(seen.right, row.scores[cell]);
+    if (label == PlaceLabel::different) keep_smaller(seen.wrong, row.scores[cell]);
+  }
+  for (size_t begin = 0; begin < count; ++begin) {
+    if (near[first + begin] != 0) continue;
+    size_t end = begin;
+    while (end < count && near[first + end] == 0) ++end;
+    untrained_(part_of_row(row, begin, end));
+    begin = end;
+  }
+  const std::lock_guard lock(windows_->locks[row.query_window % kLocks]);
+  LabelledWindow& window = windows_->found[row.query_window];
+  keep_smaller(window.right, seen.right);
+  keep_smaller(window.wrong, seen.wrong);
+}
+
+std::vector<LabelledWindow> LabelledScan::result() const {
+  std::vector<LabelledWindow> found = windows_->found;
+  const MarginScanResult untrained = untrained_.result();
+  for (size_t window = 0; window < found.size(); ++window)
+    found[window].untrained_margin = untrained.margins[window];
+  return found;
+}
+
+}  // namespace vpr

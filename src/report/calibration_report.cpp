@@ -1,0 +1,162 @@
+#include "report/calibration_report.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "base/json.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kSecondsAnHour = 3600;
+
+bool is_by_margin(const SequenceQuerySettings& settings) {
+  return decision_kind(settings.decision).accepts != nullptr;
+}
+
+double threshold_of(const SequenceQuerySettings& settings) {
+  return is_by_margin(settings) ? *settings.margin : *settings.distance_threshold;
+}
+
+Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
+
+/// What the walk's false recognitions make in another time.
+struct ScaledRate {
+  double expected = 0;
+  Interval interval;
+};
+
+ScaledRate rate_of(const CalibratedLength& length, double windows) {
+  const FalseRecognitions& found = length.calibration.expected;
+  const double factor = windows / static_cast<double>(length.windows);
+  return {static_cast<double>(found.seen) * factor,
+          {found.interval.low * factor, found.interval.high * factor}};
+}
+
+Json rate_json(const ScaledRate& rate) {
+  return {{"expected", rate.expected}, {"interval", interval_json(rate.interval)}};
+}
+
+Json length_json(const CalibratedLength& length) {
+  const Calibration& found = length.calibration;
+  const std::string symbol(decision_kind(length.settings.decision).symbol);
+  Json json = {{"c_l", length.settings.window_length},
+               {"windows", length.windows},
+               {"queries", length.queries},
+               {"advice", enum_name(found.advice)},
+               {symbol, nullptr}};
+  if (!found.strength) return json;
+  json[symbol] = threshold_of(length.settings);
+  json["recognised"] = {{"right", found.right}, {"wrong", found.wrong}};
+  json["false_recognitions"] = {{"block", length.block},
+                                {"seen", found.expected.seen},
+                                {"interval", interval_json(found.expected.interval)}};
+  return json;
+}
+
+// The length that says most of why there is no threshold: where most places are known.
+const CalibratedLength& telling_length(const CalibratedWalk& walk) {
+  return *std::max_element(walk.lengths.begin(), walk.lengths.end(),
+                           [](const auto& a, const auto& b) { return a.queries < b.queries; });
+}
+
+std::string range_text(const ScaledRate& rate) {
+  return fmt::format("{:.0f} (95 %: {:.0f} to {:.0f})", rate.expected, rate.interval.low,
+                     rate.interval.high);
+}
+
+std::string promise_text(const CalibratedLength& length) {
+  if (is_by_margin(length.settings))
+    return "No promise: a walk through other rooms, or at another pace, may be wrong oftener.\n";
+  return "No promise: thresholds of scores seldom hold on another walk; --decide margin holds "
+         "oftener.\n";
+}
+
+}  // namespace
+
+Json calibration_json(const CalibratedWalk& walk, const CalibrationRequest& request,
+                      const RunInfo& run, double seconds) {
+  Json json = {{"schema", "vpr.calibration/1"},
+               {"settings", nullptr},
+               {"query", {{"name", walk.query_name}, {"ground_truth", walk.protocol}}},
+               {"precision", request.precision},
+               {"chosen", walk.chosen ? Json(*walk.chosen) : Json()},
+               {"lengths", Json::array()}};
+  if (walk.replay) json["query"]["warp"] = replay_json(*walk.replay);
+  for (const CalibratedLength& length : walk.lengths)
+    json["lengths"].push_back(length_json(length));
+  if (walk.chosen) {
+    const CalibratedLength& length = walk.lengths[*walk.chosen];
+    json["settings"] = settings_in_force(length.settings);
+    json["in_1000_windows"] = rate_json(rate_of(length, 1000));
+    if (request.fps) {
+      json["fps"] = *request.fps;
+      json["in_an_hour"] = rate_json(rate_of(length, *request.fps * kSecondsAnHour));
+    }
+  }
+  json["provenance"] = provenance_json(run);
+  json["machine"] = machine_json(run);
+  json["timing"] = timing_json({{"calibrate", seconds}});
+  return json;
+}
+
+Table calibration_table(const CalibratedWalk& walk) {
+  Table table;
+  const std::string symbol(decision_kind(walk.lengths.front().settings.decision).symbol);
+  table.title = fmt::format("{}: windows recognised at the {} found{}", walk.query_name, symbol,
+                            walk.chosen ? " (* chosen)" : "");
+  table.columns = {"c_l", symbol, "right", "wrong", "of", "false recognitions", "95 %"};
+  for (size_t l = 0; l < walk.lengths.size(); ++l) {
+    const CalibratedLength& length = walk.lengths[l];
+    const Calibration& found = length.calibration;
+    std::vector<std::string>& row = table.rows.emplace_back();
+    row = {std::to_string(length.settings.window_length) + (walk.chosen == l ? "*" : "")};
+    if (!found.strength) {
+      row.insert(row.end(), {"-", "-", "-", std::to_string(length.windows), "-", "-"});
+      continue;
+    }
+    const Interval& interval = found.expected.interval;
+    row.insert(row.end(), {fmt::format("{:.4g}", threshold_of(length.settings)),
+                           std::to_string(found.right), std::to_string(found.wrong),
+                           std::to_string(length.windows), std::to_string(found.expected.seen),
+                           fmt::format("{:.1f} to {:.1f}", interval.low, interval.high)});
+  }
+  return table;
+}
+
+std::string calibration_text(const CalibratedWalk& walk, const CalibrationRequest& request) {
+  if (!walk.chosen)
+    return fmt::format("{}: no threshold: {}.\n", walk.query_name, calibration_failure(walk));
+  const CalibratedLength& length = walk.lengths[*walk.chosen];
+  const Calibration& found = length.calibration;
+  std::string text = fmt::format(
+      "{}: {} {:.4g} at c_l {}: {} recognised rightly and {} wrongly, of {} whose place is "
+      "trained.\n",
+      walk.query_name, decision_kind(length.settings.decision).symbol,
+      threshold_of(length.settings), length.settings.window_length, counted(found.right, "window"),
+      found.wrong, length.queries);
+  const ScaledRate rate =
+      request.fps ? rate_of(length, *request.fps * kSecondsAnHour) : rate_of(length, 1000);
+  text += fmt::format("False recognitions to expect in {}: {}.\n",
+                      request.fps ? "an hour" : "1000 windows", range_text(rate));
+  return text + promise_text(length);
+}
+
+std::string calibration_failure(const CalibratedWalk& walk) {
+  switch (telling_length(walk).calibration.advice) {
+    case CalibrationAdvice::no_right_hit:
+      return "no window is recognised rightly; see whether the ground truth is that of this "
+             "query, and give other c_l";
+    case CalibrationAdvice::nothing_wrong:
+      return "no window shows how close wrong places come; give a longer walk, or train more";
+    case CalibrationAdvice::none_is_safe:
+    case CalibrationAdvice::calibrated:
+      break;
+  }
+  return "wherever a window is recognised rightly, others are wrong, or would be without their "
+         "place; give a longer c_l, a lower --precision, or --score standardized --decide margin";
+}
+
+}  // namespace vpr
