@@ -82,6 +82,8 @@ void LabelledScan::operator()(const ScoreRow& row) {
   keep_smaller(window.wrong, seen.wrong);
 }
 
+void LabelledScan::join(const Share& share) { untrained_.join(share); }
+
 std::vector<LabelledWindow> LabelledScan::result() const {
   std::vector<LabelledWindow> found = windows_->found;
   const MarginScanResult untrained = untrained_.result();

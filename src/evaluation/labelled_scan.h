@@ -28,6 +28,9 @@ class LabelledScan {
                size_t query_windows, const RowKernels& kernels);
   ~LabelledScan();
   void operator()(const ScoreRow& row);
+  /// Of processes that share training windows: what all have of margins without the place. Right
+  /// and wrong ones stay the own.
+  void join(const Share& share);
   std::vector<LabelledWindow> result() const;
 
  private:

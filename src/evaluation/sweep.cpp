@@ -22,8 +22,9 @@ std::map<uint64_t, Ladder> ladders_of(std::span<const SweepScore> scores) {
 }
 
 Ladder::const_iterator find_first_error(const Ladder& ladder, std::span<const SweepScore> scores) {
-  return std::find_if(ladder.begin(), ladder.end(),
-                      [&](size_t cell) { return scores[cell].incorrect > 0; });
+  return std::find_if(ladder.begin(), ladder.end(), [&](size_t cell) {
+    return scores[cell].incorrect > 0 || scores[cell].untrained.value_or(0) > 0;
+  });
 }
 
 bool beats(const SweepScore& a, const SweepScore& b) {
@@ -61,7 +62,8 @@ Advice missing_advice(std::span<const SweepScore> scores) {
 }  // namespace
 
 SweepScore score_of(const CellCounts& cell, ScoreOrder order) {
-  SweepScore score{cell.counts.hits.correct, cell.counts.hits.incorrect, cell.window, {}};
+  SweepScore score{
+      cell.counts.hits.correct, cell.counts.hits.incorrect, cell.window, {}, cell.untrained};
   if (cell.threshold)
     score.looseness = order == ScoreOrder::distance ? *cell.threshold : -*cell.threshold;
   return score;
@@ -83,8 +85,10 @@ Recommendation recommend(std::span<const SweepScore> scores) {
   }
   for (const auto& [window, ladder] : ladders) {
     const auto error = find_first_error(ladder, scores);
-    for (auto cell = ladder.begin(); cell != error; ++cell)
-      keep_better(cell + 1 == error ? choice.near_miss : choice.cell, *cell, scores);
+    for (auto cell = ladder.begin(); cell != error; ++cell) {
+      const bool is_last = cell + 1 == error && !scores[*cell].untrained;
+      keep_better(is_last ? choice.near_miss : choice.cell, *cell, scores);
+    }
   }
   choice.advice = choice.cell ? Advice::recommended : missing_advice(scores);
   if (choice.cell) choice.near_miss.reset();

@@ -21,6 +21,9 @@ struct CellCounts {
   std::optional<double> threshold;      ///< t_r, a margin or t_p; none: automatic
   std::optional<ThresholdScale> scale;  ///< of t_r; none of others
   Counts counts;
+  /// Of margins: query windows that would be hits were their own place not trained, wrong ones for
+  /// sure. None: not known.
+  std::optional<uint64_t> untrained = {};
 };
 
 /// What a choice looks at: hits, never clusters of them. As a threshold is loosened, hits only
@@ -32,6 +35,7 @@ struct SweepScore {
   uint64_t window = 0;              ///< c_l or c_w
   std::optional<double> looseness;  ///< t_r, or -t_p, or less the margin: more is accepted where it
                                     ///< is larger; none: automatic
+  std::optional<uint64_t> untrained = {};  ///< as CellCounts has it
 };
 
 /// The numbers of a cell that a recommendation looks at.
@@ -59,14 +63,15 @@ struct Recommendation {
   /// The cell with most correct hits among those whose threshold, every stricter and the next
   /// looser one of the same window have no incorrect hit; of equals the one with the shortest
   /// window, then the strictest threshold. The next looser one must be in the grid: a setting that
-  /// nobody has looked beyond is not recommended. Cells with an automatic threshold are passed
-  /// over.
+  /// nobody has looked beyond is not recommended. Where it is known what windows would reach were
+  /// their place not trained, these count as incorrect hits, and the next looser threshold does not
+  /// matter. Cells with an automatic threshold are passed over.
   std::optional<size_t> cell;
   /// The error-free cell with most correct hits, where it lacks only an error-free neighbour:
   /// advice next_errs or grid_ends.
   std::optional<size_t> near_miss;
-  /// Of the window of `cell` or `near_miss`: the strictest threshold with an incorrect hit. None:
-  /// no threshold of this window in the grid has one.
+  /// Of the window of `cell` or `near_miss`: the strictest threshold with an incorrect hit, or one
+  /// that would be without its place. None: no threshold of this window in the grid has one.
   std::optional<size_t> first_error;
   std::vector<size_t> pareto;  ///< cells that no other beats in both correct and incorrect hits
 };

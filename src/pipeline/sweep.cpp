@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "evaluation/labelled_scan.h"
 #include "matching/fastable_batch.h"
 #include "matching/rates.h"
 #include "pipeline/query_steps.h"
@@ -22,6 +23,7 @@ struct LengthSweep {
   std::vector<QueryPlan> planned;                // as many as thresholds
   HitScanResult found;                           // below the largest limit of any of them
   std::vector<std::optional<uint32_t>> margins;  // where the decision asks for them
+  std::vector<LabelledWindow> labelled;          // the same
 };
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
@@ -95,8 +97,8 @@ HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& reso
 
 // What every length finds below the largest limit of any threshold, all in one pass (and, where
 // limits are relative, one before it).
-void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
-            const Monitor& monitor) {
+void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
+            const QueryResources& resources, const Monitor& monitor) {
   const QueryPlan& first = lengths.front().planned.front();
   const std::optional<ScoreBasis> basis = score_basis(first.learned, first.settings);
   std::vector<size_t> windows;
@@ -126,23 +128,29 @@ void search(std::vector<LengthSweep>& lengths, const QueryResources& resources,
   std::deque<HitScan> hits;
   std::vector<size_t> most_hits;
   std::deque<MarginScan> margins;
+  std::deque<LabelledScan> labelled;
   for (const LengthSweep& length : lengths) {
     const HitScanSettings limits = widest_scan(length, share_of(resources, lengths.size()));
     hits.emplace_back(limits);
     most_hits.push_back(limits.max_hits);
-    if (decision_kind(first.settings.decision).accepts != nullptr)
-      margins.emplace_back(*first.elsewhere, length.planned.front().query_windows,
-                           resources.kernels);
+    if (decision_kind(first.settings.decision).accepts == nullptr) continue;
+    const QueryPlan& plan = length.planned.front();
+    margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels);
+    labelled.emplace_back(truth, *first.elsewhere, plan.settings.window_length, plan.query_windows,
+                          resources.kernels);
   }
   match_lengths([&](size_t l, const ScoreRow& row) {
     hits[l](row);
     if (!margins.empty()) margins[l](row);
+    if (!labelled.empty()) labelled[l](row);
   });
   for (size_t l = 0; l < lengths.size(); ++l) {
     lengths[l].found = joined_hits(share, hits[l].result(), most_hits[l]);
     if (margins.empty()) continue;
     margins[l].join(share);
     lengths[l].margins = margins[l].result().margins;
+    labelled[l].join(share);
+    lengths[l].labelled = labelled[l].result();
   }
 }
 
@@ -156,6 +164,19 @@ Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monit
   Result result = make_result(plan, found, length.margins);
   cluster(result, monitor);
   return result;
+}
+
+// Of a margin that is a number: windows that would reach it without their place.
+std::optional<uint64_t> untrained_windows(const LengthSweep& length, const QueryPlan& plan) {
+  const SequenceQuerySettings& settings = plan.settings;
+  if (length.labelled.empty() || !settings.margin) return std::nullopt;
+  const ScoreKind& kind = score_kind(settings.score);
+  return std::count_if(
+      length.labelled.begin(), length.labelled.end(), [&](const LabelledWindow& window) {
+        return window.untrained_margin &&
+               kind.frame_value(*window.untrained_margin, settings.window_length) >=
+                   *settings.margin;
+      });
 }
 
 void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
@@ -183,13 +204,18 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
   const Result shape = make_result(lengths.front().planned.front());
   const GroundTruth truth = read_truth(scope_of(shape));
-  search(lengths, resources, monitor);
+  search(lengths, truth, resources, monitor);
   const size_t thresholds = grid.thresholds.size();
   const auto result_of = [&](size_t cell) {
     const LengthSweep& length = lengths[cell / thresholds];
     return cell_result(length.planned[cell % thresholds], length, monitor);
   };
-  return count_cells(shape, grid, result_of, truth, resources.seed, resources.share, monitor);
+  const auto untrained_of = [&](size_t cell) {
+    const LengthSweep& length = lengths[cell / thresholds];
+    return untrained_windows(length, length.planned[cell % thresholds]);
+  };
+  return count_cells(shape, grid, result_of, truth, resources.seed, resources.share, monitor,
+                     untrained_of);
 }
 
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,

@@ -42,14 +42,17 @@ void name_threshold(Sweep& sweep, const QuerySettings& settings) {
 
 std::vector<CellCounts> counted_cells(const Grid& grid,
                                       const std::function<Result(size_t cell)>& result_of,
-                                      const GroundTruth& truth, const Monitor& monitor) {
+                                      const GroundTruth& truth,
+                                      const UntrainedWindows& untrained_of,
+                                      const Monitor& monitor) {
   const size_t thresholds = grid.thresholds.size();
   std::vector<CellCounts> cells(grid.windows.size() * thresholds);
   StepCounter counter(monitor, "count", cells.size());
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const Result result = result_of(c);
     cells[c] = {grid.windows[c / thresholds], grid.thresholds[c % thresholds],
-                threshold_scale(result), count_recognitions(result, truth, monitor)};
+                threshold_scale(result), count_recognitions(result, truth, monitor),
+                untrained_of ? untrained_of(c) : std::nullopt};
     counter.add();
   });
   return cells;
@@ -68,15 +71,17 @@ Grid grid_of(std::span<const CellCounts> cells) {
 
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Share& share, const Monitor& monitor) {
+                  uint64_t seed, const Share& share, const Monitor& monitor,
+                  const UntrainedWindows& untrained_of) {
   Sweep sweep;
   sweep.query_name = shape.query_name;
   sweep.replay = shape.replay;
   sweep.score = &shape.score();
   name_threshold(sweep, shape.settings);
   sweep.protocol = truth.protocol;
-  sweep.cells = made_by_first(share, "counts",
-                              [&] { return counted_cells(grid, result_of, truth, monitor); });
+  sweep.cells = made_by_first(share, "counts", [&] {
+    return counted_cells(grid, result_of, truth, untrained_of, monitor);
+  });
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
   if (!sweep.recommendation.cell || !share.is_first()) return sweep;
   const Result recommended = result_of(*sweep.recommendation.cell);

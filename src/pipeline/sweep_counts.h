@@ -23,12 +23,17 @@ struct Grid {
 /// The grid of a sweep that is finished: further queries get the same, whatever fits them.
 Grid grid_of(std::span<const CellCounts> cells);
 
+/// Of a cell of margins: CellCounts::untrained.
+using UntrainedWindows = std::function<std::optional<uint64_t>(size_t cell)>;
+
 /// Counts every cell, by window, then threshold, and chooses. `shape`: the result before anything
-/// is found; `result_of` gives a cell's, from any thread. Of several processes, the first one
-/// counts, and the others are told the counts and the choice.
+/// is found; `result_of` gives a cell's, from any thread, and `untrained_of`, where there is one,
+/// CellCounts::untrained. Of several processes, the first one counts, and the others are told the
+/// counts and the choice.
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Share& share, const Monitor& monitor);
+                  uint64_t seed, const Share& share, const Monitor& monitor,
+                  const UntrainedWindows& untrained_of = {});
 
 /// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:
 /// blocks of c_l windows, for neighbours share most of their frames, or of c_w frames, but at least

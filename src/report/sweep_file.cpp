@@ -24,6 +24,7 @@ Json named_cell_json(const std::string& query, const CellCounts& cell, const Swe
                {sweep.threshold_symbol, cell.threshold ? Json(*cell.threshold) : Json("auto")}};
   if (cell.scale) json["t_r_scale"] = enum_name(*cell.scale);
   json["counts"] = counts_json(cell.counts);
+  if (cell.untrained) json["untrained"] = *cell.untrained;
   json["best_match"] = best_json(cell.counts.best_match);
   return json;
 }

@@ -76,9 +76,27 @@ std::string first_error_text(const Sweep& sweep) {
     return fmt::format("{} {} has no incorrect hit in the whole grid: {} {} may find more.\n",
                        symbols.window, window, symbols.looser, symbols.threshold);
   const SweepCell& error = cells[*choice.first_error];
+  if (error.hits.incorrect == 0)
+    return fmt::format("At {} {}, {} of {} {} would be wrong, were their places not trained.\n",
+                       symbols.threshold, error.threshold, counted(*error.untrained, "window"),
+                       symbols.window, window);
   return fmt::format("The first error of {} {} is at {} {}: {}, {} correct.\n", symbols.window,
                      window, symbols.threshold, error.threshold,
                      counted(error.hits.incorrect, "incorrect hit"), error.hits.correct);
+}
+
+// Whether cells know what windows would reach were their places not trained.
+bool knows_untrained(const Sweep& sweep) {
+  return std::any_of(sweep.cells.begin(), sweep.cells.end(),
+                     [](const CellCounts& cell) { return cell.untrained.has_value(); });
+}
+
+// A recommendation holds on what it was not made from, or says that it may not.
+std::string promise_text(const Sweep& sweep) {
+  if (sweep.score == &probability_kind() || knows_untrained(sweep))
+    return "It may be wrong on another walk.\n";
+  return "It may well be wrong on another walk: --decide margin holds oftener, and vpr-tune "
+         "calibrate.\n";
 }
 
 std::string intervals_text(const SweepIntervals& intervals, bool has_places) {
@@ -102,7 +120,7 @@ std::vector<SweepCell> sweep_cells(const Sweep& sweep) {
                      score_of(cell, sweep.threshold_order).looseness,
                      std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure),
                      cell.counts.hits, cell.counts.clusters, cell.counts.mixed_clusters,
-                     cell.counts.distinct, cell.counts.best_match});
+                     cell.counts.distinct, cell.counts.best_match, cell.untrained});
   return cells;
 }
 
@@ -207,6 +225,11 @@ std::string reason_text(const Sweep& sweep) {
   };
   switch (choice.advice) {
     case Advice::recommended:
+      if (sweep_cells(sweep)[*choice.cell].untrained)
+        return fmt::format(
+            "{}, the most of all settings that neither have an incorrect hit nor would, were the "
+            "places not trained",
+            counted(correct_at(*choice.cell), "correct hit"));
       return fmt::format(
           "{}, the most of all settings without an incorrect hit at "
           "this, every stricter and the next looser {}",
@@ -220,9 +243,10 @@ std::string reason_text(const Sweep& sweep) {
           stricter, threshold, window);
     case Advice::always_errors:
       return fmt::format(
-          "every setting with a correct hit has an incorrect one, too; give a {} {} "
+          "every setting with a correct hit has an incorrect one, too{}; give a {} {} "
           "in finer steps, or a longer {}",
-          stricter, threshold, window);
+          knows_untrained(sweep) ? ", or would, were its place not trained" : "", stricter,
+          threshold, window);
     case Advice::next_errs:
       return fmt::format(
           "{}, but the next looser {} of the grid, {}, has one; give finer steps "
@@ -250,7 +274,7 @@ std::string recommendation_text(const Sweep& sweep) {
                                  cell_name(sweep, *choice.cell), reason_text(sweep)) +
                      first_error_text(sweep);
   if (sweep.intervals) text += intervals_text(*sweep.intervals, has_places(sweep));
-  return text;
+  return text + promise_text(sweep);
 }
 
 std::string validation_text(const ValidatedCell& validation) {

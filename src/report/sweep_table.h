@@ -21,6 +21,7 @@ struct SweepCell {
   uint64_t mixed_places = 0;
   uint64_t distinct = 0;
   BestMatchCounts best_match;
+  std::optional<uint64_t> untrained;  ///< as CellCounts has it
 };
 
 /// What the settings of a sweep are called.

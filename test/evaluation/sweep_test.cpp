@@ -50,6 +50,23 @@ TEST_CASE("most correct hits win, then the shortest window, then the strictest t
   CHECK(!choice.first_error);
 }
 
+TEST_CASE("windows that would be wrong without their place are errors, and no neighbour is asked") {
+  std::vector<SweepScore> scores = ladder(10, {{3, 0}, {7, 0}, {9, 0}, {20, 0}});
+  const std::vector<uint64_t> untrained = {0, 0, 2, 5};
+  for (size_t t = 0; t < scores.size(); ++t) scores[t].untrained = untrained[t];
+  Recommendation choice = recommend(scores);
+  CHECK(choice.advice == Advice::recommended);
+  CHECK(choice.cell == 1);
+  CHECK(choice.first_error == 2);
+  CHECK(!choice.near_miss);
+  scores[1].incorrect = 1;
+  CHECK(recommend(scores).cell == 0);
+  scores[0].untrained = 1;
+  choice = recommend(scores);
+  CHECK(!choice.cell);
+  CHECK(choice.advice == Advice::always_errors);
+}
+
 TEST_CASE("stricter is a larger t_p") {
   CellCounts cell;
   std::vector<SweepScore> scores;

@@ -214,7 +214,13 @@ TEST_CASE("a sweep by margin gives what single queries by margin give") {
     CHECK(numbers(*sweep.cells[c].counts.clusters) == numbers(*alone.clusters));
     CHECK_FALSE(sweep.cells[c].scale);
   }
-  // A smaller margin accepts more.
+  // A smaller margin accepts more, and so it would without the places.
+  for (const size_t c : {0, 1, 2, 5, 6, 7}) {
+    CHECK(sweep.cells[c].untrained >= sweep.cells[c + 1].untrained);
+    CHECK(sweep.cells[c].untrained.has_value());
+  }
+  CHECK(sweep.cells[0].untrained > 0u);
+  CHECK(!sweep.cells[4].untrained);
   CHECK(sweep.cells[0].counts.hits.correct > sweep.cells[3].counts.hits.correct);
   CHECK(sweep.cells[1].counts.hits.correct > 0);
 }

@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+"""Thresholds from one walk, or half of one, used on another: thresholds_table.py DATA [BIN] [--jobs N].
+DATA: folder with corridor/, nordland/ and loop/. Worlds are rendered from configs/worlds/speeds.json.
+Prints tables for docs/methods.md: by what vpr-tune fastable recommends, and vpr-tune calibrate."""
+import argparse
+import array
+import collections
+import concurrent.futures
+import json
+import pathlib
+import random
+import subprocess
+import tempfile
+
+here = pathlib.Path(__file__).resolve().parent
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("data", type=pathlib.Path)
+parser.add_argument("bin", type=pathlib.Path, nargs="?", default=here.parent / "build/release/bin")
+parser.add_argument("--jobs", type=int, default=1)
+parser.add_argument("--worlds", type=int, default=3)
+options = parser.parse_args()
+out = pathlib.Path(tempfile.mkdtemp())
+
+DECISIONS = {
+    "threshold, raw": ["--score", "raw", "--decide", "threshold"],
+    "threshold, z-scores": ["--score", "standardized", "--decide", "threshold"],
+    "margin, raw": ["--score", "raw", "--decide", "margin"],
+    "margin, z-scores": ["--score", "standardized", "--decide", "margin"],
+    "filter": ["--method", "filter"],
+}
+VARIETIES = [None, {"finishes": 0.8, "wear": 0.6, "window_light": 1, "far_view": 0.6, "changes": 0.25,
+                    "hands": 0.5, "bareness": 0.3}, {"hands": 0.25, "changes": 0.3, "finishes": 0.4}]
+FPS = 4  # of speeds.json
+Walk = collections.namedtuple("Walk", "path truth frames first last")
+
+
+def run(program, *words, fails=False):
+    command = ["nice", options.bin / program, *words, "--threads", "1"]
+    done = subprocess.run(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    if done.returncode != 0 and not fails:
+        raise SystemExit(f"{' '.join(map(str, command))}: {done.stderr.decode()}")
+    return done.stdout if done.returncode == 0 else None
+
+
+def train(walk, name):
+    run("vpr-train", "fastable", "--train", walk, "-o", out / f"{name}.vprdb", "--quiet")
+    return out / f"{name}.vprdb"
+
+
+def part(walk, first, last):
+    return walk._replace(first=first, last=last)
+
+
+def halves(walk):
+    middle = walk.frames // 2
+    return [(part(walk, 0, middle), part(walk, middle, walk.frames)),
+            (part(walk, middle, walk.frames), part(walk, 0, middle))]
+
+
+def cut_truth(walk, name, shift, tolerance):
+    """The pairs of a part of a walk, whose frames count from 0."""
+    path = out / f"{name}-{walk.first}-{walk.last}.csv"
+    lines = ["query,reference,label"]
+    if walk.truth is None:
+        lines += [f"{q - walk.first},{r},same" for q in range(walk.first, walk.last)
+                  for r in range(max(0, q - tolerance), min(shift, q + tolerance + 1))]
+    else:
+        for line in walk.truth.read_text().splitlines()[1:]:
+            fields = line.split(",")
+            label = fields.pop() if fields[-1] in ("same", "ignore", "different") else "same"
+            if walk.first <= int(fields[0]) < walk.last:
+                lines.append(f"{int(fields[0]) - walk.first},{fields[-1]},{label}")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def lengths_of(*walks):
+    return ",".join(str(c) for c in (10, 20, 40) if all(w.last - w.first >= c + 4 for w in walks))
+
+
+def count(database, walk, truth, config, key):
+    result = out / f"{key}.json"
+    run("vpr-query", database, "--query", f"{walk.path}@{walk.first}:{walk.last}", "--config", config,
+        "-o", result, "--force", "--quiet")
+    return json.loads(run("vpr-eval", result, "--ground-truth", truth, "--json"))
+
+
+def right_windows(key, truth):
+    """Query windows with a hit that the truth calls the same place."""
+    result = json.loads((out / f"{key}.json").read_text())
+    last = result["settings"]["c_l"] - 1
+    data = (out / f"{key}.hits.npy").read_bytes()
+    numbers = array.array("i", data[10 + int.from_bytes(data[8:10], "little"):])
+    same = {tuple(line.split(",")[:2]) for line in truth.read_text().splitlines() if line.endswith("same")}
+    return len({query for query, train in zip(numbers[0::3], numbers[2::3])
+                if (str(query + last), str(train + last)) in same})
+
+
+def recommend(rule, database, walk, truth, decision, lengths, config):
+    query = ["--query", f"{walk.path}@{walk.first}:{walk.last}", "--ground-truth", truth]
+    if rule == "new":
+        return run("vpr-tune", "calibrate", database, *query, *DECISIONS[decision], "--c-l", lengths,
+                   "-o", config, "--force", fails=True) is not None
+    if decision == "filter":  # its default
+        config.write_text('{"method": "filter"}')
+        return True
+    return run("vpr-tune", "fastable", database, *query, *DECISIONS[decision], "--c-l", lengths,
+               "--save-config", config, "--force", fails=True) is not None
+
+
+def trial(job):
+    group, name, database, train_frames, tolerance, first, second, decision, rule = job
+    key = "-".join([name, str(first.first), pathlib.Path(second.path).name, str(second.first), decision, rule]
+                   ).replace(" ", "").replace(",", "")
+    key += "-" + pathlib.Path(first.path).name
+    config = out / f"{key}.config.json"
+    truths = [cut_truth(w, f"{key}-{i}", train_frames, tolerance) for i, w in enumerate((first, second))]
+    if not recommend(rule, database, first, truths[0], decision, lengths_of(first, second), config):
+        return group, decision, rule, "none", 0
+    report = count(database, second, truths[1], config, key)
+    wrong = report["counts"]["hits"]["incorrect"]
+    right = right_windows(key, truths[1])
+    known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
+    share = right / known if known else None
+    return group, decision, rule, "wrong" if wrong else "holds" if right or not known else "no hit", share
+
+
+def worlds():
+    base = json.loads((here.parent / "configs/worlds/speeds.json").read_text())
+    route = [[1.5, 1.25], [28.75, 1.25], [28.75, 15], [2, 15]]
+    detour = [[1.5, 1.25], [11.25, 1.25], [11.25, 8], [15.25, 8], [15.25, 1.25], [28.75, 1.25], [28.75, 15]]
+    for index in range(options.worlds):
+        chance = random.Random(index)
+        hour, metres = [], 0
+        while metres < 4320:  # an hour at 1.2 m/s
+            for path in (chance.choice([route, detour + [[2, 15]]]), chance.choice([route, detour + [[2, 15]]])[::-1]):
+                for corner in path:
+                    if hour and hour[-1] == corner:
+                        continue
+                    metres += sum(abs(a - b) for a, b in zip(hour[-1], corner)) if hour else 0
+                    hour.append(corner)
+        light = [{"daylight": 0.7, "warmth": 0.2, "noise": 4}, {"daylight": 0.3, "warmth": -0.1, "noise": 5}]
+        query = {"use": "query", "floor": "ground"}
+        world = dict(base, name=f"world {index}", seed=201 + index, walks=[
+            dict(query, name="trained", use="train", path=[[1, 1.25]] + route[1:]),
+            dict(query, name="plain", path=route, conditions=light[0], day=1),
+            dict(query, name="detour", path=detour, conditions=light[0], day=1, passers_by=1),
+            dict(query, name="later", path=route, conditions=light[1], day=2, passers_by=2),
+            dict(query, name="later-detour", path=detour, conditions=light[1], day=2, passers_by=2),
+            dict(query, name="back", path=route[::-1], conditions=light[1], day=2),
+            dict(query, name="hour", path=hour, conditions=light[1], day=2, passers_by=4)])
+        if VARIETIES[index % 3]:
+            world["variety"] = VARIETIES[index % 3]
+        path = out / f"world{index}.json"
+        path.write_text(json.dumps(world))
+        run("vpr-synth", path, "-o", out / f"world{index}", "--quiet")
+        yield f"world{index}", out / f"world{index}"
+
+
+def walk_of(path, truth=None, frames=None):
+    frames = frames or sum(1 for f in pathlib.Path(path).iterdir() if f.suffix in (".jpg", ".png"))
+    return Walk(path, truth, frames, 0, frames)
+
+
+def jobs():
+    corridor, nordland, loop = (options.data / name for name in ("corridor", "nordland", "loop"))
+    pairs = [("corridor", corridor / "ref", corridor / "query", 3), ("corridor back", corridor / "query", corridor / "ref", 3),
+             ("Nordland", nordland / "summer", nordland / "winter", 2), ("Nordland back", nordland / "winter", nordland / "summer", 2)]
+    for name, trained, walk, tolerance in pairs:
+        database, query = train(trained, name.replace(" ", "")), walk_of(walk)
+        for first, second in halves(query):
+            yield "real", name.replace(" ", ""), database, walk_of(trained).frames, tolerance, first, second
+    loops = loop / "images"
+    for name, trained, first in (("loop", "0:40", 40), ("loopback", "40:80", 0)):
+        database = train(f"{loops}@{trained}", name)
+        swapped = [line.split(",") for line in (loop / "ground_truth.csv").read_text().splitlines()[1:]]
+        path = out / f"{name}.csv"
+        path.write_text("query,reference\n" + "".join(
+            f"{int(q) + 40},{r}\n" if first else f"{r},{q}\n" for q, r, *_ in swapped))
+        for a, b in ((first, first + 20), (first + 20, first)):
+            walk = Walk(loops, path, 84, 0, 84)
+            yield "real", name, database, 40, 0, part(walk, a, a + 20), part(walk, b, b + 20)
+    for name, folder in worlds():
+        database = train(folder / "trained", name)
+        walks = {w: walk_of(folder / w, folder / f"{w}.ground_truth.csv")
+                 for w in ("plain", "detour", "later", "later-detour", "back", "hour")}
+        hours.append((name, database, walks))
+        for first in ("plain", "detour", "later"):
+            for second in ("plain", "detour", "later", "later-detour", "back"):
+                if first != second:
+                    yield "rendered", name, database, 0, 0, walks[first], walks[second]
+
+
+def false_runs(outcomes, margin):
+    runs = before = 0
+    for letter, text in zip(outcomes["best"], outcomes["margins"].split()):
+        wrong = letter in "wnb" and text not in ("-", "nan") and float(text) >= margin
+        runs, before = runs + (wrong and not before), wrong
+    return runs
+
+
+def hour_table(pool):
+    def one(job):
+        name, database, walks, seconds = job
+        hour = walks["hour"]
+        first = part(hour, 0, seconds * FPS) if seconds else walks["detour"]
+        second = part(hour, seconds * FPS, hour.frames)
+        config, key = out / f"{name}-{seconds}.json", f"{name}-{seconds}-hour"
+        query = ["--query", f"{first.path}@{first.first}:{first.last}"]
+        truths = [cut_truth(w, f"{key}{i}", 0, 0) for i, w in enumerate((first, second))]
+        run("vpr-tune", "calibrate", database, *query, "--ground-truth", truths[0], "--c-l", "20", "--fps", FPS,
+            "-o", config, "--quiet")
+        calibration = json.loads(config.read_text())
+        report = count(database, second, truths[1], config, key)
+        runs = false_runs(report["outcomes"], calibration["settings"]["margin"])
+        hours_walked = len(report["outcomes"]["best"]) / FPS / 3600
+        return name, seconds, calibration["in_an_hour"], runs / hours_walked, report
+    todo = [(*h, seconds) for h in hours for seconds in (0, 300, 600, 1200)]
+    print("\n| rendered walk of an hour | calibrated on | expected in an hour (95 %) | in the rest of the hour | right of windows known |")
+    print("|---|---|---:|---:|---:|")
+    for name, seconds, rate, found, report in pool.map(one, todo):
+        low, high = rate["interval"]
+        source = f"its first {seconds // 60} minutes" if seconds else "another walk of a minute"
+        known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
+        print(f"| {name} | {source} | {rate['expected']:.0f} ({low:.0f} to {high:.0f}) | {found:.0f}"
+              f"{'' if low <= found <= high else ' (outside)'} | {100 * report['counts']['hits']['correct'] / known:.0f} % |")
+
+
+hours = []
+with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+    trials = [(*job, decision, rule) for job in jobs() for decision in DECISIONS for rule in ("recommended", "new")]
+    cells = collections.defaultdict(collections.Counter)
+    shares = collections.defaultdict(list)
+    for group, decision, rule, verdict, share in pool.map(trial, trials):
+        cells[group, decision, rule][verdict] += 1
+        if share is not None:
+            shares[group, decision, rule].append(share)
+    print("| set, decision | rule | holds | no hit | wrong | none found | recognised |")
+    print("|---|---|---:|---:|---:|---:|---:|")
+    for group, decision, rule in sorted(cells):
+        counted, share = cells[group, decision, rule], shares[group, decision, rule]
+        word = {"new": "calibrated", "recommended": "default" if decision == "filter" else "recommended"}[rule]
+        print(f"| {group}, {decision} | {word} | " + " | ".join(
+            str(counted[v]) for v in ("holds", "no hit", "wrong", "none")) +
+            f" | {100 * sum(share) / len(share):.0f} % |")
+    hour_table(pool)
