@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Thresholds from one walk, or half of one, used on another: thresholds_table.py DATA [BIN] [--jobs N].
-DATA: folder with corridor/, nordland/ and loop/. Worlds are rendered from configs/worlds/speeds.json.
-Prints tables for docs/methods.md: by what vpr-tune fastable recommends, and vpr-tune calibrate."""
+DATA: folder with corridor/, nordland/, loop/ and tower/. Worlds are rendered from
+configs/worlds/speeds.json. Prints the tables of docs/methods.md, Calibration: by what vpr-tune
+fastable recommends, by vpr-tune calibrate, and automatic thresholds and margins on whole walks."""
 import argparse
 import array
 import collections
@@ -18,6 +19,7 @@ parser.add_argument("data", type=pathlib.Path)
 parser.add_argument("bin", type=pathlib.Path, nargs="?", default=here.parent / "build/release/bin")
 parser.add_argument("--jobs", type=int, default=1)
 parser.add_argument("--worlds", type=int, default=3)
+parser.add_argument("--tables", default="walks,hours,auto")
 options = parser.parse_args()
 out = pathlib.Path(tempfile.mkdtemp())
 
@@ -114,6 +116,8 @@ def trial(job):
                    ).replace(" ", "").replace(",", "")
     key += "-" + pathlib.Path(first.path).name
     config = out / f"{key}.config.json"
+    if decision == "filter":  # whose places are views
+        tolerance = {3: 10, 2: 20}.get(tolerance, tolerance)
     truths = [cut_truth(w, f"{key}-{i}", train_frames, tolerance) for i, w in enumerate((first, second))]
     if not recommend(rule, database, first, truths[0], decision, lengths_of(first, second), config):
         return group, decision, rule, "none", 0
@@ -226,11 +230,57 @@ def hour_table(pool):
               f"{'' if low <= found <= high else ' (outside)'} | {100 * report['counts']['hits']['correct'] / known:.0f} % |")
 
 
-hours = []
-with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-    trials = [(*job, decision, rule) for job in jobs() for decision in DECISIONS for rule in ("recommended", "new")]
-    cells = collections.defaultdict(collections.Counter)
-    shares = collections.defaultdict(list)
+def automatic(job):
+    group, name, database, frames, tolerance, walk, decision, length = job
+    key = f"auto-{name}-{pathlib.Path(walk.path).name}-{decision}-{length}".replace(" ", "").replace(",", "")
+    truth, config = cut_truth(walk, key, frames, tolerance), out / f"{key}.config.json"
+    words = DECISIONS[decision]
+    config.write_text(json.dumps({"score": words[1], "decide": words[3], "c_l": length}))
+    if group == "tower":  # all is wrong
+        truth.write_text("query,reference,label\n")
+    report = count(database, walk, truth, config, key)
+    known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
+    share = right_windows(key, truth) / known if known else None
+    return group, decision, report["counts"]["hits"]["incorrect"] == 0, share
+
+
+def auto_jobs(pairs):
+    seen = set()
+    for group, name, database, frames, tolerance, *walks in pairs:
+        for walk in walks:
+            whole = part(walk, 0, walk.frames) if name[:4] != "loop" else part(walk, *((40, 80) if name == "loop" else (0, 40)))
+            if (name, whole.path) not in seen:
+                seen.add((name, whole.path))
+                yield group, name, database, frames, tolerance, whole
+    floors = sorted((options.data / "tower").iterdir())
+    for floor in floors:
+        database = train(floor, floor.name)
+        for other in floors:
+            if other != floor:
+                yield "tower", floor.name, database, 0, 0, walk_of(other)
+
+
+def auto_table(pool, pairs):
+    todo = [(*job, decision, length) for job in auto_jobs(pairs) for decision in DECISIONS if decision != "filter"
+            for length in (10, 20, 40) if job[-1].last - job[-1].first >= length + 4]
+    safe, shares = collections.defaultdict(list), collections.defaultdict(list)
+    for group, decision, is_safe, share in pool.map(automatic, todo):
+        safe[group, decision].append(is_safe)
+        shares[group, decision] += [share] if share is not None else []
+    print("\n| automatic, set | " + " | ".join(d for d in DECISIONS if d != "filter") + " |")
+    print("|---|" + "---:|" * (len(DECISIONS) - 1))
+    for group in ("real", "rendered", "tower"):
+        cells = []
+        for decision in DECISIONS:
+            if decision != "filter":
+                found, share = safe[group, decision], shares[group, decision]
+                cells.append(f"{sum(found)} of {len(found)}" + (f", {100 * sum(share) / len(share):.0f} %" if share else ""))
+        print(f"| {group} | " + " | ".join(cells) + " |", flush=True)
+
+
+def walk_table(pool, pairs):
+    trials = [(*pair, decision, rule) for pair in pairs for decision in DECISIONS for rule in ("recommended", "new")]
+    cells, shares = collections.defaultdict(collections.Counter), collections.defaultdict(list)
     for group, decision, rule, verdict, share in pool.map(trial, trials):
         cells[group, decision, rule][verdict] += 1
         if share is not None:
@@ -242,5 +292,15 @@ with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         word = {"new": "calibrated", "recommended": "default" if decision == "filter" else "recommended"}[rule]
         print(f"| {group}, {decision} | {word} | " + " | ".join(
             str(counted[v]) for v in ("holds", "no hit", "wrong", "none")) +
-            f" | {100 * sum(share) / len(share):.0f} % |")
-    hour_table(pool)
+            f" | {100 * sum(share) / len(share):.0f} % |", flush=True)
+
+
+hours = []
+with concurrent.futures.ThreadPoolExecutor(options.jobs) as workers:
+    walk_pairs = list(jobs())
+    if "walks" in options.tables:
+        walk_table(workers, walk_pairs)
+    if "hours" in options.tables:
+        hour_table(workers)
+    if "auto" in options.tables:
+        auto_table(workers, walk_pairs)

@@ -88,7 +88,7 @@ std::string window_length_help() {
 
 std::string calibrated_lengths_help() {
   return fmt::format(
-      "window lengths, of which the one that recognises most is taken, as in 10,20 "
+      "window lengths, of which the shortest is taken that recognises nearly most, as in 10,20 "
       "(default: those of {} that fit)",
       kCalibratedLengths);
 }

@@ -16,6 +16,9 @@ namespace {
 constexpr size_t kPathBlock = 40;  // query frames that a path of the filter holds together
 constexpr double kNothing = -60;   // a mean z that no window has
 
+// Of the windows that the best length recognises. Chosen on rendered buildings (docs/methods.md).
+constexpr double kEnough = 0.7;
+
 void check_calibration(const SequenceQuerySettings& settings, double precision) {
   if (!(precision > 0 && precision <= 1))
     throw Error(ErrorKind::usage,
@@ -198,14 +201,16 @@ CalibratedLength calibrate_length(QueryPlan plan, const LabelledQuery& walk, dou
   return length;
 }
 
-// Of the lengths with a threshold, the one with most right windows; of equals the first.
+// A shorter window says sooner where one is, and sooner that one is elsewhere.
 std::optional<size_t> choose_length(const std::vector<CalibratedLength>& lengths) {
-  std::optional<size_t> chosen;
-  for (size_t l = 0; l < lengths.size(); ++l) {
-    const uint64_t right = lengths[l].calibration.strength ? lengths[l].calibration.right : 0;
-    if (right > (chosen ? lengths[*chosen].calibration.right : 0)) chosen = l;
-  }
-  return chosen;
+  const auto right = [](const CalibratedLength& length) {
+    return length.calibration.strength ? static_cast<double>(length.calibration.right) : 0;
+  };
+  double most = 0;
+  for (const CalibratedLength& length : lengths) most = std::max(most, right(length));
+  for (size_t l = 0; most > 0 && l < lengths.size(); ++l)
+    if (right(lengths[l]) >= kEnough * most) return l;
+  return std::nullopt;
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ struct CalibratedWalk {
   std::optional<Replay> replay;
   std::string protocol;                   ///< of the ground truth, in words
   std::vector<CalibratedLength> lengths;  ///< rising
-  std::optional<size_t> chosen;  ///< with most windows recognised rightly; of equals the shortest
+  std::optional<size_t> chosen;  ///< the shortest that recognises rightly at least 0.7 of the
+                                 ///< windows that any does
 };
 
 /// `base`: the settings but c_l and the number that the decision asks for. `lengths`: c_l; of the

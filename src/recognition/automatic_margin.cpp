@@ -1,6 +1,7 @@
 #include "recognition/automatic_margin.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 
@@ -83,6 +84,15 @@ void add_others(std::vector<uint32_t>& margins, std::span<const DescriptorSpan> 
   }
 }
 
+// Of n exponential values with this mean, one in e^4 times has a larger one than mean (ln n + 4).
+uint32_t largest_likely(std::span<const uint32_t> false_margins, uint64_t mean) {
+  const double most =
+      static_cast<double>(mean) * (std::log(static_cast<double>(false_margins.size())) + 4);
+  const auto likely = std::find_if(false_margins.begin(), false_margins.end(),
+                                   [&](uint32_t margin) { return margin <= most; });
+  return likely == false_margins.end() ? 0 : *likely;
+}
+
 }  // namespace
 
 std::vector<uint32_t> false_margins(std::span<const DescriptorSpan> sequences,
@@ -107,7 +117,8 @@ double automatic_margin(std::span<const uint32_t> false_margins, const ScoreKind
   const double least = score.least_margin(typical_distance, window_length);
   if (false_margins.empty()) return least;
   const uint64_t sum = std::accumulate(false_margins.begin(), false_margins.end(), uint64_t{0});
-  const uint64_t above = false_margins.front() + sum / false_margins.size() + 1;
+  const uint64_t mean = sum / false_margins.size();
+  const uint64_t above = largest_likely(false_margins, mean) + mean + 1;
   return std::max(least, score.frame_value(static_cast<double>(above), window_length));
 }
 

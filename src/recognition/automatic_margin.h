@@ -25,7 +25,9 @@ std::vector<uint32_t> false_margins(std::span<const DescriptorSpan> sequences,
 /// their mean (rounded down to a whole sum); but at least what the score says for a training
 /// sequence of this typical distance. The least value of a row and the next one of another place
 /// are successive order statistics, whose distance is spread exponentially (Weissman 1978): the
-/// mean is what the largest of e times as many false margins exceeds that of these by.
+/// mean is what the largest of e times as many false margins exceeds that of these by. Margins
+/// above mean (ln n + 4) are none of n such ones, but of a place that is shown twice, and do not
+/// decide.
 double automatic_margin(std::span<const uint32_t> false_margins, const ScoreKind& score,
                         double typical_distance, size_t window_length);
 

@@ -111,15 +111,23 @@ TEST_CASE("one short walk has no false margins, and the least margin then") {
 }
 
 TEST_CASE("the automatic margin is a mean above the largest false one, and never below the least") {
-  std::vector<uint32_t> margins(250, 0);
-  margins[0] = 90'000;
-  margins[1] = 10'200;  // the mean is 400.8
+  std::vector<uint32_t> margins(101, 1000);
+  margins[0] = 5000;  // the mean is 1039.6
   const auto automatic = [&](Score score, size_t length) {
     return automatic_margin(margins, score_kind(score), 600, length);
   };
-  CHECK(automatic(Score::raw, 100) == 904.01);
-  CHECK(automatic(Score::raw, 10'000) == 9.0401);
-  CHECK(automatic(Score::standardized, 4) == 90'401.0 / (1024 * 4));
-  margins[0] = margins[1] = 0;
+  CHECK(automatic(Score::raw, 100) == 60.4);
+  CHECK(automatic(Score::raw, 10'000) == Approx(2.7));  // the least
+  CHECK(automatic(Score::standardized, 1) == 6040.0 / 1024);
+  margins.assign(101, 0);
   CHECK(automatic(Score::raw, 100) == Approx(27));
+}
+
+TEST_CASE("a false margin that is far too large for the others does not decide") {
+  std::vector<uint32_t> margins(102, 1000);
+  margins[0] = 90'000;  // the mean is 1911.8, and no more than 8.6 times of it is likely
+  margins[1] = 5000;
+  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == 69.12);
+  margins[0] = 9000;  // 8.1 times the mean, 1117.6
+  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == 101.18);
 }
