@@ -20,8 +20,9 @@ parser.add_argument("bin", type=pathlib.Path, nargs="?", default=here.parent / "
 parser.add_argument("--jobs", type=int, default=1)
 parser.add_argument("--worlds", type=int, default=3)
 parser.add_argument("--tables", default="walks,hours,auto")
+parser.add_argument("--work", type=pathlib.Path, help="folder of an earlier run, whose worlds are taken")
 options = parser.parse_args()
-out = pathlib.Path(tempfile.mkdtemp())
+out = options.work or pathlib.Path(tempfile.mkdtemp())
 
 DECISIONS = {
     "threshold, raw": ["--score", "raw", "--decide", "threshold"],
@@ -37,7 +38,7 @@ Walk = collections.namedtuple("Walk", "path truth frames first last")
 
 
 def run(program, *words, fails=False):
-    command = ["nice", options.bin / program, *words, "--threads", "1"]
+    command = [options.bin / program, *words, "--threads", "1"]
     done = subprocess.run(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     if done.returncode != 0 and not fails:
         raise SystemExit(f"{' '.join(map(str, command))}: {done.stderr.decode()}")
@@ -45,7 +46,8 @@ def run(program, *words, fails=False):
 
 
 def train(walk, name):
-    run("vpr-train", "fastable", "--train", walk, "-o", out / f"{name}.vprdb", "--quiet")
+    if not (out / f"{name}.vprdb").exists():
+        run("vpr-train", "fastable", "--train", walk, "-o", out / f"{name}.vprdb", "--quiet")
     return out / f"{name}.vprdb"
 
 
@@ -157,7 +159,8 @@ def worlds():
             world["variety"] = VARIETIES[index % 3]
         path = out / f"world{index}.json"
         path.write_text(json.dumps(world))
-        run("vpr-synth", path, "-o", out / f"world{index}", "--quiet")
+        if not (out / f"world{index}").exists():
+            run("vpr-synth", path, "-o", out / f"world{index}", "--quiet")
         yield f"world{index}", out / f"world{index}"
 
 

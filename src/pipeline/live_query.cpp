@@ -51,9 +51,10 @@ void check_live(const SequenceQuerySettings& settings) {
     throw Error(ErrorKind::usage,
                 "windows of several rates are not followed; --method filter follows any pace");
   if (settings.threshold_share)
-    throw Error(ErrorKind::usage,
-                "t_r_share, which a threshold of vpr-tune calibrate has, is not followed; calibrate "
-                "with --decide margin or --method filter, or give --t-r alone");
+    throw Error(
+        ErrorKind::usage,
+        "t_r_share, which a threshold of vpr-tune calibrate has, is not followed; calibrate "
+        "with --decide margin or --method filter, or give --t-r alone");
   if (decision_kind(settings.decision).accepts == nullptr && settings.distance_threshold &&
       scale_of(settings) == ThresholdScale::relative)
     throw Error(ErrorKind::usage,
