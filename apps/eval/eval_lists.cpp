@@ -1,5 +1,7 @@
 #include "eval_lists.h"
 
+#include <cassert>
+
 #include <fmt/format.h>
 
 #include "base/counted.h"
@@ -115,6 +117,7 @@ ScoreMatrix open_predictions(const EvalInputs& inputs) {
 size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,
                    const ScoreLayout& layout, const Result* result) {
   if (inputs.pairs.path.empty()) return 0;
+  assert(matrix != nullptr || result != nullptr);
   constexpr uint64_t kUsual = 10;
   const std::vector<BestPair> pairs =
       matrix == nullptr
