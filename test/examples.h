@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "database/fabmap_database.h"
 #include "database/sequence_database.h"
 #include "descriptors/descriptor_rows.h"
 #include "descriptors/frame_descriptors.h"
@@ -33,6 +34,13 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 
 /// A query whose frames are called by their numbers.
 DescriptorSet make_query(const std::vector<LdbCode>& codes);
+
+/// FAB-MAP's database of the same sequences: of 40 words, each frame shows some that follow from
+/// its descriptor, so that equal frames show the same; none for descriptors of zeros.
+FabmapDatabase make_fabmap(const SequenceDatabase& database);
+
+/// The words that a frame shows there.
+WordSet words_of(DescriptorRow row);
 
 /// All window pairs of two sequences, row-major, query windows x train windows; empty if either
 /// sequence is shorter than a window. OpenABLE: window_length distances a cell.

@@ -56,6 +56,7 @@ ResultContext context_of(const Session& session, const QueryInputs& inputs,
     context.run.paths = {{"database", inputs.database}, {"query", query_path}};
   else
     context.run.paths = {{"scores", inputs.scores.path}};
+  if (!inputs.fuse.empty()) context.run.paths["fuse"] = inputs.fuse;
   context.seconds = seconds;
   return context;
 }

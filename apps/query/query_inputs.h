@@ -36,6 +36,7 @@ struct QueryInputs {
   std::string matrix;
   size_t memory_limit = kDefaultMemoryLimit;
   uint64_t verify_cells = 0;
+  std::string fuse;        ///< FAB-MAP's database of the same training sequences
   std::string query_bow;   ///< FAB-MAP: OpenFABMAP's BOW matrix instead of frames
   std::string posteriors;  ///< FAB-MAP: where to write them
   std::optional<uint64_t> explained_frame;

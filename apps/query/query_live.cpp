@@ -10,6 +10,7 @@
 #include "base/stopwatch.h"
 #include "images/live_source.h"
 #include "matching/methods.h"
+#include "pipeline/fuse.h"
 #include "pipeline/live_query.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
@@ -92,8 +93,9 @@ struct Follower {
     const auto described = describe(frame);
     const DescriptorShape shape = database.descriptors.rows().shape;
     const std::vector<uint8_t> none(described ? 0 : shape.row_bytes());
-    const std::optional<Result> result =
-        query.take(described ? described->rows()[0] : DescriptorRow(none), described.has_value());
+    FrameRow row{described ? described->rows()[0] : DescriptorRow(none), described.has_value()};
+    if (described && !described->words.empty()) row.words = described->words.front();
+    const std::optional<Result> result = query.take(row);
     session.print_line(
         live_line({frames++, frame.name, described.has_value()}, result ? &*result : nullptr, 0));
   }
@@ -111,26 +113,28 @@ void follow(LiveSource& source, Follower& follower, Latencies& latencies) {
 
 void follow_query(Session& session, const QueryInputs& inputs, const SequenceQuerySettings& given) {
   refuse_whole(session, inputs);
-  check_live(with_implied(given));
+  const SequenceQuerySettings settings = with_implied(with_fusion(given, inputs.fuse));
+  check_live(settings);
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.memory_limit = inputs.memory_limit;
   resources.seed = session.options.seed;
-  const Unreadable unreadable = given.skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  const Unreadable unreadable = settings.skip_unreadable ? Unreadable::skip : Unreadable::fail;
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
                 fmt::format("{}: holds descriptors that were imported, and frames that come can't "
                             "be described so",
                             inputs.database));
-  check_score(with_implied(given));
-  if (score_kind(with_implied(given).score).needs_statistics)
-    ensure_statistics(database, session.monitor);
+  check_score(settings);
+  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
+  fuse_views(database, settings, inputs.fuse, session.kernels, session.monitor);
+  warn_of_automatic(settings, session.monitor);
   const NamedSource query = open_source(inputs, unreadable);
   Monitor silent = session.monitor;
   silent.progress = nullptr;
   Follower follower{session, database, unreadable, silent,
-                    LiveQuery(database, query.name, given, resources, session.monitor)};
+                    LiveQuery(database, query.name, settings, resources, session.monitor)};
   Latencies latencies;
   const auto report = [&] {
     if (!session.options.quiet) fmt::print(stderr, "{}\n", latencies.summary());

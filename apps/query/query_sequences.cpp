@@ -12,6 +12,7 @@
 #include "evaluation/counts.h"
 #include "images/sequence.h"
 #include "pipeline/advice.h"
+#include "pipeline/fuse.h"
 #include "pipeline/given_query.h"
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"
@@ -169,12 +170,16 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   check_score(settings);
   if (score_kind(settings.score).needs_statistics)
     ensure_statistics(sides.database, session.monitor);
+  fuse_views(sides.database, settings, inputs.fuse, session.kernels, session.monitor);
+  warn_of_automatic(settings, session.monitor);
   sides.query =
       replayed(describe_frames(open_sequence(sides.source.sequence.sequence), sides.database,
                                settings.skip_unreadable, session.share, session.monitor),
                inputs.warp, session.options.seed);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);
+  if (const FusedViews* fused = fused_views(sides.database))
+    sides.context.fused_fingerprint = fused->fabmap.fingerprint;
 }
 
 void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs) {
@@ -211,13 +216,15 @@ void check_sharing(const Session& session, const QueryInputs& inputs) {
     throw Error(ErrorKind::usage, "--save-matrix is work for one process: leave mpirun out");
   if (!inputs.scores.path.empty())
     throw Error(ErrorKind::usage, "--scores is work for one process: leave mpirun out");
+  if (!inputs.fuse.empty())
+    throw Error(ErrorKind::usage, "--fuse is work for one process: leave mpirun out");
 }
 
 }  // namespace
 
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& asked) {
-  const SequenceQuerySettings settings = with_implied(asked);
+  const SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
   check_scores(inputs, settings);
   check_sharing(session, inputs);
   if (inputs.follow) return follow_query(session, inputs, asked);
@@ -264,6 +271,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   context.scores = known.scores;
   context.database_fingerprint = known.database_fingerprint;
   context.query_fingerprint = known.query_fingerprint;
+  context.fused_fingerprint = known.fused_fingerprint;
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
   finish_matrix(matrix, inputs.matrix, found.result, truth, context, session);
   const Json json = keep_result(session, found.result, context);

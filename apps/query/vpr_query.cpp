@@ -50,6 +50,11 @@ std::string method_help() {
   for (size_t d = 0; d < decision_kinds().size(); ++d)
     text += fmt::format("  {:<17}{}\n", enum_name(static_cast<Decision>(d)),
                         decision_kinds()[d].summary);
+  text +=
+      "\nBoth together:\n"
+      "  --fuse FABMAP.vprdb takes what FAB-MAP says of each frame from standardized scores: by\n"
+      "  how many nats a training frame is likelier than the others, and than the best one\n"
+      "  elsewhere, times --fuse-beta. Train both databases with the same sequences.\n";
   return text;
 }
 
@@ -115,24 +120,26 @@ void refuse_keys(const CommonOptions& options, const FamilyQuery& family, std::s
                                                   options.config, key, kind));
 }
 
-// What the filter implies can't be asked for otherwise.
+// What the filter and --fuse imply can't be asked for otherwise.
 void refuse_other_than_implied(const Command& app, const CommonOptions& options,
-                               const SequenceQuerySettings& settings) {
-  if (!has_paths(settings.method)) return;
+                               const SequenceQuerySettings& settings, bool is_fused) {
+  if (!has_paths(settings.method) && !is_fused) return;
   const std::vector<std::string> flags = app.given_flags(kSequenceGroup);
   const auto is_given = [&](const std::string& flag, const std::string& key) {
     return std::find(flags.begin(), flags.end(), flag) != flags.end() ||
            std::find(options.config_keys.begin(), options.config_keys.end(), key) !=
                options.config_keys.end();
   };
+  const std::string with =
+      has_paths(settings.method) ? "--method " + settings.method : std::string("--fuse");
   const auto refuse = [&](const char* flag, const char* why) {
-    throw Error(ErrorKind::usage,
-                fmt::format("{} has no effect with --method {}, {}", flag, settings.method, why));
+    throw Error(ErrorKind::usage, fmt::format("{} has no effect with {}, {}", flag, with, why));
   };
-  if (is_given("--c-l", "c_l") && settings.window_length != 1)
-    refuse("--c-l", "which takes frame after frame; leave it out");
   if (is_given("--score", "score") && settings.score == Score::raw)
     refuse("--score raw", "which needs standardized scores; leave it out");
+  if (!has_paths(settings.method)) return;
+  if (is_given("--c-l", "c_l") && settings.window_length != 1)
+    refuse("--c-l", "which takes frame after frame; leave it out");
   if (is_given("--decide", "decide") && settings.decision != Decision::margin)
     refuse("--decide threshold", "which decides by margin; leave it out");
   if (settings.margin_width)
@@ -172,7 +179,7 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
   refuse_keys(session.options, query, kind);
   settings.sequence.method = settings.fabmap.method = method;
   if (family == DatabaseFamily::sequences)
-    refuse_other_than_implied(app, session.options, settings.sequence);
+    refuse_other_than_implied(app, session.options, settings.sequence, !inputs.fuse.empty());
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
   query.run(session, inputs, settings);
 }
@@ -193,6 +200,7 @@ int main(int argc, char** argv) {
       "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
       "  vpr-query --scores S.npy --similarity --c-l 10 --score standardized -o r.json\n"
       "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
+      "  vpr-query corridor.vprdb --query tuesday --fuse fabmap.vprdb --c-l 5\n"
       "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;
   GivenSettings settings;

@@ -3,6 +3,7 @@
 
 #include "base/stopwatch.h"
 #include "images/sequence.h"
+#include "pipeline/fuse.h"
 #include "pipeline/margin_plan.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
@@ -26,13 +27,16 @@ void explain_automatic(const std::vector<CellCounts>& cells, const SequenceDatab
 
 void tune_fastable(Session& session, const FastableTune& command) {
   const TuneInputs& inputs = command.inputs;
-  const SequenceQuerySettings& settings = command.settings;
+  const SequenceQuerySettings settings = with_implied(with_fusion(command.settings, inputs.fuse));
   const Monitor& monitor = session.monitor;
+  if (!inputs.fuse.empty() && !session.share.is_alone())
+    throw Error(ErrorKind::usage, "--fuse is work for one process: leave mpirun out");
   claim_outputs(inputs, session);
   const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
   ensure_places(database, session.kernels, monitor);
+  fuse_views(database, settings, inputs.fuse, session.kernels, monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed,
                                  session.share};
   session.run.memory_limit = command.memory_limit;
@@ -81,6 +85,10 @@ void add_fastable(Program& program, FastableTune& tune) {
                    "differ (default: as found)");
   add_setting(command, "--score", tune.settings.score,
               "raw (default), standardized or standardized-offline");
+  command.add_option("--fuse", tune.inputs.fuse,
+                     "FAB-MAP's database of the same training sequences, as vpr-query takes it");
+  add_setting(command, "--fuse-beta", tune.settings.fusion_weight,
+              "deviations a nat of what it says (default 0.25)");
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
               "of the numbers: relative (default), mean or bits, as vpr-query takes them; of "
               "standardized scores mean-z");

@@ -19,6 +19,7 @@ struct TuneInputs {
   std::string database;
   std::string query;
   std::string ground_truth;
+  std::string fuse;  ///< FAB-MAP's database of the same training sequences, for fastable
   std::string warp;  ///< how every query is replayed; empty: as it is
   GroundTruthFlags flags;
   std::vector<std::string> datasets;

@@ -22,7 +22,8 @@ std::vector<std::string> setting_flags(const QuerySettings& recommended) {
   for (const auto& [key, flag] :
        {std::pair("c_l", "--c-l"), std::pair("t_r", "--t-r"), std::pair("decide", "--decide"),
         std::pair("margin", "--margin"), std::pair("margin_width", "--margin-width"),
-        std::pair("c_w", "--c-w"), std::pair("t_p", "--t-p"), std::pair("score", "--score")})
+        std::pair("c_w", "--c-w"), std::pair("t_p", "--t-p"), std::pair("score", "--score"),
+        std::pair("fuse_beta", "--fuse-beta")})
     if (settings.contains(key)) {
       const Json& value = settings[key];
       const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
@@ -45,6 +46,7 @@ std::string query_command(const TuneInputs& inputs, const CommonOptions& options
   } else {
     words.push_back("--query " + shell_word(inputs.query));
   }
+  if (!inputs.fuse.empty()) words.push_back("--fuse " + shell_word(inputs.fuse));
   const std::string& config = inputs.save_config.empty() ? options.config : inputs.save_config;
   if (!config.empty()) words.push_back("--config " + shell_word(config));
   if (inputs.save_config.empty())

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "database/train_components.h"
 
 namespace vpr {
+
+struct FusedViews;
 
 /// Which training frames each training frame is compared with.
 struct StatisticsSettings {
@@ -41,6 +44,8 @@ struct TrainStatistics {
   std::vector<float> variance;  ///< of its distances
   /// Found when a score asks for them, and not stored.
   std::optional<TrainComponents> components = std::nullopt;
+  /// What FAB-MAP knows of the frames, where scores are to be fused with it; not stored.
+  std::shared_ptr<const FusedViews> fused = nullptr;
 
   bool operator==(const TrainStatistics&) const = default;
 };

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "descriptors/vocabulary.h"
+#include "descriptors/word_set.h"
 
 namespace vpr {
 

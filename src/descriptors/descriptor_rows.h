@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "descriptors/ldb.h"
+#include "descriptors/word_set.h"
 
 namespace vpr {
 
@@ -105,6 +106,7 @@ struct DescriptorSpan {
   DescriptorRows rows;
   std::span<const size_t> unreadable;     ///< rising
   const GivenDistances* given = nullptr;  ///< of a query: its distances, which are known already
+  std::span<const WordSet> words = {};    ///< that each frame shows, where FAB-MAP is asked, too
 };
 
 }  // namespace vpr

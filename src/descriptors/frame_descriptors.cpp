@@ -25,7 +25,7 @@ namespace {
 template <auto describe_grey>
 DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
-                          const Monitor& monitor) {
+                          const FrameVisitor& visit, const Monitor& monitor) {
   const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::grey;
   const size_t row_bytes = kind.shape.row_bytes();
   std::mutex mutex;  // a video's length is not known before its end
@@ -38,6 +38,7 @@ DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
         const auto row =
             describe_grey(settings.illumination_invariant ? illumination_invariant(image) : image);
         assert(row.size() * sizeof(row[0]) == row_bytes);
+        if (visit) visit(index, image);
         const std::lock_guard lock(mutex);
         if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
         std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
@@ -49,7 +50,7 @@ DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
 template <ElementType element>
 DescriptorSet import_by(const DescriptorKind&, const Sequence& sequence,
                         const DescriptorSettings& settings, Unreadable unreadable,
-                        const Monitor& monitor) {
+                        const FrameVisitor&, const Monitor& monitor) {
   return import_descriptors(sequence, element, unreadable, monitor, settings.unit);
 }
 
@@ -92,8 +93,9 @@ constexpr std::array<DescriptorKind, 9> kKinds = {{
 }  // namespace
 
 DescriptorSet DescriptorKind::describe(const Sequence& sequence, const DescriptorSettings& settings,
-                                       Unreadable unreadable, const Monitor& monitor) const {
-  return describe_with(*this, sequence, settings, unreadable, monitor);
+                                       Unreadable unreadable, const Monitor& monitor,
+                                       const FrameVisitor& visit) const {
+  return describe_with(*this, sequence, settings, unreadable, visit, monitor);
 }
 
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
@@ -147,6 +149,7 @@ DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed
   const DescriptorRows rows = set.rows();
   for (const uint32_t source : result.frames.replay->sources)
     result.descriptors.append(rows.subspan(source, 1));
+  if (!set.words.empty()) result.words = replayed(set.words, *result.frames.replay);
   return result;
 }
 

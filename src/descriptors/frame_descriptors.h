@@ -1,6 +1,7 @@
 // The table of frame descriptors, and what a sequence or a database holds of them.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,9 @@ void visit_fields(DescriptorSettings& settings, Visitor&& visit) {
 
 struct DescriptorSet;
 
+/// What else looks at a frame once it is decoded; called as for_each_frame calls its body.
+using FrameVisitor = std::function<void(size_t index, const cv::Mat& image)>;
+
 /// A row of the table: how frames are described.
 struct DescriptorKind {
   std::string_view name;  ///< in flags and manifests
@@ -33,13 +37,16 @@ struct DescriptorKind {
   DescriptorShape shape;  ///< of length 0 where every set says its own
   DescriptorSet (*describe_with)(const DescriptorKind& kind, const Sequence& sequence,
                                  const DescriptorSettings& settings, Unreadable unreadable,
-                                 const Monitor& monitor);
+                                 const FrameVisitor& visit, const Monitor& monitor);
   bool is_imported = false;  ///< its sequences are arrays of descriptors, not frames
 
   /// Decodes and describes in parallel, no frame kept. Same result for any number of threads; all
-  /// zero for an unreadable frame. Throws what for_each_frame throws, or import_descriptors.
+  /// zero for an unreadable frame. `visit`, if it is set, gets each readable frame as it was
+  /// decoded: grey, or BGR if descriptors are illumination invariant; none of imported descriptors.
+  /// Throws what for_each_frame throws, or import_descriptors.
   DescriptorSet describe(const Sequence& sequence, const DescriptorSettings& settings,
-                         Unreadable unreadable, const Monitor& monitor) const;
+                         Unreadable unreadable, const Monitor& monitor,
+                         const FrameVisitor& visit = nullptr) const;
 };
 
 /// The kinds, LDB first: what a manifest without a name holds.
@@ -74,9 +81,10 @@ struct DescriptorSet {
   DescriptorStore descriptors;
   FrameList frames;
   const GivenDistances* given = nullptr;  ///< where the distances of these frames are known already
+  std::vector<WordSet> words = {};        ///< that each frame shows, where FAB-MAP is asked, too
 
   DescriptorRows rows() const { return descriptors.rows(); }
-  DescriptorSpan span() const { return {rows(), frames.unreadable, given}; }
+  DescriptorSpan span() const { return {rows(), frames.unreadable, given, words}; }
 };
 
 /// The set with its frames replayed by `warp` (images/warp.h); as it is where that is empty. Rows

@@ -9,11 +9,9 @@
 
 #include "descriptors/local_features.h"
 #include "descriptors/nearest_centre.h"
+#include "descriptors/word_set.h"
 
 namespace vpr {
-
-/// Word ids, rising, each once: what a frame or view shows.
-using WordSet = std::vector<uint32_t>;
 
 /// One row a word: CV_32F, compared by Euclidean distance, or CV_8U, by Hamming distance.
 struct Vocabulary {

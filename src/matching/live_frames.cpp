@@ -37,26 +37,30 @@ LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis) {
   assert(raw.query_frames == 0 && raw.of_query && (basis == nullptr || !basis->offline));
   LiveFrames live;
   live.raw = raw;
-  if (basis != nullptr) live.state = start_standardized(std::move(raw), *basis, {});
-  live.distances = live.state ? standardized(live.state) : live.raw;
+  if (basis != nullptr) {
+    live.state = start_standardized(std::move(raw), *basis, {});
+    live.fusion = basis->fusion;
+  }
+  live.distances = live.state ? fused(standardized(live.state), live.fusion) : live.raw;
   return live;
 }
 
-void add_frame(LiveFrames& live, DescriptorRow row, bool is_readable,
-               std::optional<size_t>* other) {
+void add_frame(LiveFrames& live, FrameRow frame, std::optional<size_t>* other) {
   const std::vector<size_t> kept = rows_to_keep(live, other);
   const DescriptorRows rows(live.raw.query.rows.shape, live.bytes);
   std::vector<uint8_t> bytes;
   for (const size_t index : kept) bytes.insert(bytes.end(), rows[index].begin(), rows[index].end());
-  bytes.insert(bytes.end(), row.begin(), row.end());
+  bytes.insert(bytes.end(), frame.descriptor.begin(), frame.descriptor.end());
   live.bytes = std::move(bytes);
   live.unreadable.clear();  // nothing is kept of a frame that can't be read
-  if (!is_readable) live.unreadable.push_back(kept.size());
-  FrameDistances distances =
-      live.raw.of_query({DescriptorRows(rows.shape, live.bytes), live.unreadable});
+  if (!frame.is_readable) live.unreadable.push_back(kept.size());
+  live.words.assign(kept.size(), {});
+  live.words.push_back(std::move(frame.words));
+  FrameDistances distances = live.raw.of_query(
+      {DescriptorRows(rows.shape, live.bytes), live.unreadable, nullptr, live.words});
   if (other != nullptr && *other) *other = new_index(kept, **other);
   if (live.state) keep_rows(*live.state, kept, distances);
-  live.distances = live.state ? standardized(live.state) : std::move(distances);
+  live.distances = live.state ? fused(standardized(live.state), live.fusion) : std::move(distances);
   ++live.frames;
 }
 

@@ -14,10 +14,12 @@ namespace vpr {
 struct LiveFrames {
   FrameDistances raw;                        ///< of a query without frames
   std::shared_ptr<StandardizedState> state;  ///< of standardized scores; null for distances
-  std::vector<uint8_t> bytes;                ///< of the rows that are kept, the last frame's last
-  std::vector<size_t> unreadable;            ///< of them
-  FrameDistances distances;                  ///< of the rows that are kept
-  size_t frames = 0;                         ///< that came
+  FusionBasis fusion;
+  std::vector<uint8_t> bytes;      ///< of the rows that are kept, the last frame's last
+  std::vector<size_t> unreadable;  ///< of them
+  std::vector<WordSet> words;      ///< that they show; of those before the last, none
+  FrameDistances distances;        ///< of the rows that are kept
+  size_t frames = 0;               ///< that came
 
   /// The row of the last frame. There must be one.
   size_t last_row() const { return distances.query_frames - 1; }
@@ -27,10 +29,15 @@ struct LiveFrames {
 /// standardized scores that are no offline ones; null for distances.
 LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis);
 
-/// The next frame, whose descriptor is copied; of one that can't be read, zeros. `kept`: another
-/// row that is needed, if any, which gets its new index. Rows of `distances` hold until the next
-/// call, and are asked for as those of any query.
-void add_frame(LiveFrames& live, DescriptorRow row, bool is_readable,
-               std::optional<size_t>* kept = nullptr);
+/// A frame that has come.
+struct FrameRow {
+  DescriptorRow descriptor;  ///< of a frame that can't be read, zeros
+  bool is_readable = true;
+  WordSet words = {};  ///< that it shows, where FAB-MAP is asked, too
+};
+
+/// The next frame, which is copied. `kept`: another row that is needed, if any, which gets its new
+/// index. Rows of `distances` hold until the next call, and are asked for as those of any query.
+void add_frame(LiveFrames& live, FrameRow frame, std::optional<size_t>* kept = nullptr);
 
 }  // namespace vpr

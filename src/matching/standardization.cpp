@@ -73,6 +73,11 @@ ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> seque
 ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
                     std::span<const ItemRange> frames) {
   ScoreBasis basis = all;
+  if (all.fusion.evidence != nullptr) {  // which one process alone has: of whole sequences
+    std::vector<uint8_t> keep;
+    for (const ItemRange& range : frames) keep.push_back(range.count() > 0);
+    basis.fusion = fusion_of(all.fusion, keep);
+  }
   basis.mean.clear();
   for (std::vector<int8_t>& loadings : basis.components.loadings) loadings.clear();
   size_t of_sequence = 0;

@@ -12,6 +12,7 @@
 #include "base/share.h"
 #include "database/train_statistics.h"
 #include "matching/frame_distances.h"
+#include "matching/fusion.h"
 
 namespace vpr {
 
@@ -72,6 +73,7 @@ struct ScoreBasis {
   std::vector<float> mean;     ///< of centred distances; one a training frame that is matched
   float variance = 0;          ///< of centred distances, the same for all training frames
   TrainComponents components;  ///< loadings: one a training frame that is matched
+  FusionBasis fusion = {};     ///< what FAB-MAP says takes from z
 };
 
 /// The start that training statistics give: of every frame `start_bias` of its bias, less what is

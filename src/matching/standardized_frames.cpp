@@ -178,7 +178,8 @@ FrameDistances standardized(const std::shared_ptr<StandardizedState>& state) {
 
 FrameDistances standardized(FrameDistances distances, const ScoreBasis& basis,
                             const Monitor& monitor) {
-  return standardized(start_standardized(std::move(distances), basis, monitor));
+  return fused(standardized(start_standardized(std::move(distances), basis, monitor)),
+               basis.fusion);
 }
 
 }  // namespace vpr

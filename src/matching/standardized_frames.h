@@ -63,7 +63,7 @@ std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
 /// scored; a frame that can't be read is no view. Copies share the state.
 FrameDistances standardized(const std::shared_ptr<StandardizedState>& state);
 
-/// Both, where the state is nobody else's business.
+/// Both, where the state is nobody else's business, and what FAB-MAP says taken from them.
 FrameDistances standardized(FrameDistances distances, const ScoreBasis& basis,
                             const Monitor& monitor);
 

@@ -136,10 +136,10 @@ void LiveQuery::match_path(Found& found, const RowConsumer& consume) {
   emit_row(frames_.distances, 1, frames_.frames - 1, 0, filtered_->row, consume);
 }
 
-std::optional<Result> LiveQuery::take(DescriptorRow row, bool is_readable) {
-  add_frame(frames_, row, is_readable, filtered_ ? &filtered_->view : nullptr);
-  in_a_row_ = is_readable ? in_a_row_ + 1 : 0;
-  take_means(row);
+std::optional<Result> LiveQuery::take(const FrameRow& frame) {
+  add_frame(frames_, frame, filtered_ ? &filtered_->view : nullptr);
+  in_a_row_ = frame.is_readable ? in_a_row_ + 1 : 0;
+  take_means(frame.descriptor);
   Found found;
   HitScan scan(scan_settings(plan_, resources_));
   std::optional<MarginScan> margins;

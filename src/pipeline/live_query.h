@@ -24,10 +24,9 @@ class LiveQuery {
             const SequenceQuerySettings& settings, const QueryResources& resources,
             const Monitor& monitor);
 
-  /// Takes the next frame, by its descriptor; of one that can't be read, zeros. Gives a result of
-  /// one window, of which this frame is the last, without clusters; nothing where the frames do not
-  /// fill a window.
-  std::optional<Result> take(DescriptorRow row, bool is_readable);
+  /// Takes the next frame. Gives a result of one window, of which this frame is the last, without
+  /// clusters; nothing where the frames do not fill a window.
+  std::optional<Result> take(const FrameRow& frame);
 
   const QueryPlan& plan() const { return plan_; }
 

@@ -43,10 +43,12 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan,
   const size_t length = plan.settings.window_length;
   const RatedWindows windows{length, parse_rates(plan.settings.rates)};
   if (plan.query.given) return wrong_given_cells(cells, plan.train, plan.query, length, monitor);
+  std::optional<ScoreBasis> scored_by = basis;
+  if (basis) scored_by->fusion = searched_basis(*basis, plan).fusion;
   if (!windows.rates.empty())
-    return wrong_rated_cells(cells, windows, plan.train, plan.query, basis ? &*basis : nullptr,
-                             monitor);
-  if (basis) return wrong_scores(cells, plan.train, plan.query, length, *basis, monitor);
+    return wrong_rated_cells(cells, windows, plan.train, plan.query,
+                             scored_by ? &*scored_by : nullptr, monitor);
+  if (scored_by) return wrong_scores(cells, plan.train, plan.query, length, *scored_by, monitor);
   return wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
 }
 

@@ -31,7 +31,12 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                 "the database has no training statistics, which standardized scores start from; "
                 "train it again");
   assert(learned->components);
-  return make_score_basis(settings.standardization, kind.is_offline, *learned);
+  ScoreBasis basis = make_score_basis(settings.standardization, kind.is_offline, *learned);
+  if (settings.fusion_weight) {
+    assert(learned->fused != nullptr);
+    basis.fusion = make_fusion_basis(learned->fused, *settings.fusion_weight, learned->settings);
+  }
+  return basis;
 }
 
 ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan) {

@@ -11,6 +11,7 @@
 #include "descriptors/imported.h"
 #include "images/sequence.h"
 #include "matching/distance_statistics.h"
+#include "pipeline/fuse.h"
 #include "pipeline/margin_plan.h"
 #include "pipeline/shared_frames.h"
 #include "pipeline/thresholds.h"
@@ -130,9 +131,12 @@ std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database) {
   std::vector<DescriptorSpan> spans;
   const DescriptorRows rows = database.descriptors.rows();
   size_t first = 0;
+  const FusedViews* fused = fused_views(database);
   for (const TrainSequence& sequence : database.sequences) {
-    spans.push_back({rows.subspan(first, sequence.frame_count()), sequence.unreadable});
-    first += sequence.frame_count();
+    const size_t frames = sequence.frame_count();
+    DescriptorSpan& span = spans.emplace_back(rows.subspan(first, frames), sequence.unreadable);
+    if (fused != nullptr) span.words = std::span(fused->words).subspan(first, frames);
+    first += frames;
   }
   return spans;
 }
@@ -152,10 +156,12 @@ DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& 
         fmt::format("{}: holds descriptors, but frames of the database are described by {}; "
                     "give the images",
                     sequence.argument.path.string(), kind.name));
+  const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  if (fused_views(database) != nullptr)
+    return describe_both(sequence, database, unreadable, monitor);
   DescriptorSettings settings = database.descriptor;
   settings.unit = database.descriptors.unit;
-  return kind.describe(sequence, settings, skip_unreadable ? Unreadable::skip : Unreadable::fail,
-                       monitor);
+  return kind.describe(sequence, settings, unreadable, monitor);
 }
 
 DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,

@@ -56,8 +56,9 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const RowKernels& kernels, const Share& share,
                                const Monitor& monitor);
 
-/// The frames of a sequence, described as the database's are. Throws what DescriptorKind::describe
-/// throws, and Error(data) for images where descriptors are imported, or the other way round.
+/// The frames of a sequence, described as the database's are; with the words that they show, where
+/// it is fused with FAB-MAP's (pipeline/fuse.h). Throws what DescriptorKind::describe throws, and
+/// Error(data) for images where descriptors are imported, or the other way round.
 DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor);
 /// The same by several processes together, in all of them.

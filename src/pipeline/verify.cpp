@@ -10,6 +10,7 @@
 #include "matching/plain.h"
 #include "matching/plain_standardized.h"
 #include "matching/score_kernels.h"
+#include "pipeline/verify_fusion.h"
 #include "recognition/threshold.h"
 
 namespace vpr {
@@ -119,6 +120,7 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
     first_frame.push_back(frames);
     frames += sequence.rows.size();
   }
+  const PlainFusion fusion(basis.fusion, cells, window_length, query.words, monitor);
   std::vector<double> right(cells.size(), 0);
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const Cell& cell = cells[c];
@@ -127,15 +129,18 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
     for (size_t k = 0; k < window_length; ++k) {
       const size_t i = cell.train_window + k;
       const size_t frame = first_frame[cell.sequence] + i;
-      right[c] += plain_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known),
-                                     updates, basis)[cell.query_window + k];
+      const double z =
+          plain_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known), updates,
+                             basis)[cell.query_window + k];
+      right[c] += fusion(z, cell.sequence, i, cell.query_window + k);
     }
   });
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
     const double found = static_cast<double>(cells[c].score - score_offset(window_length));
     const double expected = right[c] * kScoreUnit;
-    if (std::abs(found - expected) <= score_tolerance(window_length) * kScoreUnit) continue;
+    if (std::abs(found - expected) <= score_tolerance(window_length, basis.fusion) * kScoreUnit)
+      continue;
     wrong.push_back(cells[c]);
     wrong.back().score =
         static_cast<uint32_t>(std::llround(expected) + score_offset(window_length));

@@ -34,7 +34,7 @@ std::vector<Cell> wrong_given_cells(std::span<const Cell> cells,
 
 /// The same for standardized scores, as biased sums: the cells that are farther than
 /// score_tolerance from the plain oracle, with its score rounded to fixed point. `basis`: of all
-/// sequences.
+/// sequences, but its fusion is of those that are searched.
 std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
                                const DescriptorSpan& query, size_t window_length,
                                const ScoreBasis& basis, const Monitor& monitor);

@@ -12,6 +12,7 @@
 #include "matching/rates.h"
 #include "matching/score_kernels.h"
 #include "pipeline/verify.h"
+#include "pipeline/verify_fusion.h"
 #include "recognition/threshold.h"
 
 namespace vpr {
@@ -53,8 +54,8 @@ std::optional<double> plain_best(const PairValue& value, const RatedWindows& win
 class PlainScores {
  public:
   PlainScores(std::span<const DescriptorSpan> train, const DescriptorRows& query,
-              const PlainUpdates& updates, const ScoreBasis& basis)
-      : train_(train), query_(query), updates_(updates), basis_(basis) {}
+              const PlainUpdates& updates, const ScoreBasis& basis, const PlainFusion& fusion)
+      : train_(train), query_(query), updates_(updates), basis_(basis), fusion_(fusion) {}
   double operator()(size_t sequence, size_t i, size_t j) {
     auto& scores = known_[i];
     if (scores.empty()) {
@@ -62,7 +63,7 @@ class PlainScores {
       for (size_t s = 0; s < sequence; ++s) frame += train_[s].rows.size();
       scores = plain_frame_scores(train_[sequence].rows[i], frame, query_, updates_, basis_);
     }
-    return scores[j];
+    return fusion_(scores[j], sequence, i, j);
   }
 
  private:
@@ -70,6 +71,7 @@ class PlainScores {
   DescriptorRows query_;
   const PlainUpdates& updates_;
   const ScoreBasis& basis_;
+  const PlainFusion& fusion_;
   std::map<size_t, std::vector<double>> known_;  // by training frame of the one sequence asked for
 };
 
@@ -81,6 +83,8 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
                                     const Monitor& monitor) {
   const PlainUpdates updates =
       basis != nullptr ? plain_updates(train, query, *basis, monitor) : PlainUpdates{};
+  const PlainFusion fusion(basis != nullptr ? basis->fusion : FusionBasis{}, cells, windows.length,
+                           query.words, monitor);
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
     return plain_distance(train[sequence].rows, i, query.rows, j);
   };
@@ -93,12 +97,13 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
     // Only an offline score depends on frames behind the window.
     const size_t known =
         basis->offline ? query.rows.size() : cells[c].query_window + windows.length;
-    PlainScores scores(train, query.rows.first(known), updates, *basis);
+    PlainScores scores(train, query.rows.first(known), updates, *basis, fusion);
     right[c] = plain_best(std::ref(scores), windows, train, cells[c]);
     if (right[c])
       *right[c] = *right[c] * kScoreUnit + static_cast<double>(score_offset(windows.length));
   });
-  const double tolerance = basis == nullptr ? 0 : score_tolerance(windows.length) * kScoreUnit;
+  const double tolerance =
+      basis == nullptr ? 0 : score_tolerance(windows.length, basis->fusion) * kScoreUnit;
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
     if (!right[c] || std::abs(cells[c].score - *right[c]) <= tolerance) continue;

@@ -27,6 +27,7 @@ Json in_force(SequenceQuerySettings settings) {
   for (const std::string_view key : score_settings())
     if (std::find(own.begin(), own.end(), key) == own.end()) json.erase(key);
   if (settings.rates.empty()) json.erase("rates");
+  if (!settings.fusion_weight) json.erase("fuse_beta");
   return json;
 }
 
@@ -43,11 +44,17 @@ size_t length_of_one(const FabmapQuerySettings&) { return 1; }
 }  // namespace
 
 SequenceQuerySettings with_implied(SequenceQuerySettings settings) {
+  const bool is_scored = has_paths(settings.method) || settings.fusion_weight;
+  if (is_scored && settings.score == Score::raw) settings.score = Score::standardized;
   if (!has_paths(settings.method)) return settings;
   settings.window_length = 1;
-  if (settings.score == Score::raw) settings.score = Score::standardized;
   settings.decision = Decision::margin;
   if (!settings.margin) settings.margin = kFilterMargin;
+  return settings;
+}
+
+SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::string& database) {
+  if (!database.empty() && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
   return settings;
 }
 

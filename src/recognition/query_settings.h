@@ -44,7 +44,8 @@ struct SequenceQuerySettings {
   std::optional<uint64_t> margin_width;  ///< w; none: half-widths of the training sequences
   /// "A=B": sequences that show the same place. Empty: as found; "none": all differ.
   std::vector<std::string> same_place;
-  FilterSettings filter;  ///< of the method filter
+  FilterSettings filter;                ///< of the method filter
+  std::optional<double> fusion_weight;  ///< beta, deviations a nat; none: FAB-MAP is not asked
 };
 
 template <class Visitor>
@@ -68,6 +69,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("margin_width", settings.margin_width);
   visit("same_place", settings.same_place);
   visit("filter", settings.filter);
+  visit("fuse_beta", settings.fusion_weight);
 }
 
 /// The settings of FAB-MAP.
@@ -112,9 +114,13 @@ using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
 /// The margin, in deviations, from which the method filter accepts: its default.
 inline constexpr double kFilterMargin = 3;
 
-/// The settings with what their method implies: the filter has windows of one frame, standardized
-/// scores, a decision by margin, and a margin where none is set. Others are as they were.
+/// The settings with what they imply: the filter has windows of one frame, standardized scores, a
+/// decision by margin, and a margin where none is set; what is fused has standardized scores.
+/// Others are as they were.
 SequenceQuerySettings with_implied(SequenceQuerySettings settings);
+
+/// The settings with the default weight where FAB-MAP's database is given and none is set.
+SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::string& database);
 
 /// The scale that a number is on: the one that was given, or the score's default.
 ThresholdScale scale_of(const SequenceQuerySettings& settings);

@@ -22,6 +22,9 @@ constexpr std::array<std::string_view, 3> kStandardizedSettings = {"score", "saf
                                                                    "standardization"};
 
 void check_raw(const SequenceQuerySettings& settings) {
+  if (settings.fusion_weight)
+    throw Error(ErrorKind::usage,
+                "FAB-MAP is fused with standardized scores; add --score standardized");
   if (settings.threshold_scale == ThresholdScale::mean_z)
     throw Error(ErrorKind::usage,
                 "t_r_scale mean-z is for standardized scores; add --score standardized, or give "
@@ -76,6 +79,10 @@ void check_standardized(const SequenceQuerySettings& settings) {
                 fmt::format("c_l must be at most {} with standardized scores, found {}",
                             kMaxScoredWindow, settings.window_length));
   check_standardization(settings.standardization);
+  const double weight = settings.fusion_weight.value_or(kFusionWeight);
+  if (!(weight >= 0 && weight <= kMostFusionWeight))
+    throw Error(ErrorKind::usage,
+                fmt::format("fuse_beta must be from 0 to {}, found {}", kMostFusionWeight, weight));
 }
 
 int64_t no_offset(size_t) { return 0; }

@@ -14,7 +14,8 @@ struct Stretch {
   std::vector<size_t> unreadable;  ///< counted from the first
 
   DescriptorSpan of(const DescriptorSpan& walk) const {
-    return {walk.rows.subspan(first, count), unreadable};
+    return {walk.rows.subspan(first, count), unreadable, nullptr,
+            walk.words.empty() ? walk.words : walk.words.subspan(first, count)};
   }
 };
 

@@ -148,6 +148,7 @@ void add_context(Json& json, const ResultContext& context) {
   json["provenance"] = provenance_json(context.run);
   json["provenance"]["database"] = context.database_fingerprint;
   json["provenance"]["query"] = context.query_fingerprint;
+  if (!context.fused_fingerprint.empty()) json["provenance"]["fused"] = context.fused_fingerprint;
   json["machine"] = machine_json(context.run);
   json["timing"] = timing_json(context.seconds);
   if (!context.files.empty()) json["files"] = context.files;

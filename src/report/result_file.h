@@ -20,6 +20,7 @@ struct ResultContext {
   RunInfo run;
   std::string database_fingerprint;
   std::string query_fingerprint;
+  std::string fused_fingerprint;  ///< of FAB-MAP's database; empty: it was not asked
   std::map<std::string, double> seconds;
   std::optional<size_t> verified_cells;  ///< recomputed by definition, without a difference
   std::optional<Json> matrix;            ///< layout of a saved matrix

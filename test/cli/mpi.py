@@ -131,6 +131,9 @@ def compare_failures():
     for words in (f"vpr-query walks.vprdb {data} --skip-unreadable --method lsh --t-r 0.5",
                   f"vpr-query walks.vprdb {data} --skip-unreadable --rates 1/2,1 --t-r 0.5",
                   f"vpr-query walks.vprdb {data} --skip-unreadable --save-matrix failed.npy --t-r 0.5",
+                  f"vpr-query walks.vprdb {data} --skip-unreadable --fuse places.vprdb --t-r -2",
+                  "vpr-tune fastable walks.vprdb --query data/back --ground-truth aligned "
+                  "--fuse places.vprdb",
                   f"vpr-query places.vprdb {data} --skip-unreadable --variant fbo",
                   "vpr-eval failed.json", "vpr-train info walks.vprdb", "vpr-query --no-such-flag"):
         said = run(2, words, code=2)

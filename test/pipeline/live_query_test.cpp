@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "examples.h"
+#include "pipeline/fuse.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
@@ -93,7 +94,9 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
   for (size_t frame = 0; frame < rows.size(); ++frame) {
     INFO("frame " << frame);
     const bool is_gap = std::find(walks.gaps.begin(), walks.gaps.end(), frame) != walks.gaps.end();
-    const std::optional<Result> live = query.take(rows[frame], !is_gap);
+    FrameRow row{rows[frame], !is_gap};
+    if (!walks.query.words.empty()) row.words = walks.query.words[frame];
+    const std::optional<Result> live = query.take(row);
     if (live) {
       check_window(*live, whole, frame + 1 - length);
     } else if (frame + 1 >= length) {
@@ -141,6 +144,26 @@ TEST_CASE("frames that come say what the whole query says: margins, scores and t
   CHECK(check_live_query(walks, filter) > 0);
 }
 
+TEST_CASE("frames that come say what the whole query says: fused with FAB-MAP") {
+  Walks walks;
+  fuse_views(walks.database, test::make_fabmap(walks.database), "f", select_kernels(), {});
+  const DescriptorRows rows = walks.query.rows();
+  for (size_t frame = 0; frame < rows.size(); ++frame)
+    walks.query.words.push_back(test::words_of(rows[frame]));
+  SequenceQuerySettings settings;
+  settings.fusion_weight = 0.25;
+  settings.window_length = 6;
+  settings.score = Score::standardized;
+  CHECK(check_live_query(walks, settings) > 40);
+  settings.decision = Decision::margin;
+  settings.only_sequences = {"a"};
+  CHECK(check_live_query(walks, settings) > 20);
+  SequenceQuerySettings filter;
+  filter.method = "filter";
+  filter.fusion_weight = 0.25;
+  CHECK(check_live_query(walks, filter) > 0);
+}
+
 TEST_CASE("what depends on later frames is not followed") {
   const Walks walks;
   const auto refused = [&](const SequenceQuerySettings& settings) {
@@ -173,7 +196,7 @@ TEST_CASE("a stop of any length keeps no more frames than views that wait") {
   const DescriptorRows rows = walks.query.rows();
   size_t most = 0;
   for (size_t frame = 0; frame < rows.size(); ++frame) {
-    add_frame(live, rows[frame], true);
+    add_frame(live, {rows[frame]});
     live.distances.start_row(live.last_row());
     most = std::max(most, live.distances.query_frames);
   }

@@ -1,0 +1,42 @@
+// A database of sequences with FAB-MAP's database of the same training frames.
+#pragma once
+
+#include <string>
+
+#include "base/monitor.h"
+#include "database/fused_views.h"
+#include "database/sequence_database.h"
+#include "matching/row_kernels.h"
+#include "recognition/query_settings.h"
+
+namespace vpr {
+
+/// Lets scores of the database be fused with what FAB-MAP says of the same frames
+/// (matching/fusion.h), and its queries be described for both. Each training sequence needs a group
+/// of the same name, frame names and unreadable frames, of frames that are places or of views of
+/// one place; other groups count for nothing. The database has its statistics (ensure_statistics);
+/// which of its sequences show one place is found where it does not say so. Throws Error(data),
+/// which starts with `name`, where a sequence is missing or has other frames, and for descriptors
+/// that were imported.
+void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name,
+                const RowKernels& kernels, const Monitor& monitor);
+
+/// The same, from the folder of FAB-MAP's database; nothing for an empty path. Throws Error(usage)
+/// where there is a weight and no database, and what read_fabmap_database throws.
+void fuse_views(SequenceDatabase& database, const SequenceQuerySettings& settings,
+                const std::string& path, const RowKernels& kernels, const Monitor& monitor);
+
+/// Says that automatic thresholds and margins let in more wrong places where scores are fused, if
+/// they are and one is asked for.
+void warn_of_automatic(const SequenceQuerySettings& settings, const Monitor& monitor);
+
+/// What the database is fused with, or null.
+const FusedViews* fused_views(const SequenceDatabase& database);
+
+/// The frames of a sequence by both databases, of one that is fused. They are decoded once, but for
+/// descriptors that are illumination invariant, which need colours: FAB-MAP's features are those of
+/// the grey picture that decoders make.
+DescriptorSet describe_both(const Sequence& sequence, const SequenceDatabase& database,
+                            Unreadable unreadable, const Monitor& monitor);
+
+}  // namespace vpr

@@ -1,0 +1,136 @@
+// FAB-MAP and sequences together, as a user asks for them.
+#include <catch2/catch.hpp>
+
+#include "base/json.h"
+#include "report/live_line.h"
+#include "report/result_file.h"
+#include "support.h"
+#include "world.h"
+
+using namespace vpr;
+using test::check_failure;
+using test::printed_json;
+using test::run_program;
+using test::world;
+
+namespace {
+
+/// A database of the walk that the world's FAB-MAP database has.
+const std::string& database() {
+  static const test::TemporaryFolder kFolder;
+  static const std::string kPath = [] {
+    const std::string path = kFolder / "one.vprdb";
+    REQUIRE(run_program("vpr-train",
+                        {"fastable", "--train", world().walk("one"), "--c-l", "10", "-o", path})
+                .exit_code == 0);
+    return path;
+  }();
+  return kPath;
+}
+
+test::RunOutcome query(std::vector<std::string> words) {
+  words.insert(words.begin(), {database(), "--query", world().walk("again")});
+  return run_program("vpr-query", words);
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = text.find('\n', at);
+    lines.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return lines;
+}
+
+}  // namespace
+
+TEST_CASE("a fused query is verified, and says with what it was fused") {
+  const Json json =
+      printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--verify", "300", "--json"}));
+  CHECK(json["settings"]["score"] == "standardized");
+  CHECK(json["settings"]["fuse_beta"] == 0.25);
+  CHECK(json["provenance"]["fused"].get<std::string>().starts_with("xxh3:"));
+  CHECK(json["machine"]["paths"]["fuse"] == world().fabmap());
+  CHECK(json["verification"]["differences"] == 0);
+  const Json alone = printed_json(query({"--score", "standardized", "--c-l", "10", "--json"}));
+  CHECK_FALSE(alone["settings"].contains("fuse_beta"));
+  CHECK_FALSE(alone["provenance"].contains("fused"));
+  CHECK(alone["provenance"]["query"] == json["provenance"]["query"]);
+  const Json weak = printed_json(
+      query({"--fuse", world().fabmap(), "--fuse-beta", "0", "--c-l", "10", "--json"}));
+  CHECK(weak["totals"] == alone["totals"]);
+  CHECK(weak["clusters"] == alone["clusters"]);
+}
+
+TEST_CASE("an automatic threshold of fused scores is warned of") {
+  const auto said = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"--fuse", world().fabmap()});
+    const auto outcome = query(words);
+    CHECK(outcome.exit_code == 0);
+    return outcome.err.find("was made for scores that are not fused") != std::string::npos;
+  };
+  CHECK(said({"--c-l", "10"}));
+  CHECK(said({"--c-l", "10", "--decide", "margin"}));
+  CHECK_FALSE(said({"--c-l", "10", "--t-r", "-2"}));
+  CHECK_FALSE(said({"--c-l", "10", "--decide", "margin", "--margin", "1"}));
+  CHECK_FALSE(said({"--method", "filter"}));
+}
+
+TEST_CASE("a result's settings ask for the same database again") {
+  const test::TemporaryFolder folder;
+  const std::string result = folder / "r.json";
+  REQUIRE(query({"--fuse", world().fabmap(), "--fuse-beta", "0.5", "--c-l", "10", "-o", result})
+              .exit_code == 0);
+  check_failure(query({"--config", result}), 2, "--fuse");
+  const Json json = printed_json(query({"--config", result, "--fuse", world().fabmap(), "--json"}));
+  CHECK(json["settings"]["fuse_beta"] == 0.5);
+}
+
+TEST_CASE("what is followed says what the whole fused query says") {
+  const test::TemporaryFolder folder;
+  std::string list;
+  for (const std::string& name : test::list_folder(world().walk("again")))
+    if (name.ends_with(".png")) list += world().walk("again") + "/" + name + "\n";
+  test::write_text(folder / "list.txt", list);
+  const auto asked = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {database(), "--query", folder / "list.txt", "--fuse",
+                                 world().fabmap(), "--c-l", "10", "--decide", "margin"});
+    return run_program("vpr-query", words);
+  };
+  REQUIRE(asked({"-o", folder / "r.json"}).exit_code == 0);
+  const Result whole = read_result(folder / "r.json").result;
+  const auto followed = asked({"--follow", "--quiet"});
+  INFO(followed.err);
+  REQUIRE(followed.exit_code == 0);
+  const std::vector<std::string> lines = lines_of(followed.out);
+  REQUIRE(lines.size() == whole.query_frames);
+  for (size_t window = 0; window < whole.best.size(); ++window) {
+    const Json line = Json::parse(lines[window + 9]);
+    CHECK(lines[window + 9] ==
+          to_line(live_line({window + 9, line["name"], true}, &whole, window)));
+  }
+}
+
+TEST_CASE("what can't be fused is refused with what to do") {
+  check_failure(query({"--fuse", world().fabmap(), "--score", "raw"}), 2, "--score raw");
+  check_failure(query({"--fuse", database()}), 4, "fabmap");
+  check_failure(run_program("vpr-query", {world().database(), "--query", world().walk("again"),
+                                          "--fuse", world().fabmap()}),
+                4, "two");
+  check_failure(run_program("vpr-query", {world().fabmap(), "--query", world().walk("again"),
+                                          "--fuse", world().fabmap()}),
+                2, "--fuse");
+  check_failure(query({"--fuse", world().fabmap(), "--fuse-beta", "3"}), 2, "fuse_beta");
+}
+
+TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them") {
+  const auto outcome =
+      run_program("vpr-tune", {"fastable", database(), "--query", world().walk("again"),
+                               "--ground-truth", "aligned", "--tolerance", "1000", "--fuse",
+                               world().fabmap(), "--c-l", "5,10", "--t-r", "-3:-0.5:0.5"});
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(outcome.out.find("--fuse " + world().fabmap()) != std::string::npos);
+  CHECK(outcome.out.find("--fuse-beta 0.25") != std::string::npos);
+}
