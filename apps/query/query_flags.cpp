@@ -101,8 +101,8 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                        fmt::format("drawn into the picture: {}", ground_truth_help())));
   group(app.add_flag("--follow", inputs.follow,
                      "print a line of JSON for each frame as it comes: of a folder that grows, a "
-                     "video, a list, or "
-                     "image paths on standard input (--query -)"));
+                     "camera (--query /dev/video0), a video, a list, or image paths on standard "
+                     "input (--query -)"));
   group(add_setting(app, "--verify", inputs.verify_cells,
                     "recompute so many random cells by definition; exit code 5 if any differs"));
   group(add_memory_flag(app, inputs.memory_limit,

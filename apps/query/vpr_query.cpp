@@ -196,6 +196,7 @@ int main(int argc, char** argv) {
       "  vpr-query corridor.vprdb --query tuesday --score standardized --decide margin "
       "-o result.json\n"
       "  vpr-query corridor.vprdb --query frames --method filter --follow\n"
+      "  vpr-query corridor.vprdb --query /dev/video0@30::4 --method filter --follow\n"
       "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
       "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
       "  vpr-query --scores S.npy --similarity --c-l 10 --score standardized -o r.json\n"

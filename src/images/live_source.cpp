@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "images/camera.h"
 #include "images/growing_folder.h"
 #include "images/video_reader.h"
 
@@ -131,6 +132,7 @@ std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
                               argument.path.string(), range_text(argument.range)));
     return std::make_unique<LiveFolder>(argument.path);
   }
+  if (is_device(argument.path)) return open_camera(argument);
   Sequence sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::video)
     return std::make_unique<LiveVideo>(argument, unreadable);

@@ -1,4 +1,4 @@
-// Frames as they come: of a folder that grows, a video, a list, or a pipe of paths.
+// Frames as they come: of a folder that grows, a camera, a video, a list, or a pipe of paths.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@ namespace vpr {
 struct LiveFrame {
   std::string name;  ///< as FrameList names it
   std::filesystem::path file;
-  std::shared_ptr<const cv::Mat> picture;  ///< of a video; null: not decoded yet
-  bool is_unreadable = false;              ///< a frame of a video that can't be decoded
+  std::shared_ptr<const cv::Mat> picture;  ///< of a video or camera; null: not decoded yet
+  bool is_unreadable = false;              ///< such a picture that can't be decoded
 
   /// What describes it: a sequence of this frame alone, which must outlive it.
   Sequence sequence() const;
@@ -28,9 +28,10 @@ class LiveSource {
   virtual std::optional<LiveFrame> next(const Monitor& monitor) = 0;
 };
 
-/// A folder has no end: what is in it comes first, then what is added (GrowingFolder). A list and a
-/// video end. `unreadable`: of a video that ends too early, as for_each_frame has it. Throws what
-/// open_sequence throws, and Error(usage) for a range of a folder.
+/// A folder has no end: what is in it comes first, then what is added (GrowingFolder). Nor has a
+/// device, which is a camera (camera.h). A list and a video end. `unreadable`: of a video that ends
+/// too early, as for_each_frame has it. Throws what open_sequence and open_camera throw, and
+/// Error(usage) for a range of a folder.
 std::unique_ptr<LiveSource> open_live_source(const SequenceArgument& argument,
                                              Unreadable unreadable);
 

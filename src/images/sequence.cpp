@@ -137,8 +137,11 @@ Sequence open_sequence(const SequenceArgument& argument) {
     sequence.files = {path};
     return sequence;
   } else if (!fs::is_regular_file(status)) {
-    throw Error(ErrorKind::input,
-                fmt::format("{}: is neither a folder nor a regular file", path.string()));
+    throw Error(
+        ErrorKind::input,
+        fmt::format(
+            "{}: is neither a folder nor a regular file{}", path.string(),
+            fs::is_character_file(status) ? "; vpr-query follows a camera with --follow" : ""));
   } else {
     sequence.kind = SequenceKind::video;
     return sequence;

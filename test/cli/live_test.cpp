@@ -186,6 +186,10 @@ TEST_CASE("what can't be followed is refused with a sentence") {
   test::check_failure(
       run_program("vpr-query", {world().database(), "--query-npy", "q.npy", "--follow"}), 2,
       "--query-npy");
+  test::check_failure(run_program("vpr-query", words_of("/dev/null", {"--follow"})), 3, "camera");
+  test::check_failure(run_program("vpr-query", words_of("/dev/null", {})), 3, "--follow");
+  test::check_failure(run_program("vpr-query", words_of("/dev/video99", {"--follow"})), 3,
+                      "no such");
   const test::TemporaryFolder folder;
   const std::string list = list_of(back, folder / "list.txt", "nowhere.png\n");
   const auto unreadable = run_program("vpr-query", words_of(list, {"--follow", "--quiet"}));
