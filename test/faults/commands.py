@@ -25,6 +25,12 @@ TINY_WORLD = """{"schema": "vpr.world/1", "name": "%s", "seed": 3, "fps": 1,
    "frames": 1}]}
 """
 
+LISTS = {  # of other programs: name below in -> content
+    "loops1.csv": "query,match,score\n6,1,0.5\n8,2,0.4\n",
+    "loops2.csv": "query,match,score\n6,1,0.5\n8,3,0.4\n",
+    "pairs1.txt": "00000.png 00001.png 0.5\n00001.png 00002.png 0.5\n00002.png 00003.png 0.9\n",
+    "pairs2.txt": "00000.png 00002.png 0.5\n00001.png 00002.png 0.5\n00002.png 00004.png 0.8\n",
+}
 SEQUENCES = "fastable --c-l 3"
 INPUTS = [  # what commands read: made once, in this order
     "vpr-synth in/world.json -o in/walks",
@@ -42,6 +48,9 @@ INPUTS = [  # what commands read: made once, in this order
     "vpr-query in/f.vprdb --query in/walks/back --t-p 0.3 -o in/f.json",
     "vpr-eval in/r.json --dataset in/walks/dataset.json -o in/e.json",
     "vpr-eval in/r2.json --dataset in/walks/dataset.json -o in/e2.json",
+    "vpr-eval in/r.json --dataset in/walks/dataset.json --name 0.6 -o in/both/e.json",
+    "vpr-eval in/r2.json --dataset in/walks/dataset.json --name 0.4 -o in/both/e2.json",
+    "vpr-eval in/r2.json --dataset in/walks/dataset.json --name 0.4 -o in/alone/e.json",
     "vpr-bench describe --frames 1 --features orb --seconds 0.001 -o in/b.json",
     "vpr-bench describe --frames 2 --features orb --seconds 0.001 -o in/b2.json",
 ]
@@ -132,6 +141,10 @@ WRITERS = [
            "t.json", {"length": ("3", "2")}),
     Writer("tune threshold --write", "vpr-tune threshold out/d.vprdb --c-l 2 --write -o out/t.json",
            "t.json", {}, INFO, (("d.vprdb", "in/s.vprdb"),)),
+    Writer("tune calibrate", "vpr-tune calibrate in/s.vprdb --dataset in/walks/dataset.json --c-l "
+           "{lengths} -o out/c.json", "c.json", {"lengths": ("3", "2")},
+           (Reader(("c.json",), "vpr-query in/s.vprdb --query in/walks/back --config "
+                   "out/c.json"),)),
     Writer("tune fastable, two buildings", "vpr-tune fastable in/s.vprdb --dataset "
            "in/walks/dataset.json --dataset in/walks/dataset.json --c-l {lengths} "
            "--t-r 0.3:0.6:0.1 -o out/s.json", "s.json", {"lengths": ("3", "2")}),
@@ -147,6 +160,24 @@ WRITERS = [
            {"results": ("in/r2.json in/r.json", "in/r.json in/r2.json")}),
     Writer("eval --scores", f"vpr-eval --scores {{scores}} --distance {ALIGNED} -o out/e.json "
            "--html out/e.html", "e.json", {"scores": ("in/n2.npy", "in/n.npy")}),
+    Writer("eval --expect --update", "vpr-eval {result} --dataset in/walks/dataset.json --expect "
+           "out/x.json --update --junit out/j.xml --fixes-tum out/f.tum -o out/e.json", "e.json",
+           {"result": ("in/r2.json", "in/r.json")},
+           (Reader(("x.json",), "vpr-eval compare in/e.json out/x.json"),)),
+    Writer("eval --scores --expect --update", "vpr-eval --scores in/n2.npy --distance "
+           "--ground-truth aligned --tolerance {tolerance} --expect out/x.json --update --junit "
+           "out/j.xml --pairs out/p.txt --top-k {most} -o out/e.json", "e.json",
+           {"tolerance": ("2", "1"), "most": ("2", "3")}),
+    Writer("eval --predictions", f"vpr-eval --predictions {{pairs}} --similarity {ALIGNED} "
+           "--query in/walks/two --train in/walks/one -o out/e.json --pairs out/p.txt "
+           "--outcomes-csv out/o.csv", "e.json", {"pairs": ("in/pairs1.txt", "in/pairs2.txt")},
+           (Reader(("p.txt",), f"vpr-eval --predictions out/p.txt --query in/walks/two --train "
+                   f"in/walks/one {ALIGNED}"),)),
+    Writer("eval --loops", "vpr-eval --loops {loops} --poses in/walks/one/poses.csv --radius 2 "
+           "--gap 3 --similarity -o out/l.json --plot out/plots --html out/l.html", "l.json",
+           {"loops": ("in/loops1.csv", "in/loops2.csv")}),
+    Writer("eval report", "vpr-eval report {folder} -o out/t.json --html out/t.html", "t.json",
+           {"folder": ("in/alone", "in/both")}),
     Writer("eval --protocol", "vpr-eval {result} --protocol nordland-exact,nordland-vpr-bench "
            "-o out/e.json", "e.json", {"result": ("in/n2.json", "in/n.json")}),
     Writer("eval compare", "vpr-eval compare {reports} -o out/c.json", "c.json",
@@ -178,6 +209,10 @@ def make_inputs(folder, run):
     (inputs / "world.json").write_text(WORLD)
     (inputs / "tiny1.json").write_text(TINY_WORLD % ("first", "a"))
     (inputs / "tiny2.json").write_text(TINY_WORLD % ("second", "b"))
+    for name, content in LISTS.items():
+        (inputs / name).write_text(content)
+    for name in ("both", "alone"):
+        (inputs / name).mkdir()
     for line in INPUTS:
         done = run(line)
         if done.status != 0:
