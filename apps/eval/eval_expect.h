@@ -13,6 +13,8 @@ struct ExpectInputs {
   std::string expected;  ///< a file; empty: nothing is expected
   bool update = false;   ///< the file takes over what is found
   std::string junit;     ///< a file; empty: not asked for
+
+  bool any() const { return update || !expected.empty() || !junit.empty(); }
 };
 
 void add_expect_options(const Command& app, ExpectInputs& inputs);

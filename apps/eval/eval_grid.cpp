@@ -58,6 +58,16 @@ FolderContent read_folder(const std::string& folder) {
   return content;
 }
 
+/// Throws Error(usage) where an output would replace what is read. A table that an earlier run
+/// wrote into the folder may be replaced.
+void protect(const Session& session, const FolderContent& content) {
+  for (const auto& [path, report] : content.reports) session.outputs.protect(path);
+  for (const std::string& path : content.results) {
+    session.outputs.protect(path);
+    for (const char* kind : kResultArrays) session.outputs.protect(companion_path(path, kind));
+  }
+}
+
 /// Fills the grid; which file has which cell is kept for messages.
 class Grid {
  public:
@@ -85,6 +95,7 @@ class Grid {
 
 Grid fill(Session& session, const GridInputs& inputs) {
   FolderContent content = read_folder(inputs.folder);
+  protect(session, content);
   Grid grid;
   for (auto& [path, report] : content.reports) grid.add(path, std::move(report));
   const bool can_judge = !inputs.dataset.empty() || !inputs.ground_truth.empty();

@@ -136,6 +136,10 @@ bool only_lists(const EvalInputs& inputs) {
 }
 
 void run_lists(Session& session, const EvalInputs& inputs) {
+  if (!session.options.output.empty())
+    throw Error(ErrorKind::usage,
+                "without a ground truth there is no report to write; leave -o out, or give "
+                "--ground-truth or --dataset");
   const OpenedScores opened = open_inputs(session, inputs);
   const Result* result = opened.stored ? &opened.stored->result : nullptr;
   const ScoreLayout layout =

@@ -14,6 +14,8 @@ struct EvalInputs;
 struct PairInputs {
   std::string path;              ///< empty: not asked for
   std::optional<uint64_t> most;  ///< K of --top-k
+
+  bool any() const { return most || !path.empty(); }
 };
 
 void add_list_options(const Command& app, EvalInputs& inputs);

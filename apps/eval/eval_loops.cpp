@@ -48,17 +48,29 @@ LoopRules rules_of(const EvalInputs& inputs) {
           inputs.scores.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
 }
 
+// Whether a flag of ground truth is given that loops have no use for.
+bool has_other_flags(GroundTruthFlags flags) {
+  flags.options.radius_m.reset();
+  flags.options.max_difference_s.reset();
+  return any_given(flags);
+}
+
 void refuse_others(const EvalInputs& inputs) {
   if (inputs.loops.path.empty())
     throw Error(ErrorKind::usage, "--gap, --times and --frames-by belong to --loops LIST");
   const bool has_others =
       !inputs.results.empty() || inputs.scores.any() || !inputs.ground_truth.empty() ||
-      !inputs.dataset.empty() || !inputs.protocols.empty() || !inputs.expect.expected.empty() ||
-      !inputs.trajectory.file.empty() || !inputs.map.folder.empty() || inputs.csv.any();
+      !inputs.dataset.empty() || !inputs.protocols.empty() || inputs.expect.any() ||
+      !inputs.trajectory.file.empty() || !inputs.map.folder.empty() || inputs.csv.any() ||
+      inputs.pairs.any() || inputs.pictures.query || !inputs.pictures.train.empty() ||
+      inputs.confidence != Confidence::score || has_other_flags(inputs.flags);
   if (has_others)
     throw Error(ErrorKind::usage,
                 "--loops judges a list by its trajectory alone: give --poses, --radius, --gap, "
-                "and maybe --html, --plot, -o and --name");
+                "and maybe --times, --max-difference, --html, --plot, -o and --name");
+  ScoreInputs rest = inputs.scores;
+  rest.is_distance = rest.is_similarity = false;  // of the list
+  check_score_inputs(rest, false);
 }
 
 void require_order(const EvalInputs& inputs, const LoopList& list) {
@@ -79,7 +91,7 @@ LoopsEvaluation evaluate(const EvalInputs& inputs) {
   rules.frames = inputs.loops.frames;
   if (const auto seconds = inputs.flags.options.max_difference_s) {
     if (!(*seconds >= 0 && *seconds <= kMostGap))
-      throw Error(ErrorKind::usage, "--max-difference must not be negative");
+      throw Error(ErrorKind::usage, "--max-difference must be 0 to 1e9 seconds");
     rules.max_difference_ns = std::llround(*seconds * double{kSecond});
   }
   found.list = read_loop_list(inputs.loops.path, found.trajectory, rules);

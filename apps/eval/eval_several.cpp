@@ -15,17 +15,17 @@ namespace {
 
 void check_several(const EvalInputs& inputs) {
   const PictureInputs& pictures = inputs.pictures;
-  if (inputs.scores.any() || !inputs.expect.expected.empty() || !pictures.html.empty() ||
-      !pictures.plots.empty() || !inputs.map.folder.empty() || !inputs.trajectory.file.empty())
+  if (inputs.scores.any() || inputs.expect.any() || !pictures.html.empty() ||
+      !pictures.plots.empty() || !inputs.map.folder.empty() || !inputs.trajectory.file.empty() ||
+      inputs.pairs.any())
     throw Error(ErrorKind::usage,
-                "several results make one table; --scores, --expect, --html, --plot, --map and "
-                "--fixes-tum take "
-                "one result");
+                "several results make one table; --scores, --expect, --html, --plot, --map, "
+                "--fixes-tum and --pairs take one result");
   check_score_inputs(inputs.scores, true);
 }
 
 void check_protocols(const EvalInputs& inputs) {
-  if (!inputs.ground_truth.empty() || !inputs.dataset.empty() || !inputs.expect.expected.empty())
+  if (!inputs.ground_truth.empty() || !inputs.dataset.empty() || inputs.expect.any())
     throw Error(
         ErrorKind::usage,
         "--protocol stands for a ground truth, and its counts are compared with none: leave "
@@ -34,11 +34,11 @@ void check_protocols(const EvalInputs& inputs) {
     throw Error(ErrorKind::usage, "--protocol takes one result of vpr-query, and no --scores");
   const PictureInputs& pictures = inputs.pictures;
   if (!pictures.html.empty() || !pictures.plots.empty() || !inputs.map.folder.empty() ||
-      inputs.csv.any() || !inputs.trajectory.file.empty())
-    throw Error(
-        ErrorKind::usage,
-        "pictures and rows for data frames show one protocol: give it as --ground-truth, as in "
-        "--ground-truth nordland-exact");
+      inputs.csv.any() || !inputs.trajectory.file.empty() || inputs.pairs.any())
+    throw Error(ErrorKind::usage,
+                "pictures, pairs and rows for data frames show one protocol: give it as "
+                "--ground-truth, as in "
+                "--ground-truth nordland-exact");
   check_score_inputs(inputs.scores, true);
 }
 

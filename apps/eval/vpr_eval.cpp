@@ -124,6 +124,24 @@ void run(Session& session, const EvalInputs& inputs) {
   run_one(session, inputs_of(inputs, 0));
 }
 
+constexpr const char* kExamples =
+    "  vpr-eval result.json --ground-truth ground_truth.csv\n"
+    "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown\n"
+    "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv\n"
+    "  vpr-eval --query-npy q.npy --reference-npy db.npy --recall-at 1,10,100 "
+    "--ground-truth pairs.csv\n"
+    "  vpr-eval --predictions logs/default/preds --query queries --train database "
+    "--ground-truth queries --ground-truth-reference database\n"
+    "  vpr-eval --scores similarities.npy --similarity --query q.txt --train db.txt "
+    "--top-k 20 --pairs pairs.txt\n"
+    "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
+    "--name \"c_l 20\"\n"
+    "  vpr-eval result.json --dataset walks.json --expect baseline.json --junit "
+    "junit.xml\n"
+    "  vpr-eval result.json --protocol nordland-all\n"
+    "  vpr-eval --loops loops.csv --poses trajectory.txt --radius 2 --gap 30s "
+    "--similarity --plot loops";
+
 }  // namespace
 }  // namespace vpr
 
@@ -132,22 +150,7 @@ int main(int argc, char** argv) {
   Program program("vpr-eval",
                   "Count correct and incorrect recognitions of a result, or evaluate the scores "
                   "of any method.",
-                  "  vpr-eval result.json --ground-truth ground_truth.csv\n"
-                  "  vpr-eval result.json --ground-truth aligned --tolerance 3 --format markdown\n"
-                  "  vpr-eval --scores similarities.npy --similarity --ground-truth pairs.csv\n"
-                  "  vpr-eval --query-npy q.npy --reference-npy db.npy --recall-at 1,10,100 "
-                  "--ground-truth pairs.csv\n"
-                  "  vpr-eval --predictions logs/default/preds --query queries --train database "
-                  "--ground-truth queries --ground-truth-reference database\n"
-                  "  vpr-eval --scores similarities.npy --similarity --query q.txt --train db.txt "
-                  "--top-k 20 --pairs pairs.txt\n"
-                  "  vpr-eval short.json long.json --ground-truth aligned --name \"c_l 10\" "
-                  "--name \"c_l 20\"\n"
-                  "  vpr-eval result.json --dataset walks.json --expect baseline.json --junit "
-                  "junit.xml\n"
-                  "  vpr-eval result.json --protocol nordland-all\n"
-                  "  vpr-eval --loops loops.csv --poses trajectory.txt --radius 2 --gap 30s "
-                  "--similarity --plot loops");
+                  kExamples);
   EvalInputs inputs;
   ConvertInputs convert;
   CheckInputs check;

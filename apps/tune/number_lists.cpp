@@ -74,8 +74,9 @@ std::vector<uint64_t> parse_counts(const std::string& text, const std::string& f
   std::vector<uint64_t> counts;
   for (const double number : parse_numbers(text, flag)) {
     if (!(number >= 1 && number <= 1e9) || number != std::floor(number))
-      throw Error(ErrorKind::usage,
-                  fmt::format("{} takes whole numbers from 1 on, found {:g}", flag, number));
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("{} takes whole numbers from 1 to 1000000000, found {:.16g}", flag, number));
     counts.push_back(static_cast<uint64_t>(number));
   }
   return counts;

@@ -61,7 +61,7 @@ bool has_near(const Trajectory& trajectory, const Cubes& cubes, double side, siz
 
 void check_rules(const LoopRules& rules, const Trajectory& trajectory) {
   if (!(rules.radius_m >= 0 && std::isfinite(rules.radius_m)))
-    throw Error(ErrorKind::usage, "the radius of loops must not be negative");
+    throw Error(ErrorKind::usage, "the radius of loops must be a number of metres, 0 or more");
   if (rules.gap.nanoseconds && trajectory.times_ns.empty())
     throw Error(ErrorKind::usage,
                 fmt::format("{}: has no times for a gap in seconds; give them with --times, or the "

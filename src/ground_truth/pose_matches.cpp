@@ -47,17 +47,7 @@ struct SortedPoses {
 
 // The coordinate with the largest extent.
 size_t longest_axis(const Poses& poses) {
-  std::array<double, 3> extents{};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    double least = std::numeric_limits<double>::infinity();
-    double greatest = -least;
-    for (const auto& pose : poses) {
-      if (!pose) continue;
-      least = std::min(least, pose->position[axis]);
-      greatest = std::max(greatest, pose->position[axis]);
-    }
-    extents[axis] = greatest - least;
-  }
+  const std::array<double, 3> extents = extents_of(poses);
   return static_cast<size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
 }
 
@@ -99,8 +89,9 @@ Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> 
                     builder.argument().path.string()));
   const Nearness nearness{options.radius_m ? *options.radius_m : *usual_radius_m,
                           options.angle_deg};
-  if (!(nearness.radius_m >= 0) || !(nearness.angle_deg.value_or(0) >= 0))
-    throw Error(ErrorKind::usage, "radius and angle of a ground truth must not be negative");
+  const auto is_length = [](double value) { return value >= 0 && std::isfinite(value); };
+  if (!is_length(nearness.radius_m) || !is_length(nearness.angle_deg.value_or(0)))
+    throw Error(ErrorKind::usage, "radius and angle of a ground truth must be numbers, 0 or more");
   return nearness;
 }
 
@@ -127,6 +118,21 @@ std::string describe(const Nearness& nearness, int tolerance_frames, size_t unkn
 }
 
 }  // namespace
+
+std::array<double, 3> extents_of(const Poses& poses) {
+  std::array<double, 3> extents{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    double least = std::numeric_limits<double>::infinity();
+    double greatest = -least;
+    for (const auto& pose : poses) {
+      if (!pose) continue;
+      least = std::min(least, pose->position[axis]);
+      greatest = std::max(greatest, pose->position[axis]);
+    }
+    extents[axis] = greatest - least;
+  }
+  return extents;
+}
 
 std::optional<double> angle_between(const Pose& a, const Pose& b) {
   if (a.heading_deg && b.heading_deg)

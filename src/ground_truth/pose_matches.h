@@ -20,6 +20,9 @@ struct Pose {
 /// Per frame; nothing where a frame's pose is not known.
 using Poses = std::vector<std::optional<Pose>>;
 
+/// How far the known poses reach along each coordinate, in metres; minus infinity where none is.
+std::array<double, 3> extents_of(const Poses& poses);
+
 /// Degrees between two orientations, 0 to 180: of headings the difference round the circle, of
 /// rotation matrices the angle of the rotation from one to the other. Nothing unless both have the
 /// same kind.

@@ -19,6 +19,7 @@ constexpr double kMostSeconds = 4e9;
 /// What the options say of one side.
 struct SideTimes {
   const char* prefix = "";
+  const char* offset_flag = "";
   std::filesystem::path frames;
   std::filesystem::path poses;
   std::optional<double> offset_s;
@@ -26,14 +27,16 @@ struct SideTimes {
 
 SideTimes times_of(const GroundTruthOptions& options, PoseSide side) {
   if (side == PoseSide::query)
-    return {"query", options.query_times, options.query_pose_times, options.offset_s};
-  return {"reference", options.reference_times, options.reference_pose_times,
+    return {"query", "--offset", options.query_times, options.query_pose_times, options.offset_s};
+  return {"reference", "--reference-offset", options.reference_times, options.reference_pose_times,
           options.reference_offset_s};
 }
 
 int64_t nanoseconds(double seconds, const char* flag) {
   if (!(std::abs(seconds) <= kMostSeconds))
-    throw Error(ErrorKind::usage, fmt::format("{} is not so many seconds", flag));
+    throw Error(ErrorKind::usage,
+                fmt::format("{} must be at most {:g} seconds either way, found {:g}", flag,
+                            kMostSeconds, seconds));
   return std::llround(seconds * double{kSecond});
 }
 
@@ -44,7 +47,7 @@ AssociationRules rules_of(const GroundTruthOptions& options, const SideTimes& si
     if (rules.max_difference_ns < 0)
       throw Error(ErrorKind::usage, "--max-difference must not be negative");
   }
-  rules.offset_ns = nanoseconds(side.offset_s.value_or(0), "--offset");
+  rules.offset_ns = nanoseconds(side.offset_s.value_or(0), side.offset_flag);
   return rules;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -178,8 +179,8 @@ FilterState start_filter(const FrameDistances& distances, const FilterSettings& 
   const double octave = kScoreUnit * kFraction / settings.sharpness;
   for (uint32_t m = 0; m < kMantissas; ++m)
     state.logarithms.push_back(
-        static_cast<uint32_t>(octave * natural_logarithm(1 + (m + 0.5) / kMantissas) + 0.5));
-  state.octave = static_cast<uint32_t>(octave * natural_logarithm(2) + 0.5);
+        static_cast<uint32_t>(std::lround(octave * natural_logarithm(1 + (m + 0.5) / kMantissas))));
+  state.octave = static_cast<uint32_t>(std::lround(octave * natural_logarithm(2)));
   const size_t cells = state.cells.size();
   for (size_t r = 0; r < kRates; ++r) {
     state.before[r].resize(cells);

@@ -57,7 +57,7 @@ FrameDistances distances_of(const std::shared_ptr<Training>& training, const Des
 uint16_t largest_point(const DescriptorShape&) { return 2 * kLongestPoint; }
 
 uint32_t point_distance(DescriptorRow a, DescriptorRow b) {
-  return static_cast<uint32_t>(exact_distance(a, b) + 0.5);
+  return static_cast<uint32_t>(std::lround(exact_distance(a, b)));
 }
 
 Projector point_projector(const DescriptorRows& to, std::span<const ComponentValues> weights) {

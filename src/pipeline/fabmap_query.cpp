@@ -102,6 +102,14 @@ FrameBatch joined_batch(FrameBatch own, const std::vector<size_t>& known, size_t
   return batch;
 }
 
+bool is_unreadable(const SequenceWords& query, size_t frame) {
+  return std::binary_search(query.unreadable.begin(), query.unreadable.end(), frame);
+}
+
+size_t frames_at_once(size_t views) {
+  return std::clamp(kPosteriorsAtOnce / views, size_t{2}, kMostFramesAtOnce);
+}
+
 }  // namespace
 
 void check_query_settings(const FabmapQuerySettings& settings) {
@@ -166,8 +174,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   std::vector<double> previous;
   // Frames follow each other here: a posterior starts from the one before.
   const auto fold = [&](size_t frame, std::span<const double> views, double new_place) {
-    const bool unreadable =
-        std::binary_search(query.unreadable.begin(), query.unreadable.end(), frame);
+    const bool unreadable = is_unreadable(query, frame);
     std::vector<double> posterior;
     if (!unreadable) {
       extend_previous(previous, views.size(), settings.posterior.smoothing);
@@ -185,8 +192,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
     append_hits(result.hits, frame, posterior, window, settings.window, place_of);
     previous = std::move(posterior);
   };
-  const size_t at_once =
-      std::clamp(kPosteriorsAtOnce / place_of.size(), size_t{2}, kMostFramesAtOnce);
+  const size_t at_once = frames_at_once(place_of.size());
   for (size_t begin = 0; begin < frames; begin += at_once) {
     const size_t count = std::min(at_once, frames - begin);
     const ItemRange own = own_part(share, count);

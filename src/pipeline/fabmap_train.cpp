@@ -28,7 +28,7 @@ constexpr size_t kWarnedShare = 10;  // a tenth of the frames without features
 Unreadable on_unreadable(bool skip) { return skip ? Unreadable::skip : Unreadable::fail; }
 
 cv::Mat no_descriptors(const FeatureSettings& settings) {
-  return {0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F};
+  return cv::Mat(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
 }
 
 std::span<const std::byte> bytes_of(const WordSet& words) {

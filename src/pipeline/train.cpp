@@ -134,7 +134,9 @@ std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database) {
   const FusedViews* fused = fused_views(database);
   for (const TrainSequence& sequence : database.sequences) {
     const size_t frames = sequence.frame_count();
-    DescriptorSpan& span = spans.emplace_back(rows.subspan(first, frames), sequence.unreadable);
+    DescriptorSpan& span = spans.emplace_back();
+    span.rows = rows.subspan(first, frames);
+    span.unreadable = sequence.unreadable;
     if (fused != nullptr) span.words = std::span(fused->words).subspan(first, frames);
     first += frames;
   }

@@ -49,8 +49,21 @@ std::vector<ChartTick> log_ticks(double low, double high, size_t most) {
   return all.size() <= most || powers.size() < 2 ? all : powers;
 }
 
+// At least two, for a length that is none, too.
 size_t ticks_in(double length, double room) {
-  return std::max<size_t>(2, static_cast<size_t>(length / room));
+  return static_cast<size_t>(std::max(2.0, length / room));
+}
+
+// A text's beginning, where the text is wider.
+std::string shortened(const std::string& text, double width) {
+  if (text_width(text, kLetters) <= width) return text;
+  const double letters = width / text_width("x", kLetters) - 1;
+  size_t end = 0;
+  for (double kept = 0; end < text.size(); ++end) {
+    const bool starts_letter = (static_cast<unsigned char>(text[end]) & 0xc0) != 0x80;
+    if (starts_letter && ++kept > letters) break;
+  }
+  return text.substr(0, end) + "…";
 }
 
 double widest(const std::vector<ChartTick>& ticks) {
@@ -176,6 +189,7 @@ ChartLayout layout_of(const Chart& chart, bool for_page) {
                        ? ticks_of(chart.y.is_log, {y_from, y_to}, ticks_in(guess, 55))
                        : chart.y.ticks;
   const double side = 24;
+  for (ChartTick& tick : layout.y_ticks) tick.text = shortened(tick.text, chart.width * 2 / 3);
   area.left = chart.is_plan ? side : std::max(60.0, std::ceil(widest(layout.y_ticks)) + 16);
   if (chart.image)
     layout.width = std::max(area.left + area.width + 40, 620.0);

@@ -16,17 +16,7 @@ constexpr size_t kMostPoints = 1000;
 /// The two coordinates with the largest extents, in their order: x and z of a camera that looks
 /// ahead, x and y of a map.
 std::array<size_t, 2> plan_axes(const Poses& poses) {
-  std::array<double, 3> extents{};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    double least = std::numeric_limits<double>::infinity();
-    double greatest = -least;
-    for (const auto& pose : poses) {
-      if (!pose) continue;
-      least = std::min(least, pose->position[axis]);
-      greatest = std::max(greatest, pose->position[axis]);
-    }
-    extents[axis] = greatest - least;
-  }
+  const std::array<double, 3> extents = extents_of(poses);
   const auto flat = static_cast<size_t>(std::min_element(extents.rbegin(), extents.rend()).base() -
                                         extents.begin() - 1);
   return {flat == 0 ? size_t{1} : 0, flat == 2 ? size_t{1} : 2};

@@ -53,15 +53,20 @@ Table curve_table(const Json& report) {
   return table;
 }
 
+// A column for each value, in the first row; `prefix` goes before its key.
+void add_values(Table& table, const std::string& prefix, const Json& values) {
+  for (const auto& item : values.items()) {
+    table.columns.push_back(prefix + item.key());
+    table.rows[0].push_back(shown(item.value(), 4));
+  }
+}
+
 Table recall_table(const Json& report) {
   Table table;
   table.title =
       "Recall@K (queries with a match; ties to the first; ignored references passed over)";
   table.rows.emplace_back();
-  for (const auto& item : report["metrics"]["recall_at"].items()) {
-    table.columns.push_back("R@" + item.key());
-    table.rows[0].push_back(shown(item.value(), 4));
-  }
+  add_values(table, "R@", report["metrics"]["recall_at"]);
   return table;
 }
 
@@ -73,13 +78,8 @@ Table ranking_table(const Json& report) {
       "Precision@K and mAP@K (queries with a match; ties to the first; ignored references passed "
       "over)";
   table.rows.emplace_back();
-  for (const auto& [key, name] : {std::pair("precision_at", "P"), std::pair("map_at", "mAP")}) {
-    if (!metrics.contains(key)) continue;
-    for (const auto& item : metrics[key].items()) {
-      table.columns.push_back(fmt::format("{}@{}", name, item.key()));
-      table.rows[0].push_back(shown(item.value(), 4));
-    }
-  }
+  for (const auto& [key, name] : {std::pair("precision_at", "P@"), std::pair("map_at", "mAP@")})
+    if (metrics.contains(key)) add_values(table, name, metrics[key]);
   return table;
 }
 
@@ -92,10 +92,7 @@ Table achievement_table(const Json& report) {
       "Recall achievement rate (share of {} of about {} whose recall@1 reaches the target)",
       counted(found["stretches"].get<uint64_t>(), "stretch", "stretches"),
       counted(found["stretch_frames"].get<uint64_t>(), "frame"));
-  for (const auto& item : found["targets"].items()) {
-    table.columns.push_back("RAR " + item.key());
-    table.rows[0].push_back(shown(item.value(), 4));
-  }
+  add_values(table, "RAR ", found["targets"]);
   return table;
 }
 

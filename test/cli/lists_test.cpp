@@ -130,4 +130,14 @@ TEST_CASE("flags of lists that do not go together") {
   check({"--top-k", "3"}, "--top-k");
   check({"--top-k", "0", "--pairs", scored.path("x.txt")}, "--top-k must be");
   check_failure(evaluate({"--predictions", scored.path("nowhere.txt")}, kTruth), 3, "nowhere.txt");
+  check({"--similarity", "--pairs", scored.path("x.txt"), "-o", scored.path("x.json")},
+        "there is no report to write");
+  for (const Words& words : {Words{"--pairs", "x"}, Words{"--junit", "x"}, Words{"--update"}}) {
+    Words several = {"r.json", "s.json", "--ground-truth", "aligned"};
+    several.insert(several.end(), words.begin(), words.end());
+    check_failure(run_program("vpr-eval", several), 2, "take one result");
+    Words protocol = {"r.json", "--protocol", "nordland-exact"};
+    protocol.insert(protocol.end(), words.begin(), words.end());
+    check_failure(run_program("vpr-eval", protocol), 2, "protocol");
+  }
 }

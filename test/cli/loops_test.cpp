@@ -98,6 +98,26 @@ TEST_CASE("--loops says what it needs, and refuses bad lists with file and line"
   refused({"--radius", "1", "--gap", "3"}, 2, "--similarity (large ones)");
   refused({"--radius", "1", "--gap", "3", "--ground-truth", "aligned"}, 2,
           "by its trajectory alone");
+  const std::string out = laps.folder / "o";
+  for (const auto& [flag, value] : {std::pair<std::string, std::string>("--offset", "1"),
+                                    {"--angle", "5"},
+                                    {"--tolerance", "3"},
+                                    {"--junit", out},
+                                    {"--pairs", out},
+                                    {"--top-k", "3"},
+                                    {"--query", "q"},
+                                    {"--train", "t"},
+                                    {"--confidence", "margin"}})
+    refused({"--radius", "1", "--gap", "3", "--similarity", flag, value}, 2,
+            "by its trajectory alone");
+  refused({"--radius", "1", "--gap", "3", "--similarity", "--update"}, 2, "trajectory alone");
+  refused({"--radius", "1", "--gap", "3", "--similarity", "--window", "3"}, 2, "with --scores");
+  for (const char* number : {"nan", "inf", "-1"}) {
+    refused({"--radius", number, "--gap", "3", "--similarity"}, 2, "0 or more");
+    refused({"--radius", "1", "--gap", "3", "--similarity", "--max-difference", number}, 2,
+            "0 to 1e9 seconds");
+  }
+  CHECK_FALSE(std::filesystem::exists(out));
   test::write_text(laps.loops, "30,2\n2,30\n");
   refused({"--radius", "1", "--gap", "3"}, 4, "closures.csv, line 2: frame 2 closes a loop");
   test::write_text(laps.loops, "30,2\n300,2\n");

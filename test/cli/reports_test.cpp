@@ -136,3 +136,20 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   CHECK(clash.exit_code == 2);
   CHECK(has(clash.err, "are both of mine on"));
 }
+
+TEST_CASE("a folder's table replaces none of the reports and results it is made of") {
+  const test::TemporaryFolder out;
+  std::filesystem::create_directories(out / "all");
+  const std::string result = query(out, "all/first");
+  REQUIRE(evaluate(result, {"-o", out / "all/report.json"}).exit_code == 0);
+  const auto write = [&](const std::string& name) {
+    return run_program("vpr-eval", {"report", out / "all", "-o", out / name, "--force"});
+  };
+  for (const char* name : {"all/report.json", "all/first.json", "all/first.hits.npy"}) {
+    const std::string before = test::read_text(out / name);
+    test::check_failure(write(name), 2, "is an input of this run");
+    CHECK(test::read_text(out / name) == before);
+  }
+  CHECK(write("all/table.json").exit_code == 0);
+  CHECK(write("all/table.json").exit_code == 0);  // an earlier table is no input
+}

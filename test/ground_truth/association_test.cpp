@@ -157,6 +157,9 @@ TEST_CASE("a trajectory of another rate than the images is ground truth by times
   argument.options.reference_offset_s = 4600;
   // Query frames at 0, 2.5, 5 and 7.5 metres; training frames at 0, 5 and 10.
   CHECK(files.read(argument, 4, 3) == "S.. SS. .S. .SS");
+  argument.options.reference_offset_s = 1e10;
+  CHECK(test::error_text([&] { files.read(argument, 4, 3); }).find("--reference-offset") == 0);
+  argument.options.reference_offset_s = 4600;
   argument.options.max_difference_s = 0.01;  // 1000.25 and 1000.75 lie between poses
   CHECK(files.read(argument, 4, 3) == "S.. iii .S. iii");
   CHECK(test::error_kind([&] { files.read(argument, 5, 3); }) == ErrorKind::data);

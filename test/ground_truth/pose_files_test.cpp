@@ -1,5 +1,6 @@
 // Ground truth from poses, trajectories and names that carry positions.
 #include <cmath>
+#include <limits>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -23,8 +24,10 @@ TEST_CASE("poses within a radius are the same place, unknown ones are ignored") 
   CHECK(files.read(argument, 3, 4) == ".Si. iiii SSi.");
   argument.options.radius_m = 0;
   CHECK(files.read(argument, 3, 4) == "..i. iiii ..i.");
-  argument.options.radius_m = -1;
-  CHECK(test::error_kind([&] { files.read(argument, 3, 4); }) == ErrorKind::usage);
+  for (const double none : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    argument.options.radius_m = none;
+    CHECK(test::error_kind([&] { files.read(argument, 3, 4); }) == ErrorKind::usage);
+  }
   CHECK(test::error_text([&] { files.read("q.csv", 3, 4); }).find("--ground-truth-reference") !=
         std::string::npos);
 }

@@ -77,6 +77,20 @@ TEST_CASE("ticks are round") {
   CHECK(texts(true, 2, 5, 1) == "2 5 ");
 }
 
+TEST_CASE("names of any length leave room for what is drawn") {
+  Chart chart{"c", "t"};
+  chart.series.push_back({"a", {{0, 0}, {1, 1}}});
+  chart.y.ticks = {{0, "short"}, {1, std::string(20000, 'x')}, {1, "äöü" + std::string(99, 'y')}};
+  const ChartLayout layout = layout_of(chart, true);
+  CHECK(layout.area.width > 100);
+  CHECK(layout.x_ticks.size() < 10);
+  CHECK(layout.y_ticks[0].text == "short");
+  CHECK(layout.y_ticks[1].text.ends_with("xx…"));
+  CHECK(layout.y_ticks[2].text.starts_with("äöüyy"));
+  CHECK(text_width(layout.y_ticks[1].text, 13) <= chart.width * 2 / 3.0);
+  CHECK(text_width(layout.y_ticks[2].text, 13) == text_width(layout.y_ticks[1].text, 13));
+}
+
 TEST_CASE("charts are drawn side by side and row by row, whatever is empty") {
   Chart chart{"c", "first"};
   const auto height = [](const std::vector<Chart>& charts, size_t columns) {
