@@ -20,6 +20,8 @@ parser.add_argument("bin", type=pathlib.Path, nargs="?", default=here.parent / "
 parser.add_argument("--jobs", type=int, default=1)
 parser.add_argument("--worlds", type=int, default=3)
 parser.add_argument("--tables", default="walks,hours,auto")
+parser.add_argument("--decisions", help="some of them, apart by ';' (--decisions filter)")
+parser.add_argument("--seed", type=int, default=201, help="of the first rendered world")
 parser.add_argument("--work", type=pathlib.Path, help="folder of an earlier run, whose worlds are taken")
 options = parser.parse_args()
 out = options.work or pathlib.Path(tempfile.mkdtemp())
@@ -31,6 +33,8 @@ DECISIONS = {
     "margin, z-scores": ["--score", "standardized", "--decide", "margin"],
     "filter": ["--method", "filter"],
 }
+if options.decisions:
+    DECISIONS = {name: DECISIONS[name] for name in options.decisions.split(";")}
 VARIETIES = [None, {"finishes": 0.8, "wear": 0.6, "window_light": 1, "far_view": 0.6, "changes": 0.25,
                     "hands": 0.5, "bareness": 0.3}, {"hands": 0.25, "changes": 0.3, "finishes": 0.4}]
 FPS = 4  # of speeds.json
@@ -139,7 +143,8 @@ def worlds():
         chance = random.Random(index)
         hour, metres = [], 0
         while metres < 4320:  # an hour at 1.2 m/s
-            for path in (chance.choice([route, detour + [[2, 15]]]), chance.choice([route, detour + [[2, 15]]])[::-1]):
+            there, back = (chance.choice([route, detour + [[2, 15]]]) for _ in range(2))
+            for path in (there, back[::-1]):
                 for corner in path:
                     if hour and hour[-1] == corner:
                         continue
@@ -147,7 +152,7 @@ def worlds():
                     hour.append(corner)
         light = [{"daylight": 0.7, "warmth": 0.2, "noise": 4}, {"daylight": 0.3, "warmth": -0.1, "noise": 5}]
         query = {"use": "query", "floor": "ground"}
-        world = dict(base, name=f"world {index}", seed=201 + index, walks=[
+        world = dict(base, name=f"world {index}", seed=options.seed + index, walks=[
             dict(query, name="trained", use="train", path=[[1, 1.25]] + route[1:]),
             dict(query, name="plain", path=route, conditions=light[0], day=1),
             dict(query, name="detour", path=detour, conditions=light[0], day=1, passers_by=1),
@@ -171,8 +176,10 @@ def walk_of(path, truth=None, frames=None):
 
 def jobs():
     corridor, nordland, loop = (options.data / name for name in ("corridor", "nordland", "loop"))
-    pairs = [("corridor", corridor / "ref", corridor / "query", 3), ("corridor back", corridor / "query", corridor / "ref", 3),
-             ("Nordland", nordland / "summer", nordland / "winter", 2), ("Nordland back", nordland / "winter", nordland / "summer", 2)]
+    pairs = [("corridor", corridor / "ref", corridor / "query", 3),
+             ("corridor back", corridor / "query", corridor / "ref", 3),
+             ("Nordland", nordland / "summer", nordland / "winter", 2),
+             ("Nordland back", nordland / "winter", nordland / "summer", 2)]
     for name, trained, walk, tolerance in pairs:
         database, query = train(trained, name.replace(" ", "")), walk_of(walk)
         for first, second in halves(query):
@@ -215,22 +222,24 @@ def hour_table(pool):
         config, key = out / f"{name}-{seconds}.json", f"{name}-{seconds}-hour"
         query = ["--query", f"{first.path}@{first.first}:{first.last}"]
         truths = [cut_truth(w, f"{key}{i}", 0, 0) for i, w in enumerate((first, second))]
-        run("vpr-tune", "calibrate", database, *query, "--ground-truth", truths[0], "--c-l", "20", "--fps", FPS,
-            "-o", config, "--quiet")
+        run("vpr-tune", "calibrate", database, *query, "--ground-truth", truths[0], "--c-l", "20",
+            "--fps", FPS, "-o", config, "--quiet")
         calibration = json.loads(config.read_text())
         report = count(database, second, truths[1], config, key)
         runs = false_runs(report["outcomes"], calibration["settings"]["margin"])
         hours_walked = len(report["outcomes"]["best"]) / FPS / 3600
         return name, seconds, calibration["in_an_hour"], runs / hours_walked, report
     todo = [(*h, seconds) for h in hours for seconds in (0, 300, 600, 1200)]
-    print("\n| rendered walk of an hour | calibrated on | expected in an hour (95 %) | in the rest of the hour | right of windows known |")
+    print("\n| rendered walk of an hour | calibrated on | expected in an hour (95 %) "
+          "| in the rest of the hour | right of windows known |")
     print("|---|---|---:|---:|---:|")
     for name, seconds, rate, found, report in pool.map(one, todo):
         low, high = rate["interval"]
         source = f"its first {seconds // 60} minutes" if seconds else "another walk of a minute"
         known = sum(letter in "cwi" for letter in report["outcomes"]["best"])
+        right = 100 * report["counts"]["hits"]["correct"] / known
         print(f"| {name} | {source} | {rate['expected']:.0f} ({low:.0f} to {high:.0f}) | {found:.0f}"
-              f"{'' if low <= found <= high else ' (outside)'} | {100 * report['counts']['hits']['correct'] / known:.0f} % |")
+              f"{'' if low <= found <= high else ' (outside)'} | {right:.0f} % |")
 
 
 def automatic(job):
@@ -251,7 +260,8 @@ def auto_jobs(pairs):
     seen = set()
     for group, name, database, frames, tolerance, *walks in pairs:
         for walk in walks:
-            whole = part(walk, 0, walk.frames) if name[:4] != "loop" else part(walk, *((40, 80) if name == "loop" else (0, 40)))
+            frames_of = {"loop": (40, 80), "loopback": (0, 40)}.get(name, (0, walk.frames))
+            whole = part(walk, *frames_of)
             if (name, whole.path) not in seen:
                 seen.add((name, whole.path))
                 yield group, name, database, frames, tolerance, whole
@@ -264,25 +274,27 @@ def auto_jobs(pairs):
 
 
 def auto_table(pool, pairs):
-    todo = [(*job, decision, length) for job in auto_jobs(pairs) for decision in DECISIONS if decision != "filter"
+    decisions = [decision for decision in DECISIONS if decision != "filter"]
+    todo = [(*job, decision, length) for job in auto_jobs(pairs) for decision in decisions
             for length in (10, 20, 40) if job[-1].last - job[-1].first >= length + 4]
     safe, shares = collections.defaultdict(list), collections.defaultdict(list)
     for group, decision, is_safe, share in pool.map(automatic, todo):
         safe[group, decision].append(is_safe)
         shares[group, decision] += [share] if share is not None else []
-    print("\n| automatic, set | " + " | ".join(d for d in DECISIONS if d != "filter") + " |")
-    print("|---|" + "---:|" * (len(DECISIONS) - 1))
+    print("\n| automatic, set | " + " | ".join(decisions) + " |")
+    print("|---|" + "---:|" * len(decisions))
     for group in ("real", "rendered", "tower"):
         cells = []
-        for decision in DECISIONS:
-            if decision != "filter":
-                found, share = safe[group, decision], shares[group, decision]
-                cells.append(f"{sum(found)} of {len(found)}" + (f", {100 * sum(share) / len(share):.0f} %" if share else ""))
+        for decision in decisions:
+            found, share = safe[group, decision], shares[group, decision]
+            recognised = f", {100 * sum(share) / len(share):.0f} %" if share else ""
+            cells.append(f"{sum(found)} of {len(found)}{recognised}")
         print(f"| {group} | " + " | ".join(cells) + " |", flush=True)
 
 
 def walk_table(pool, pairs):
-    trials = [(*pair, decision, rule) for pair in pairs for decision in DECISIONS for rule in ("recommended", "new")]
+    trials = [(*pair, decision, rule) for pair in pairs for decision in DECISIONS
+              for rule in ("recommended", "new")]
     cells, shares = collections.defaultdict(collections.Counter), collections.defaultdict(list)
     for group, decision, rule, verdict, share in pool.map(trial, trials):
         cells[group, decision, rule][verdict] += 1
@@ -292,7 +304,7 @@ def walk_table(pool, pairs):
     print("|---|---|---:|---:|---:|---:|---:|")
     for group, decision, rule in sorted(cells):
         counted, share = cells[group, decision, rule], shares[group, decision, rule]
-        word = {"new": "calibrated", "recommended": "default" if decision == "filter" else "recommended"}[rule]
+        word = "calibrated" if rule == "new" else "default" if decision == "filter" else rule
         print(f"| {group}, {decision} | {word} | " + " | ".join(
             str(counted[v]) for v in ("holds", "no hit", "wrong", "none")) +
             f" | {100 * sum(share) / len(share):.0f} % |", flush=True)
