@@ -86,8 +86,8 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
         static_cast<double>(table.closest[s]->score) / static_cast<double>(table.window_length);
     const FrameDistances between = frame_distances(spans.subspan(s, 1), spans[other]);
     const double mean = s == other ? mean_distance_within(between) : mean_distance_between(between);
-    if (!is_same_place(distance, mean, table.window_length, s == other ? kOwnDepth : kPairDepth))
-      continue;
+    const double depth = s == other ? kClosestOwnDepth : kPairDepth;
+    if (!is_same_place(distance, mean, table.window_length, depth)) continue;
     if (named.insert(std::minmax(s, other)).second)
       overlaps.push_back({s, distance, mean, between.unit.name});
   }

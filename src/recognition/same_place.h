@@ -11,10 +11,12 @@
 
 namespace vpr {
 
-/// How far below the mean a diagonal must be: the closest of two walks, and, of a single walk, the
-/// one that its threshold comes from, behind closer ones.
+/// How far below the mean a diagonal must be: the closest of two walks; that of a window and its
+/// best match in the same walk; and the closest of a whole walk with itself, of which the
+/// corridor's two walks, which pass no place twice, have up to 1.6 (docs/methods.md).
 inline constexpr double kPairDepth = 1.2;
 inline constexpr double kOwnDepth = 1;
+inline constexpr double kClosestOwnDepth = 1.7;
 
 /// Whether a diagonal of window_length frames with this mean distance is too far below what frames
 /// of the two walks differ by on average to be chance: distance < (1 - depth / sqrt(c_l)) * mean. A

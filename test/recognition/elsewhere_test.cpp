@@ -39,28 +39,52 @@ size_t slow_half_width(const DescriptorSpan& walk) {
   return frames;
 }
 
+bool fits(const DescriptorSpan& walk, size_t window, size_t length) {
+  for (size_t f = window; f < window + length; ++f)
+    if (!can_read(walk, f)) return false;
+  return true;
+}
+
+// Mean distance of two different frames that can be read.
+double slow_mean(const DescriptorSpan& walk) {
+  double sum = 0;
+  double count = 0;
+  for (size_t i = 0; i < walk.rows.size(); ++i)
+    for (size_t j = 0; j < walk.rows.size(); ++j) {
+      if (i == j || !can_read(walk, i) || !can_read(walk, j)) continue;
+      sum += plain_hamming(walk.rows[i], walk.rows[j]);
+      ++count;
+    }
+  return sum / count;
+}
+
+// In steps of -1 or 1 from a window.
+size_t slow_reach(const DescriptorSpan& walk, size_t length, size_t window, int step) {
+  const size_t frames = walk.rows.size();
+  const double half = slow_mean(walk) / 2 * static_cast<double>(length);
+  for (size_t apart = 1;; ++apart) {
+    if (step < 0 ? apart > window : window + apart + length > frames) return frames;
+    const size_t other = step < 0 ? window - apart : window + apart;
+    if (!fits(walk, window, length) || !fits(walk, other, length)) continue;
+    if (plain_window_distance(walk.rows, window, walk.rows, other, length) >= half)
+      return std::max(apart, slow_half_width(walk));
+  }
+}
+
 std::optional<ClosestWindows> slow_elsewhere(const DescriptorSpan& walk, size_t length) {
   const size_t windows = walk.rows.size() < length ? 0 : walk.rows.size() - length + 1;
-  const size_t gap = slow_half_width(walk) + length;
-  const auto fits = [&](size_t window) {
-    for (size_t f = window; f < window + length; ++f)
-      if (!can_read(walk, f)) return false;
-    return true;
-  };
-  std::vector<ClosestWindows> closest;
+  std::optional<ClosestWindows> closest;
   for (size_t j = 0; j < windows; ++j) {
-    std::optional<ClosestWindows> own;
+    const size_t before = slow_reach(walk, length, j, -1);
+    const size_t behind = slow_reach(walk, length, j, 1);
     for (size_t i = 0; i < windows; ++i) {
-      if (!fits(j) || !fits(i) || std::max(i, j) - std::min(i, j) < gap) continue;
+      if (!fits(walk, j, length) || !fits(walk, i, length)) continue;
+      if (i <= j ? j - i <= 2 * before : i - j <= 2 * behind) continue;
       const uint32_t d = plain_window_distance(walk.rows, i, walk.rows, j, length);
-      if (!own || d < own->score) own = ClosestWindows{d, j, 0, i};
+      if (!closest || d < closest->score) closest = ClosestWindows{d, j, 0, i};
     }
-    if (own) closest.push_back(*own);
   }
-  if (closest.empty()) return std::nullopt;
-  std::stable_sort(closest.begin(), closest.end(),
-                   [](const auto& a, const auto& b) { return a.score < b.score; });
-  return closest[(closest.size() - 1) / 5];
+  return closest;
 }
 
 std::optional<ClosestWindows> find_elsewhere(const DescriptorSpan& walk, size_t length,
@@ -108,7 +132,36 @@ TEST_CASE("the closest windows elsewhere are those of the definition") {
                  slow_elsewhere({walk, unreadable}, length)));
     }
   }
-  CHECK_FALSE(find_elsewhere({walk, {}}, 40));  // no two windows are far enough apart
+  CHECK_FALSE(find_elsewhere({walk, {}}, 68));  // no two windows are far enough apart
+}
+
+TEST_CASE("a place reaches as far as its windows look alike") {
+  const std::vector<LdbCode> walk = test::walk_codes(60, 5, 90);
+  const std::vector<size_t> unreadable = {20, 21, 50};
+  for (const auto& span : {DescriptorSpan{walk, {}}, DescriptorSpan{walk, unreadable}})
+    for (const size_t length : {1, 4, 11, 60}) {
+      const auto found = place_reaches(span, length);
+      REQUIRE(found.size() == walk.size() - length + 1);
+      for (size_t window = 0; window < found.size(); ++window)
+        CHECK(found[window] == PlaceReach{slow_reach(span, length, window, -1),
+                                          slow_reach(span, length, window, 1)});
+    }
+  CHECK(place_reaches({walk, {}}, 61).empty());
+  CHECK(place_reaches({walk, {}}, 4, {}, 0).front() == PlaceReach{60, 60});
+}
+
+TEST_CASE("a stop is one place, whose windows are not elsewhere for each other") {
+  std::vector<LdbCode> walk = test::walk_codes(80, 5, 90);
+  const auto moving = find_elsewhere({walk, {}}, 5);
+  walk.insert(walk.begin() + 40, 30, walk[40]);
+  const auto stopping = find_elsewhere({walk, {}}, 5);
+  REQUIRE(moving);
+  REQUIRE(stopping);
+  CHECK(stopping->score > 0);
+  CHECK(stopping->score >= moving->score / 2);
+  const auto reaches = place_reaches({walk, {}}, 5);
+  CHECK(reaches[45].behind > 20);
+  CHECK(reaches[45].behind > 2 * reaches[5].behind);
 }
 
 TEST_CASE("stretches that cover a walk give what the whole walk gives") {
