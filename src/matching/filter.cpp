@@ -173,7 +173,6 @@ FilterState start_filter(const FrameDistances& distances, const FilterSettings& 
   check_filter(settings);
   FilterState state;
   state.settings = settings;
-  state.cells = find_cells(distances, least_change);
   state.kernels = select_filter_kernels();
   state.likelihood_of = likelihood_table(settings);
   const double octave = kScoreUnit * kFraction / settings.sharpness;
@@ -181,16 +180,20 @@ FilterState start_filter(const FrameDistances& distances, const FilterSettings& 
     state.logarithms.push_back(
         static_cast<uint32_t>(std::lround(octave * natural_logarithm(1 + (m + 0.5) / kMantissas))));
   state.octave = static_cast<uint32_t>(std::lround(octave * natural_logarithm(2)));
-  const size_t cells = state.cells.size();
-  for (size_t r = 0; r < kRates; ++r) {
-    state.before[r].resize(cells);
-    state.after[r].resize(cells);
-  }
-  state.likelihoods.resize(cells);
-  state.masses.resize(cells);
-  state.values.assign(cells, kNoValue);
-  restart_filter(state);
+  place_filter(state, find_cells(distances, least_change));
   return state;
+}
+
+void place_filter(FilterState& state, FilterCells cells) {
+  state.cells = std::move(cells);
+  for (size_t r = 0; r < kRates; ++r) {
+    state.before[r].assign(state.cells.size(), 0);
+    state.after[r].assign(state.cells.size(), 0);
+  }
+  state.likelihoods.assign(state.cells.size(), 0);
+  state.masses.assign(state.cells.size(), 0);
+  state.values.assign(state.cells.size(), kNoValue);
+  restart_filter(state);
 }
 
 void restart_filter(FilterState& state) {

@@ -51,6 +51,9 @@ inline constexpr uint32_t kNoValue = std::numeric_limits<uint32_t>::max();
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,
                          double least_change);
 
+/// Takes other places; all views are forgotten.
+void place_filter(FilterState& state, FilterCells cells);
+
 /// Forgets all views.
 void restart_filter(FilterState& state);
 

@@ -17,13 +17,14 @@ struct FilterSettings {
   double rate_change = 0.05;  ///< chance to change the rate, per view
   uint64_t near_views = 10;   ///< training views so close to the best one are not elsewhere
   /// A path is trusted once it was the best one for so many views (the mean of those of the query
-  /// and those of the training sequence that it passed) and has had establish_margin, or for twice
-  /// as many and has had half of it, or once its evidence was so large (PathTrack) and it has had
-  /// establish_margin; and for as long as it goes on.
+  /// and those of the training sequence that it passed) and has had establish_margin and support;
+  /// or once its evidence was so large (PathTrack) and it has had establish_margin; and then, for
+  /// as long as it goes on, wherever it has establish_margin. One of twice as many views is trusted
+  /// once it has had kLongShare of both, and then at any margin.
   uint64_t establish_views = 18;
   double establish_margin = 8;     ///< in deviations
-  double establish_evidence = 24;  ///< in deviations
-  double support = 1.5;  ///< least mean of -z at the best places of 24 views, for the first two
+  double establish_evidence = 16;  ///< in deviations
+  double support = 1.5;            ///< least mean of -z at the best places of 24 views
   /// Least sum of the shares that its last views, weighted 1/2, 1/4, ..., have of a path's support
   /// and the last one of its margin, less how much more the query changed than the training walk.
   double present_support = 1.1;

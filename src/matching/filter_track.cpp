@@ -56,18 +56,13 @@ bool goes_on(const PathTrack& track, const FilterState& state, size_t cell) {
          run_of(state.cells, cell).sequence == run_of(state.cells, last).sequence;
 }
 
-uint32_t in_scores(double deviations) {
-  return static_cast<uint32_t>(std::lround(deviations * kScoreUnit));
-}
+int64_t in_scores(double deviations) { return std::llround(deviations * kScoreUnit); }
 
-int64_t support_sum(const PathTrack& track) {
-  return std::accumulate(track.supports.begin(), track.supports.end(), int64_t{0});
-}
-
-// Places that look alike support a path, too, but less.
-bool supports_path(const PathTrack& track, double least) {
-  const auto views = static_cast<int64_t>(track.supports.size());
-  return support_sum(track) >= views * std::lround(least * kScoreUnit);
+// The mean of the last 24 views.
+double usual_support(const PathTrack& track) {
+  const auto views = static_cast<ptrdiff_t>(std::min(track.supports.size(), kSupportViews));
+  const auto sum = std::accumulate(track.supports.end() - views, track.supports.end(), int64_t{0});
+  return static_cast<double>(sum) / static_cast<double>(views);
 }
 
 // The mean of the views before it.
@@ -80,8 +75,7 @@ double usual_margin(const PathTrack& track, uint32_t margin) {
 // Whoever is carried elsewhere loses support and margin that the path had, and what he sees changes
 // more than the training walk did. `excess`: by how much, in typical distances.
 bool is_present(const PathTrack& track, uint32_t margin, double excess, double least) {
-  const double usual =
-      static_cast<double>(support_sum(track)) / static_cast<double>(track.supports.size());
+  const double usual = usual_support(track);
   if (usual <= 0 || margin == 0) return false;
   const double margins = margin / usual_margin(track, margin);
   return track.support / usual + std::min(margins, kMostMarginShare) -
@@ -89,30 +83,31 @@ bool is_present(const PathTrack& track, uint32_t margin, double excess, double l
          least;
 }
 
-bool has_evidence(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
-  return track.evidence >= std::llround(settings.establish_evidence * kScoreUnit) &&
-         margin >= in_scores(settings.establish_margin);
-}
-
-// The longer a path, the smaller a margin will do.
-bool is_long_enough(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
+bool is_as_long(const PathTrack& track, size_t views) {
   const size_t cell = track.last.cell;
-  const size_t passed = track.views + cell - std::min(cell, track.start);  // twice the length
-  const size_t enough = 2 * settings.establish_views;
-  const uint32_t least = in_scores(settings.establish_margin);
-  return (passed >= enough && margin >= least) ||
-         (passed >= 2 * enough && margin >= (least + 1) / 2);
+  return track.views + cell - std::min(cell, track.start) >= 2 * views;  // twice the length
 }
 
-// Before: whether the path was established. `margin` is what the place has, trusted or not.
+// Places that look alike support a path, too, but less; the longer it is, the less will do.
+bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
+  const auto has = [&](double share) {
+    return margin >= in_scores(share * settings.establish_margin) &&
+           usual_support(track) >= share * settings.support * kScoreUnit;
+  };
+  const bool has_evidence = track.evidence >= in_scores(settings.establish_evidence) &&
+                            margin >= in_scores(settings.establish_margin);
+  return has_evidence || (is_as_long(track, settings.establish_views) && has(1)) ||
+         (is_as_long(track, 2 * settings.establish_views) && has(kLongShare));
+}
+
+// `margin` is what the place has, trusted or not.
 void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin, double excess) {
   if (track.views == 1 || margin == 0 || track.support < 0) track.is_established = false;
   const bool is_now = is_present(track, margin, excess, settings.present_support);
-  if (is_now &&
-      (has_evidence(track, settings, margin) ||
-       (is_long_enough(track, settings, margin) && supports_path(track, settings.support))))
-    track.is_established = true;
-  track.last.margin = track.is_established && is_now ? margin : 0;
+  if (is_now && establishes(track, settings, margin)) track.is_established = true;
+  const bool is_enough = is_as_long(track, 2 * settings.establish_views) ||
+                         margin >= in_scores(settings.establish_margin);
+  track.last.margin = track.is_established && is_now && is_enough ? margin : 0;
   track.margins.push_back(margin);
   if (track.margins.size() > kMarginViews) track.margins.pop_front();
 }
@@ -120,20 +115,20 @@ void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin, do
 void begin_path(PathTrack& track, size_t cell) {
   track.views = 0;
   track.start = cell;
-  track.support = 0;
-  track.supports.clear();
-  track.evidence = 0;
   track.margins.clear();
   track.recent.clear();
 }
 
-void add_support(PathTrack& track, int32_t support) {
-  track.support = (track.support + support) >> 1;  // rounded down, also below 0
-  track.supports.push_back(support);
-  if (track.supports.size() > kSupportViews) track.supports.pop_front();
+void weigh(PathTrack& track, std::vector<int32_t> supports) {
   const int64_t most = in_scores(kMostEvidence);
-  const int64_t added = support - static_cast<int64_t>(in_scores(kUnrelatedSupport));
-  track.evidence = std::max<int64_t>(0, track.evidence + std::clamp(added, -most, most));
+  track.supports = std::move(supports);
+  track.support = 0;
+  track.evidence = 0;
+  for (const int32_t support : track.supports) {
+    track.support = (track.support + support) >> 1;  // rounded down, also below 0
+    const int64_t added = support - in_scores(kUnrelatedSupport);
+    track.evidence = std::max<int64_t>(0, track.evidence + std::clamp(added, -most, most));
+  }
 }
 
 }  // namespace
@@ -141,14 +136,16 @@ void add_support(PathTrack& track, int32_t support) {
 void follow_view(PathTrack& track, const FilterState& state, const QueryView& view) {
   const BestPlace best = find_best(track, state);
   double excess = 0;
-  if (!goes_on(track, state, best.cell)) {
+  const bool begins = !goes_on(track, state, best.cell);
+  if (begins) {
     begin_path(track, best.cell);
   } else if (view.walked_change) {
     excess = view.change - view.walked_change(track.last.cell, best.cell);
   }
   const size_t frame = state.cells.frames[best.cell];
   ++track.views;
-  add_support(track, static_cast<int32_t>(kScoreBias) - static_cast<int32_t>(view.scores[frame]));
+  PathReading reading = view.read_path(best.cell, begins);
+  weigh(track, std::move(reading.supports));
   track.recent.push_back({view.frame, frame});
   if (track.recent.size() > kRecentViews) track.recent.pop_front();
   track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt};
@@ -158,9 +155,9 @@ void follow_view(PathTrack& track, const FilterState& state, const QueryView& vi
     track.last.rate =
         static_cast<double>(passed) / static_cast<double>(view.frame - from.query_frame);
   }
-  const uint32_t elsewhere =
-      std::min(least_elsewhere(track, state, best.cell), state.nowhere_value);
-  judge(track, state.settings, elsewhere - std::min(elsewhere, best.value), excess);
+  const uint32_t elsewhere = least_elsewhere(track, state, best.cell);
+  const uint32_t ahead = elsewhere - std::min(elsewhere, best.value);
+  judge(track, state.settings, std::min(ahead, reading.margin), excess);
 }
 
 PathFrame path_at(const PathTrack& track, const FilterCells& cells, size_t query_frame) {

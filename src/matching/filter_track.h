@@ -8,6 +8,7 @@
 
 #include "matching/filter.h"
 #include "matching/row_kernels.h"
+#include "matching/second_look.h"
 
 namespace vpr {
 
@@ -16,9 +17,10 @@ using SharedPlaces = std::vector<std::vector<uint8_t>>;
 
 /// What a view of the query shows.
 struct QueryView {
-  std::span<const uint16_t> scores;  ///< to all training frames
-  size_t frame = 0;                  ///< its first one
-  double change = 0;                 ///< since the last view, in typical distances
+  size_t frame = 0;   ///< its first one
+  double change = 0;  ///< since the last view, in typical distances
+  /// What it and the views before it say of its best place; a path begins with it or not.
+  std::function<PathReading(size_t cell, bool begins)> read_path;
   /// How much the training walk changes between two places of a sequence, in the same; not set: as
   /// the query.
   std::function<double(size_t from, size_t to)> walked_change;
@@ -38,11 +40,11 @@ struct PathTrack {
   RowKernels kernels;
   SharedPlaces shared;
   bool is_established = false;
-  size_t views = 0;              ///< of the query; 0 before the first one
-  size_t start = 0;              ///< the cell where it began
-  int32_t support = 0;           ///< mean of -z at its places, in scores, weighted 1/2, 1/4, ...
-  std::deque<int32_t> supports;  ///< -z at the places of its last views, in scores
-  /// The sum of -z - kUnrelatedSupport at its places, in scores, never below 0; a view adds or
+  size_t views = 0;               ///< of the query; 0 before the first one
+  size_t start = 0;               ///< the cell where it began
+  std::vector<int32_t> supports;  ///< -z at the places of its last views, in scores (PathReading)
+  int32_t support = 0;            ///< their mean, weighted 1/2, 1/4, ... into the past
+  /// The sum of -z - kUnrelatedSupport at these places, in scores, never below 0; a view adds or
   /// takes kMostEvidence at most.
   int64_t evidence = 0;
   std::deque<uint32_t> margins;  ///< of the views before the last one, trusted or not
@@ -59,6 +61,9 @@ struct PathTrack {
 inline constexpr double kUnrelatedSupport = 1.25;
 inline constexpr double kMostEvidence = 3;
 
+/// How much of the margin and the support will do for a path of twice the length.
+inline constexpr double kLongShare = 0.8;
+
 /// What a share of the usual margin counts at most, and what a change by a typical distance more
 /// than the training walk's takes from the shares.
 inline constexpr double kMostMarginShare = 1.5;
@@ -67,8 +72,8 @@ inline constexpr double kChangeWeight = 1.5;
 /// Takes what the filter says of a view, which is behind the last one. The path goes on where
 /// the best place is at most near_views from the last one, in the same sequence, and is a new one
 /// elsewhere. The margin is the smallest value of a place farther than near_views from the best one
-/// in its sequence, of one in a sequence that shows another place, or of being nowhere, less the
-/// best value; and 0 unless the path is trusted (FilterSettings).
+/// in its sequence, or of one in a sequence that shows another place, less the best value; but at
+/// most that of the path's reading, and 0 unless the path is trusted (FilterSettings).
 void follow_view(PathTrack& track, const FilterState& state, const QueryView& view);
 
 /// Where the query is at a frame of the last view, if it goes on through the training view at its

@@ -23,6 +23,12 @@ struct DistanceUnit {
   double size = 1;        ///< 2/65535 of a cosine distance, 1/1024 of a deviation
 };
 
+/// What makes a score of a training frame's centred distance x: z = (x - mean) / deviation.
+struct ScoreScale {
+  double mean = 0;
+  double deviation = 1;
+};
+
 /// Frame distances, from 0 to `largest`, between any frame of a query and any stretch of training
 /// frames; smaller is closer. They come tile by tile, with one indirect call a tile. Descriptors
 /// must outlive them. Makers fill all members; what decorates distances replaces those that it
@@ -53,6 +59,11 @@ struct FrameDistances {
   /// stretches are then asked for once each. Query frames come in order. Not set where any tile can
   /// be asked for at any time.
   std::function<void(size_t query)> start_row;
+
+  /// Of scores that are learned: what made those of the last row, and what would make them if the
+  /// training data, which learning starts from, had counted for little. Not set for distances.
+  std::function<ScoreScale(size_t train_frame)> scale;
+  std::function<ScoreScale(size_t train_frame)> learned_scale;
 
   /// Of distances that come in order: that of unrelated training frames, before they were scored.
   double typical_distance = 0;

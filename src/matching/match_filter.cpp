@@ -46,13 +46,18 @@ double walked_change(const FilterCells& cells, const FrameDistances& distances, 
                         cells.frames[to] - first);
 }
 
-QueryView see_view(const FilteredQuery& query, const FrameDistances& distances, size_t number,
-                   double change) {
+QueryView query_view(FilteredQuery& query, const FrameDistances& distances, size_t number,
+                     double change) {
   const double typical = distances.typical_distance;
+  const auto read_path = [&query, &distances](size_t cell, bool begins) {
+    if (begins) query.look.views.clear();
+    see_view(query.look, query.filter.cells, query.scores, distances.scale, cell);
+    return read_again(query.look, query.filter.cells, distances.learned_scale);
+  };
   const auto walked = [&query, &distances, typical](size_t from, size_t to) {
     return in_typical(walked_change(query.filter.cells, distances, from, to), typical);
   };
-  return {query.scores, number, in_typical(change, typical), walked};
+  return {number, in_typical(change, typical), read_path, walked};
 }
 
 void write_views(FilteredQuery& query) {
@@ -86,6 +91,7 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   FilteredQuery query;
   query.filter = start_filter(distances, settings.filter,
                               settings.filter.view_change * distances.typical_distance);
+  query.look = start_second_look(query.filter);
   query.track.kernels = settings.kernels;
   query.track.shared = settings.shared_places;
   query.scores.resize(distances.train_frames + kStretchFrames);
@@ -106,7 +112,7 @@ PathReport take_frame(FilteredQuery& query, const FrameDistances& distances, siz
   if (!query.view || change >= query.filter.settings.view_change * distances.typical_distance) {
     query.view = frame;
     advance_filter(query.filter, query.scores);
-    follow_view(query.track, query.filter, see_view(query, distances, number, change));
+    follow_view(query.track, query.filter, query_view(query, distances, number, change));
     write_views(query);
   }
   const PathFrame path = path_at(query.track, query.filter.cells, number);

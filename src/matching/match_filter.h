@@ -13,6 +13,7 @@ namespace vpr {
 struct FilteredQuery {
   FilterState filter;
   PathTrack track;
+  SecondLook look;
   std::vector<uint16_t> scores;  ///< of the last frame to all training frames
   std::vector<uint32_t> row;     ///< of the last frame: values of all training frames
   std::optional<size_t> view;    ///< the last frame that was one; none behind a gap

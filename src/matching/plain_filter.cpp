@@ -42,25 +42,26 @@ double path_length(std::span<const PlainView> path) {
   return (static_cast<double>(path.size()) + std::max(passed, 0.0)) / 2;
 }
 
-// In scores, as the two below.
-double present_support(std::span<const PlainView> path) {
-  double support = 0;
-  for (const PlainView& view : path) support = std::floor((support + view.support) / 2);
-  return support;
+// In scores, as the one below.
+double present_support(const PlainView& view) {
+  double mean = 0;
+  for (const int32_t support : view.supports) mean = std::floor((mean + support) / 2);
+  return mean;
 }
 
-double mean_support(std::span<const PlainView> path) {
-  const std::span<const PlainView> last = path.last(std::min<size_t>(path.size(), 24));
+double mean_support(const PlainView& view) {
+  const std::span<const int32_t> all = view.supports;
+  const std::span<const int32_t> last = all.last(std::min<size_t>(all.size(), 24));
   double sum = 0;
-  for (const PlainView& view : last) sum += view.support;
+  for (const int32_t support : last) sum += support;
   return sum / static_cast<double>(last.size());
 }
 
 // In deviations.
-double path_evidence(std::span<const PlainView> path) {
+double path_evidence(const PlainView& view) {
   double evidence = 0;
-  for (const PlainView& view : path) {
-    const double added = static_cast<double>(view.support) / kScoreUnit - kUnrelatedSupport;
+  for (const int32_t support : view.supports) {
+    const double added = static_cast<double>(support) / kScoreUnit - kUnrelatedSupport;
     evidence = std::max(0.0, evidence + std::max(-kMostEvidence, std::min(kMostEvidence, added)));
   }
   return evidence;
@@ -77,23 +78,32 @@ double margin_share(std::span<const PlainView> path) {
 
 bool is_present(std::span<const PlainView> path, const FilterSettings& settings) {
   const PlainView& view = path.back();
-  if (mean_support(path) <= 0 || view.margin == 0) return false;
+  if (mean_support(view) <= 0 || view.margin == 0) return false;
   const double excess = path.size() > 1 ? std::max(view.excess, 0.0) : 0;
-  return present_support(path) / mean_support(path) +
+  return present_support(view) / mean_support(view) +
              std::min(margin_share(path), kMostMarginShare) - kChangeWeight * excess >=
          settings.present_support;
 }
 
+bool is_long(std::span<const PlainView> path, const FilterSettings& settings) {
+  return path_length(path) >= 2 * static_cast<double>(settings.establish_views);
+}
+
+bool has_margin(const PlainView& view, double least) {
+  return view.margin >= std::floor(least * kScoreUnit + 0.5);
+}
+
 bool establishes(std::span<const PlainView> path, const FilterSettings& settings) {
+  const PlainView& view = path.back();
   if (!is_present(path, settings)) return false;
-  const double margin = static_cast<double>(path.back().margin) / kScoreUnit;
-  if (path_evidence(path) >= settings.establish_evidence && margin >= settings.establish_margin)
+  const bool has_whole = has_margin(view, settings.establish_margin);
+  if (has_whole && path_evidence(view) >= settings.establish_evidence) return true;
+  const double support = mean_support(view) / kScoreUnit;
+  if (has_whole && support >= settings.support &&
+      path_length(path) >= static_cast<double>(settings.establish_views))
     return true;
-  const double length = path_length(path);
-  const auto views = static_cast<double>(settings.establish_views);
-  const bool is_long = (length >= views && margin >= settings.establish_margin) ||
-                       (length >= 2 * views && margin >= settings.establish_margin / 2);
-  return is_long && mean_support(path) >= settings.support * kScoreUnit;
+  return is_long(path, settings) && has_margin(view, 0.8 * settings.establish_margin) &&
+         support >= 0.8 * settings.support;
 }
 
 }  // namespace
@@ -143,6 +153,20 @@ double plain_nowhere_value(const PlainFilter& filter) {
   return -std::log(filter.nowhere) / filter.settings.sharpness;
 }
 
+double plain_path_margin(std::span<const std::vector<uint16_t>> scores, size_t best, size_t places,
+                         const FilterSettings& settings) {
+  const size_t cells = scores.front().size();
+  FilterCells around{{}, {{0, cells, 0, cells}}, places};
+  for (size_t c = 0; c < cells; ++c) around.frames.push_back(static_cast<uint32_t>(c));
+  PlainFilter filter = start_plain_filter(around, settings);
+  for (const std::vector<uint16_t>& view : scores) advance_plain_filter(filter, view);
+  double least = plain_value(filter, best);
+  for (size_t c = 0; c < cells; ++c)
+    if (std::max(c, best) - std::min(c, best) <= settings.near_views)
+      least = std::min(least, plain_value(filter, c));
+  return std::max(0.0, plain_nowhere_value(filter) - least);
+}
+
 std::vector<uint8_t> plain_belief(std::span<const PlainView> views,
                                   const FilterSettings& settings) {
   std::vector<uint8_t> believed;
@@ -152,11 +176,14 @@ std::vector<uint8_t> plain_belief(std::span<const PlainView> views,
     bool is_established = false;
     for (size_t v = begin; v <= k; ++v) {
       const auto path = views.subspan(begin, v - begin + 1);
-      if (path.size() == 1 || views[v].margin == 0 || present_support(path) < 0)
+      if (path.size() == 1 || views[v].margin == 0 || present_support(views[v]) < 0)
         is_established = false;
       if (establishes(path, settings)) is_established = true;
     }
-    believed.push_back(is_established && is_present(views.subspan(begin, k - begin + 1), settings));
+    const auto path = views.subspan(begin, k - begin + 1);
+    believed.push_back(
+        is_established && is_present(path, settings) &&
+        (is_long(path, settings) || has_margin(views[k], settings.establish_margin)));
   }
   return believed;
 }

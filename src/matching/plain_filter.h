@@ -32,9 +32,16 @@ struct PlainView {
   size_t cell = 0;  ///< of the best place
   size_t sequence = 0;
   uint32_t margin = 0;  ///< of the best place, trusted or not
-  int32_t support = 0;  ///< its -z
-  double excess = 0;    ///< change of the query less that of the training walk, since the last view
+  /// -z at the best places of its path's last views, its own the last, as known by now.
+  std::vector<int32_t> supports;
+  double excess = 0;  ///< change of the query less that of the training walk, since the last view
 };
+
+/// How much likelier a path is than being nowhere, in deviations, as read_again: `scores` are those
+/// of its views, each to the cells of one run around the path, 65535 where a cell is not near.
+/// `best`: the last best cell of these. `places`: of the whole map.
+double plain_path_margin(std::span<const std::vector<uint16_t>> scores, size_t best, size_t places,
+                         const FilterSettings& settings);
 
 /// Which views are believed, of those of a query from the first on. As follow_view, but every view
 /// looks back at all of its path: time O(views^3).

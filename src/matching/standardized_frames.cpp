@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
@@ -43,6 +44,7 @@ CommonPart common_part(const StandardizedState& state, size_t frame, size_t firs
 // The weights of what was known and of the new view, and the share of the new one in the sum.
 void plan_update(StandardizedState& state, size_t view) {
   state.weight = state.forgetting * state.weight + 1;
+  state.start_weight *= state.forgetting;
   state.update = {view, row_offset(state, view), static_cast<float>(1 / state.weight)};
 }
 
@@ -116,6 +118,28 @@ void learn_and_compare(StandardizedState& state, size_t first, size_t count, Dis
   if (kept != nullptr) std::copy_n(distances.data(), count, kept);
 }
 
+double deviation_of(const StandardizedState& state, double variance) {
+  return std::sqrt(std::clamp<double>(variance, state.least_variance, state.most_variance));
+}
+
+ScoreScale scale_of(const StandardizedState& state, size_t frame) {
+  return {state.mean[frame], deviation_of(state, state.variance[frame])};
+}
+
+// Of the sums of all that is known, the start's part is replaced by one of little weight.
+ScoreScale learned_scale(const StandardizedState& state, size_t frame) {
+  const double start = state.start_mean[frame];
+  const double start_square = state.start_variance + start * start;
+  const double mean = state.mean[frame];
+  const double added = state.light_weight - state.start_weight;
+  const double weight = state.weight + added;
+  if (weight <= 0) return scale_of(state, frame);
+  const double light_mean = (state.weight * mean + added * start) / weight;
+  const double light_square =
+      (state.weight * (state.variance[frame] + mean * mean) + added * start_square) / weight;
+  return {light_mean, deviation_of(state, light_square - light_mean * light_mean)};
+}
+
 void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t* out) {
   assert(first % kStretchFrames == 0);
   Distances distances;
@@ -155,6 +179,10 @@ std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
   state->most_variance = settings.divide ? std::numeric_limits<float>::max() : unknown * unknown;
   state->forgetting = basis.offline ? 1 : settings.forgetting;
   state->weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
+  state->start_mean = basis.mean;
+  state->start_variance = basis.variance;
+  state->start_weight = state->weight;
+  state->light_weight = settings.offline_start_weight;
   state->distances = std::move(distances);
   if (basis.offline && settings.learn) learn_query(*state, monitor);
   return state;
@@ -167,6 +195,8 @@ FrameDistances standardized(const std::shared_ptr<StandardizedState>& state) {
   scores.typical_distance = state->typical_distance;
   scores.row_total = nullptr;
   scores.of_query = nullptr;
+  scores.scale = [state](size_t frame) { return scale_of(*state, frame); };
+  scores.learned_scale = [state](size_t frame) { return learned_scale(*state, frame); };
   scores.start_row = [state](size_t query) { begin_frame(*state, query); };
   scores.tile = [state](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
                         size_t) {

@@ -17,7 +17,7 @@ namespace vpr {
 /// training frame each; with a longer lag they are computed again.
 inline constexpr size_t kMostKeptRows = 8;
 
-/// What is known of every training frame's centred distances: 8 bytes a frame, and the rows that
+/// What is known of every training frame's centred distances: 12 bytes a frame, and the rows that
 /// are kept.
 struct StandardizedState {
   FrameDistances distances;  ///< that are standardized
@@ -26,7 +26,11 @@ struct StandardizedState {
   double typical_distance = 0;
   std::vector<float> mean;
   std::vector<float> variance;
-  double weight = 0;  ///< of both, in views
+  double weight = 0;              ///< of both, in views
+  std::vector<float> start_mean;  ///< both before anything was learned
+  float start_variance = 0;
+  double start_weight = 0;  ///< what is left of it, in views
+  double light_weight = 0;  ///< of one that counts for little, and is not forgotten
   double forgetting = 1;
   ViewQueue views;
   std::vector<uint8_t> readable;  ///< per query frame
