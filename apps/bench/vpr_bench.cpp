@@ -10,6 +10,7 @@
 #include "bench/matching_bench.h"
 #include "bench/nordland_bench.h"
 #include "bench/realtime_bench.h"
+#include "bench/replay_work.h"
 #include "bench_compare.h"
 #include "common/command.h"
 #include "database/family.h"
@@ -198,29 +199,37 @@ BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
                          const RealtimeBenchSettings& settings) {
   const Sequence query = open_sequence(parse_sequence_argument(inputs.query));
   BenchResult result;
+  SequenceDatabase database;
   if (database_family(inputs.database) == DatabaseFamily::fabmap) {
-    const FabmapDatabase database = read_fabmap_database(inputs.database);
-    result = bench_realtime(query, fabmap_work(database, {}), settings, session.monitor);
+    const FabmapDatabase places = read_fabmap_database(inputs.database);
+    result = bench_realtime(query, fabmap_work(places, {}), settings, session.monitor);
   } else {
-    SequenceDatabase database = read_sequence_database(inputs.database);
+    database = read_sequence_database(inputs.database);
     if (settings.method == "filter") ensure_statistics(database, session.monitor);
     result = bench_realtime(query, sequence_work(database, settings, session.kernels), settings,
                             session.monitor);
   }
+  const bool is_ldb = database.descriptors.kind == &descriptor_kinds().front();
   if (inputs.find_largest)
-    find_largest_database(result, settings, session.kernels, session.options.seed, session.monitor);
+    find_largest_database(result, settings, session.kernels, session.options.seed,
+                          is_ldb ? DescriptorRows() : database.descriptors.rows(), session.monitor);
   return result;
 }
 
 void add_realtime(Program& program, Bench<RealtimeBenchSettings>& bench, RealtimeInputs& inputs) {
   const Command command = add_bench(
       program, bench, "realtime", "Replay a recording at its rate: latency and missed deadlines.",
-      "  vpr-bench realtime corridor.vprdb --query corridor/query --rate 10 --largest",
+      "  vpr-bench realtime corridor.vprdb --query corridor/query --rate 10 --largest\n"
+      "  vpr-bench realtime network.vprdb --query q.npy --rate 30",
       [&inputs](Session& session, const RealtimeBenchSettings& settings) {
         return run_realtime(session, inputs, settings);
       });
   command.add_option("DB", inputs.database, "database of either method").required();
-  command.add_option("--query", inputs.query, "folder or list of images").required();
+  command
+      .add_option("--query", inputs.query,
+                  "folder or list of images; of a database of vpr-train descriptors, n x d numbers "
+                  "or a folder with a .npy file a frame")
+      .required();
   add_setting(command, "--method", bench.settings.method,
               "of a database of sequences: fastable (default) or filter")
       .choices("METHOD", {"fastable", "filter"});
@@ -229,7 +238,8 @@ void add_realtime(Program& program, Bench<RealtimeBenchSettings>& bench, Realtim
   add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 40)");
   add_names(command, "--rates", bench.settings.rates, "of windows (default 1)").type_name("P/Q");
   command.add_flag("--largest", inputs.find_largest,
-                   "find the largest database that keeps the rate with --share of a core");
+                   "find the largest database that keeps the rate with --share of a core (of LDB "
+                   "codes, or else of this database's descriptors again and again)");
   add_setting(command, "--share", bench.settings.share_percent,
               "per cent of one core (default 10)");
 }

@@ -7,22 +7,13 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "base/statistics.h"
 #include "bench/generated.h"
 #include "bench/matching_timers.h"
-#include "images/decode.h"
-#include "matching/fastable_online.h"
-#include "matching/match_filter.h"
-#include "matching/rates.h"
-#include "matching/standardized_frames.h"
-#include "pipeline/fabmap_matcher.h"
-#include "pipeline/score_basis.h"
-#include "pipeline/train.h"
-#include "recognition/fabmap_posterior.h"
+#include "descriptors/array_rows.h"
 
 namespace vpr {
 namespace {
@@ -51,24 +42,38 @@ void check_settings(const RealtimeBenchSettings& settings) {
                                               kMaxWindowLength, settings.window_length));
 }
 
-void check_described(const SequenceDatabase& database) {
-  const std::string_view name = database.descriptors.kind->name;
-  if (name != "ldb")
-    throw Error(ErrorKind::usage,
-                fmt::format("a replay describes frames by ldb, but the database by {}", name));
-  if (database.descriptor.illumination_invariant)
-    throw Error(ErrorKind::usage,
-                "a replay decodes in grey; train the database without --illumination-invariant");
+// So many descriptors, from the first again where they end.
+std::vector<uint8_t> repeated(const DescriptorRows& rows, size_t count) {
+  std::vector<uint8_t> bytes;
+  bytes.reserve(count * rows.shape.row_bytes());
+  for (size_t i = 0; i < count; ++i) {
+    const DescriptorRow row = rows[i % rows.size()];
+    bytes.insert(bytes.end(), row.begin(), row.end());
+  }
+  return bytes;
 }
 
-/// Milliseconds of one online step against a generated database.
+/// Milliseconds of one online step against a database of so many frames.
 BenchRow time_database(uint64_t frames, const RealtimeBenchSettings& settings,
-                       const RowKernels& kernels, uint64_t seed, const Monitor& monitor) {
-  const std::vector<LdbCode> train = generate_walk(frames, seed);
-  const MatchingCase example(train,
-                             walk_again(train, 0, settings.window_length + 50, 100, seed + 1),
-                             {settings.window_length, kRingBytes, kernels, {}, seed});
-  check_methods(example, {"fastable-online"}, monitor);
+                       const RowKernels& kernels, uint64_t seed, const DescriptorRows& like,
+                       const Monitor& monitor) {
+  const size_t asked = settings.window_length + 50;
+  const MatchSettings match{settings.window_length, kRingBytes, kernels, {}, seed};
+  std::vector<LdbCode> codes;
+  std::vector<uint8_t> train_bytes;
+  std::vector<uint8_t> query_bytes;
+  std::unique_ptr<MatchingCase> example;
+  if (like.empty()) {
+    codes = generate_walk(frames, seed);
+    example =
+        std::make_unique<MatchingCase>(codes, walk_again(codes, 0, asked, 100, seed + 1), match);
+  } else {
+    train_bytes = repeated(like, frames);
+    query_bytes = repeated(like, asked);
+    example = std::make_unique<MatchingCase>(DescriptorRows(like.shape, train_bytes),
+                                             DescriptorRows(like.shape, query_bytes), match);
+  }
+  check_methods(*example, {"fastable-online"}, monitor);
   BenchRow row{"fastable-online",
                {{"frames", static_cast<double>(frames)},
                 {"c_l", static_cast<double>(settings.window_length)}},
@@ -76,155 +81,57 @@ BenchRow time_database(uint64_t frames, const RealtimeBenchSettings& settings,
                {},
                {},
                ""};
-  find_matching_timer("fastable-online").measure(example, {0.3}, monitor, row);
+  find_matching_timer("fastable-online").measure(*example, {0.3}, monitor, row);
   row.values.emplace_back("cpu_percent", row.time.median_ms * settings.rate_hz / 10);
   return row;
 }
 
-FrameWork fastable_work(const SequenceDatabase& database, const MatchSettings& settings) {
-  struct Online {
-    std::vector<LdbCode> codes;  // of the last c_l + 1 frames: what enters, and what leaves
-    FrameDistances distances;
-    FastableState state;
-    size_t best = 0;  // kept, so that the search for it is not left out
-  };
-  auto online = std::make_shared<Online>();
-  online->codes.resize(settings.window_length + 1);
-  online->distances = frame_distances(descriptor_spans(database), {online->codes, {}});
-  online->state = start_fastable(online->distances, settings);
-  return [online, kernels = settings.kernels,
-          window_length = settings.window_length](const cv::Mat& grey) {
-    const size_t frame = online->state.frames_seen % online->codes.size();
-    online->codes[frame] = describe_ldb(grey);
-    online->distances = online->distances.of_query({online->codes, {}});
-    const auto sums = advance_fastable(online->state, online->distances, kernels, frame);
-    if (online->state.frames_seen < window_length) return;
-    emit_row(online->distances, window_length, online->state.frames_seen - 1, 0, sums,
-             [&](const ScoreRow& row) {
-               const uint32_t least = kernels.minimum(row.scores.data(), row.scores.size());
-               online->best =
-                   kernels.find_below(row.scores.data(), 0, row.scores.size(), least + 1);
-             });
-  };
-}
-
-FrameWork rates_work(const SequenceDatabase& database, size_t frames,
-                     const MatchSettings& settings) {
-  struct Online {
-    std::vector<LdbCode> codes;
-    FrameDistances distances;
-    std::shared_ptr<RatesState> state;
-    size_t frame = 0;
-    size_t best = 0;  // kept, so that the search for it is not left out
-  };
-  auto online = std::make_shared<Online>();
-  online->codes.resize(frames);
-  online->distances = frame_distances(descriptor_spans(database), {online->codes, {}});
-  online->state = start_rates(online->distances, settings);
-  return [online, kernels = settings.kernels](const cv::Mat& grey) {
-    online->codes.at(online->frame) = describe_ldb(grey);
-    online->distances = online->distances.of_query({online->codes, {}});
-    advance_rates(*online->state, online->distances, kernels, online->frame,
-                  [&](const ScoreRow& row) {
-                    const size_t count = row.scores.size();
-                    const uint32_t least = kernels.minimum(row.scores.data(), count);
-                    online->best = kernels.find_below(row.scores.data(), 0, count, least + 1);
-                  });
-    ++online->frame;
-  };
-}
-
-FrameWork filter_work(const SequenceDatabase& database, size_t frames, const RowKernels& kernels) {
-  struct Online {
-    std::vector<LdbCode> codes;  // of all frames: views are compared with later ones
-    FrameDistances distances;
-    std::shared_ptr<StandardizedState> learned;
-    FrameDistances scores;
-    FilteredQuery query;
-    size_t frame = 0;
-    PathReport last;  // kept, so that nothing is left out
-  };
-  SequenceQuerySettings settings;
-  settings.score = Score::standardized;
-  const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
-  const std::optional<ScoreBasis> basis = score_basis(statistics, settings);
-  auto online = std::make_shared<Online>();
-  online->codes.resize(frames);
-  online->distances = frame_distances(descriptor_spans(database), {online->codes, {}});
-  online->learned = start_standardized(online->distances, *basis, {});
-  online->scores = standardized(online->learned);
-  online->query = start_filtered(online->scores, {1, kRingBytes, kernels});
-  return [online](const cv::Mat& grey) {
-    online->codes.at(online->frame) = describe_ldb(grey);
-    online->learned->distances = online->distances.of_query({online->codes, {}});
-    online->last = take_frame(online->query, online->scores, online->frame);
-    ++online->frame;
-  };
+// Frames of a replay, each a sequence of its own; of one array, rows.
+std::vector<Sequence> single_frames(const Sequence& query, size_t most) {
+  if (query.kind == SequenceKind::video)
+    throw Error(ErrorKind::usage, fmt::format("{}: give a folder or list of images, not a video",
+                                              query.argument.path.string()));
+  const size_t count = query.is_one_array() ? ArrayRows(query).count() : query.files.size();
+  std::vector<Sequence> frames;
+  for (size_t f = 0; f < std::min(count, most); ++f) {
+    if (query.is_one_array()) {
+      frames.push_back(query);
+      const FrameRange& range = query.argument.range;
+      const uint64_t row = range.first + f * range.step;
+      frames.back().argument.range = {row, row + 1};
+    } else {
+      frames.push_back({{query.files[f], {}}, query.kind, {query.files[f]}});
+    }
+  }
+  return frames;
 }
 
 }  // namespace
 
-FrameWork sequence_work(const SequenceDatabase& database, const RealtimeBenchSettings& settings,
-                        const RowKernels& kernels) {
-  check_described(database);
-  MatchSettings match{settings.window_length, kRingBytes, kernels};
-  match.rates = parse_rates(settings.rates);
-  const bool has_rates = !match.rates.empty();
-  if (settings.method != "filter")
-    return has_rates ? rates_work(database, settings.frames, match)
-                     : fastable_work(database, match);
-  if (has_rates)
-    throw Error(ErrorKind::usage, "the filter has rates of its own: leave out --rates");
-  return filter_work(database, settings.frames, kernels);
-}
-
-FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings) {
-  struct Online {
-    const FabmapQuerySettings settings;
-    const Vocabulary vocabulary;
-    const FabmapMatcher matcher;
-    std::vector<double> previous = {};
-
-    Online(const FabmapDatabase& db, const FabmapQuerySettings& s)
-        : settings(s), vocabulary(make_vocabulary(db.vocabulary)), matcher(db, settings, 1) {}
-  };
-  const auto online = std::make_shared<Online>(database, settings);
-  return [online, &database](const cv::Mat& grey) {
-    const WordSet words =
-        quantise(online->vocabulary, find_features(grey, database.settings.features).descriptors);
-    online->previous = fabmap_posterior(online->matcher.views(words, database.views.views()),
-                                        online->matcher.new_place(words), online->previous,
-                                        online->settings.posterior);
-  };
-}
-
 BenchResult bench_realtime(const Sequence& query, const FrameWork& work,
                            const RealtimeBenchSettings& settings, const Monitor& monitor) {
   check_settings(settings);
-  if (query.files.empty())
-    throw Error(ErrorKind::usage, fmt::format("{}: give a folder or list of images, not a video",
-                                              query.argument.path.string()));
+  const std::vector<Sequence> all = single_frames(query, settings.frames);
   BenchResult result;
   result.bench = "realtime";
   result.settings = value_to_json(settings);
-  const size_t frames = std::min<size_t>(settings.frames, query.files.size());
   const double period_ms = 1000 / settings.rate_hz;
   std::vector<double> latencies_ms;
-  StepCounter counter(monitor, "replay", frames);
+  StepCounter counter(monitor, "replay", all.size());
   const double cpu_before = process_cpu_s();
   const auto start = Clock::now();
-  for (size_t f = 0; f < frames; ++f) {
+  for (size_t f = 0; f < all.size(); ++f) {
     check_stop(monitor);
     const auto due =
         start + std::chrono::duration_cast<Clock::duration>(
                     std::chrono::duration<double, std::milli>(static_cast<double>(f) * period_ms));
     std::this_thread::sleep_until(due);
-    work(decode_image(query.files[f], PixelFormat::grey));
+    work(all[f]);
     latencies_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
     counter.add();
   }
   const double wall_s = std::max(std::chrono::duration<double>(Clock::now() - start).count(),
-                                 static_cast<double>(frames) * period_ms / 1000);
+                                 static_cast<double>(all.size()) * period_ms / 1000);
   const double cpu_s = process_cpu_s() - cpu_before;
   BenchRow row{"replay", {{"rate_hz", settings.rate_hz}}, "frame", summarise(latencies_ms), {}, ""};
   for (const int percent : {50, 95, 99, 100})
@@ -240,13 +147,14 @@ BenchResult bench_realtime(const Sequence& query, const FrameWork& work,
 }
 
 void find_largest_database(BenchResult& result, const RealtimeBenchSettings& settings,
-                           const RowKernels& kernels, uint64_t seed, const Monitor& monitor) {
+                           const RowKernels& kernels, uint64_t seed, const DescriptorRows& like,
+                           const Monitor& monitor) {
   check_settings(settings);
   const double budget_ms = settings.share_percent / 100 * 1000 / settings.rate_hz;
   uint64_t fits = 0;
   uint64_t too_large = 0;
   const auto fits_budget = [&](uint64_t frames) {
-    const BenchRow row = time_database(frames, settings, kernels, seed, monitor);
+    const BenchRow row = time_database(frames, settings, kernels, seed, like, monitor);
     result.rows.push_back(row);
     return row.time.median_ms <= budget_ms;
   };

@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "bench/bench_result.h"
-#include "database/fabmap_database.h"
-#include "database/sequence_database.h"
+#include "descriptors/descriptor_rows.h"
 #include "images/sequence.h"
 #include "matching/rows.h"
-#include "recognition/query_settings.h"
 
 namespace vpr {
 
@@ -36,30 +34,22 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
   visit("most_frames", settings.most_frames);
 }
 
-/// What is done with a decoded grey frame.
-using FrameWork = std::function<void(const cv::Mat&)>;
-
-/// LDB, and what settings.method does with a frame: one step of FastABLE over all sequences, of
-/// windows of settings.rates if there are any, and the best match of each; or standardized scores
-/// and one step of the filter over places and rates. The database must outlive it. Throws
-/// Error(usage) for illumination-invariant codes, which need colour, for rates that there are not,
-/// and for the filter if there are rates, or the database has no statistics.
-FrameWork sequence_work(const SequenceDatabase& database, const RealtimeBenchSettings& settings,
-                        const RowKernels& kernels);
-
-/// Features, words, likelihoods and the posterior. The database must outlive it.
-FrameWork fabmap_work(const FabmapDatabase& database, const FabmapQuerySettings& settings);
+/// What is done with a frame, a sequence of it alone.
+using FrameWork = std::function<void(const Sequence& frame)>;
 
 /// Each frame is due at its time and starts no earlier; its latency counts from then to the end of
 /// the work, decoding included, so that a late frame delays the next ones. Sleeps in between: this
 /// takes as long as the recording. The row has latency percentiles (50, 95, 99, 100), missed
-/// deadlines (latency above one period) and the share of a core. Throws Error(usage) for a video.
+/// deadlines (latency above one period) and the share of a core. Throws Error(usage) for a video,
+/// and what the work throws.
 BenchResult bench_realtime(const Sequence& query, const FrameWork& work,
                            const RealtimeBenchSettings& settings, const Monitor& monitor);
 
-/// The largest database of generated codes whose online matching takes at most the given share of
-/// one core at this rate; adds a row for each size tried.
+/// The largest database whose online matching takes at most the given share of one core at this
+/// rate, of generated LDB codes, or, unless `like` is empty, of these descriptors again and again;
+/// adds a row for each size tried.
 void find_largest_database(BenchResult& result, const RealtimeBenchSettings& settings,
-                           const RowKernels& kernels, uint64_t seed, const Monitor& monitor);
+                           const RowKernels& kernels, uint64_t seed, const DescriptorRows& like,
+                           const Monitor& monitor);
 
 }  // namespace vpr

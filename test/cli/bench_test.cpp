@@ -108,4 +108,47 @@ TEST_CASE("a recording is replayed at its rate") {
   }
   test::check_failure(replayed({"--method", "filter", "--rates", "1/2"}), 2, "--rates");
   test::check_failure(replayed({"--rates", "1/0"}), 2, "1/0");
+  test::write_array(out / "q.npy", std::vector<float>(12, 1), {3, 4});
+  test::check_failure(run_program("vpr-bench", {"realtime", out / "w.vprdb", "--query",
+                                                out / "q.npy", "--c-l", "2"}),
+                      4, "described by ldb");
+}
+
+TEST_CASE("a replay takes descriptors of any kind") {
+  const test::TemporaryFolder out;
+  fs::create_directory(out / "walk");
+  for (int i = 0; i < 8; ++i)
+    test::write_image(out / "walk" / (std::to_string(i) + ".png"), static_cast<uint64_t>(i));
+  std::vector<float> rows;
+  for (int i = 0; i < 8 * 6; ++i) rows.push_back(static_cast<float>(i * i % 11 - 5));
+  test::write_array(out / "q.npy", rows, {8, 6});
+  const auto trained = [&](const std::string& name, std::vector<std::string> words) {
+    words.insert(words.end(), {"--c-l", "3", "-o", out / (name + ".vprdb"), "--quiet"});
+    REQUIRE(run_program("vpr-train", words).exit_code == 0);
+  };
+  const auto replayed = [&](const std::string& name, const std::string& query,
+                            const std::vector<std::string>& more) {
+    std::vector<std::string> words = {
+        "realtime", out / (name + ".vprdb"), "--query", query, "--rate", "100", "--c-l", "3",
+        "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto outcome = run_program("vpr-bench", words);
+    INFO(name << ": " << outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    return Json::parse(outcome.out)["rows"];
+  };
+  for (const std::string name : {"thumbnail", "hog", "brief", "orb"})
+    trained(name, {"fastable", "--train", out / "walk", "--descriptor", name});
+  trained("colour", {"fastable", "--train", out / "walk", "--illumination-invariant"});
+  trained("vectors", {"descriptors", "--npy", out / "q.npy"});
+  for (const std::string name : {"thumbnail", "hog", "brief", "orb", "colour", "vectors"}) {
+    const std::string query = name == "vectors" ? out / "q.npy" : out / "walk";
+    for (const auto& more : std::vector<std::vector<std::string>>{
+             {"--method", "fastable"}, {"--method", "filter"}, {"--rates", "1/2,1,2"}})
+      CHECK(replayed(name, query, more)[0]["repetitions"] == 8);
+  }
+  const Json rows_of_range =
+      replayed("vectors", (out / "q.npy").string() + "@1:8:2", {"--largest", "--share", "0.01"});
+  CHECK(rows_of_range[0]["repetitions"] == 4);
+  CHECK(rows_of_range.back()["work"] == "largest database");
 }
