@@ -16,6 +16,7 @@ namespace {
 
 // Metres, as the deep visual geo-localization benchmark counts, whose names these are.
 constexpr double kUsualRadius = 25;
+constexpr double kMostZones = 60;
 
 // Places of the fields between the @ signs; what stands before the first is field 0.
 enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kHeading = 9 };
@@ -24,6 +25,12 @@ struct UtmSide {
   Poses poses;
   std::string zone;
 };
+
+// Whoever names images so need not put a zone there.
+bool is_zone(std::string_view field) {
+  const auto number = parse_real(field);
+  return number && field.size() <= 2 && *number >= 1 && *number <= kMostZones;
+}
 
 UtmSide read_side(GroundTruthBuilder& builder, const std::filesystem::path& path) {
   builder.at_file(path);
@@ -59,7 +66,7 @@ std::optional<UtmName> parse_utm_name(std::string_view file_name) {
   if (!east || !north) return std::nullopt;
   UtmName name;
   name.pose.position = {*east, *north, 0};
-  if (fields.size() > kZone) name.zone = fields[kZone];
+  if (fields.size() > kZone && is_zone(fields[kZone])) name.zone = fields[kZone];
   if (fields.size() > kHeading) name.pose.heading_deg = parse_real(fields[kHeading]);
   return name;
 }

@@ -12,7 +12,8 @@ namespace vpr {
 
 /// A name as the field's data sets have it: @east@north@zone@letter@latitude@longitude@pano@tile@
 /// heading@..., of which east and north (UTM, metres) are needed and the rest may be empty or
-/// absent. Nothing if it isn't one. `zone`: the UTM zone, empty if it isn't said.
+/// absent. Nothing if it isn't one. `zone`: the UTM zone, 1 to 60; empty if it isn't said, or if
+/// something else stands there.
 struct UtmName {
   Pose pose;
   std::string zone;

@@ -200,6 +200,8 @@ TEST_CASE("names of images carry UTM coordinates") {
   CHECK(name->pose.position == std::array<double, 3>{543256.96, 4178906.70, 0});
   CHECK(name->zone == "10");
   CHECK(name->pose.heading_deg == 90);
+  CHECK(parse_utm_name("@1@2@frame12@.jpg")->zone.empty());  // the rest is anybody's
+  CHECK(parse_utm_name("@1@2@61@.jpg")->zone.empty());
   CHECK(parse_utm_name("@1.5@2.5.jpg")->pose.position[1] == 2.5);
   CHECK(parse_utm_name("@0@2.4@@@@@1@@@@@@@@.jpg").has_value());
   CHECK_FALSE(parse_utm_name("@1@x@.jpg").has_value());
