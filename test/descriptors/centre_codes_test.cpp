@@ -1,13 +1,17 @@
 #include "descriptors/centre_codes.h"
 
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/random.h"
+#include "images/frames.h"
+#include "support.h"
 
 using namespace vpr;
 
@@ -32,17 +36,94 @@ int distance(const CentreCode& a, const CentreCode& b) {
 
 int set_bits(const CentreCode& code) { return distance(code, CentreCode{}); }
 
-// BRIEF in double precision: the sum over the Gaussian's 81 weights, pixel by pixel.
-double smooth_at(const cv::Mat& square, int x, int y) {
+// In double precision: the sum over the weights of a Gaussian of sigma 2, pixel by pixel.
+double smooth_at(const cv::Mat& square, int column, int row, int radius) {
   double sum = 0;
   double weights = 0;
-  for (int down = -4; down <= 4; ++down)
-    for (int right = -4; right <= 4; ++right) {
+  for (int down = -radius; down <= radius; ++down)
+    for (int right = -radius; right <= radius; ++right) {
       const double weight = std::exp(-(down * down + right * right) / 8.0);
-      sum += weight * square.at<uint8_t>(32 + y + down, 32 + x + right);
+      sum += weight * square.at<uint8_t>(row + down, column + right);
       weights += weight;
     }
   return sum / weights;
+}
+
+constexpr double kRounding = 1.1;  // of two pixels in whole grey levels
+
+constexpr int kOrbPatch = 31;
+
+/// The patch of ORB, blurred: its pixels, row after row.
+std::vector<double> orb_patch(const cv::Mat& grey) {
+  cv::Mat square;
+  cv::resize(grey, square, {128, 128}, 0, 0, cv::INTER_LINEAR_EXACT);
+  constexpr int kFirst = 65 - kOrbPatch / 2;
+  std::vector<double> patch;
+  for (int row = 0; row < kOrbPatch; ++row)
+    for (int column = 0; column < kOrbPatch; ++column)
+      patch.push_back(smooth_at(square, kFirst + column, kFirst + row, 3));
+  return patch;
+}
+
+/// Where a bit looks in the patch: it is set where the first pixel is darker.
+using PixelPair = std::pair<uint16_t, uint16_t>;
+
+bool has_bit(const CentreCode& code, size_t bit) { return (code[bit / 8] >> bit % 8 & 1) != 0; }
+
+// Whether a bit is that of the comparison; where rounding decides, it may be either.
+bool explains(const std::vector<double>& patch, const PixelPair& pair, bool bit) {
+  const double more = patch[pair.second] - patch[pair.first];
+  return std::abs(more) < kRounding || (more > 0) == bit;
+}
+
+/// Bits of a frame that the pairs do not explain.
+size_t unexplained(const cv::Mat& grey, const std::vector<PixelPair>& pairs) {
+  const std::vector<double> patch = orb_patch(grey);
+  const CentreCode code = describe_orb(grey);
+  size_t count = 0;
+  for (size_t bit = 0; bit < pairs.size(); ++bit)
+    count += explains(patch, pairs[bit], has_bit(code, bit)) ? 0 : 1;
+  return count;
+}
+
+std::vector<cv::Mat> noise_frames(size_t count, uint64_t seed) {
+  RandomEngine engine(seed);
+  std::vector<cv::Mat> frames;
+  for (size_t i = 0; i < count; ++i) {
+    frames.emplace_back(128, 128, CV_8U);
+    for (auto level = frames.back().begin<uint8_t>(); level != frames.back().end<uint8_t>();
+         ++level)
+      *level = static_cast<uint8_t>(uniform_below(engine, 256));
+  }
+  return frames;
+}
+
+// Of all pairs of pixels those that explain a bit of every frame; fewer than bits if there is none,
+// or more than one.
+std::vector<PixelPair> pairs_of_orb(const std::vector<cv::Mat>& frames) {
+  std::vector<std::vector<double>> patches;
+  std::vector<CentreCode> codes;
+  for (const cv::Mat& frame : frames) {
+    patches.push_back(orb_patch(frame));
+    codes.push_back(describe_orb(frame));
+  }
+  constexpr uint16_t kPixels = kOrbPatch * kOrbPatch;
+  std::vector<PixelPair> found;
+  for (size_t bit = 0; bit < kCentreBits; ++bit) {
+    size_t explaining = 0;
+    PixelPair last;
+    for (uint16_t a = 0; a < kPixels; ++a)
+      for (uint16_t b = 0; b < kPixels; ++b) {
+        if (a == b) continue;
+        size_t f = 0;
+        while (f < patches.size() && explains(patches[f], {a, b}, has_bit(codes[f], bit))) ++f;
+        if (f < patches.size()) continue;
+        ++explaining;
+        last = {a, b};
+      }
+    if (explaining == 1) found.push_back(last);
+  }
+  return found;
 }
 
 }  // namespace
@@ -68,9 +149,9 @@ TEST_CASE("a code of the centre is that of plain comparisons") {
     int close = 0;
     for (size_t bit = 0; bit < kCentreBits; ++bit) {
       const BriefPair& pair = brief_pairs()[bit];
-      const double more = smooth_at(square, pair.second_x, pair.second_y) -
-                          smooth_at(square, pair.first_x, pair.first_y);
-      if (std::abs(more) < 1.1) {  // rounded to whole grey levels, either may be
+      const double more = smooth_at(square, 32 + pair.second_x, 32 + pair.second_y, 4) -
+                          smooth_at(square, 32 + pair.first_x, 32 + pair.first_y, 4);
+      if (std::abs(more) < kRounding) {
         ++close;
         continue;
       }
@@ -94,6 +175,24 @@ TEST_CASE("codes of the centre see order, not light") {
     // Of the negative, every bit of two different pixels is the other one.
     CHECK(distance(code, describe(255 - scene)) > 231);
     CHECK(distance(code, describe(picture(320, 240, 4))) > 60);
+  }
+}
+
+TEST_CASE("every bit of ORB compares two pixels, the same in every frame") {
+  // OpenCV states its 256 pairs nowhere but in its source: they are found here, by exclusion, from
+  // frames of noise, and then have to tell every bit of frames that were not looked at.
+  const std::vector<PixelPair> pairs = pairs_of_orb(noise_frames(400, 1));
+  REQUIRE(pairs.size() == kCentreBits);
+  for (const cv::Mat& unseen : noise_frames(50, 2)) CHECK(unexplained(unseen, pairs) == 0);
+  for (uint64_t seed = 1; seed <= 50; ++seed)
+    CHECK(unexplained(picture(200, 150, seed), pairs) == 0);
+  for (const char* folder : {"data/corridor/query", "data/nordland/winter"}) {
+    const auto real = test::real_data(folder);
+    if (!real) return;
+    std::atomic<size_t> unlike = 0;
+    for_each_frame(open_sequence({*real, FrameRange{0, 20}}), PixelFormat::grey, Unreadable::fail,
+                   {}, [&](size_t, const cv::Mat& grey) { unlike += unexplained(grey, pairs); });
+    CHECK(unlike == 0);
   }
 }
 
