@@ -3,6 +3,7 @@
 // The settings above come first.
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "matching/cosine_kernels.h"
 
@@ -33,8 +34,8 @@ int32_t Product(const int16_t* a, const T* b, size_t length) {
 }
 
 template <class T>
-void RowProducts(const int16_t* query, const T* rows, size_t length, int32_t* out) {
-  for (size_t r = 0; r < kRows; ++r) out[r] = Product(query, rows + r * length, length);
+void RowProducts(const ProductQuery& query, const T* rows, size_t length, int32_t* out) {
+  for (size_t r = 0; r < kRows; ++r) out[r] = Product(query.numbers, rows + r * length, length);
 }
 
 template <class T>
@@ -96,13 +97,13 @@ HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* HWY_RESTRIC
 
 // One query against four rows, which are read once.
 template <class T>
-HWY_INLINE void RowProducts(const int16_t* HWY_RESTRICT query, const T* HWY_RESTRICT rows,
-                            size_t length, int32_t* HWY_RESTRICT out) {
+HWY_INLINE void RowProducts(const ProductQuery& query, const T* HWY_RESTRICT rows, size_t length,
+                            int32_t* HWY_RESTRICT out) {
   const SumTag d;
   Sums even[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   Sums odd[4] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (size_t i = 0; i < length; i += hn::Lanes(NumberTag())) {
-    const Numbers from_query = Load(query + i);
+    const Numbers from_query = Load(query.numbers + i);
     HWY_UNROLL(4)
     for (size_t r = 0; r < 4; ++r)
       even[r] = hn::ReorderWidenMulAccumulate(d, Load(rows + r * length + i), from_query, even[r],
@@ -155,6 +156,10 @@ HWY_INLINE void BlockProducts(const ProductQuery* HWY_RESTRICT queries, const T*
 
 #endif
 
+#if HWY_TARGET == HWY_AVX3_DL
+#include "matching/byte_products-inl.h"
+#endif
+
 // Each of the few operations is rounded as IEEE says: the same on every machine. A vector of zeros
 // is at right angles to all.
 void CosineDistances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT norms,
@@ -193,9 +198,9 @@ void PointDistances(const int32_t* HWY_RESTRICT products, const double* HWY_REST
 using Finish = void (*)(const int32_t* products, const double* sizes, double query_size,
                         size_t count, uint16_t* out);
 
-template <class T, Finish finish>
-void Tile(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uint16_t* out,
-          size_t stride) {
+template <class T, Finish finish, class Query>
+void TileOf(std::span<const Query> queries, const ProductRows<T>& rows, uint16_t* out,
+            size_t stride) {
   std::array<int32_t, kTogether * kPart> products;
   for (size_t part = 0; part < rows.count; part += kPart) {
     const T* numbers = rows.numbers + part * rows.length;
@@ -209,7 +214,7 @@ void Tile(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uin
       else
         for (size_t q = 0; q < together; ++q)
           for (size_t i = 0; i < count; i += kRows)
-            RowProducts(queries[t + q].numbers, numbers + i * rows.length, rows.length,
+            RowProducts(queries[t + q], numbers + i * rows.length, rows.length,
                         products.data() + q * kPart + i);
       for (size_t q = 0; q < together; ++q)
         finish(products.data() + q * kPart, rows.sizes + part, queries[t + q].size, count,
@@ -218,9 +223,41 @@ void Tile(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uin
   }
 }
 
+template <class T, Finish finish>
+void Tile(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uint16_t* out,
+          size_t stride) {
+  TileOf<T, finish>(queries, rows, out, stride);
+}
+
+#if HWY_TARGET == HWY_AVX3_DL
+
+void ByteTile(std::span<const ProductQuery> queries, const ProductRows<int8_t>& rows, uint16_t* out,
+              size_t stride) {
+  std::vector<int8_t> numbers(queries.size() * rows.length);
+  std::vector<ByteQuery> narrow;
+  for (const ProductQuery& query : queries) {
+    int8_t* to = numbers.data() + narrow.size() * rows.length;
+    int64_t sum = 0;
+    for (size_t i = 0; i < rows.length; ++i) {
+      to[i] = static_cast<int8_t>(query.numbers[i]);
+      sum += to[i];
+    }
+    narrow.push_back({to, static_cast<uint32_t>(128 * sum), query.size});
+  }
+  TileOf<int8_t, CosineDistances>(std::span<const ByteQuery>(narrow), rows, out, stride);
+}
+
+#endif
+
 }  // namespace
 
+#if HWY_TARGET == HWY_AVX3_DL
+ProductKernels<int8_t> Cosines() {
+  return {__builtin_cpu_supports("avx512vnni") ? ByteTile : Tile<int8_t, CosineDistances>};
+}
+#else
 ProductKernels<int8_t> Cosines() { return {Tile<int8_t, CosineDistances>}; }
+#endif
 ProductKernels<int16_t> WideCosines() { return {Tile<int16_t, CosineDistances>}; }
 ProductKernels<int16_t> Points() { return {Tile<int16_t, PointDistances>}; }
 

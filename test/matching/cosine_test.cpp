@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 #include <tuple>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -148,6 +149,28 @@ TEST_CASE("cosine distances of 16-bit numbers are those of the oracle, on every 
           REQUIRE(tile[t * 100 + i - 8] == plain_wide_cosine(row, query.span().rows[order[t]]));
           REQUIRE(wide_cosine_distance(row, query.span().rows[order[t]]) == tile[t * 100 + i - 8]);
         }
+    }
+  }
+}
+
+TEST_CASE("the longest vectors of the largest 8-bit numbers have exact products") {
+  for (const auto& [a, b] : {std::pair(-128, -127), std::pair(127, -128), std::pair(-128, 127)}) {
+    const auto made = [](int number) {
+      return make_vectors(
+          {std::vector<int>(kMostNumbers, number), std::vector<int>(kMostNumbers, number / 2)});
+    };
+    const Vectors train = made(a);
+    const Vectors query = made(b);
+    const DescriptorSpan span = train.span();
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << a << " and " << b);
+      const FrameDistances distances = frame_distances({&span, 1}, query.span());
+      const std::vector<uint32_t> order = {0, 1, 0, 1, 1};
+      std::vector<uint16_t> tile(order.size() * 8);
+      distances.tile(order, 0, 2, tile.data(), 8);
+      for (const uint16_t distance : {tile[0], tile[1], tile[8], tile[33]})
+        CHECK(distance == ((a < 0) == (b < 0) ? 0 : 65535));
     }
   }
 }

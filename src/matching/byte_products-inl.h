@@ -1,0 +1,65 @@
+// Scalar products of bytes by AVX-512's VNNI: a part of cosine_kernels.cpp, inside its namespaces
+// and of its target AVX3_DL only. Included where it is used, so it has no guard.
+
+using Bytes = hn::Vec<hn::CappedTag<int8_t, 64>>;
+
+/// A query vector in bytes, for rows of bytes.
+struct ByteQuery {
+  const int8_t* numbers = nullptr;
+  uint32_t surplus = 0;  ///< what 128 in every number of a row adds to the product
+  double size = 0;
+};
+
+HWY_INLINE Bytes LoadBytes(const int8_t* from, size_t left) {
+  const hn::CappedTag<int8_t, 64> d;
+  return left >= hn::Lanes(d) ? hn::LoadU(d, from) : hn::MaskedLoad(hn::FirstN(d, left), d, from);
+}
+
+// To each sum, four products of numbers without and with a sign: AVX-512's instruction, which this
+// target may use but Highway has no name for. Sums wrap.
+HWY_INLINE void AddProducts(Sums& sums, Bytes without_sign, Bytes with_sign) {
+  asm("vpdpbusd %2, %1, %0" : "+v"(sums.raw) : "v"(without_sign.raw), "v"(with_sign.raw));
+}
+
+// Rows are raised by 128 to have no sign; what that adds is taken away again, modulo 2^32.
+template <size_t kQueries>
+HWY_INLINE void ByteProducts(const ByteQuery* HWY_RESTRICT queries, const int8_t* HWY_RESTRICT rows,
+                             size_t length, int32_t* HWY_RESTRICT out) {
+  const hn::CappedTag<int8_t, 64> bytes;
+  const Bytes raised = hn::Set(bytes, static_cast<int8_t>(-128));
+  Sums sums[kQueries][4];
+  HWY_UNROLL(4)
+  for (size_t q = 0; q < kQueries; ++q) {
+    HWY_UNROLL(4)
+    for (size_t r = 0; r < 4; ++r) sums[q][r] = hn::Zero(SumTag());
+  }
+  for (size_t i = 0; i < length; i += hn::Lanes(bytes)) {
+    Bytes row[4];
+    HWY_UNROLL(4)
+    for (size_t r = 0; r < 4; ++r)
+      row[r] = hn::Xor(LoadBytes(rows + r * length + i, length - i), raised);
+    HWY_UNROLL(4)
+    for (size_t q = 0; q < kQueries; ++q) {
+      const Bytes from_query = LoadBytes(queries[q].numbers + i, length - i);
+      HWY_UNROLL(4)
+      for (size_t r = 0; r < 4; ++r) AddProducts(sums[q][r], row[r], from_query);
+    }
+  }
+  for (size_t q = 0; q < kQueries; ++q) {
+    StoreTotals(sums[q][0], sums[q][1], sums[q][2], sums[q][3], out + q * kPart);
+    for (size_t r = 0; r < 4; ++r)
+      out[q * kPart + r] =
+          static_cast<int32_t>(static_cast<uint32_t>(out[q * kPart + r]) - queries[q].surplus);
+  }
+}
+
+HWY_INLINE void RowProducts(const ByteQuery& query, const int8_t* HWY_RESTRICT rows, size_t length,
+                            int32_t* HWY_RESTRICT out) {
+  ByteProducts<1>(&query, rows, length, out);
+}
+
+HWY_INLINE void BlockProducts(const ByteQuery* HWY_RESTRICT queries,
+                              const int8_t* HWY_RESTRICT rows, size_t length,
+                              int32_t* HWY_RESTRICT out) {
+  ByteProducts<kTogether>(queries, rows, length, out);
+}
