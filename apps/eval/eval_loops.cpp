@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval_inputs.h"
-#include "ground_truth/numbers.h"
 #include "ground_truth/times.h"
 #include "report/loops_charts.h"
 #include "report/loops_page.h"
@@ -17,19 +16,6 @@ namespace vpr {
 namespace {
 
 constexpr double kMostGap = 1e9;
-
-LoopGap parse_gap(const std::string& text) {
-  const bool is_time = text.ends_with('s');
-  const auto value = parse_real(is_time ? text.substr(0, text.size() - 1) : text);
-  const bool is_whole = value && *value == std::floor(*value);
-  if (!value || !(*value > 0 && *value <= kMostGap) || (!is_time && !is_whole))
-    throw Error(ErrorKind::usage,
-                fmt::format("--gap says how long ago a place must have been left, in seconds or in "
-                            "frames, as in --gap 30s or --gap 300; found \"{}\"",
-                            text));
-  if (!is_time) return {{}, static_cast<size_t>(*value)};
-  return {std::llround(*value * double{kSecond}), 0};
-}
 
 LoopRules rules_of(const EvalInputs& inputs) {
   if (inputs.scores.poses.empty())
@@ -44,7 +30,7 @@ LoopRules rules_of(const EvalInputs& inputs) {
     throw Error(ErrorKind::usage,
                 "--loops needs --gap, how long ago a place must have been left before it can be "
                 "closed as a loop: in seconds (--gap 30s) or in frames (--gap 300)");
-  return {*inputs.flags.options.radius_m, parse_gap(inputs.loops.gap),
+  return {*inputs.flags.options.radius_m, parse_loop_gap(inputs.loops.gap, "--gap"),
           inputs.scores.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
 }
 

@@ -126,12 +126,6 @@ std::optional<Revisit> LoopJudgement::longest_missed() const {
   return longest;
 }
 
-bool is_past(const Trajectory& trajectory, const LoopGap& gap, size_t query, size_t match) {
-  if (match >= query) return false;
-  if (!gap.nanoseconds) return query - match >= gap.frames;
-  return trajectory.times_ns[query] - trajectory.times_ns[match] >= *gap.nanoseconds;
-}
-
 double distance_between(const Trajectory& trajectory, size_t a, size_t b) {
   double square = 0;
   for (size_t k = 0; k < 3; ++k) {
@@ -148,7 +142,7 @@ std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules
   size_t past = 0;
   std::vector<bool> has_loop(trajectory.poses.size());
   for (size_t query = 0; query < has_loop.size(); ++query) {
-    for (; past < query && is_past(trajectory, rules.gap, query, past); ++past)
+    for (; past < query && is_past(rules.gap, trajectory.times_ns, query, past); ++past)
       if (trajectory.poses[past]) cubes[cube_of(*trajectory.poses[past], side)].push_back(past);
     has_loop[query] =
         trajectory.poses[query] && has_near(trajectory, cubes, side, query, rules.radius_m);
@@ -169,9 +163,10 @@ LoopJudgement judge_loops(const LoopList& list, const Trajectory& trajectory,
       continue;
     }
     JudgedLoop judged{loop, distance_between(trajectory, loop.query, loop.match)};
-    judged.label = !is_past(trajectory, rules.gap, loop.query, loop.match) ? PlaceLabel::ignore
-                   : judged.distance_m <= rules.radius_m                   ? PlaceLabel::same
-                                                                           : PlaceLabel::different;
+    judged.label = !is_past(rules.gap, trajectory.times_ns, loop.query, loop.match)
+                       ? PlaceLabel::ignore
+                   : judged.distance_m <= rules.radius_m ? PlaceLabel::same
+                                                         : PlaceLabel::different;
     if (judged.label == PlaceLabel::same) judgement.is_found[loop.query] = true;
     judgement.loops.push_back(judged);
   }

@@ -7,16 +7,11 @@
 
 #include "evaluation/curve.h"
 #include "ground_truth/ground_truth.h"
+#include "ground_truth/loop_gap.h"
 #include "ground_truth/loop_list.h"
 #include "ground_truth/trajectory.h"
 
 namespace vpr {
-
-/// How long ago a frame must be, so that to be near it again closes a loop; bounds included.
-struct LoopGap {
-  std::optional<int64_t> nanoseconds;  ///< none: `frames`
-  size_t frames = 1;
-};
 
 /// What is a loop.
 struct LoopRules {
@@ -60,9 +55,6 @@ struct LoopJudgement {
   /// first; nothing where all are.
   std::optional<Revisit> longest_missed() const;
 };
-
-/// Whether frame `match` is at least the gap before frame `query`.
-bool is_past(const Trajectory& trajectory, const LoopGap& gap, size_t query, size_t match);
 
 /// Metres between the positions of two frames that have poses.
 double distance_between(const Trajectory& trajectory, size_t a, size_t b);

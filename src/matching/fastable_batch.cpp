@@ -46,6 +46,13 @@ StripLayout plan_strips(size_t diagonals, const MatchSettings& settings, size_t 
   return layout;
 }
 
+// How many there are from that of the last query frame and the first train frame on: of a walk
+// against itself, those that lie in the past.
+size_t count_diagonals(const FrameDistances& distances) {
+  const auto lag = least_lag(distances);
+  return lag ? distances.query_frames - *lag : distances.train_frames + distances.query_frames - 1;
+}
+
 /// Distances of a tile of query frames to the train frames that a strip crosses there.
 struct Tile {
   std::vector<uint16_t> values;
@@ -191,7 +198,8 @@ void match_fastable_lengths(const FrameDistances& distances, std::span<const siz
   const auto [shortest, longest] =
       std::minmax_element(window_lengths.begin(), window_lengths.end());
   if (!any_window_pair(distances, *shortest)) return;
-  const size_t diagonals = distances.train_frames + distances.query_frames - 1;
+  const size_t diagonals = count_diagonals(distances);
+  if (diagonals == 0) return;
   const StripLayout layout = plan_strips(diagonals, settings, *longest);
   const ptrdiff_t first_diagonal = 1 - ptrdiff_t(distances.query_frames);
   StepCounter counter(monitor, "match", layout.count);

@@ -108,21 +108,27 @@ std::span<const uint32_t> advance_in_parts(FastableState& state, size_t frames,
   return state.sums;
 }
 
+// How many train frames the next query frame is compared with: of a walk against itself, those
+// that it, or a later frame along their diagonal, may match.
+size_t compared_frames(const FastableState& state) {
+  if (!state.least_lag) return state.sums.size();
+  return state.frames_seen < *state.least_lag ? 0 : state.frames_seen + 1 - *state.least_lag;
+}
+
 // Takes what has been started (FrameDistances::start_row).
-std::span<const uint32_t> advance_sums(FastableState& state, size_t frame_count,
-                                       const RowKernels& kernels, const RowSource& source) {
-  assert(state.has_ring && state.sums.size() == frame_count);
-  return advance_in_parts(state, frame_count, [&](size_t begin, size_t end) {
+std::span<const uint32_t> advance_sums(FastableState& state, const RowKernels& kernels,
+                                       const RowSource& source) {
+  assert(state.has_ring);
+  return advance_in_parts(state, compared_frames(state), [&](size_t begin, size_t end) {
     advance_with_ring(state, kernels, source, begin, end);
   });
 }
 
 std::span<const uint32_t> advance_started(FastableState& state, const FrameDistances& distances,
                                           const RowKernels& kernels, uint32_t frame) {
-  if (state.has_ring)
-    return advance_sums(state, distances.train_frames, kernels, row_of(distances, frame));
+  if (state.has_ring) return advance_sums(state, kernels, row_of(distances, frame));
   const size_t seen = state.frames_seen;
-  const auto sums = advance_in_parts(state, distances.train_frames, [&](size_t begin, size_t end) {
+  const auto sums = advance_in_parts(state, compared_frames(state), [&](size_t begin, size_t end) {
     advance_without_ring(state, distances, kernels, frame, begin, end);
   });
   state.recent[seen % state.window_length] = frame;
@@ -181,6 +187,7 @@ FastableState start_fastable(const FrameDistances& distances, const MatchSetting
   if (distances.is_in_order()) check_scored_ring(distances, settings);
   FastableState state;
   state.window_length = settings.window_length;
+  state.least_lag = least_lag(distances);
   state.has_ring = ring_fits(distances.train_frames, settings.window_length, settings.memory_limit);
   state.sums.assign(distances.train_frames, 0);
   state.next_sums.assign(distances.train_frames, 0);
@@ -215,8 +222,7 @@ void match_in_order(const FrameDistances& distances, std::span<const size_t> win
     if (distances.start_row) distances.start_row(frame);
     for (size_t l = 0; l < states.size(); ++l) {
       const bool has_copy = l > 0 && states[0].has_ring && states[l].has_ring;
-      const auto sums = has_copy ? advance_sums(states[l], distances.train_frames, settings.kernels,
-                                                copy_of(states[0]))
+      const auto sums = has_copy ? advance_sums(states[l], settings.kernels, copy_of(states[0]))
                                  : advance_started(states[l], distances, settings.kernels,
                                                    static_cast<uint32_t>(frame));
       if (ends_window(distances, window_lengths[l], frame))

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,7 @@ bool ring_fits(size_t frame_count, size_t window_length, size_t memory_limit);
 struct FastableState {
   size_t window_length = 0;
   size_t frames_seen = 0;
+  std::optional<size_t> least_lag;  ///< of a walk against itself (rows.h)
   bool has_ring = false;
   std::vector<uint32_t> sums;  ///< of windows ending at each train frame and the last query frame
   std::vector<uint32_t> next_sums;

@@ -68,6 +68,10 @@ struct FrameDistances {
   /// Of distances that come in order: that of unrelated training frames, before they were scored.
   double typical_distance = 0;
 
+  /// Of a walk against itself: windows that end at a query frame match those that end before so
+  /// many training frames, which rise and never reach the frame itself. Empty: all.
+  std::vector<uint32_t> past;
+
   /// The distances of another query to the same training frames, which are not prepared again. Not
   /// set where they come in order.
   std::function<FrameDistances(const DescriptorSpan& query)> of_query;

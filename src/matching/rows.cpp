@@ -15,7 +15,8 @@ std::vector<FrameRun>::const_iterator run_from(const std::vector<FrameRun>& runs
 
 void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
               std::span<const uint32_t> sums, const RowConsumer& consume) {
-  const size_t end = first + sums.size();
+  const size_t known = frames.past.empty() ? frames.train_frames : frames.past[query_end];
+  const size_t end = std::min(first + sums.size(), known);
   for (auto run = run_from(frames.train_runs, first);
        run != frames.train_runs.end() && run->first < end; ++run) {
     const size_t from = std::max(first, run->first + window_length - 1);
@@ -25,6 +26,14 @@ void emit_row(const FrameDistances& frames, size_t window_length, size_t query_e
              run->first_in_sequence + (from + 1 - window_length - run->first),
              sums.subspan(from - first, to - from)});
   }
+}
+
+std::optional<size_t> least_lag(const FrameDistances& frames) {
+  if (frames.past.empty()) return std::nullopt;
+  size_t least = frames.query_frames;
+  for (size_t query = 0; query < frames.query_frames; ++query)
+    if (frames.past[query] > 0) least = std::min(least, query + 1 - frames.past[query]);
+  return least;
 }
 
 bool any_window_pair(const FrameDistances& frames, size_t window_length) {

@@ -91,9 +91,15 @@ struct MatchSettings {
 inline constexpr size_t kMaxWindowLength = 1'000'000;
 
 /// Splits sums of windows that *end* at train frames [first, first + sums.size()) at the ends of
-/// the runs and hands the valid ones on. `query_end` is the query window's last frame.
+/// the runs, and at the end of the past, and hands the valid ones on. `query_end` is the query
+/// window's last frame.
 void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
               std::span<const uint32_t> sums, const RowConsumer& consume);
+
+/// How many frames of a query lie at least between a frame and the past that it may match: of
+/// diagonals (train frame - query frame) only those up to -least_lag hold cells. Nothing where all
+/// frames may be matched; as many as there are frames where none may.
+std::optional<size_t> least_lag(const FrameDistances& frames);
 
 /// Whether there is a cell at all.
 bool any_window_pair(const FrameDistances& frames, size_t window_length);

@@ -33,7 +33,7 @@ std::vector<bool> plain_frames_with_loop(const Trajectory& trajectory, const Loo
   for (size_t query = 0; query < has_loop.size(); ++query)
     for (size_t match = 0; match < query; ++match)
       if (trajectory.poses[query] && trajectory.poses[match] &&
-          is_past(trajectory, rules.gap, query, match) &&
+          is_past(rules.gap, trajectory.times_ns, query, match) &&
           distance_between(trajectory, query, match) <= rules.radius_m)
         has_loop[query] = true;
   return has_loop;
