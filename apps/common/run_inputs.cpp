@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr std::array kOutputs = {
     "output",      "save-matrix", "save-posteriors", "html",         "plot",
     "map",         "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv",
-    "descriptors", "junit",       "fixes-tum",       "pairs"};
+    "descriptors", "junit",       "fixes-tum",       "pairs",        "save-loops"};
 
 bool has_name(const GivenFlag& flag, const char* name) {
   return std::find(flag.names.begin(), flag.names.end(), name) != flag.names.end();

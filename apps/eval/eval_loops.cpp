@@ -7,10 +7,12 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval_inputs.h"
+#include "evaluation/result_loops.h"
 #include "ground_truth/times.h"
 #include "report/loops_charts.h"
 #include "report/loops_page.h"
 #include "report/loops_report.h"
+#include "report/result_file.h"
 
 namespace vpr {
 namespace {
@@ -67,6 +69,8 @@ void require_order(const EvalInputs& inputs, const LoopList& list) {
                           list.name));
 }
 
+bool is_result(const std::filesystem::path& path) { return path.extension() == ".json"; }
+
 LoopsEvaluation evaluate(const EvalInputs& inputs) {
   LoopsEvaluation found;
   found.rules = rules_of(inputs);
@@ -80,8 +84,14 @@ LoopsEvaluation evaluate(const EvalInputs& inputs) {
       throw Error(ErrorKind::usage, "--max-difference must be 0 to 1e9 seconds");
     rules.max_difference_ns = std::llround(*seconds * double{kSecond});
   }
-  found.list = read_loop_list(inputs.loops.path, found.trajectory, rules);
-  require_order(inputs, found.list);
+  if (is_result(inputs.loops.path)) {
+    const Result result = read_result(inputs.loops.path).result;
+    found.list = loop_list_of(result, inputs.loops.path, found.trajectory);
+    found.rules.order = result.score().order;
+  } else {
+    found.list = read_loop_list(inputs.loops.path, found.trajectory, rules);
+    require_order(inputs, found.list);
+  }
   found.judgement = judge_loops(found.list, found.trajectory, found.rules);
   return found;
 }
@@ -92,7 +102,7 @@ void add_loop_options(const Command& app, LoopInputs& inputs) {
   const std::string group = "Loop closures";
   app.add_option("--loops", inputs.path,
                  "list of a SLAM system's loop closures (CSV query,match[,score], of indices or "
-                 "time stamps) instead of a result; with --poses, --radius and --gap")
+                 "time stamps), or a result of vpr-query --loop; with --poses, --radius and --gap")
       .group(group)
       .type_name("FILE");
   app.add_option("--gap", inputs.gap,

@@ -14,6 +14,7 @@
 #include "pipeline/fabmap_advice.h"
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
+#include "query_loop.h"
 #include "recognition/place_runs.h"
 #include "repeated_command.h"
 #include "report/explanation_report.h"
@@ -122,6 +123,9 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   if (inputs.explained_frame && !options.output.empty())
     session.outputs.claim_file(explanation_picture_path(options.output));
   if (!inputs.posteriors.empty()) session.outputs.claim_file(inputs.posteriors);
+  if (!inputs.loop.list.empty() && !settings.loop)
+    throw Error(ErrorKind::usage, "--save-loops lists what --loop finds; give --loop, too");
+  if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);
   const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session);
@@ -165,6 +169,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
     }
   }
   if (posteriors) context.files["posteriors"] = posteriors->entry(session.monitor);
+  write_loops(inputs, run.result, session);
   session.print_result(text, keep_result(session, run.result, context));
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "common/warp_flag.h"
+#include "ground_truth/loop_gap.h"
+#include "ground_truth/times.h"
 #include "matching/fabmap.h"
 
 namespace vpr {
@@ -33,10 +35,26 @@ void add_score_flags(const Command& app, QueryScores& scores) {
                      "one)"));
 }
 
+// Both families have a gap in frames, and only sequences one in seconds.
+void set_loop_gap(const std::string& text, SequenceQuerySettings& sequence,
+                  FabmapQuerySettings& fabmap) {
+  constexpr const char* kFlag = "--loop-gap";
+  sequence.loop_gap = 0;
+  sequence.loop_gap_s = 0;
+  if (text.ends_with('s')) {
+    const LoopGap gap = parse_loop_gap(text, kFlag);
+    sequence.loop_gap_s = static_cast<double>(*gap.nanoseconds) / double{kSecond};
+    return;
+  }
+  value_from_json(flag_value(text), fabmap.loop_gap, "command line", kFlag);
+  sequence.loop_gap = fabmap.loop_gap;
+}
+
 }  // namespace
 
 void add_inputs(const Command& app, QueryInputs& inputs) {
-  app.add_option("DB", inputs.database, "database made by vpr-train; none with --scores");
+  app.add_option("DB", inputs.database,
+                 "database made by vpr-train; none with --scores, or --loop of sequences");
   app.add_option("--query", inputs.query,
                  "query sequence: folder, list or video, with an optional range "
                  "PATH@FIRST:LAST[:STEP]; with --dataset, the name of one of its queries");
@@ -109,6 +127,30 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                         "for rings and hits, as in 512M; more is computed twice instead"));
 }
 
+void add_loop_flags(const Command& app, QueryLoop& loop, SequenceQuerySettings& sequence,
+                    FabmapQuerySettings& fabmap) {
+  const auto group = [](Flag flag) { return flag.group("Loop closures"); };
+  group(app.add_flag("--loop", fabmap.loop,
+                     "frames of the query against its own earlier ones: of FAB-MAP as places "
+                     "behind the database's, else without a DB"));
+  group(app.add_option(
+            "--loop-gap", [&](const std::string& text) { set_loop_gap(text, sequence, fabmap); },
+            "how long before a frame another must be to be matched, in frames (300) or seconds "
+            "(30s); of FAB-MAP, frames in between (default 10)"))
+      .type_name("TIME");
+  group(app.add_option("--times", loop.times,
+                       "when frames were taken, for a gap in seconds: a list, one a line (default: "
+                       "the names of images, or the video's own)"))
+      .type_name("FILE");
+  group(add_setting(app, "--descriptor", sequence.descriptor,
+                    "what frames are described by, as in vpr-train fastable (default ldb; vectors "
+                    "with --query-npy)"));
+  group(app.add_option("--save-loops", loop.list,
+                       "write a line query,match,score for each best match, for vpr-eval --loops; "
+                       "with --t-r or --margin, for each that is a hit"))
+      .type_name("FILE");
+}
+
 void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettings& settings) {
   const auto group = [](Flag flag) { return flag.group(kFabmapGroup); };
   group(add_setting(app, "--t-p", settings.place_threshold,
@@ -124,10 +166,6 @@ void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettin
                     "pretraining frames to draw for it; 0: all (default)"));
   group(app.add_flag("--motion-model", settings.posterior.motion_model,
                      "neighbours of what was likely before are likely now"));
-  group(app.add_flag("--loop", settings.loop,
-                     "frames of the query are places for its later ones, behind the database's"));
-  group(add_setting(app, "--loop-gap", settings.loop_gap,
-                    "but not for so many that follow directly (default 10)"));
   group(app.add_option("--explain", inputs.explained_frame,
                        "list the words that speak for and against the best places of this frame, "
                        "and draw them in RESULT.explain.png"));

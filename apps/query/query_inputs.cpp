@@ -52,7 +52,9 @@ ResultContext context_of(const Session& session, const QueryInputs& inputs,
   ResultContext context;
   context.run = session.run;
   context.run.simd_target = session.kernels.target;
-  if (inputs.scores.path.empty())
+  if (inputs.scores.path.empty() && inputs.database.empty())
+    context.run.paths = {{"query", query_path}};
+  else if (inputs.scores.path.empty())
     context.run.paths = {{"database", inputs.database}, {"query", query_path}};
   else
     context.run.paths = {{"scores", inputs.scores.path}};

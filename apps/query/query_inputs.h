@@ -23,12 +23,19 @@ struct QueryScores {
   std::vector<std::string> train_sequences;  ///< NAME=FIRST:LAST
 };
 
+/// What a walk against its own past needs besides settings.
+struct QueryLoop {
+  std::string times;  ///< of its frames
+  std::string list;   ///< where its loops are written to
+};
+
 struct QueryInputs {
-  std::string database;  ///< empty: none, with --scores
+  std::string database;  ///< empty: none, with --scores or --loop
   std::optional<std::string> query;
   std::string query_npy;  ///< its descriptors instead
   bool follow = false;    ///< frames as they come
   QueryScores scores;
+  QueryLoop loop;
   std::string dataset;
   std::string warp;  ///< how the query is replayed; empty: as it is
   std::string ground_truth;

@@ -19,17 +19,14 @@
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "query_inputs.h"
+#include "query_loop.h"
 #include "repeated_command.h"
-#include "report/evaluation_charts.h"
-#include "report/matrix_file.h"
 #include "report/result_file.h"
-#include "report/score_picture.h"
 #include "report/table.h"
+#include "saved_matrix.h"
 
 namespace vpr {
 namespace {
-
-constexpr size_t kMatrixPictureSide = 2000;  // pixels
 
 constexpr size_t kTableRows = 20;
 
@@ -105,55 +102,6 @@ std::string summary(const QueryRun& run) {
   return text;
 }
 
-bool has_gaps(const QueryPlan& plan) {
-  return !plan.query_unreadable.empty() ||
-         std::any_of(plan.train.begin(), plan.train.end(),
-                     [](const DescriptorSpan& sequence) { return !sequence.unreadable.empty(); });
-}
-
-void claim_matrix(const QueryInputs& inputs, OutputTransaction& outputs) {
-  const bool has_truth = !inputs.ground_truth.empty() || any_given(inputs.flags);
-  if (has_truth && !inputs.matrix.ends_with(".png"))
-    throw Error(ErrorKind::usage,
-                "--ground-truth, and what goes with it, is for the picture of --save-matrix "
-                "FILE.png; counts come from "
-                "vpr-eval");
-  if (inputs.matrix.empty()) return;
-  if (!inputs.matrix.ends_with(".npy") && !inputs.matrix.ends_with(".png"))
-    throw Error(ErrorKind::usage,
-                fmt::format("--save-matrix writes .npy or .png, found {}", inputs.matrix));
-  outputs.claim_file(inputs.matrix);
-}
-
-/// What --save-matrix makes of the rows that pass.
-struct SavedMatrix {
-  std::optional<MatrixFile> file;
-  std::optional<RowPixels> pixels;
-};
-
-std::vector<RowConsumer> start_matrix(SavedMatrix& saved, const std::string& path,
-                                      const Result& shape, bool has_unreadable,
-                                      const Session& session) {
-  if (path.ends_with(".npy"))
-    return {std::ref(
-        saved.file.emplace(session.outputs.file(path), shape, has_unreadable, session.monitor))};
-  if (path.ends_with(".png"))
-    return {std::ref(saved.pixels.emplace(layout_of(shape), kMatrixPictureSide))};
-  return {};
-}
-
-void finish_matrix(const SavedMatrix& saved, const std::string& path, const Result& result,
-                   const std::optional<GroundTruth>& truth, ResultContext& context,
-                   const Session& session) {
-  if (saved.file) {
-    context.matrix = matrix_layout_json(layout_of(result));
-    context.files["matrix"] = saved.file->entry(session.monitor);
-  }
-  if (saved.pixels)
-    session.outputs.file(path).write(chart_png(
-        {result_matrix_chart(result, *saved.pixels, truth ? &*truth : nullptr, session.monitor)}));
-}
-
 /// What a query is compared with, and what files say of both.
 struct Sides {
   std::optional<GivenDistances> given;  ///< of --scores
@@ -161,7 +109,20 @@ struct Sides {
   DescriptorSet query;
   QuerySource source;
   ResultContext context;
+  std::vector<int64_t> times_ns;  ///< of --loop
 };
+
+void describe_own(Sides& sides, const Session& session, const QueryInputs& inputs,
+                  SequenceQuerySettings& settings) {
+  sides.source = find_query(inputs);
+  LoopWalk walk = describe_loop(sides.source.sequence.sequence, inputs, settings, session);
+  sides.database = std::move(walk.database);
+  sides.database.sequences.front().name = sides.source.sequence.name;
+  sides.query = std::move(walk.query);
+  sides.times_ns = std::move(walk.times_ns);
+  sides.context.database_fingerprint = sides.context.query_fingerprint =
+      query_fingerprint(sides.query);
+}
 
 void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
               const SequenceQuerySettings& settings) {
@@ -224,13 +185,15 @@ void check_sharing(const Session& session, const QueryInputs& inputs) {
 
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& asked) {
-  const SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
+  SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
+  check_loop_inputs(inputs, settings, session.share);
   check_scores(inputs, settings);
   check_sharing(session, inputs);
   if (inputs.follow) return follow_query(session, inputs, asked);
   const CommonOptions& options = session.options;
   if (!options.output.empty()) claim_result(options.output, session.outputs);
   claim_matrix(inputs, session.outputs);
+  if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
   if (has_paths(settings.method) && inputs.verify_cells > 0)
     throw Error(ErrorKind::usage,
                 fmt::format("--verify recomputes windows, and {} has paths: verify its scores with "
@@ -247,11 +210,16 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const Stopwatch watch;
   Sides sides;
   const bool has_scores = !inputs.scores.path.empty();
-  has_scores ? take_scores(sides, session, inputs) : describe(sides, session, inputs, settings);
-  const auto& [given, database, query, source, known] = sides;
+  has_scores      ? take_scores(sides, session, inputs)
+  : settings.loop ? describe_own(sides, session, inputs, settings)
+                  : describe(sides, session, inputs, settings);
+  const auto& [given, database, query, source, known, times_ns] = sides;
   const double describe_s = watch.elapsed_s();
+  const std::string& name = source.sequence.name;
   QueryPlan planned =
-      plan_query(database, query, source.sequence.name, settings, resources, session.monitor);
+      settings.loop
+          ? plan_loop(database, query, name, settings, times_ns, resources, session.monitor)
+          : plan_query(database, query, name, settings, resources, session.monitor);
   const Result shape = make_result(planned);  // of which nothing is found yet
   std::optional<GroundTruth> truth;
   if (source.ground_truth && inputs.matrix.ends_with(".png"))
@@ -259,7 +227,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
 
   SavedMatrix matrix;
   const std::vector<RowConsumer> observers =
-      start_matrix(matrix, inputs.matrix, shape, has_gaps(planned), session);
+      start_matrix(matrix, inputs.matrix, planned, shape, session);
   QueryRun found = run_query(std::move(planned), resources, observers, session.monitor);
   if (!session.share.is_first()) return;
   found.seconds["describe"] = describe_s;
@@ -275,7 +243,8 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   if (inputs.verify_cells > 0) context.verified_cells = found.verified_cells;
   finish_matrix(matrix, inputs.matrix, found.result, truth, context, session);
   const Json json = keep_result(session, found.result, context);
-  if (found.result.hits.empty() && settings.decision == Decision::threshold &&
+  write_loops(inputs, found.result, session);
+  if (found.result.hits.empty() && !settings.loop && settings.decision == Decision::threshold &&
       !settings.distance_threshold && !has_scores)
     explain_no_hits(database, settings.window_length, session.kernels, session.monitor);
   const std::string advice = advice_text(session, found.result);

@@ -146,9 +146,10 @@ void refuse_other_than_implied(const Command& app, const CommonOptions& options,
     refuse("--margin-width", "which counts views: set filter.near_views in a configuration");
 }
 
-/// A matrix of scores is one of frames of sequences.
-DatabaseFamily family_of(const QueryInputs& inputs) {
+/// A matrix of scores is one of frames of sequences, and so is a walk without a database.
+DatabaseFamily family_of(const QueryInputs& inputs, bool is_loop) {
   if (!inputs.scores.path.empty()) return DatabaseFamily::sequences;
+  if (is_loop && inputs.database.empty()) return DatabaseFamily::sequences;
   if (inputs.database.empty())
     throw Error(
         ErrorKind::usage,
@@ -164,11 +165,22 @@ DatabaseFamily family_of(const std::string& method) {
   return DatabaseFamily::sequences;
 }
 
+// FAB-MAP counts the gap in frames, and has its own descriptors.
+void refuse_sequence_loops(const QueryLoop& loop, const SequenceQuerySettings& settings) {
+  if (settings.loop_gap_s != 0 || !loop.times.empty())
+    throw Error(ErrorKind::usage,
+                "FAB-MAP's gap is of frames, as in --loop-gap 30; seconds and --times are for "
+                "sequences, without a database");
+  if (!settings.descriptor.empty())
+    throw Error(ErrorKind::usage,
+                "--descriptor is for sequences, without a database; FAB-MAP's has its words");
+}
+
 void run(Session& session, const QueryInputs& inputs, const GivenSettings& given,
          const Command& app) {
   GivenSettings settings = given;
   if (!inputs.warp.empty()) check_warp(inputs.warp);
-  const DatabaseFamily family = family_of(inputs);
+  const DatabaseFamily family = family_of(inputs, settings.fabmap.loop);
   const std::string_view kind = enum_name(family);
   const std::string method = settings.method.empty() ? std::string(kind) : settings.method;
   if (family_of(method) != family)
@@ -181,6 +193,8 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
   if (family == DatabaseFamily::sequences)
     refuse_other_than_implied(app, session.options, settings.sequence, !inputs.fuse.empty());
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
+  settings.sequence.loop = settings.fabmap.loop;
+  if (family == DatabaseFamily::fabmap) refuse_sequence_loops(inputs.loop, settings.sequence);
   query.run(session, inputs, settings);
 }
 
@@ -200,6 +214,7 @@ int main(int argc, char** argv) {
       "  vpr-query corridor.vprdb --query wednesday --config result.json\n"
       "  vpr-query walk.vprdb --query-npy tuesday.npy --c-l 10 -o result.json\n"
       "  vpr-query --scores S.npy --similarity --c-l 10 --score standardized -o r.json\n"
+      "  vpr-query --loop --loop-gap 30s --query walk --c-l 20 --save-loops loops.csv\n"
       "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
       "  vpr-query corridor.vprdb --query tuesday --fuse fabmap.vprdb --c-l 5\n"
       "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
@@ -216,6 +231,7 @@ int main(int argc, char** argv) {
   add_sequence_flags(app, inputs, settings.sequence);
   add_ground_truth_flags(app, inputs.flags);
   add_fabmap_flags(app, inputs, settings.fabmap);
+  add_loop_flags(app, inputs.loop, settings.sequence, settings.fabmap);
   program.set_run([&](Session& session) { run(session, inputs, settings, app); },
                   Processes::several);
   return program.main(argc, argv);

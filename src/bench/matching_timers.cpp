@@ -238,7 +238,7 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
   constexpr size_t kCheckedRows = 20;
   const size_t length = example.settings.window_length;
   const FrameDistances some = first_rows(example, kCheckedRows);
-  CellScan scan(choose_cells(some.train_runs, some.query_runs, length, kCheckedScores, 1));
+  CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedScores, 1));
   const ScoreBasis basis = score_basis(example);
   match_fastable_online(standardized(some, basis, monitor), example.settings, monitor,
                         std::ref(scan));
@@ -255,7 +255,7 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   const auto check = [&](std::string_view method, size_t rows) {
     if (std::find(methods.begin(), methods.end(), method) == methods.end()) return;
     const FrameDistances some = first_rows(example, rows);
-    CellScan scan(choose_cells(some.train_runs, some.query_runs, length, kCheckedCells, 1));
+    CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedCells, 1));
     find_sequence_method(method).match(some, example.settings, monitor, std::ref(scan));
     if (!wrong_cells(scan.result(), some.train, some.query.rows, length, monitor).empty())
       throw Error(

@@ -48,6 +48,9 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan,
   if (!windows.rates.empty())
     return wrong_rated_cells(cells, windows, plan.train, plan.query,
                              scored_by ? &*scored_by : nullptr, monitor);
+  if (plan.settings.loop && plan.settings.score != Score::raw)
+    return wrong_past_scores(cells, plan.query, plan.past, length, plan.settings.standardization,
+                             monitor);
   if (scored_by) return wrong_scores(cells, plan.train, plan.query, length, *scored_by, monitor);
   return wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
 }
@@ -131,8 +134,9 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
   std::optional<MarginScan> margins;
   if (plan.elsewhere && !method.has_paths)
     margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
-  CellScan cells(choose_cells(searched_runs(plan), distances.query_runs, match.window_length,
-                              method.is_exact ? resources.verify_cells : 0, resources.seed));
+  CellScan cells(choose_cells({searched_runs(plan), distances.query_runs, plan.past},
+                              match.window_length, method.is_exact ? resources.verify_cells : 0,
+                              resources.seed));
   const auto take = [&](const ScoreRow& row) {
     const uint32_t least = resources.kernels.minimum(row.scores.data(), row.scores.size());
     scan.take(row, least);
@@ -171,6 +175,7 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   const Share& share = resources.share;
   OwnDistances own = own_distances(plan, plan.settings.window_length, share);
   FrameDistances& distances = own.frames;
+  distances.past = plan.past;
   StepTimer timer(run.seconds);
 
   // A relative threshold is known only after all distances were seen once.

@@ -36,6 +36,14 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
                      const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor);
 
+/// The same of a walk against its own past; `walk` is own_walk() of the query. `times_ns`: of its
+/// frames, rising, where the gap is one of time. Throws Error(usage), too, for settings that need
+/// later frames, and for methods that do not see every window.
+QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
+                    const std::string& query_name, const SequenceQuerySettings& settings,
+                    std::span<const int64_t> times_ns, const QueryResources& resources,
+                    const Monitor& monitor);
+
 /// The same of any one window of a query that is described as the database is, before a frame of it
 /// is known.
 QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "matching/rates.h"
 #include "matching/train_part.h"
+#include "pipeline/loop_query.h"
 #include "pipeline/margin_plan.h"
 #include "pipeline/query.h"
 #include "pipeline/query_steps.h"
@@ -162,7 +163,7 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
                      const QueryResources& resources, const Monitor& monitor) {
   const SequenceQuerySettings& settings = plan.settings;
   if (!settings.distance_threshold && plan.query.given) return;  // there is no automatic one
-  if (!settings.distance_threshold)
+  if (!settings.distance_threshold && !settings.loop)
     return plan_automatic_thresholds(plan, database, resources, monitor);
   for (Target& sequence : plan.sequences) {
     sequence.threshold = settings.distance_threshold;
@@ -226,7 +227,7 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryR
                  const Monitor& monitor) {
   const SequenceQuerySettings& settings = plan.settings;
   plan_sequences(plan, database.sequences, monitor);
-  const bool has_widths = !plan.query.given || settings.margin_width;
+  const bool has_widths = !(plan.query.given || settings.loop) || settings.margin_width;
   if (has_widths && (find_sequence_method(settings.method).is_exact || has_paths(settings.method)))
     plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
   plan_decision(plan, database, resources, monitor);
@@ -239,6 +240,7 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryR
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
                      const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor) {
+  refuse_loop(settings);
   QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query_name, settings);
   plan.replay = query.frames.replay;
   plan_windows(plan, monitor);
@@ -246,9 +248,28 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   return plan;
 }
 
+QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
+                    const std::string& query_name, const SequenceQuerySettings& settings,
+                    std::span<const int64_t> times_ns, const QueryResources& resources,
+                    const Monitor& monitor) {
+  check_loop(settings, resources.share);
+  if (query.frames.replay)
+    throw Error(ErrorKind::usage, "a query that is replayed (--warp) has no past of its own");
+  QueryPlan plan = begin_plan(walk, query.descriptors, query.span(), query_name, settings);
+  plan.past = past_frames(loop_gap_of(settings), times_ns, query.rows().size());
+  plan_windows(plan, monitor);
+  finish_plan(plan, walk, resources, monitor);
+  if (plan.past.back() < plan.settings.window_length)
+    warn(monitor, fmt::format("{}: no window of {} frames is so long before another; give a "
+                              "smaller --loop-gap",
+                              query_name, plan.settings.window_length));
+  return plan;
+}
+
 QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
                       const SequenceQuerySettings& settings, const QueryResources& resources,
                       const Monitor& monitor) {
+  refuse_loop(settings);
   const DescriptorSpan no_frame{{database.descriptors.rows().shape, {}}, {}};
   QueryPlan plan = begin_plan(database, database.descriptors, no_frame, query_name, settings);
   plan.query_frames = plan.settings.window_length;

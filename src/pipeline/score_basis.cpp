@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "matching/components.h"
 #include "matching/distance_statistics.h"
+#include "matching/past_scores.h"
 #include "matching/standardized_frames.h"
 #include "pipeline/train.h"
 
@@ -25,7 +26,7 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
 std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                                       const SequenceQuerySettings& settings) {
   const ScoreKind& kind = score_kind(settings.score);
-  if (!kind.needs_statistics) return std::nullopt;
+  if (!kind.needs_statistics || settings.loop) return std::nullopt;
   if (learned == nullptr)
     throw Error(ErrorKind::usage,
                 "the database has no training statistics, which standardized scores start from; "
@@ -48,6 +49,8 @@ ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan) {
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
                       const QueryPlan& plan, std::span<const ItemRange> frames,
                       const Monitor& monitor) {
+  if (plan.settings.loop && score_kind(plan.settings.score).needs_statistics)
+    return standardized_past(std::move(distances), plan.settings.standardization);
   if (!basis) return distances;
   return standardized(std::move(distances), basis_of(*basis, plan.train, frames), monitor);
 }

@@ -12,7 +12,8 @@ namespace vpr {
 /// date lacks. Throws Error(interrupted) once the user wants to stop.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
-/// For all sequences of a database; none for a score that needs no statistics. `learned`: the
+/// For all sequences of a database; none for a score that needs no statistics, and for a walk
+/// against its own past, which has none. `learned`: the
 /// database's, with components, or null. Throws Error(usage) if they are needed and it has none.
 std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                                       const SequenceQuerySettings& settings);

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "matching/given_distances.h"
 #include "matching/plain.h"
+#include "matching/plain_past.h"
 #include "matching/plain_standardized.h"
 #include "matching/score_kernels.h"
 #include "pipeline/verify_fusion.h"
@@ -29,6 +30,30 @@ Window find_window(const std::vector<FrameRun>& runs, size_t window_length, uint
     index -= windows;
   }
   return {};
+}
+
+// How many windows end before a training frame.
+uint64_t past_windows(const std::vector<FrameRun>& runs, size_t window_length, size_t past) {
+  uint64_t windows = 0;
+  for (const FrameRun& run : runs) {
+    const size_t end = std::min(run.first + run.count, past);
+    if (end >= run.first + window_length) windows += end - run.first - window_length + 1;
+  }
+  return windows;
+}
+
+// By query window, over all runs, how many cells there are up to its last one.
+std::vector<uint64_t> row_ends(const CellRuns& runs, size_t window_length) {
+  std::vector<uint64_t> ends;
+  uint64_t cells = 0;
+  const uint64_t all = count_windows(runs.train, window_length);
+  for (const FrameRun& run : runs.query)
+    for (size_t window = 0; window < run.windows(window_length); ++window) {
+      const size_t end = run.first + window + window_length - 1;
+      cells += runs.past.empty() ? all : past_windows(runs.train, window_length, runs.past[end]);
+      ends.push_back(cells);
+    }
+  return ends;
 }
 
 // Up to `count` different numbers below `bound`: Floyd's algorithm, one draw each.
@@ -56,21 +81,38 @@ std::vector<Cell> wrong_sums(std::span<const Cell> cells, const Monitor& monitor
   return wrong;
 }
 
+// `right`, by cell, and the tolerance are in deviations.
+std::vector<Cell> wrong_beyond_tolerance(std::span<const Cell> cells,
+                                         const std::vector<double>& right, size_t window_length,
+                                         double tolerance) {
+  std::vector<Cell> wrong;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    const double found = static_cast<double>(cells[c].score - score_offset(window_length));
+    const double expected = right[c] * kScoreUnit;
+    if (std::abs(found - expected) <= tolerance * kScoreUnit) continue;
+    wrong.push_back(cells[c]);
+    wrong.back().score =
+        static_cast<uint32_t>(std::llround(expected) + score_offset(window_length));
+  }
+  return wrong;
+}
+
 }  // namespace
 
-std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
-                               const std::vector<FrameRun>& query_runs, size_t window_length,
-                               size_t count, uint64_t seed) {
-  const uint64_t cols = count_windows(train_runs, window_length);
-  const uint64_t rows = count_windows(query_runs, window_length);
+std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,
+                               uint64_t seed) {
+  if (count == 0) return {};
+  const std::vector<uint64_t> ends = row_ends(runs, window_length);
   std::vector<Cell> cells;
-  const auto add = [&](uint64_t index) {
-    const Window train = find_window(train_runs, window_length, index % cols);
-    cells.push_back(
-        {static_cast<uint32_t>(find_window(query_runs, window_length, index / cols).window),
-         static_cast<uint32_t>(train.sequence), static_cast<uint32_t>(train.window), 0});
-  };
-  for (const uint64_t index : choose_indices(rows * cols, count, seed)) add(index);
+  for (const uint64_t index : choose_indices(ends.empty() ? 0 : ends.back(), count, seed)) {
+    const auto row = std::upper_bound(ends.begin(), ends.end(), index);
+    const uint64_t column = index - (row == ends.begin() ? 0 : *(row - 1));
+    const Window query =
+        find_window(runs.query, window_length, static_cast<uint64_t>(row - ends.begin()));
+    const Window train = find_window(runs.train, window_length, column);
+    cells.push_back({static_cast<uint32_t>(query.window), static_cast<uint32_t>(train.sequence),
+                     static_cast<uint32_t>(train.window), 0});
+  }
   std::sort(cells.begin(), cells.end(), by_position);
   return cells;
 }
@@ -135,17 +177,24 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
       right[c] += fusion(z, cell.sequence, i, cell.query_window + k);
     }
   });
-  std::vector<Cell> wrong;
-  for (size_t c = 0; c < cells.size(); ++c) {
-    const double found = static_cast<double>(cells[c].score - score_offset(window_length));
-    const double expected = right[c] * kScoreUnit;
-    if (std::abs(found - expected) <= score_tolerance(window_length, basis.fusion) * kScoreUnit)
-      continue;
-    wrong.push_back(cells[c]);
-    wrong.back().score =
-        static_cast<uint32_t>(std::llround(expected) + score_offset(window_length));
-  }
-  return wrong;
+  return wrong_beyond_tolerance(cells, right, window_length,
+                                score_tolerance(window_length, basis.fusion));
+}
+
+std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescriptorSpan& walk,
+                                    std::span<const uint32_t> past, size_t window_length,
+                                    const StandardizationSettings& settings,
+                                    const Monitor& monitor) {
+  const PlainPast shared = plain_past(walk, past, settings, monitor);
+  std::vector<double> right(cells.size(), 0);
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    for (size_t k = 0; k < window_length; ++k) {
+      const size_t frame = cells[c].query_window + k;
+      right[c] +=
+          plain_past_scores(walk, past, settings, shared, cells[c].train_window + k, frame)[frame];
+    }
+  });
+  return wrong_beyond_tolerance(cells, right, window_length, score_tolerance(window_length));
 }
 
 }  // namespace vpr

@@ -11,11 +11,17 @@
 
 namespace vpr {
 
+/// Where cells may be chosen.
+struct CellRuns {
+  std::vector<FrameRun> train;
+  std::vector<FrameRun> query;
+  std::vector<uint32_t> past = {};  ///< as FrameDistances has it
+};
+
 /// Up to `count` different cells of valid window pairs, uniformly chosen, sorted as CellScan needs
 /// them; fewer where the matrix is smaller. Their score is not set.
-std::vector<Cell> choose_cells(const std::vector<FrameRun>& train_runs,
-                               const std::vector<FrameRun>& query_runs, size_t window_length,
-                               size_t count, uint64_t seed);
+std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_t count,
+                               uint64_t seed);
 
 /// Up to `count` different ones of the cells that an approximate method found, hits and best
 /// matches, uniformly chosen and sorted in the same way; all where there are fewer.
@@ -38,6 +44,12 @@ std::vector<Cell> wrong_given_cells(std::span<const Cell> cells,
 std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
                                const DescriptorSpan& query, size_t window_length,
                                const ScoreBasis& basis, const Monitor& monitor);
+
+/// The same of a walk against its own past.
+std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescriptorSpan& walk,
+                                    std::span<const uint32_t> past, size_t window_length,
+                                    const StandardizationSettings& settings,
+                                    const Monitor& monitor);
 
 struct RatedWindows {
   size_t length = 1;

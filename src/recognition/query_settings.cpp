@@ -18,6 +18,15 @@ void leave_out_decisions(Json& json, const SequenceQuerySettings& settings) {
   if (settings.same_place.empty()) json.erase("same_place");
 }
 
+// Of a walk against its own past, the gap that it has not.
+void leave_out_loop(Json& json, const SequenceQuerySettings& settings) {
+  if (!settings.loop || settings.loop_gap == 0) json.erase("loop_gap");
+  if (!settings.loop || settings.loop_gap != 0) json.erase("loop_gap_s");
+  if (settings.loop) return;
+  json.erase("loop");
+  json.erase("descriptor");
+}
+
 Json in_force(SequenceQuerySettings settings) {
   settings.threshold_scale = scale_of(settings);
   Json json = value_to_json(settings);
@@ -28,6 +37,7 @@ Json in_force(SequenceQuerySettings settings) {
     if (std::find(own.begin(), own.end(), key) == own.end()) json.erase(key);
   if (settings.rates.empty()) json.erase("rates");
   if (!settings.fusion_weight) json.erase("fuse_beta");
+  leave_out_loop(json, settings);
   return json;
 }
 
@@ -44,6 +54,8 @@ size_t length_of_one(const FabmapQuerySettings&) { return 1; }
 }  // namespace
 
 SequenceQuerySettings with_implied(SequenceQuerySettings settings) {
+  if (settings.loop && !settings.margin_width && settings.loop_gap > 0)
+    settings.margin_width = settings.loop_gap;
   const bool is_scored = has_paths(settings.method) || settings.fusion_weight;
   if (is_scored && settings.score == Score::raw) settings.score = Score::standardized;
   if (!has_paths(settings.method)) return settings;
@@ -59,7 +71,9 @@ SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::str
 }
 
 ThresholdScale scale_of(const SequenceQuerySettings& settings) {
-  return settings.threshold_scale.value_or(score_kind(settings.score).number_scale);
+  const ScoreKind& kind = score_kind(settings.score);
+  return settings.threshold_scale.value_or(settings.loop ? kind.automatic_scale
+                                                         : kind.number_scale);
 }
 
 Json settings_in_force(const QuerySettings& settings) {

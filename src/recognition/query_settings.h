@@ -46,6 +46,11 @@ struct SequenceQuerySettings {
   std::vector<std::string> same_place;
   FilterSettings filter;                ///< of the method filter
   std::optional<double> fusion_weight;  ///< beta, deviations a nat; none: FAB-MAP is not asked
+  /// The query against its own past, without a database; what follows is only of these.
+  bool loop = false;
+  uint64_t loop_gap = 0;   ///< frames that a match lies behind at least; 0: loop_gap_s
+  double loop_gap_s = 0;   ///< seconds
+  std::string descriptor;  ///< of descriptor_kinds(); empty: ldb, or of arrays vectors
 };
 
 template <class Visitor>
@@ -70,6 +75,10 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("same_place", settings.same_place);
   visit("filter", settings.filter);
   visit("fuse_beta", settings.fusion_weight);
+  visit("loop", settings.loop);
+  visit("loop_gap", settings.loop_gap);
+  visit("loop_gap_s", settings.loop_gap_s);
+  visit("descriptor", settings.descriptor);
 }
 
 /// The settings of FAB-MAP.
@@ -115,14 +124,16 @@ using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
 inline constexpr double kFilterMargin = 3;
 
 /// The settings with what they imply: the filter has windows of one frame, standardized scores, a
-/// decision by margin, and a margin where none is set; what is fused has standardized scores.
-/// Others are as they were.
+/// decision by margin, and a margin where none is set; what is fused has standardized scores; a
+/// walk against its own past has a margin_width of its gap in frames, where none is set. Others are
+/// as they were.
 SequenceQuerySettings with_implied(SequenceQuerySettings settings);
 
 /// The settings with the default weight where FAB-MAP's database is given and none is set.
 SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::string& database);
 
-/// The scale that a number is on: the one that was given, or the score's default.
+/// The scale that a number is on: the one that was given, or the score's default; of a walk against
+/// its own past, that of automatic thresholds, which asks of no other window.
 ThresholdScale scale_of(const SequenceQuerySettings& settings);
 
 /// The settings as files hold them: the default scale filled in, and those of other scores and

@@ -109,6 +109,7 @@ struct QueryPlan {
   std::vector<Target> sequences;
   std::optional<UsedStatistics> statistics;
   std::optional<Elsewhere> elsewhere;  ///< none: no margins
+  std::vector<uint32_t> past;  ///< of a walk against itself, as FrameDistances has it; else empty
 
   /// By how much the sums of rows are above the scores that a result holds.
   int64_t score_offset() const { return score_kind(settings.score).offset(settings.window_length); }

@@ -1,8 +1,13 @@
 // vpr-eval --loops as a user runs it.
+#include <filesystem>
+
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/npy.h"
+#include "base/simd.h"
+#include "cli/world.h"
 #include "support.h"
 
 using namespace vpr;
@@ -126,4 +131,178 @@ TEST_CASE("--loops says what it needs, and refuses bad lists with file and line"
             .err.find("--poses trajectory.txt") != std::string::npos);
   CHECK(run_program("vpr-eval", {"--gap", "3", "--ground-truth", "aligned"}).err.find("--loops") !=
         std::string::npos);
+}
+
+namespace {
+
+/// Two laps of the same 20 rendered frames, and then others; frames are called by times, half a
+/// second apart.
+struct RenderedLaps {
+  test::TemporaryFolder folder;
+  std::string frames = folder / "walk";
+  std::string poses = folder / "poses.csv";
+  std::string result = folder / "r.json";
+
+  RenderedLaps() {
+    namespace fs = std::filesystem;
+    fs::create_directory(frames);
+    std::string text = "frame,x,y\n";
+    for (int f = 0; f < 50; ++f) {
+      const int shown = f < 40 ? f % 20 : f - 20;
+      fs::copy_file(fmt::format("{}/{:05}.png", test::world().walk("one"), shown),
+                    fmt::format("{}/{}.{}.png", frames, 100 + f / 2, f % 2 * 5));
+      text += fmt::format("{},{},0\n", f, shown);
+    }
+    test::write_text(poses, text);
+  }
+
+  test::RunOutcome query(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"--loop", "--query", frames, "--c-l", "4", "--force"});
+    return run_program("vpr-query", more);
+  }
+  Json judge(const std::string& list, std::vector<std::string> more) const {
+    more.insert(more.begin(),
+                {"--loops", list, "--poses", poses, "--radius", "0.5", "--gap", "15", "--json"});
+    return test::printed_json(run_program("vpr-eval", more));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a walk against its own past gives loops that vpr-eval judges") {
+  const RenderedLaps laps;
+  const std::string list = laps.folder / "loops.csv";
+  for (const char* score : {"raw", "standardized"}) {
+    INFO(score);
+    const auto run = laps.query({"--loop-gap", "15", "--score", score, "-o", laps.result,
+                                 "--save-loops", list, "--verify", "100"});
+    INFO(run.err);
+    REQUIRE(run.exit_code == 0);
+    const Json by_result = laps.judge(laps.result, {});
+    const Json by_list = laps.judge(list, {"--distance"});
+    CHECK(by_list["loops"] == by_result["loops"]);
+    CHECK(by_list["metrics"] == by_result["metrics"]);
+    // Windows of the second lap find the first, but those that begin in the first and end in the
+    // second, which are like none.
+    CHECK(by_result["loops"]["listed"] == 50 - 3 - 15);
+    CHECK(by_result["frames"]["with_loop"] == 20);
+    CHECK(by_result["frames"]["found"].get<int>() >= 17);
+    CHECK(by_result["loops"]["too_near"] == 0);
+  }
+  // The identical frames of the second lap are at distance 0.
+  const auto near = laps.query(
+      {"--loop-gap", "15", "--t-r", "1", "--save-loops", list, "-o", laps.result, "--json"});
+  REQUIRE(near.exit_code == 0);
+  CHECK(Json::parse(near.out)["totals"]["hits"] == 17);
+  const Json right = laps.judge(list, {"--distance"});
+  CHECK(right["loops"]["listed"] == 17);
+  CHECK(right["loops"]["wrong"] == 0);
+  // The settings of a result ask for the same again.
+  const auto again = run_program("vpr-query", {"--query", laps.frames, "--config", laps.result,
+                                               "--save-loops", laps.folder / "again.csv"});
+  REQUIRE(again.exit_code == 0);
+  CHECK(test::read_text(laps.folder / "again.csv") == test::read_text(list));
+}
+
+TEST_CASE("a gap of seconds is by the names of frames, or by times") {
+  const RenderedLaps laps;
+  const std::string frames = laps.folder / "frames.csv";
+  const std::string seconds = laps.folder / "seconds.csv";
+  const std::string listed = laps.folder / "listed.csv";
+  const std::string times = laps.folder / "times.txt";
+  std::string text;
+  for (int f = 0; f < 50; ++f) text += fmt::format("{}\n", 7 + 0.5 * f);
+  test::write_text(times, text);
+  REQUIRE(laps.query({"--loop-gap", "15", "--save-loops", frames}).exit_code == 0);
+  REQUIRE(laps.query({"--loop-gap", "7.5s", "--save-loops", seconds}).exit_code == 0);
+  REQUIRE(laps.query({"--loop-gap", "7.5s", "--times", times, "--save-loops", listed}).exit_code ==
+          0);
+  CHECK(test::read_text(seconds) == test::read_text(frames));
+  CHECK(test::read_text(listed) == test::read_text(frames));
+  test::write_text(times, "1\n2\n3\n");
+  test::check_failure(laps.query({"--loop-gap", "7.5s", "--times", times}), 4, "3 times");
+  // Names that may as well be numbers of frames are used, and this is said.
+  const auto counted = run_program("vpr-query", {"--loop", "--loop-gap", "15s", "--c-l", "4",
+                                                 "--query", test::world().walk("one")});
+  CHECK(counted.exit_code == 0);
+  CHECK(counted.err.find("if they count frames") != std::string::npos);
+}
+
+TEST_CASE("--loop without a database says what does not go with it") {
+  const RenderedLaps laps;
+  const auto refused = [&](std::vector<std::string> words, const char* word) {
+    INFO(word);
+    words.insert(words.begin(), {"--loop-gap", "15"});
+    test::check_failure(laps.query(words), 2, word);
+  };
+  test::check_failure(laps.query({}), 2, "--loop-gap 300");
+  test::check_failure(laps.query({"--loop-gap", "soon"}), 2, "--loop-gap");
+  refused({test::world().database()}, "leave the database out");
+  refused({"--follow"}, "--follow");
+  refused({"--warp", "2"}, "--warp");
+  refused({"--method", "lsh"}, "lsh");
+  refused({"--method", "filter"}, "filter");
+  refused({"--rates", "1,2"}, "--rates");
+  refused({"--score", "standardized-offline"}, "later frames");
+  refused({"--t-r", "0.5", "--t-r-scale", "relative"}, "relative");
+  refused({"--decide", "margin"}, "--margin");
+  refused({"--times", laps.poses}, "30s");
+  refused({"--descriptor", "ldp"}, "ldb");
+  refused({"--c-l", "51"}, "--c-l");
+  const auto other = [&](std::vector<std::string> words, const char* word) {
+    INFO(word);
+    words.insert(words.begin(), {test::world().database(), "--query", laps.frames});
+    test::check_failure(run_program("vpr-query", words), 2, word);
+  };
+  other({"--save-loops", laps.folder / "l.csv"}, "--loop");
+  other({"--descriptor", "hog"}, "--loop");
+  const auto fabmap = [&](std::vector<std::string> words, const char* word) {
+    INFO(word);
+    words.insert(words.begin(), {test::world().fabmap(), "--query", laps.frames, "--loop"});
+    test::check_failure(run_program("vpr-query", words), 2, word);
+  };
+  fabmap({"--loop-gap", "30s"}, "frames");
+  fabmap({"--descriptor", "hog"}, "FAB-MAP");
+}
+
+TEST_CASE("FAB-MAP's own frames are loops, too") {
+  const RenderedLaps laps;
+  const std::string list = laps.folder / "loops.csv";
+  const auto run =
+      run_program("vpr-query", {test::world().fabmap(), "--query", laps.frames, "--loop",
+                                "--loop-gap", "14", "--save-loops", list, "-o", laps.result});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Json by_result = laps.judge(laps.result, {});
+  CHECK(laps.judge(list, {"--similarity"})["loops"] == by_result["loops"]);
+  CHECK(by_result["loops"]["too_near"] == 0);
+}
+
+TEST_CASE("a picture and a matrix of a walk against its past have what was compared") {
+  const RenderedLaps laps;
+  const std::string matrix = laps.folder / "m.npy";
+  REQUIRE(laps.query({"--loop-gap", "15", "--save-matrix", matrix}).exit_code == 0);
+  const NpyArray cells(matrix);
+  REQUIRE(cells.shape() == std::vector<size_t>{47, 47});
+  const auto values = cells.values<int32_t>(2);
+  for (size_t j = 0; j < 47; ++j)
+    for (size_t i = 0; i < 47; ++i) CHECK((values[j * 47 + i] == -1) == (i + 15 > j));
+  CHECK(laps.query({"--loop-gap", "15", "--save-matrix", laps.folder / "m.png"}).exit_code == 0);
+}
+
+TEST_CASE("loops of a walk are the same for any threads and any SIMD target") {
+  const RenderedLaps laps;
+  std::string expected;
+  for (const char* threads : {"1", "3"})
+    for (const std::string& target : simd_targets()) {
+      const std::string list = laps.folder / "loops.csv";
+      REQUIRE(run_program(
+                  "vpr-query",
+                  {"--loop", "--query", laps.frames, "--c-l", "4", "--loop-gap", "15", "--score",
+                   "standardized", "--threads", threads, "--save-loops", list, "--force"},
+                  {"VPR_SIMD=" + target})
+                  .exit_code == 0);
+      if (expected.empty()) expected = test::read_text(list);
+      CHECK(test::read_text(list) == expected);
+    }
 }

@@ -1,0 +1,95 @@
+#include "query_loop.h"
+
+#include <fmt/format.h>
+
+#include "base/counted.h"
+#include "base/error.h"
+#include "evaluation/result_loops.h"
+#include "ground_truth/frame_times.h"
+#include "ground_truth/times.h"
+#include "images/sequence.h"
+#include "pipeline/loop_query.h"
+
+namespace vpr {
+namespace {
+
+void refuse(bool is_given, const char* what) {
+  if (is_given) throw Error(ErrorKind::usage, what);
+}
+
+std::string text_of(const SequenceArgument& argument) {
+  return argument.path.string() + range_text(argument.range);
+}
+
+// Whole seconds, one after the other, may as well count frames.
+bool are_numbers_of_frames(const std::vector<int64_t>& times) {
+  for (size_t f = 1; f < times.size(); ++f)
+    if (times[f] - times[f - 1] != kSecond) return false;
+  return times.size() > 1 && times.front() % kSecond == 0;
+}
+
+// Where the walk's own frames tell nothing of it, that is no fault of theirs.
+std::vector<int64_t> times_of(const SequenceArgument& walk, const QueryInputs& inputs,
+                              const Monitor& monitor) {
+  if (!inputs.loop.times.empty()) return read_frame_times(inputs.loop.times, monitor);
+  try {
+    const std::vector<int64_t> times = read_frame_times(text_of(walk), monitor);
+    if (are_numbers_of_frames(times))
+      warn(monitor, fmt::format("{}: the names of its frames are {} to {}, which are taken for "
+                                "seconds; if they count frames, give --times, or the gap in frames",
+                                text_of(walk), time_text(times.front()), time_text(times.back())));
+    return times;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::data) throw;
+    throw Error(ErrorKind::usage,
+                fmt::format("{}; a gap in seconds needs times: give them with --times FILE, one a "
+                            "line, or the gap in frames, as in --loop-gap 300",
+                            error.what()));
+  }
+}
+
+}  // namespace
+
+void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& settings,
+                       const Share& share) {
+  if (!settings.loop) {
+    refuse(!inputs.loop.list.empty(), "--save-loops lists what --loop finds; give --loop, too");
+    refuse(!inputs.loop.times.empty(), "--times are of a walk against itself; give --loop, too");
+    refuse(!settings.descriptor.empty(),
+           "--descriptor says what --loop describes frames by; a database says it for its queries");
+    return;
+  }
+  refuse(!inputs.database.empty(),
+         "--loop compares a walk with itself: leave the database out, as in vpr-query --loop "
+         "--loop-gap 300 --query FOLDER");
+  refuse(!inputs.scores.path.empty(), "--loop describes frames itself: leave --scores out");
+  refuse(inputs.follow,
+         "--follow compares with a database that does not grow: leave --loop out, or --follow");
+  refuse(!inputs.warp.empty(), "a query that is replayed (--warp) has no past of its own");
+  refuse(!inputs.loop.times.empty() && settings.loop_gap_s == 0,
+         "--times are for a gap in seconds, as in --loop-gap 30s");
+  check_loop(settings, share);
+}
+
+LoopWalk describe_loop(const SequenceArgument& walk, const QueryInputs& inputs,
+                       SequenceQuerySettings& settings, const Session& session) {
+  LoopWalk described;
+  if (settings.loop_gap_s != 0) described.times_ns = times_of(walk, inputs, session.monitor);
+  described.query = describe_walk(open_sequence(walk), settings, session.monitor);
+  const size_t frames = described.query.rows().size();
+  if (settings.loop_gap_s != 0 && described.times_ns.size() != frames)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has {}, and {} has {}",
+                            inputs.loop.times.empty() ? text_of(walk) : inputs.loop.times,
+                            counted(described.times_ns.size(), "time"), text_of(walk),
+                            counted(frames, "frame")));
+  described.database = own_walk(described.query, walk.path.filename().string());
+  return described;
+}
+
+void write_loops(const QueryInputs& inputs, const Result& result, const Session& session) {
+  if (!inputs.loop.list.empty())
+    session.outputs.file(inputs.loop.list).write(loops_csv(loops_of(result)));
+}
+
+}  // namespace vpr

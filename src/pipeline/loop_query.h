@@ -1,0 +1,29 @@
+// A walk against its own past: what takes the place of a database, and what it is asked for.
+#pragma once
+
+#include "base/share.h"
+#include "database/sequence_database.h"
+#include "ground_truth/loop_gap.h"
+#include "recognition/query_settings.h"
+
+namespace vpr {
+
+/// The walk described by settings.descriptor, which then has a name. Throws as describe_frames
+/// does.
+DescriptorSet describe_walk(const Sequence& walk, SequenceQuerySettings& settings,
+                            const Monitor& monitor);
+
+/// The query as the only training sequence, of its name; nothing is learned from it.
+SequenceDatabase own_walk(const DescriptorSet& query, const std::string& name);
+
+/// The gap of a walk against its own past, whose settings were checked.
+LoopGap loop_gap_of(const SequenceQuerySettings& settings);
+
+/// Throws Error(usage) for settings by which what is said of a frame would depend on later ones,
+/// for methods that do not see every window by itself, and where several processes work.
+void check_loop(const SequenceQuerySettings& settings, const Share& share);
+
+/// Throws Error(usage) for a walk against its own past, where there is a database.
+void refuse_loop(const SequenceQuerySettings& settings);
+
+}  // namespace vpr
