@@ -10,6 +10,8 @@
 namespace vpr {
 namespace {
 
+constexpr size_t kFirstLine = 2;  // behind the header
+
 bool is_hit(const Result& result, const Match& match) {
   const auto found = std::lower_bound(
       result.hits.begin(), result.hits.end(), match, [](const Match& a, const Match& b) {
@@ -45,8 +47,8 @@ std::vector<ListedLoop> loops_of(const Result& result) {
     if (is_decided(result) && !is_hit(result, *best)) continue;
     const double score =
         kind.frame_value == nullptr ? best->score : kind.frame_value(best->score, length);
-    loops.push_back(
-        {anchor_of(best->query, length), anchor_of(best->train - first, length), score, 0});
+    loops.push_back({anchor_of(best->query, length), anchor_of(best->train - first, length), score,
+                     loops.size() + kFirstLine});
   }
   return loops;
 }

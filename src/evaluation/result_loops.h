@@ -13,8 +13,8 @@ namespace vpr {
 bool has_loops(const Result& result);
 
 /// The best match of each query window, as last frames of both and the score a frame; where a
-/// threshold or a margin was set, those that are hits. Of FAB-MAP all, by probability. Without
-/// lines. The result has_loops().
+/// threshold or a margin was set, those that are hits. Of FAB-MAP all, by probability. Lines are
+/// those of loops_csv. The result has_loops().
 std::vector<ListedLoop> loops_of(const Result& result);
 
 /// The same as a list under a name, for a trajectory. Throws Error(data) for a result that has no

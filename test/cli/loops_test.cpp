@@ -182,6 +182,7 @@ TEST_CASE("a walk against its own past gives loops that vpr-eval judges") {
     const Json by_list = laps.judge(list, {"--distance"});
     CHECK(by_list["loops"] == by_result["loops"]);
     CHECK(by_list["metrics"] == by_result["metrics"]);
+    CHECK(by_list["wrong_loops"] == by_result["wrong_loops"]);
     // Windows of the second lap find the first, but those that begin in the first and end in the
     // second, which are like none.
     CHECK(by_result["loops"]["listed"] == 50 - 3 - 15);
