@@ -46,7 +46,8 @@ std::vector<std::optional<Sequence>> open_references(const std::vector<NamedSequ
       return !t.name.empty() && t.name == scope.sequences[s].name;
     });
     references[s] = open_sequence((named == train.end() ? train[s] : *named).sequence);
-    require_frames(*references[s], scope.sequences[s].frames, scope.sequences[s].name);
+    const auto& [name, frames, searched, kept] = scope.sequences[s];
+    require_frames(*references[s], kept ? kept->recorded_frames : frames, name);
   }
   return references;
 }

@@ -46,10 +46,10 @@ FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& data
     query.words.frames = read_openfabmap_frames(argument, database.tree.words());
     return query;
   }
-  const QuerySource source = find_query(inputs);
+  const QuerySource source = find_query(inputs, session.monitor);
   query.name = source.sequence.name;
   query.path = source.sequence.sequence.path.string();
-  query.images = source.sequence.sequence;
+  query.images = {source.sequence.sequence.path, source.sequence.sequence.range};
   query.words = describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable,
                                session.share, session.monitor);
   return query;

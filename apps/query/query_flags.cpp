@@ -65,6 +65,7 @@ void add_inputs(const Command& app, QueryInputs& inputs) {
       "range");
   app.add_option("--dataset", inputs.dataset, "data set description that holds the query");
   add_warp_flag(app, inputs.warp);
+  add_rate_flags(app, inputs.rate, "the query");
   add_score_flags(app, inputs.scores);
 }
 

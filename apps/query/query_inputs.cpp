@@ -17,33 +17,50 @@ NamedSequence named_sequence(const std::string& text) {
   return {sequence_names({argument}).front(), argument};
 }
 
+// As --query or --query-npy names it.
+NamedSequence sequence_of_flags(const QueryInputs& inputs) {
+  if (!inputs.query_npy.empty()) {
+    const NamedSequence sequence = named_sequence(inputs.query_npy);
+    if (open_sequence(sequence.sequence).kind != SequenceKind::descriptors)
+      throw Error(ErrorKind::usage,
+                  fmt::format("{}: is no .npy file, nor a folder with .npy files and no images",
+                              sequence.sequence.path.string()));
+    return sequence;
+  }
+  if (!inputs.query) throw Error(ErrorKind::usage, "give the query sequence, as in --query FOLDER");
+  return named_sequence(*inputs.query);
+}
+
 }  // namespace
 
-QuerySource find_query(const QueryInputs& inputs) {
+QuerySource find_query(const QueryInputs& inputs, const Monitor& monitor) {
   QuerySource source;
   if (!inputs.ground_truth.empty())
     source.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
   if (!inputs.query_npy.empty() && (inputs.query || !inputs.dataset.empty()))
     throw Error(ErrorKind::usage, "give --query-npy alone, without --query and --dataset");
+  std::optional<Dataset> dataset;
   if (!inputs.dataset.empty()) {
-    const Dataset dataset = read_dataset(inputs.dataset);
-    const DatasetQuery& query = select_query(dataset, inputs.query);
+    dataset = read_dataset(inputs.dataset);
+    const DatasetQuery& query = select_query(*dataset, inputs.query);
     source.sequence = query.sequence;
     if (!source.ground_truth)
       source.ground_truth = ground_truth_of(query, DatabaseFamily::sequences, inputs.flags);
-    return source;
+  } else {
+    source.sequence = sequence_of_flags(inputs);
   }
-  if (!inputs.query_npy.empty()) {
-    source.sequence = named_sequence(inputs.query_npy);
-    if (open_sequence(source.sequence.sequence).kind != SequenceKind::descriptors)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: is no .npy file, nor a folder with .npy files and no images",
-                              source.sequence.sequence.path.string()));
-    return source;
-  }
-  if (!inputs.query) throw Error(ErrorKind::usage, "give the query sequence, as in --query FOLDER");
-  source.sequence = named_sequence(*inputs.query);
+  SequenceArgument& sequence = source.sequence.sequence;
+  if (!inputs.follow || std::filesystem::is_regular_file(sequence.path))
+    sequence = rated(sequence, inputs.rate, inputs.flags.options.query_times,
+                     dataset ? &*dataset : nullptr, monitor);
+  if (source.ground_truth) leave_times_to_rate(*source.ground_truth, inputs.rate);
   return source;
+}
+
+bool asks_for_truth(const QueryInputs& inputs) {
+  GroundTruthFlags flags = inputs.flags;
+  if (inputs.rate.fps) flags.options.query_times.clear();
+  return !inputs.ground_truth.empty() || any_given(flags);
 }
 
 ResultContext context_of(const Session& session, const QueryInputs& inputs,

@@ -7,6 +7,7 @@
 
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
+#include "common/rate_flags.h"
 #include "ground_truth/dataset.h"
 #include "matching/given_distances.h"
 #include "pipeline/train.h"
@@ -38,6 +39,7 @@ struct QueryInputs {
   QueryLoop loop;
   std::string dataset;
   std::string warp;  ///< how the query is replayed; empty: as it is
+  RateFlags rate;
   std::string ground_truth;
   GroundTruthFlags flags;  ///< of the ground truth
   std::string matrix;
@@ -55,8 +57,13 @@ struct QuerySource {
   std::optional<GroundTruthArgument> ground_truth;
 };
 
-/// The query of --query or --dataset. Throws Error(usage) if there is none.
-QuerySource find_query(const QueryInputs& inputs);
+/// The query of --query or --dataset, with its rate, and thinned to --fps; not so a folder or
+/// camera that is followed, whose frames are not known. Throws Error(usage) if there is none, and
+/// what `rated` throws.
+QuerySource find_query(const QueryInputs& inputs, const Monitor& monitor);
+
+/// Whether any flag of the ground truth is given, but for --query-times where --fps needs it.
+bool asks_for_truth(const QueryInputs& inputs);
 
 /// The query of --scores: its name, and the ground truth of --ground-truth.
 QuerySource find_scored_query(const QueryInputs& inputs);

@@ -8,10 +8,12 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "ground_truth/thinned_source.h"
 #include "images/live_source.h"
 #include "matching/methods.h"
 #include "pipeline/fuse.h"
 #include "pipeline/live_query.h"
+#include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "query_inputs.h"
@@ -29,23 +31,51 @@ void refuse_whole(const Session& session, const QueryInputs& inputs) {
   refuse(!session.options.output.empty(), "--output",
          "which prints a line for each frame; redirect standard output");
   refuse(!inputs.matrix.empty(), "--save-matrix", "which keeps no row");
-  refuse(!inputs.ground_truth.empty() || any_given(inputs.flags), "--ground-truth",
-         "which draws nothing");
+  refuse(asks_for_truth(inputs), "--ground-truth", "which draws nothing");
   refuse(inputs.verify_cells > 0, "--verify", "which keeps no row");
   refuse(!inputs.query_npy.empty(), "--query-npy", "which describes frames itself");
   refuse(!inputs.warp.empty(), "--warp", "which replays nothing");
 }
 
+// As frames come, nobody knows their times but by their names.
+void refuse_list_of_times(const QueryInputs& inputs) {
+  if (!inputs.flags.options.query_times.empty())
+    throw Error(ErrorKind::usage,
+                "--query-times can't be given with --follow, which takes times from the names of "
+                "images as they come");
+}
+
+// As the flags or the data set say it.
+std::optional<double> recorded_fps(const QueryInputs& inputs) {
+  if (inputs.rate.recorded_fps || inputs.dataset.empty()) return inputs.rate.recorded_fps;
+  const double fps = read_dataset(inputs.dataset).frames_per_second;
+  return fps > 0 ? std::optional(fps) : std::nullopt;
+}
+
 struct NamedSource {
   std::string name;
+  std::optional<double> fps;
   std::unique_ptr<LiveSource> source;
 };
 
-NamedSource open_source(const QueryInputs& inputs, Unreadable unreadable) {
+// Of what grows, frames are thinned as they come; of what has an end, they are chosen already.
+std::unique_ptr<LiveSource> thinned_source(std::unique_ptr<LiveSource> source,
+                                           const QueryInputs& inputs) {
+  check_rates(inputs.rate);
+  if (!inputs.rate.fps) return source;
+  return open_thinned_source(std::move(source), *inputs.rate.fps, recorded_fps(inputs));
+}
+
+NamedSource open_source(const QueryInputs& inputs, Unreadable unreadable, const Monitor& monitor) {
   if (inputs.dataset.empty() && inputs.query == "-")
-    return {"standard input", open_live_pipe(STDIN_FILENO)};
-  const NamedSequence query = find_query(inputs).sequence;
-  return {query.name, open_live_source(query.sequence, unreadable)};
+    return {"standard input", inputs.rate.fps,
+            thinned_source(open_live_pipe(STDIN_FILENO), inputs)};
+  const NamedSequence query = find_query(inputs, monitor).sequence;
+  auto source = open_live_source(query.sequence, unreadable);
+  if (std::filesystem::is_regular_file(query.sequence.path))
+    return {query.name, query.sequence.fps, std::move(source)};
+  const auto fps = inputs.rate.fps ? inputs.rate.fps : recorded_fps(inputs);
+  return {query.name, fps, thinned_source(std::move(source), inputs)};
 }
 
 /// How long frames took, from when they were there until their line was printed, in milliseconds.
@@ -130,7 +160,9 @@ void follow_query(Session& session, const QueryInputs& inputs, const SequenceQue
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
   fuse_views(database, settings, inputs.fuse, session.kernels, session.monitor);
   warn_of_automatic(settings, session.monitor);
-  const NamedSource query = open_source(inputs, unreadable);
+  refuse_list_of_times(inputs);
+  const NamedSource query = open_source(inputs, unreadable, session.monitor);
+  warn_of_rates(database, query.fps, settings, session.monitor);
   Monitor silent = session.monitor;
   silent.progress = nullptr;
   Follower follower{session, database, unreadable, silent,

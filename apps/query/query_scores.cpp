@@ -81,6 +81,8 @@ void check_scores(const QueryInputs& inputs, const SequenceQuerySettings& settin
   refuse(!inputs.query_npy.empty(), "--query-npy", kBeside);
   refuse(!inputs.dataset.empty(), "--dataset", kBeside);
   refuse(inputs.follow, "--follow", kBeside);
+  refuse(inputs.rate.fps || inputs.rate.recorded_fps, "--fps",
+         "does not go with --scores, whose frames are those of the matrix");
   refuse(!inputs.fuse.empty() || settings.fusion_weight, "--fuse", kBeside);
   refuse(settings.skip_unreadable, "--skip-unreadable",
          "does not go with --scores: frames without a score never match");

@@ -15,6 +15,7 @@
 #include "pipeline/fuse.h"
 #include "pipeline/given_query.h"
 #include "pipeline/query.h"
+#include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
@@ -114,7 +115,7 @@ struct Sides {
 
 void describe_own(Sides& sides, const Session& session, const QueryInputs& inputs,
                   SequenceQuerySettings& settings) {
-  sides.source = find_query(inputs);
+  sides.source = find_query(inputs, session.monitor);
   LoopWalk walk = describe_loop(sides.source.sequence.sequence, inputs, settings, session);
   sides.database = std::move(walk.database);
   sides.database.sequences.front().name = sides.source.sequence.name;
@@ -126,7 +127,7 @@ void describe_own(Sides& sides, const Session& session, const QueryInputs& input
 
 void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
               const SequenceQuerySettings& settings) {
-  sides.source = find_query(inputs);
+  sides.source = find_query(inputs, session.monitor);
   sides.database = read_sequence_database(inputs.database);
   check_score(settings);
   if (score_kind(settings.score).needs_statistics)
@@ -137,6 +138,8 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
       replayed(describe_frames(open_sequence(sides.source.sequence.sequence), sides.database,
                                settings.skip_unreadable, session.share, session.monitor),
                inputs.warp, session.options.seed);
+  if (session.share.is_first())
+    warn_of_rates(sides.database, sides.query.frames.fps, settings, session.monitor);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);
   if (const FusedViews* fused = fused_views(sides.database))

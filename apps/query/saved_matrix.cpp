@@ -22,8 +22,7 @@ bool has_gaps(const QueryPlan& plan) {
 }  // namespace
 
 void claim_matrix(const QueryInputs& inputs, OutputTransaction& outputs) {
-  const bool has_truth = !inputs.ground_truth.empty() || any_given(inputs.flags);
-  if (has_truth && !inputs.matrix.ends_with(".png"))
+  if (asks_for_truth(inputs) && !inputs.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage,
                 "--ground-truth, and what goes with it, is for the picture of --save-matrix "
                 "FILE.png; counts come from "

@@ -216,6 +216,7 @@ int main(int argc, char** argv) {
       "  vpr-query --scores S.npy --similarity --c-l 10 --score standardized -o r.json\n"
       "  vpr-query --loop --loop-gap 30s --query walk --c-l 20 --save-loops loops.csv\n"
       "  vpr-query corridor.vprdb --query tuesday --warp varying --seed 2 -o r.json\n"
+      "  vpr-query corridor.vprdb --query tuesday.mp4 --fps 5 -o r.json\n"
       "  vpr-query corridor.vprdb --query tuesday --fuse fabmap.vprdb --c-l 5\n"
       "  vpr-query fabmap.vprdb --query walk --t-p 0.6 --c-w 3 -o result.json");
   QueryInputs inputs;

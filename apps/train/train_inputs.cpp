@@ -39,6 +39,17 @@ std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
   return named;
 }
 
+std::vector<NamedArgument> rated_arguments(const TrainInputs& inputs, const Monitor& monitor,
+                                           const std::vector<std::string>& taken) {
+  std::optional<Dataset> dataset;
+  if (!inputs.dataset.empty()) dataset = read_dataset(inputs.dataset);
+  std::vector<NamedArgument> named = named_arguments(inputs, taken);
+  for (NamedArgument& argument : named)
+    argument.sequence =
+        rated(argument.sequence, inputs.rate, {}, dataset ? &*dataset : nullptr, monitor);
+  return named;
+}
+
 void claim_database(const Session& session) {
   if (session.options.output.empty())
     throw Error(ErrorKind::usage, "give the database to write, as in -o DB.vprdb");

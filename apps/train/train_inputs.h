@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/command.h"
+#include "common/rate_flags.h"
 #include "database/fabmap_database.h"
 #include "descriptors/imported.h"
 #include "pipeline/fabmap_train.h"
@@ -16,6 +17,7 @@ struct TrainInputs {
   std::vector<std::string> sequences;
   std::string folders;
   std::string dataset;
+  RateFlags rate;  ///< of fastable, and of add to such a database
 };
 
 /// --train and --train-folders.
@@ -24,6 +26,10 @@ void add_inputs(const Command& command, TrainInputs& inputs);
 /// The training sequences with their names, none of which is in `taken`. Throws Error(usage) if
 /// there is none.
 std::vector<NamedArgument> named_arguments(const TrainInputs& inputs,
+                                           const std::vector<std::string>& taken = {});
+
+/// The same with their rates, thinned to --fps. Throws what `rated` throws, too.
+std::vector<NamedArgument> rated_arguments(const TrainInputs& inputs, const Monitor& monitor,
                                            const std::vector<std::string>& taken = {});
 
 /// Claims the database of --output. Throws Error(usage) if none is named.

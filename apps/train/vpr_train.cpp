@@ -27,11 +27,17 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
   std::vector<std::string> taken;
   for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
   store_sequences(
-      session, add_sequences(database, named_arguments(inputs.train, taken), inputs.skip_unreadable,
-                             session.kernels, session.share, session.monitor));
+      session,
+      add_sequences(database, rated_arguments(inputs.train, session.monitor, taken),
+                    inputs.skip_unreadable, session.kernels, session.share, session.monitor));
 }
 
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
+  if (inputs.train.rate.fps || inputs.train.rate.recorded_fps)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is a database for fabmap, whose views are not thinned by --fps; "
+                            "give a range with a step, as in PATH@::6",
+                            path));
   FabmapDatabase database = read_fabmap_database(path);
   std::vector<std::string> taken;
   for (const ViewGroup& group : database.groups) taken.push_back(group.name);
@@ -78,15 +84,18 @@ void add_fastable_command(Program& program, FastableCommand& given) {
   const Command fastable = program.add_command(
       "fastable", "A database for FastABLE and OpenABLE: one descriptor a frame.",
       "  vpr-train fastable --train corridor/ref -o corridor.vprdb\n"
-      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb",
+      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb\n"
+      "  vpr-train fastable --train monday.mp4 --fps 5 -o monday.vprdb",
       [&](Session& session) {
         claim_database(session);
-        store_sequences(session, train_sequences(named_arguments(given.inputs), given.settings,
-                                                 session.kernels, session.share, session.monitor));
+        store_sequences(
+            session, train_sequences(rated_arguments(given.inputs, session.monitor), given.settings,
+                                     session.kernels, session.share, session.monitor));
       },
       Processes::several);
   program.add_config(fastable, given.settings);
   add_inputs(fastable, given.inputs);
+  add_rate_flags(fastable, given.inputs.rate, "training sequences");
   fastable.add_option("--dataset", given.inputs.dataset,
                       "data set description, instead of sequences");
   add_setting(fastable, "--descriptor", given.settings.descriptor_kind,
@@ -149,6 +158,7 @@ void add_add_command(Program& program, DatabaseCommands& given) {
   add.add_option("DB", given.path, "database to start from").required();
   add_inputs(add, given.added.train);
   add_place_option(add, given.added.places);
+  add_rate_flags(add, given.added.train.rate, "training sequences");
   add.add_flag("--skip-unreadable", given.added.skip_unreadable,
                "frames that can't be decoded keep their index and never match");
 }

@@ -7,6 +7,7 @@
 #include "images/sequence.h"
 #include "pipeline/calibrate.h"
 #include "pipeline/margin_plan.h"
+#include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "report/calibration_report.h"
@@ -14,15 +15,6 @@
 
 namespace vpr {
 namespace {
-
-constexpr double kMostFps = 1000;
-
-CalibrationRequest request_of(const CalibrateTune& command) {
-  if (command.fps && !(*command.fps > 0 && *command.fps <= kMostFps))
-    throw Error(ErrorKind::usage, fmt::format("--fps must be above 0 and at most {}, found {}",
-                                              kMostFps, *command.fps));
-  return {command.precision.value_or(1), command.fps};
-}
 
 CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const Source& source,
                          double precision) {
@@ -35,17 +27,21 @@ CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const S
   const DescriptorSet query = replayed(describe_frames(open_sequence(source.sequence.sequence),
                                                        database, settings.skip_unreadable, monitor),
                                        command.inputs.warp, session.options.seed);
+  warn_of_rates(database, query.frames.fps, settings, monitor);
   return calibrate_walk(database, query, source.sequence.name, settings,
                         calibrated_lengths(command.windows, database, query), precision,
                         reader_of(source.ground_truth, monitor), resources, monitor);
 }
 
 void tune_calibrate(Session& session, const CalibrateTune& command) {
-  const CalibrationRequest request = request_of(command);
+  TuneInputs inputs = command.inputs;
+  inputs.rate.otherwise = inputs.rate.fps;  // a walk that does not say its rate has this one
   session.claim_output();
-  const Sources sources = find_sources(command.inputs, DatabaseFamily::sequences, session.monitor);
+  const Sources sources = find_sources(inputs, DatabaseFamily::sequences, session.monitor);
   if (sources.queries.size() > 1)
     throw Error(ErrorKind::usage, "a calibration is of one walk; give one --dataset");
+  const CalibrationRequest request{command.precision.value_or(1),
+                                   sources.queries.front().sequence.sequence.fps};
   const Stopwatch watch;
   const CalibratedWalk walk =
       calibrate(session, command, sources.queries.front(), request.precision);
@@ -69,15 +65,15 @@ void add_walk(const Command& command, TuneInputs& inputs) {
   command.add_list("--dataset", inputs.datasets,
                    "data set description with the walk and its ground truth");
   add_warp_flag(command, inputs.warp);
+  add_rate_flags(command, inputs.rate,
+                 "a walk whose rate is known (any other has it: false recognitions are given for "
+                 "an hour, and not for 1000 windows)");
   add_ground_truth_flags(command, inputs.flags);
 }
 
 void add_asked(const Command& command, CalibrateTune& tune) {
   command.add_option("--precision", tune.precision,
                      "share of the recognised windows that is to be right (default 1)");
-  command.add_option("--fps", tune.fps,
-                     "frames of the walk a second: false recognitions are given for an hour "
-                     "(default: for 1000 windows)");
   command.add_option("--c-l", tune.windows, calibrated_lengths_help());
 }
 

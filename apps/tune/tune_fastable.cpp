@@ -5,6 +5,7 @@
 #include "images/sequence.h"
 #include "pipeline/fuse.h"
 #include "pipeline/margin_plan.h"
+#include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
@@ -46,6 +47,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
         replayed(describe_frames(open_sequence(source.sequence.sequence), database,
                                  settings.skip_unreadable, session.share, monitor),
                  inputs.warp, session.options.seed);
+    if (session.share.is_first()) warn_of_rates(database, query.frames.fps, settings, monitor);
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,

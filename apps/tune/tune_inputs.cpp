@@ -15,23 +15,31 @@ namespace {
 
 // A query of a data set, with the flags' changes to its ground truth.
 Source find_in_dataset(const TuneInputs& inputs, const std::string& path, const std::string& name,
-                       DatabaseFamily family) {
+                       DatabaseFamily family, const Monitor& monitor) {
   const Dataset dataset = read_dataset(path);
   const DatasetQuery& query =
       select_query(dataset, name.empty() ? std::nullopt : std::optional(name));
-  const auto truth = ground_truth_of(query, family, inputs.flags);
+  auto truth = ground_truth_of(query, family, inputs.flags);
   if (!truth)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: the query {} has no ground truth", path, query.sequence.name));
-  return {query.sequence, *truth};
+  NamedSequence sequence = query.sequence;
+  sequence.sequence =
+      rated(sequence.sequence, inputs.rate, truth->options.query_times, &dataset, monitor);
+  leave_times_to_rate(*truth, inputs.rate);
+  return {sequence, *truth};
 }
 
 // A sequence and a ground truth as the command line names them.
 Source parse_source(const TuneInputs& inputs, const std::string& sequence,
-                    const std::string& ground_truth) {
+                    const std::string& ground_truth, const Monitor& monitor) {
   const SequenceArgument argument = parse_sequence_argument(sequence);
-  return {{sequence_names({argument}).front(), argument},
-          ground_truth_argument(ground_truth, inputs.flags)};
+  GroundTruthArgument truth = ground_truth_argument(ground_truth, inputs.flags);
+  const NamedSequence named = {
+      sequence_names({argument}).front(),
+      rated(argument, inputs.rate, truth.options.query_times, nullptr, monitor)};
+  leave_times_to_rate(truth, inputs.rate);
+  return {named, truth};
 }
 
 bool share_frames(const SequenceArgument& a, const SequenceArgument& b) {
@@ -40,26 +48,29 @@ bool share_frames(const SequenceArgument& a, const SequenceArgument& b) {
          b.range.first < a.range.last.value_or(kEnd);
 }
 
-std::vector<Source> find_queries(const TuneInputs& inputs, DatabaseFamily family) {
+std::vector<Source> find_queries(const TuneInputs& inputs, DatabaseFamily family,
+                                 const Monitor& monitor) {
   std::vector<Source> queries;
   for (const std::string& path : inputs.datasets)
-    queries.push_back(find_in_dataset(inputs, path, inputs.query, family));
+    queries.push_back(find_in_dataset(inputs, path, inputs.query, family, monitor));
   if (!queries.empty()) return queries;
   if (inputs.query.empty() || inputs.ground_truth.empty())
     throw Error(ErrorKind::usage,
                 "give --query and --ground-truth, or data sets that have both (--dataset)");
-  return {parse_source(inputs, inputs.query, inputs.ground_truth)};
+  return {parse_source(inputs, inputs.query, inputs.ground_truth, monitor)};
 }
 
-std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily family) {
+std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily family,
+                                      const Monitor& monitor) {
   const bool in_dataset = inputs.validate_ground_truth.empty() && inputs.datasets.size() == 1;
   if (inputs.validate.empty() != inputs.validate_ground_truth.empty() && !in_dataset)
     throw Error(ErrorKind::usage,
                 "give both --validate and --validate-ground-truth, or with one --dataset the name "
                 "of another of its queries as --validate");
   if (inputs.validate.empty()) return std::nullopt;
-  return in_dataset ? find_in_dataset(inputs, inputs.datasets.front(), inputs.validate, family)
-                    : parse_source(inputs, inputs.validate, inputs.validate_ground_truth);
+  return in_dataset
+             ? find_in_dataset(inputs, inputs.datasets.front(), inputs.validate, family, monitor)
+             : parse_source(inputs, inputs.validate, inputs.validate_ground_truth, monitor);
 }
 
 }  // namespace
@@ -72,7 +83,7 @@ TruthReader reader_of(const GroundTruthArgument& argument, const Monitor& monito
 
 Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Monitor& monitor) {
   if (!inputs.warp.empty()) check_warp(inputs.warp);
-  Sources sources{find_queries(inputs, family), find_validation(inputs, family)};
+  Sources sources{find_queries(inputs, family, monitor), find_validation(inputs, family, monitor)};
   if (!sources.validation) return sources;
   const SequenceArgument& validation = sources.validation->sequence.sequence;
   for (const Source& query : sources.queries)
@@ -116,6 +127,7 @@ void add_tune_inputs(const Command& command, TuneInputs& inputs) {
   command.add_option("--validate-ground-truth", inputs.validate_ground_truth,
                      "its ground truth, read like the other");
   add_warp_flag(command, inputs.warp);
+  add_rate_flags(command, inputs.rate, "queries");
   add_ground_truth_flags(command, inputs.flags);
   command.add_option("--heat-map", inputs.heat_map,
                      "picture (PNG) of correct and incorrect hits over the grid");

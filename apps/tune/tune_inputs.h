@@ -8,6 +8,7 @@
 
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
+#include "common/rate_flags.h"
 #include "ground_truth/dataset.h"
 #include "pipeline/sweep.h"
 #include "report/table.h"
@@ -21,6 +22,7 @@ struct TuneInputs {
   std::string ground_truth;
   std::string fuse;  ///< FAB-MAP's database of the same training sequences, for fastable
   std::string warp;  ///< how every query is replayed; empty: as it is
+  RateFlags rate;
   GroundTruthFlags flags;
   std::vector<std::string> datasets;
   GridFlags grid;
@@ -92,7 +94,6 @@ struct CalibrateTune {
   TuneInputs inputs;
   SequenceQuerySettings settings;
   std::optional<double> precision;
-  std::optional<double> fps;
   std::string windows;
   size_t memory_limit = kDefaultMemoryLimit;
 };

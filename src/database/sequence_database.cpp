@@ -9,8 +9,8 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "base/text.h"
-#include "database/archive.h"
 #include "database/family.h"
+#include "database/sequence_rates.h"
 #include "database/shared_places_json.h"
 
 namespace vpr {
@@ -26,6 +26,7 @@ Json sequence_to_json(const TrainSequence& sequence) {
                {"unreadable", sequence.unreadable}};
   if (sequence.typical_distance) json["typical_distance"] = *sequence.typical_distance;
   if (sequence.half_width) json["half_width"] = *sequence.half_width;
+  add_rate(json, sequence);
   return json;
 }
 
@@ -116,6 +117,7 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
   }
   if (sequences.empty() || first != frame_names.size())
     archive.fail("its numbers of frames do not fit frames.txt");
+  read_rates(archive, sequences);
   return sequences;
 }
 
@@ -250,8 +252,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   if (frame_names.back().empty()) frame_names.pop_back();  // behind the end of the last line
   database.sequences = read_sequences(archive, frame_names, shape);
   database.thresholds = read_thresholds(archive, database.sequences);
-  size_t frames = 0;
-  for (const TrainSequence& sequence : database.sequences) frames += sequence.frame_count();
+  const size_t frames = frame_names.size();
   database.descriptors = {
       &kind, {}, read_codes(archive, frames, shape), shape.length, read_unit(archive, kind)};
   database.statistics = read_statistics(archive, frames, shape);
@@ -265,6 +266,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   ArchiveWriter writer(outputs.folder(path, is_database_folder));
   writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
   writer.add_text(kFramesFile, frame_lines(database));
+  write_kept(writer, database.sequences);
   if (database.statistics)
     writer.add_array(kStatisticsFile, std::span<const float>(statistics_rows(*database.statistics)),
                      {rows.size(), 2});

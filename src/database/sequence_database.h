@@ -14,6 +14,7 @@
 #include "base/output_transaction.h"
 #include "database/train_statistics.h"
 #include "descriptors/frame_descriptors.h"
+#include "images/warp.h"
 
 namespace vpr {
 
@@ -27,6 +28,8 @@ struct TrainSequence {
   std::optional<double> typical_distance = std::nullopt;
   /// After how many frames it shows another place; none in databases of older date.
   std::optional<size_t> half_width = std::nullopt;
+  std::optional<double> fps = std::nullopt;   ///< frames a second, where known
+  std::optional<Replay> kept = std::nullopt;  ///< where they are kept ones of a recording
   size_t frame_count() const { return frame_names.size(); }
 };
 

@@ -54,6 +54,19 @@ DescriptorSet import_by(const DescriptorKind&, const Sequence& sequence,
   return import_descriptors(sequence, element, unreadable, monitor, settings.unit);
 }
 
+// The set with the frames that a replay of it shows.
+DescriptorSet shown(const DescriptorSet& set, Replay replay) {
+  DescriptorSet result;
+  result.descriptors.kind = set.descriptors.kind;
+  result.descriptors.unit = set.descriptors.unit;
+  result.given = set.given;
+  const DescriptorRows rows = set.rows();
+  for (const uint32_t source : replay.sources) result.descriptors.append(rows.subspan(source, 1));
+  if (!set.words.empty()) result.words = replayed(set.words, replay);
+  result.frames = replayed(set.frames, std::move(replay));
+  return result;
+}
+
 constexpr std::array<DescriptorKind, 9> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
@@ -95,7 +108,11 @@ constexpr std::array<DescriptorKind, 9> kKinds = {{
 DescriptorSet DescriptorKind::describe(const Sequence& sequence, const DescriptorSettings& settings,
                                        Unreadable unreadable, const Monitor& monitor,
                                        const FrameVisitor& visit) const {
-  return describe_with(*this, sequence, settings, unreadable, visit, monitor);
+  DescriptorSet set = describe_with(*this, sequence, settings, unreadable, visit, monitor);
+  const SequenceArgument& argument = sequence.argument;
+  if (argument.kept && sequence.is_one_array()) set = shown(set, *argument.kept);
+  note_kept(set.frames, argument);
+  return set;
 }
 
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
@@ -141,16 +158,7 @@ void DescriptorStore::append(const DescriptorRows& more) {
 
 DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed) {
   if (warp.empty()) return set;
-  DescriptorSet result;
-  result.descriptors.kind = set.descriptors.kind;
-  result.descriptors.unit = set.descriptors.unit;
-  result.given = set.given;
-  result.frames = replayed(set.frames, replay(warp, set.frames.count(), seed));
-  const DescriptorRows rows = set.rows();
-  for (const uint32_t source : result.frames.replay->sources)
-    result.descriptors.append(rows.subspan(source, 1));
-  if (!set.words.empty()) result.words = replayed(set.words, *result.frames.replay);
-  return result;
+  return shown(set, replay(warp, set.frames.count(), seed));
 }
 
 DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames) {

@@ -76,7 +76,7 @@ GroundTruthScope scope_of(const Result& result) {
   GroundTruthScope scope;
   scope.query_frames = result.query_frames;
   for (const Target& target : result.targets)
-    scope.sequences.push_back({target.name, target.frames, target.searched});
+    scope.sequences.push_back({target.name, target.frames, target.searched, target.kept});
   scope.replay = result.replay;
   return scope;
 }

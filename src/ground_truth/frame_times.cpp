@@ -26,23 +26,6 @@ size_t time_column(const std::vector<std::string_view>& header) {
   return 0;
 }
 
-/// Of the names of images, without their extensions.
-std::vector<int64_t> times_of_names(const Sequence& sequence) {
-  FileLocation location;
-  std::vector<int64_t> times;
-  std::optional<TimeUnit> unit;
-  for (const std::filesystem::path& file : sequence.files) {
-    location.file = file.string();
-    const std::string name = file.stem().string();
-    if (!unit) unit = unit_of_time(name);
-    if (!unit) location.fail(fmt::format("its name \"{}\" is no time", name));
-    const int64_t time = read_time(location, name, *unit);
-    if (!times.empty() && time <= times.back()) refuse_time_order(location, times.back(), time);
-    times.push_back(time);
-  }
-  return times;
-}
-
 bool is_text(const std::filesystem::path& path) {
   const MappedFile file(path);
   return file.text().substr(0, kStartBytes).find('\0') == std::string_view::npos;
@@ -92,6 +75,22 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
     if (frame_in_range(source.range, index++)) times.push_back(time);
   }
   if (times.empty()) location.fail("has no times");
+  return times;
+}
+
+std::vector<int64_t> times_of_names(const Sequence& sequence) {
+  FileLocation location;
+  std::vector<int64_t> times;
+  std::optional<TimeUnit> unit;
+  for (const std::filesystem::path& file : sequence.files) {
+    location.file = file.string();
+    const std::string name = file.stem().string();
+    if (!unit) unit = unit_of_time(name);
+    if (!unit) location.fail(fmt::format("its name \"{}\" is no time", name));
+    const int64_t time = read_time(location, name, *unit);
+    if (!times.empty() && time <= times.back()) refuse_time_order(location, times.back(), time);
+    times.push_back(time);
+  }
   return times;
 }
 

@@ -9,6 +9,7 @@
 #include "base/monitor.h"
 #include "ground_truth/file_location.h"
 #include "ground_truth/times.h"
+#include "images/sequence.h"
 
 namespace vpr {
 
@@ -24,6 +25,10 @@ int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit 
 /// Throws Error(input) if it can't be read, Error(data), naming the line, for what is no time and
 /// for times that do not rise.
 std::vector<int64_t> read_time_list(const std::filesystem::path& path);
+
+/// Nanoseconds, of the names of a sequence's files, without their extensions. Throws as
+/// read_frame_times does.
+std::vector<int64_t> times_of_names(const Sequence& sequence);
 
 /// Nanoseconds, one a frame: of a list as read_time_list reads it, of the images of a folder by
 /// their names, which must be numbers (1305031102.175304.png, 1403636579763555584.png), or of a

@@ -8,6 +8,7 @@
 #include "base/named_table.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/formats.h"
+#include "ground_truth/kept_labels.h"
 #include "ground_truth/presets.h"
 
 namespace vpr {
@@ -31,18 +32,39 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
   return result;
 }
 
+const Replay* first_kept(const GroundTruthScope& scope) {
+  for (const auto& sequence : scope.sequences)
+    if (sequence.kept) return &*sequence.kept;
+  return nullptr;
+}
+
+// What the files know of: whole recordings.
+GroundTruthScope recorded_scope(GroundTruthScope scope) {
+  if (scope.replay) scope.query_frames = scope.replay->recorded_frames;
+  scope.replay.reset();
+  for (auto& sequence : scope.sequences) {
+    if (sequence.kept) sequence.frames = sequence.kept->recorded_frames;
+    sequence.kept.reset();
+  }
+  return scope;
+}
+
 // The labels of each frame of the recording become those of all frames that show it again.
 InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruthScope& scope,
                           InconsistentPairs inconsistent, const Monitor& monitor) {
-  if (!scope.replay) return read_recorded(argument, scope, inconsistent, monitor);
-  GroundTruthScope recorded = scope;
-  recorded.query_frames = scope.replay->recorded_frames;
-  recorded.replay.reset();
-  InspectedGroundTruth result = read_recorded(argument, recorded, inconsistent, monitor);
-  result.truth.pairs = replayed(result.truth.pairs, *scope.replay);
-  result.truth.protocol += ", query " + replay_text(*scope.replay);
-  result.scope.query_frames = scope.replay->frames();
-  result.scope.replay = scope.replay;
+  InspectedGroundTruth result =
+      read_recorded(argument, recorded_scope(scope), inconsistent, monitor);
+  if (scope.replay) {
+    result.truth.pairs = replayed(result.truth.pairs, *scope.replay);
+    result.truth.protocol += ", query " + replay_text(*scope.replay);
+    result.scope.query_frames = scope.replay->frames();
+    result.scope.replay = scope.replay;
+  }
+  if (const Replay* kept = first_kept(scope)) {
+    keep_frames(result.truth, scope);
+    result.truth.protocol += ", training frames " + replay_text(*kept);
+    result.scope.sequences = scope.sequences;
+  }
   return result;
 }
 

@@ -30,6 +30,8 @@ struct GroundTruthScope {
     std::string name;
     size_t frames = 0;
     bool searched = true;  ///< pairs of a sequence that was not searched are left out
+    /// Where its frames are kept ones of a recording: the files know the recording's frames.
+    std::optional<Replay> kept = {};
   };
   size_t query_frames = 0;
   std::vector<TrainSequence> sequences;

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/thread_order.h"
+#include "images/thinning.h"
 #include "images/video_reader.h"
 
 namespace vpr {
@@ -98,8 +99,15 @@ FrameList replayed(const FrameList& recorded, Replay replay) {
   FrameList frames;
   frames.names = replayed(recorded.names, replay);
   frames.unreadable = replayed_frames(replay, recorded.unreadable);
-  frames.replay = std::move(replay);
+  frames.replay =
+      recorded.replay ? replay_of_kept(*recorded.replay, std::move(replay)) : std::move(replay);
+  frames.fps = recorded.fps;
   return frames;
+}
+
+void note_kept(FrameList& frames, const SequenceArgument& argument) {
+  if (argument.kept) frames.replay = *argument.kept;
+  frames.fps = argument.fps;
 }
 
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
@@ -111,6 +119,7 @@ FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadabl
   FrameList frames = sequence.kind == SequenceKind::video
                          ? for_each_video_frame(sequence, format, unreadable, monitor, body)
                          : for_each_image(sequence, format, unreadable, monitor, body);
+  note_kept(frames, sequence.argument);
   if (!sequence.own) check_any_decoded(frames, sequence);
   return frames;
 }

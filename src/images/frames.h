@@ -26,10 +26,12 @@ struct FrameList {
   std::vector<std::string> names;     ///< per frame: the image's file name, or "#12" of a video
   std::vector<size_t> unreadable;     ///< rising; frames that keep their index but had no image
   std::optional<Replay> replay = {};  ///< where they are those of a recording that is replayed
+  std::optional<double> fps = {};     ///< frames a second, where known
   size_t count() const { return names.size(); }
 };
 
-/// The list with its frames replayed.
+/// The list with its frames replayed; of frames that are kept of a recording, the replay becomes
+/// one of the recording.
 FrameList replayed(const FrameList& recorded, Replay replay);
 
 /// Calls body(index, image) for each readable frame, in any order, from several threads. Files are
@@ -43,6 +45,9 @@ FrameList replayed(const FrameList& recorded, Replay replay);
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor,
                          const std::function<void(size_t index, const cv::Mat& image)>& body);
+
+/// Notes which frames of a recording the argument keeps, and their rate.
+void note_kept(FrameList& frames, const SequenceArgument& argument);
 
 /// Throws Error(input) where no frame could be decoded.
 void check_any_decoded(const FrameList& frames, const Sequence& sequence);

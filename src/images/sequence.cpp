@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "base/utf8.h"
 #include "images/natural_order.h"
+#include "images/warp.h"
 
 namespace vpr {
 namespace {
@@ -83,6 +84,17 @@ std::vector<fs::path> read_list(const fs::path& list) {
   return files;
 }
 
+// Throws Error(input) where the sequence has changed since its times were read.
+std::vector<fs::path> kept_files(std::vector<fs::path> files, const SequenceArgument& argument) {
+  if (!argument.kept) return files;
+  if (argument.kept->recorded_frames != files.size())
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: had {} when their times were read, and has {} now", argument.path.string(),
+                    counted(argument.kept->recorded_frames, "frame"), files.size()));
+  return replayed(files, *argument.kept);
+}
+
 std::vector<fs::path> apply_range(const std::vector<fs::path>& all,
                                   const SequenceArgument& argument) {
   const FrameRange& range = argument.range;
@@ -147,7 +159,7 @@ Sequence open_sequence(const SequenceArgument& argument) {
     return sequence;
   }
   if (std::all_of(files.begin(), files.end(), is_array)) sequence.kind = SequenceKind::descriptors;
-  sequence.files = apply_range(files, argument);
+  sequence.files = kept_files(apply_range(files, argument), argument);
   return sequence;
 }
 

@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 namespace vpr {
+
+struct Replay;
 
 /// Frames first, first + step, ... below last; `last` absent: to the end.
 struct FrameRange {
@@ -28,6 +31,9 @@ std::optional<uint64_t> frame_count(const FrameRange& range);
 struct SequenceArgument {
   std::filesystem::path path;
   FrameRange range;
+  std::optional<double> fps = {};  ///< frames a second, of those that are kept; none: not known
+  /// Which of the range's frames are kept (thinning.h); null: all.
+  std::shared_ptr<const Replay> kept = {};
 };
 
 /// A path that exists as written wins over a range in its name. Throws Error(usage) for an empty or

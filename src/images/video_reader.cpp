@@ -42,9 +42,11 @@ VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
 
 bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   const FrameRange& range = argument_.range;
-  const uint64_t wanted = range.first + frames_.names.size() * range.step;
-  if (range.last && wanted >= *range.last) {
-    grab_below(*range.last, monitor);  // are there as many frames as the range says?
+  const std::optional<uint64_t> source = source_of(frames_.names.size());
+  const uint64_t wanted = range.first + source.value_or(0) * range.step;
+  if (!source || (range.last && wanted >= *range.last)) {
+    // Are there as many frames as the range says, or the video?
+    grab_below(range.last.value_or(std::numeric_limits<uint64_t>::max()), monitor);
     return false;
   }
   if (!grab_below(wanted + 1, monitor)) return false;
@@ -59,6 +61,13 @@ bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
     frame.image = cv::Mat();
   }
   return true;
+}
+
+// The frame of the range that is the next of those that are kept; nothing behind them.
+std::optional<uint64_t> VideoReader::source_of(size_t index) const {
+  if (!argument_.kept) return index;
+  const std::vector<uint32_t>& sources = argument_.kept->sources;
+  return index < sources.size() ? std::optional<uint64_t>(sources[index]) : std::nullopt;
 }
 
 FrameList VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
@@ -85,6 +94,7 @@ FrameList VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
 }
 
 size_t VideoReader::expected_frames() const {
+  if (argument_.kept) return argument_.kept->frames();
   const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
   const FrameRange& range = argument_.range;
   if (!(stated > static_cast<double>(range.first)) || stated > 1e12) return 0;

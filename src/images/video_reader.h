@@ -41,6 +41,7 @@ class VideoReader {
   double frames_per_second() const;
 
  private:
+  std::optional<uint64_t> source_of(size_t index) const;
   uint64_t property(cv::VideoCaptureProperties name) const;
   bool retrieve(cv::Mat& image);
   bool grab_below(uint64_t position, const Monitor& monitor);

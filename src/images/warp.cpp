@@ -168,8 +168,12 @@ Replay replay(const std::string& warp, size_t frames, uint64_t seed) {
 }
 
 std::string replay_text(const Replay& replay) {
-  if (number(replay.warp)) return fmt::format("replayed at pace {}", replay.warp);
-  return fmt::format("replayed by {}, seed {}", replay.warp, replay.seed);
+  std::string text;
+  if (replay.fps > 0) text = fmt::format("thinned to {} frames a second", replay.fps);
+  if (replay.warp.empty()) return text;
+  if (!text.empty()) text += ", ";
+  if (number(replay.warp)) return text + fmt::format("replayed at pace {}", replay.warp);
+  return text + fmt::format("replayed by {}, seed {}", replay.warp, replay.seed);
 }
 
 std::vector<size_t> replayed_frames(const Replay& replay, std::span<const size_t> frames) {

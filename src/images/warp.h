@@ -36,12 +36,13 @@ std::span<const WarpRule> warp_rules();
 /// A name and a sentence a row, for help texts.
 std::string warp_summaries();
 
-/// A recording as it is replayed.
+/// A recording as it is replayed, or a part of its frames.
 struct Replay {
-  std::string warp;               ///< a row's name, or a pace
-  uint64_t seed = 1;              ///< of what is drawn
-  size_t recorded_frames = 0;     ///< of the recording
-  std::vector<uint32_t> sources;  ///< by frame of the replay: its frame of the recording
+  std::string warp = {};               ///< a row's name, or a pace; empty: as it was recorded
+  uint64_t seed = 1;                   ///< of what is drawn
+  size_t recorded_frames = 0;          ///< of the recording
+  std::vector<uint32_t> sources = {};  ///< by frame of the replay: its frame of the recording
+  double fps = 0;  ///< the rate that the recording was thinned to (thinning.h); 0: it was not
 
   size_t frames() const { return sources.size(); }
 };
@@ -55,7 +56,8 @@ void check_warp(const std::string& warp);
 /// does, and Error(usage) for a recording that is too short for the rule.
 Replay replay(const std::string& warp, size_t frames, uint64_t seed);
 
-/// "replayed by varying, seed 1"; without the seed for a pace.
+/// "replayed by varying, seed 1"; without the seed for a pace; "thinned to 5 frames a second", or
+/// both.
 std::string replay_text(const Replay& replay);
 
 /// What belongs to each frame of the recording, for each frame of the replay.

@@ -53,6 +53,7 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
   result.query_frames = result.query_windows = query.frames.size();
   result.query_unreadable = query.unreadable;
   result.replay = query.replay;
+  result.query_fps = query.fps;
   ResultPlaces& places = result.places.emplace();
   places.names = searched.place_names();
   places.views = searched.places().size();
@@ -157,7 +158,8 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   check_query_settings(settings);
   if (settings.loop && query.replay)
     throw Error(ErrorKind::usage,
-                "a query that is replayed (--warp) can't be its own places (--loop)");
+                "a query that is replayed (--warp) or thinned (--fps) can't be its own places "
+                "(--loop); give a range with a step, as in PATH@::6");
   std::optional<FabmapDatabase> extended;
   if (settings.loop) extended = with_query(database, query, query_name);
   const FabmapDatabase& searched = extended ? *extended : database;

@@ -17,6 +17,7 @@
 #include "database/radius_clustering.h"
 #include "images/frames.h"
 #include "images/sequence.h"
+#include "images/thinning.h"
 #include "pipeline/shared_frames.h"
 
 namespace vpr {
@@ -205,6 +206,8 @@ SequenceWords describe_together(const Sequence& sequence, const FabmapDatabase& 
       [&](const cv::Mat& descriptors) { return quantise(vocabulary, descriptors); });
   words.names = std::move(frames.names);
   words.unreadable = std::move(frames.unreadable);
+  words.replay = std::move(frames.replay);
+  words.fps = frames.fps;
   warn_featureless(sequence.argument.path.string() + range_text(sequence.argument.range),
                    featureless_frames(words), words.frames.size(), database.settings.features.kind,
                    monitor);
@@ -216,10 +219,12 @@ SequenceWords describe_together(const Sequence& sequence, const FabmapDatabase& 
 SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed) {
   if (warp.empty()) return words;
   SequenceWords result;
-  result.replay = replay(warp, words.frames.size(), seed);
-  result.frames = replayed(words.frames, *result.replay);
-  if (!words.names.empty()) result.names = replayed(words.names, *result.replay);
-  result.unreadable = replayed_frames(*result.replay, words.unreadable);
+  result.fps = words.fps;
+  const Replay shown = replay(warp, words.frames.size(), seed);
+  result.frames = replayed(words.frames, shown);
+  if (!words.names.empty()) result.names = replayed(words.names, shown);
+  result.unreadable = replayed_frames(shown, words.unreadable);
+  result.replay = words.replay ? replay_of_kept(*words.replay, shown) : shown;
   return result;
 }
 

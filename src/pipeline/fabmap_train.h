@@ -25,6 +25,7 @@ struct SequenceWords {
   std::vector<WordSet> frames;  ///< empty for a frame without features, or an unreadable one
   std::vector<std::string> names;
   std::vector<size_t> unreadable;
+  std::optional<double> fps = {};     ///< frames a second, where known
   std::optional<Replay> replay = {};  ///< where frames are those of a recording that is replayed
 };
 

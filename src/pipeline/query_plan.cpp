@@ -89,6 +89,8 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
     Target& sequence = plan.sequences.emplace_back();
     sequence.name = sequences[s].name;
     sequence.frames = plan.train[s].rows.size();
+    sequence.fps = sequences[s].fps;
+    sequence.kept = sequences[s].kept;
     sequence.windows = count_windows(readable_runs(plan.train[s]), length);
     sequence.searched = is_searched(plan.settings, sequence.name);
     if (!sequence.searched) continue;
@@ -243,6 +245,7 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
   refuse_loop(settings);
   QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query_name, settings);
   plan.replay = query.frames.replay;
+  plan.query_fps = query.frames.fps;
   plan_windows(plan, monitor);
   finish_plan(plan, database, resources, monitor);
   return plan;

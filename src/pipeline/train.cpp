@@ -59,8 +59,12 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
       described.descriptors.shape() != database.descriptors.shape())
     refuse_shape(argument, described.descriptors.shape(), database.descriptors.shape());
   database.descriptors.append(described.rows());
-  database.sequences.push_back(
-      {argument.name, std::move(described.frames.names), std::move(described.frames.unreadable)});
+  TrainSequence& added = database.sequences.emplace_back();
+  added.name = argument.name;
+  added.frame_names = std::move(described.frames.names);
+  added.unreadable = std::move(described.frames.unreadable);
+  added.fps = described.frames.fps;
+  added.kept = std::move(described.frames.replay);
 }
 
 void append_sequences(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,

@@ -26,6 +26,8 @@ struct Target {
                                           ///< scale mean, the largest that a query window has
   std::optional<uint32_t> max_distance;   ///< max(D), where the scale is relative
   std::optional<double> margin = {};      ///< X, where the decision is by margin
+  std::optional<double> fps = {};         ///< frames a second, where known
+  std::optional<Replay> kept = {};        ///< where they are kept ones of a recording
   std::vector<double> window_means = {};  ///< M by query window, where the scale is mean; not in
                                           ///< files
 };
@@ -70,7 +72,9 @@ struct Result {
   std::string query_name;
   size_t query_frames = 0;
   std::vector<size_t> query_unreadable;
-  std::optional<Replay> replay = {};  ///< of what its frames are, where a recording is replayed
+  /// Of what its frames are, where a recording is replayed or thinned.
+  std::optional<Replay> replay = {};
+  std::optional<double> query_fps = {};  ///< frames a second, where known
   size_t query_windows = 0;     ///< frames - window_length() + 1; those with an unreadable frame
                                 ///< included
   std::vector<Target> targets;  ///< training sequences, or one: places
@@ -105,6 +109,7 @@ struct QueryPlan {
   size_t query_frames = 0;
   std::vector<size_t> query_unreadable;
   std::optional<Replay> replay;
+  std::optional<double> query_fps;
   size_t query_windows = 0;
   std::vector<Target> sequences;
   std::optional<UsedStatistics> statistics;

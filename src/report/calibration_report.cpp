@@ -84,7 +84,7 @@ Json calibration_json(const CalibratedWalk& walk, const CalibrationRequest& requ
                {"precision", request.precision},
                {"chosen", walk.chosen ? Json(*walk.chosen) : Json()},
                {"lengths", Json::array()}};
-  if (walk.replay) json["query"]["warp"] = replay_json(*walk.replay);
+  if (walk.replay) add_replay(json["query"], *walk.replay);
   for (const CalibratedLength& length : walk.lengths)
     json["lengths"].push_back(length_json(length));
   if (walk.chosen) {

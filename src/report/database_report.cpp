@@ -29,6 +29,12 @@ std::string descriptor_text(const DescriptorStore& descriptors) {
   return fmt::format(", {} of {} {}", descriptors.kind->name, shape.length, element_words(shape));
 }
 
+// Of a thinned sequence, of how many.
+std::string frames_text(const TrainSequence& sequence) {
+  const std::string frames = std::to_string(sequence.frame_count());
+  return sequence.kept ? fmt::format("{} of {}", frames, sequence.kept->recorded_frames) : frames;
+}
+
 Json threshold_json(size_t window_length, const std::optional<AutomaticThreshold>& automatic) {
   const bool is_bits = automatic && automatic->scale == ThresholdScale::bits;
   Json json = {{"c_l", window_length}, {"bits", is_bits ? Json(automatic->value) : Json()}};
@@ -50,6 +56,8 @@ Json database_json(const SequenceDatabase& database,
     Json item = {{"name", sequence.name},
                  {"frames", sequence.frame_count()},
                  {"unreadable", sequence.unreadable.size()}};
+    if (sequence.fps) item["fps"] = *sequence.fps;
+    if (sequence.kept) add_replay(item, *sequence.kept);
     item["t_r"] = Json::array();
     for (const AutomaticThresholds& one : thresholds)
       item["t_r"].push_back(threshold_json(one.table.window_length, one.sequences[s]));
@@ -84,8 +92,7 @@ std::string database_text(const SequenceDatabase& database,
     const TrainSequence& sequence = database.sequences[s];
     frames += sequence.frame_count();
     std::vector<std::string>& row = table.rows.emplace_back();
-    row = {sequence.name, std::to_string(sequence.frame_count()),
-           std::to_string(sequence.unreadable.size())};
+    row = {sequence.name, frames_text(sequence), std::to_string(sequence.unreadable.size())};
     for (const AutomaticThresholds& one : thresholds)
       row.push_back(threshold_text(one.sequences[s]));
   }

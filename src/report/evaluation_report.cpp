@@ -141,7 +141,7 @@ Json result_report_json(const Evaluation& evaluation, const RunInfo& run, const 
   const Judgement& judgement = evaluation.judgement;
   Json json = {{"schema", "vpr.report/1"}, {"method", method_of(result.settings)}};
   json["query"] = result.query_name;
-  if (result.replay) json["warp"] = replay_json(*result.replay);
+  if (result.replay) add_replay(json, *result.replay);
   json["settings"] = settings_in_force(result.settings);
   if (json["settings"].value("t_r", Json()) == "auto")
     for (const Target& target : result.targets)

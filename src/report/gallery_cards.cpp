@@ -59,7 +59,8 @@ void GalleryCards::read_frames(const Monitor& monitor) {
   for (size_t s = 0; s < references.size(); ++s)
     if (sources_.references[s])
       references_[s] =
-          make_thumbnails(*sources_.references[s], references[s], kThumbnailSide, monitor);
+          make_replay_thumbnails(*sources_.references[s], judgement_.layout.scope.sequences[s].kept,
+                                 references[s], kThumbnailSide, monitor);
 }
 
 std::string GalleryCards::html() const {

@@ -131,6 +131,8 @@ std::string grid_name(const Json& report) {
     if (settings.contains(key)) name += fmt::format(", {} {}", key, settings[key].dump());
   if (settings.contains("score") && settings["score"].is_string())
     name += ", " + settings["score"].get<std::string>();
+  if (report.contains("thinned"))
+    name += fmt::format(", {} frames a second", report["thinned"]["fps"].get<double>());
   if (report.contains("warp")) name += ", replayed: " + report["warp"]["name"].get<std::string>();
   return name;
 }

@@ -66,6 +66,15 @@ Json steps_json(const Json& report, const Judgement& judgement) {
   return steps;
 }
 
+// Where frames are those of recordings that are replayed or thinned: which.
+void add_sources(Json& data, const GroundTruthScope& scope) {
+  if (scope.replay) data["query_sources"] = scope.replay->sources;
+  if (std::ranges::none_of(scope.sequences, [](const auto& s) { return s.kept.has_value(); }))
+    return;
+  for (const auto& sequence : scope.sequences)
+    data["train_sources"].push_back(sequence.kept ? Json(sequence.kept->sources) : Json());
+}
+
 }  // namespace
 
 Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
@@ -79,6 +88,7 @@ Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
   for (const auto& sequence : judgement.layout.scope.sequences)
     data["sequences"].push_back(sequence.name);
   add_queries(data, judgement);
+  add_sources(data, judgement.layout.scope);
   data["areas"] = {{"timeline", area_json(charts.timeline)},
                    {"matrix", area_json(charts.matrix)},
                    {"thresholds", area_json(charts.thresholds)},

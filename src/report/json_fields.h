@@ -1,6 +1,7 @@
 // Reading JSON files of ours without trusting them.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -60,6 +61,15 @@ inline NpyArray read_companion(const std::filesystem::path& path, const Fields& 
                             "vpr-query again, with --force",
                             path.string()));
   return array;
+}
+
+/// "fps": frames a second.
+inline double read_fps(const Fields& fields) {
+  const Json& json = fields["fps"];
+  if (!json.is_number()) fields.fail("\"fps\" is no number");
+  const auto fps = json.get<double>();
+  if (!(fps > 0 && std::isfinite(fps))) fields.fail("\"fps\" is out of range");
+  return fps;
 }
 
 /// The numbers of frames in a list, each below `count`.

@@ -196,24 +196,4 @@ void read_new_place(const ResultSource& source, Result& result) {
     source.fields.fail("new_place.npy does not fit the query");
 }
 
-void read_replay(const ResultSource& source, Result& result) {
-  const Fields query = source.fields.object("query");
-  if (!query.has("warp")) return;
-  const Fields warp = query.object("warp");
-  Replay& replay = result.replay.emplace();
-  replay.warp = warp.text("name");
-  replay.seed = warp.count("seed", std::numeric_limits<uint64_t>::max());
-  replay.recorded_frames =
-      warp.count("frames", static_cast<uint64_t>(kFastestPace) * result.query_frames);
-  const NpyArray array = read_companion(companion_path(source.path, "source_frames.npy"),
-                                        source.fields.object("files").object("source_frames"));
-  for (const int32_t frame : array.values<int32_t>(1)) {
-    if (frame < 0 || static_cast<size_t>(frame) >= replay.recorded_frames)
-      source.fields.fail("source_frames.npy holds a frame that the query does not have");
-    replay.sources.push_back(static_cast<uint32_t>(frame));
-  }
-  if (replay.frames() != result.query_frames)
-    source.fields.fail("source_frames.npy does not fit the query");
-}
-
 }  // namespace vpr

@@ -29,13 +29,14 @@ uint64_t window_count(uint64_t frames, uint64_t window_length);
 /// for an array that is another one, damaged or out of range: hits and best matches, rates of best
 /// matches where there are several, their margins and where views begin (results of older date have
 /// none), what the filter says of query frames, probabilities of a new place, and the frames that a
-/// replay shows.
+/// replay shows, or that are kept of training sequences.
 void read_matches(const ResultSource& source, Result& result);
 void read_rates(const ResultSource& source, Result& result);
 void read_margins(const ResultSource& source, Result& result);
 void read_path(const ResultSource& source, Result& result);
 void read_views(const ResultSource& source, Result& result);
 void read_replay(const ResultSource& source, Result& result);
+void read_kept(const ResultSource& source, Result& result);
 void read_new_place(const ResultSource& source, Result& result);
 
 }  // namespace vpr

@@ -79,6 +79,15 @@ std::vector<int32_t> view_rows(const ResultViews& views) {
   return rows;
 }
 
+// Which frames of their recordings training frames are, one target after the other.
+std::vector<int32_t> kept_rows(const Result& result) {
+  std::vector<int32_t> rows;
+  for (const Target& target : result.targets)
+    if (target.kept)
+      rows.insert(rows.end(), target.kept->sources.begin(), target.kept->sources.end());
+  return rows;
+}
+
 /// Writes arrays beside a result, and notes them in its JSON.
 struct Companions {
   const fs::path& path;
@@ -109,7 +118,8 @@ Json query_json(const Result& result) {
                {"frames", result.query_frames},
                {"windows", result.query_windows},
                {"unreadable", result.query_unreadable}};
-  if (result.replay) json["warp"] = replay_json(*result.replay);
+  if (result.query_fps) json["fps"] = *result.query_fps;
+  if (result.replay) add_replay(json, *result.replay);
   if (result.places) json["featureless"] = result.places->featureless;
   return json;
 }
@@ -119,6 +129,8 @@ Json target_json(const Target& target, const Result& result) {
                {"frames", target.frames},
                {"windows", target.windows},
                {"searched", target.searched}};
+  if (target.fps) json["fps"] = *target.fps;
+  if (target.kept) add_replay(json, *target.kept);
   if (!target.searched || result.places) return json;
   json["t_r"] = target.threshold ? Json(*target.threshold) : Json();
   json["t_r_scale"] = enum_name(target.scale);
@@ -239,6 +251,8 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
     const std::vector<uint32_t>& sources = result.replay->sources;
     companions.write("source_frames", std::vector<int32_t>(sources.begin(), sources.end()));
   }
+  if (const std::vector<int32_t> kept = kept_rows(result); !kept.empty())
+    companions.write("train_source_frames", kept);
   json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
   return json;

@@ -30,9 +30,17 @@ struct ResultContext {
 };
 
 /// The arrays that a result may have beside it.
-inline constexpr std::array<const char*, 10> kResultArrays = {
-    "hits.npy", "hit_scores.npy", "best.npy",      "best_scores.npy",   "margins.npy",
-    "path.npy", "views.npy",      "new_place.npy", "source_frames.npy", "best_rates.npy"};
+inline constexpr std::array<const char*, 11> kResultArrays = {"hits.npy",
+                                                              "hit_scores.npy",
+                                                              "best.npy",
+                                                              "best_scores.npy",
+                                                              "margins.npy",
+                                                              "path.npy",
+                                                              "views.npy",
+                                                              "new_place.npy",
+                                                              "source_frames.npy",
+                                                              "best_rates.npy",
+                                                              "train_source_frames.npy"};
 
 /// RESULT.hits.npy for RESULT.json.
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);

@@ -55,6 +55,7 @@ void read_query(const ResultSource& source, Result& result) {
   result.query_windows = query.count("windows", result.query_frames);
   if (result.query_windows != window_count(result.query_frames, result.window_length()))
     source.fields.fail("its numbers of windows and frames do not fit");
+  if (query.has("fps")) result.query_fps = read_fps(query);
   result.query_unreadable = read_frame_list(query, "unreadable", result.query_frames);
 }
 
@@ -80,6 +81,7 @@ void read_targets(const ResultSource& source, Result& result) {
     target.windows = item.count("windows", window_count(target.frames, result.window_length()));
     if (!item["searched"].is_boolean()) item.fail("\"searched\" is neither true nor false");
     target.searched = item["searched"].get<bool>();
+    if (item.has("fps")) target.fps = read_fps(item);
     if (target.searched && !result.places) read_threshold(item, json, result, target);
   }
 }
@@ -170,6 +172,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   const bool has_places = std::holds_alternative<FabmapQuerySettings>(result.settings);
   if (has_places) read_places(source, result);
   read_targets(source, result);
+  read_kept(source, result);
   if (has_places) check_places(source, result);
   read_matches(source, result);
   read_rates(source, result);

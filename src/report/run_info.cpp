@@ -41,8 +41,11 @@ Json timing_json(const std::map<std::string, double>& seconds) {
   return json;
 }
 
-Json replay_json(const Replay& replay) {
-  return {{"name", replay.warp}, {"seed", replay.seed}, {"frames", replay.recorded_frames}};
+void add_replay(Json& json, const Replay& replay) {
+  if (!replay.warp.empty())
+    json["warp"] = {
+        {"name", replay.warp}, {"seed", replay.seed}, {"frames", replay.recorded_frames}};
+  if (replay.fps > 0) json["thinned"] = {{"fps", replay.fps}, {"frames", replay.recorded_frames}};
 }
 
 }  // namespace vpr

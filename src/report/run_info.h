@@ -32,7 +32,7 @@ Json machine_json(const RunInfo& run);
 /// Seconds by step, to the millisecond.
 Json timing_json(const std::map<std::string, double>& seconds);
 
-/// "warp": how a query was replayed.
-Json replay_json(const Replay& replay);
+/// Adds "warp": how a query was replayed, and "thinned": to which rate a recording was.
+void add_replay(Json& json, const Replay& replay);
 
 }  // namespace vpr

@@ -43,7 +43,7 @@ Json scores_report_json(const ScoreSettings& settings, const std::string& query,
                         const std::string& fingerprint, const RunInfo& run) {
   Json json = {{"schema", "vpr.report/1"}, {"method", settings.method}};
   json["query"] = query;
-  if (settings.replay) json["warp"] = replay_json(*settings.replay);
+  if (settings.replay) add_replay(json, *settings.replay);
   json["settings"] = settings_json(settings);
   json["best_match"] = best_match_json(best_match_counts(judgement.outcomes));
   add_judgement(json, judgement);

@@ -1,5 +1,6 @@
 #include "report/stored_report.h"
 
+#include <array>
 #include <charconv>
 #include <limits>
 #include <map>
@@ -90,18 +91,23 @@ bool is_of_places(const Json& settings) {
 }
 
 // What replayed queries add to the words of a ground truth, with their walk behind it.
-constexpr std::string_view kReplayed = ", query replayed ";
+constexpr std::array<std::string_view, 2> kReplayed = {", query replayed ", ", query thinned "};
 
 std::string words_of_recording(const StoredReport& report) {
-  return report.walk.empty() ? report.ground_truth
-                             : report.ground_truth.substr(0, report.ground_truth.find(kReplayed));
+  std::string words = report.ground_truth;
+  if (report.walk.empty()) return words;
+  for (const std::string_view replayed : kReplayed) words = words.substr(0, words.find(replayed));
+  return words;
 }
 
 void read_walk(StoredReport& report, const Fields& fields) {
+  if (fields.has("thinned"))
+    report.walk = fmt::format("{} frames a second", read_fps(fields.object("thinned")));
   if (!fields.has("warp")) return;
+  if (!report.walk.empty()) report.walk += ", ";
   const Fields warp = fields.object("warp");
-  report.walk = fmt::format("replayed: {}, seed {}", warp.text("name"),
-                            warp.count("seed", std::numeric_limits<uint64_t>::max()));
+  report.walk += fmt::format("replayed: {}, seed {}", warp.text("name"),
+                             warp.count("seed", std::numeric_limits<uint64_t>::max()));
 }
 
 void read_path(StoredReport& report, const Fields& fields) {

@@ -49,7 +49,7 @@ Json choice_json(const Sweep& sweep, size_t first) {
       {"nearest_error", index(choice.first_error)}};
   json["pareto"] = Json::array();
   for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
-  if (sweep.replay) json["warp"] = replay_json(*sweep.replay);
+  if (sweep.replay) add_replay(json, *sweep.replay);
   if (sweep.intervals) {
     json["intervals"] = {{"block", sweep.intervals->block},
                          {"correct_hits", interval_json(sweep.intervals->correct_hits)},

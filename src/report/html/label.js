@@ -9,8 +9,11 @@
   const several = data.sequences.length > 1;
 
   const field = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  // Files speak of the frames of recordings, of which sequences may show some.
+  const recorded = (sources, frame) => (sources ? sources[frame] : frame);
   const row = (query, sequence, reference, ...more) =>
-    [query, ...(several ? [field(data.sequences[sequence])] : []), reference, ...more].join(",");
+    [recorded(data.query_sources, query), ...(several ? [field(data.sequences[sequence])] : []),
+      recorded(data.train_sources?.[sequence], reference), ...more].join(",");
   const header = several ? "query,sequence,reference" : "query,reference";
   const file = (lines) => lines.join("\n") + "\n";
   // Best matches that nobody labelled are to be ignored; different is what no line says.

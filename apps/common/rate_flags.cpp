@@ -1,0 +1,52 @@
+#include "rate_flags.h"
+
+#include <algorithm>
+
+#include "ground_truth/formats.h"
+#include "ground_truth/sequence_rate.h"
+#include "images/thinning.h"
+
+namespace vpr {
+
+void add_rate_flags(const Command& command, RateFlags& flags, const std::string& sequences) {
+  command
+      .add_option("--fps", flags.fps,
+                  "thin " + sequences +
+                      " to so many frames a second, by the times of frames; a ground truth stays "
+                      "that of all frames")
+      .type_name("NUMBER");
+  command
+      .add_option("--recorded-fps", flags.recorded_fps,
+                  "frames a second as they were recorded, where neither times, a video nor a data "
+                  "set says it")
+      .type_name("NUMBER");
+}
+
+void check_rates(const RateFlags& flags) {
+  if (flags.fps) check_fps(*flags.fps, "--fps");
+  if (flags.recorded_fps) check_fps(*flags.recorded_fps, "--recorded-fps");
+}
+
+void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags) {
+  if (!flags.fps || truth.options.query_times.empty()) return;
+  const auto formats = ground_truth_formats();
+  const auto named = std::ranges::find(formats, truth.format, &GroundTruthFormat::name);
+  const GroundTruthFormat* format = truth.format.empty()     ? &recognise_format(truth.path)
+                                    : named != formats.end() ? &*named
+                                                             : nullptr;
+  if (format == nullptr || std::ranges::find(format->options, "times") == format->options.end())
+    truth.options.query_times.clear();
+}
+
+SequenceArgument rated(const SequenceArgument& argument, const RateFlags& flags,
+                       const std::filesystem::path& times, const Dataset* dataset,
+                       const Monitor& monitor) {
+  check_rates(flags);
+  RateSource source{times, flags.recorded_fps};
+  if (!source.recorded_fps && dataset != nullptr && dataset->frames_per_second > 0)
+    source.recorded_fps = dataset->frames_per_second;
+  if (!source.recorded_fps) source.recorded_fps = flags.otherwise;
+  return with_rate(argument, source, flags.fps, monitor);
+}
+
+}  // namespace vpr

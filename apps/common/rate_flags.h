@@ -1,0 +1,37 @@
+// --fps and --recorded-fps, for every program that opens sequences.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/monitor.h"
+#include "flags.h"
+#include "ground_truth/dataset.h"
+
+namespace vpr {
+
+struct RateFlags {
+  std::optional<double> fps;           ///< sequences are thinned to it; none: they are not
+  std::optional<double> recorded_fps;  ///< of sequences that don't say it themselves
+  std::optional<double> otherwise;     ///< the same where no data set says it either; no flag
+};
+
+/// Adds both flags. `sequences`: what is thinned, in words.
+void add_rate_flags(const Command& command, RateFlags& flags, const std::string& sequences);
+
+/// Throws Error(usage) for rates out of range.
+void check_rates(const RateFlags& flags);
+
+/// Query times that --fps asks for are not those of a ground truth whose format has none: leaves
+/// them out of it. Throws what recognise_format throws.
+void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags);
+
+/// The sequence with its rate, and thinned as the flags say (ground_truth/sequence_rate.h).
+/// `times`: a file that says when its frames were taken; empty: none. `dataset`: whose sequence it
+/// is; null: of none.
+SequenceArgument rated(const SequenceArgument& argument, const RateFlags& flags,
+                       const std::filesystem::path& times, const Dataset* dataset,
+                       const Monitor& monitor);
+
+}  // namespace vpr
