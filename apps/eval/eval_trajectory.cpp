@@ -7,27 +7,49 @@
 #include "base/error.h"
 #include "ground_truth/dataset.h"
 #include "ground_truth/frame_times.h"
+#include "ground_truth/pose_times.h"
+#include "ground_truth/route.h"
 #include "report/fix_trajectory.h"
 
 namespace vpr {
 namespace {
 
-TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluation) {
+Poses plan_poses(const std::vector<RoutePoint>& points) {
+  Poses poses;
+  for (const RoutePoint& point : points) poses.push_back(Pose{{point.x, point.y, 0}, {}, {}});
+  return poses;
+}
+
+// Where the frames of each sequence were taken, as the data set says it or else the ground truth;
+// of a sequence that is thinned, those of the frames that are kept.
+TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluation,
+                              const GroundTruthOptions& options, const Monitor& monitor) {
+  if (evaluation.result && evaluation.result->result.places)
+    return {dataset.place_poses.empty() ? Poses{}
+                                        : plan_poses(read_place_positions(dataset.place_poses))};
   TrainPositions positions;
-  if (evaluation.result && evaluation.result->result.places) {
-    positions.emplace_back();
-    if (!dataset.place_poses.empty())
-      for (const RoutePoint& place : read_place_positions(dataset.place_poses))
-        positions.back().emplace_back(place);
-    return positions;
-  }
   for (const auto& sequence : evaluation.judgement.layout.scope.sequences) {
-    positions.emplace_back();
+    Poses& poses = positions.emplace_back();
     const auto train = std::ranges::find(dataset.train, sequence.name, &NamedSequence::name);
     if (train != dataset.train.end() && !train->poses.empty())
-      positions.back() = read_route(train->poses);
+      poses = read_train_poses(train->poses, {}, monitor);
+    else if (!options.reference.empty() && sequence.searched)
+      poses = read_train_poses(options.reference, options, monitor);
+    if (!sequence.kept || poses.empty()) continue;
+    poses.resize(sequence.kept->recorded_frames);
+    poses = replayed(poses, *sequence.kept);
   }
   return positions;
+}
+
+FrameClock clock_of(const Evaluation& evaluation, const GroundTruthOptions& options,
+                    std::optional<double> frames_per_second, const Monitor& monitor) {
+  FrameClock clock{{}, frames_per_second};
+  const auto& replay = evaluation.judgement.layout.scope.replay;
+  if (replay && !replay->warp.empty()) return clock;  // whose frames have no times
+  if (replay) clock.sources = replay->sources;
+  if (!options.query_times.empty()) clock.times_ns = read_frame_times(options.query_times, monitor);
+  return clock;
 }
 
 }  // namespace
@@ -35,17 +57,17 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
 void add_trajectory_options(const Command& app, TrajectoryInputs& inputs) {
   app.add_option("--fixes-tum", inputs.file,
                  "write where each recognised frame is said to be as a TUM trajectory (time x y z "
-                 "qx qy qz qw), as for evo; needs --dataset with poses of training frames")
+                 "qx qy qz qw), as for evo; needs poses of training frames: --dataset, or "
+                 "--ground-truth-reference")
       .type_name("FILE");
 }
 
-void claim_trajectory(const Session& session, const TrajectoryInputs& inputs,
-                      const std::string& dataset) {
+void claim_trajectory(const Session& session, const TrajectoryInputs& inputs, bool has_positions) {
   if (inputs.file.empty()) return;
-  if (dataset.empty())
-    throw Error(
-        ErrorKind::usage,
-        "--fixes-tum needs --dataset, whose \"poses\" say where training frames were taken");
+  if (!has_positions)
+    throw Error(ErrorKind::usage,
+                "--fixes-tum needs to know where training frames were taken: by --dataset, whose "
+                "\"poses\" say it, or by --ground-truth-reference");
   session.outputs.claim_file(inputs.file);
 }
 
@@ -54,16 +76,15 @@ void write_trajectory(const Session& session, const TrajectoryInputs& inputs,
                       const std::optional<GroundTruthArgument>& truth,
                       std::optional<double> frames_per_second) {
   if (inputs.file.empty()) return;
-  const TrainPositions positions = read_positions(read_dataset(dataset), evaluation);
+  const GroundTruthOptions options = truth ? truth->options : GroundTruthOptions{};
+  const TrainPositions positions = read_positions(
+      dataset.empty() ? Dataset{} : read_dataset(dataset), evaluation, options, session.monitor);
   if (std::ranges::all_of(positions, [](const auto& frames) { return frames.empty(); }))
     throw Error(ErrorKind::usage,
                 fmt::format("{}: no training sequence that was searched names \"poses\", which "
-                            "--fixes-tum needs (CSV frame,x,y; of FAB-MAP \"place_poses\")",
+                            "--fixes-tum needs (of FAB-MAP \"place_poses\")",
                             dataset));
-  FrameClock clock{{}, frames_per_second};
-  const bool is_replayed = evaluation.judgement.layout.scope.replay.has_value();
-  if (truth && !truth->options.query_times.empty() && !is_replayed)
-    clock.times_ns = read_frame_times(truth->options.query_times, session.monitor);
+  const FrameClock clock = clock_of(evaluation, options, frames_per_second, session.monitor);
   session.outputs.file(inputs.file).write(fix_trajectory(evaluation, positions, clock));
 }
 

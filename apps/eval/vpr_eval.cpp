@@ -77,13 +77,21 @@ void draw_map(Session& session, const EvalInputs& inputs, const Evaluated& evalu
   write_map(session, inputs.map, inputs.dataset, evaluated, &second);
 }
 
+// Of a thinned query, that of the frames that are kept.
+std::optional<double> rate_of_frames(const Evaluation& evaluation, const EvalInputs& inputs) {
+  const auto& replay = evaluation.judgement.layout.scope.replay;
+  const bool is_thinned = replay && replay->fps > 0 && evaluation.result;
+  return is_thinned ? evaluation.result->result.query_fps : frames_per_second(inputs);
+}
+
 void claim_outputs(const Session& session, const EvalInputs& inputs) {
   session.claim_output();
   check_score_inputs(inputs.scores, !inputs.result.empty());
   check_picture_outputs(session, inputs.pictures);
   check_map_inputs(session, inputs.map, inputs.dataset);
   claim_csv_outputs(session, inputs.csv, !inputs.result.empty());
-  claim_trajectory(session, inputs.trajectory, inputs.dataset);
+  claim_trajectory(session, inputs.trajectory,
+                   !inputs.dataset.empty() || !inputs.flags.options.reference.empty());
   check_lists(session, inputs);
 }
 
@@ -94,8 +102,8 @@ void run_one(Session& session, const EvalInputs& inputs) {
   const Stopwatch watch;
   Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
-  const std::string summary =
-      summary_sentence(evaluation.judgement, evaluation.truth.is_known, frames_per_second(inputs));
+  const std::string summary = summary_sentence(evaluation.judgement, evaluation.truth.is_known,
+                                               rate_of_frames(evaluation, inputs));
   add_run(evaluated, inputs, session.run, watch.elapsed_s());
   const Json& report = evaluated.report;
   const std::vector<CheckedValue> values = check_expected(session, inputs.expect, expected, report);

@@ -14,7 +14,7 @@
 #include "ground_truth/named_rows.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/pairs_csv.h"
-#include "ground_truth/trajectory.h"
+#include "ground_truth/pose_times.h"
 #include "images/sequence_argument.h"
 
 namespace vpr {
@@ -115,7 +115,7 @@ std::string in_metres(GroundTruthBuilder& builder, const Anchors& anchors,
     throw Error(ErrorKind::usage,
                 "anchors take a tolerance in frames or a radius in metres, not both");
   const size_t sequence = builder.only_searched("a radius of anchors");
-  const Poses train = read_trajectory(options.reference, {}).poses;
+  const Poses train = read_train_poses(options.reference, options, builder.monitor());
   builder.require_train_frames(sequence, train.size());
   Poses query;
   std::vector<bool> nowhere;

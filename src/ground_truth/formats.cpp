@@ -81,7 +81,7 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
       {"aligned", "frame i is frame i", {"reference_step"}, nullptr, read_aligned},
       {"anchors",
        "CSV query,reference of a few frames, linear between them",
-       {"path", "range", "reference", "radius_m"},
+       {"path", "range", "reference", "radius_m", "times"},
        is_anchors_csv,
        read_anchors},
       {"pairs",

@@ -7,7 +7,6 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "ground_truth/association.h"
-#include "ground_truth/builder.h"
 #include "ground_truth/frame_times.h"
 #include "ground_truth/times.h"
 
@@ -82,10 +81,9 @@ std::string times_in_words(const GroundTruthOptions& options) {
   return words;
 }
 
-Poses poses_of_side(const GroundTruthBuilder& builder, PoseSide side,
+Poses poses_of_side(const GroundTruthOptions& options, PoseSide side,
                     const std::filesystem::path& path,
-                    Trajectory (*read)(const std::filesystem::path& path)) {
-  const GroundTruthOptions& options = builder.argument().options;
+                    Trajectory (*read)(const std::filesystem::path& path), const Monitor& monitor) {
   const SideTimes times = times_of(options, side);
   if (times.frames.empty()) {
     if (!times.poses.empty() || times.offset_s)
@@ -97,8 +95,15 @@ Poses poses_of_side(const GroundTruthBuilder& builder, PoseSide side,
   }
   Trajectory trajectory = read(path);
   add_pose_times(trajectory, times);
-  return associate(trajectory, read_frame_times(times.frames, builder.monitor()),
-                   rules_of(options, times), times.frames.string(), builder.monitor());
+  return associate(trajectory, read_frame_times(times.frames, monitor), rules_of(options, times),
+                   times.frames.string(), monitor);
+}
+
+Poses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+                       const Monitor& monitor) {
+  return poses_of_side(
+      options, PoseSide::train, path,
+      [](const std::filesystem::path& file) { return read_trajectory(file, {}); }, monitor);
 }
 
 }  // namespace vpr

@@ -10,7 +10,7 @@
 
 namespace vpr {
 
-class GroundTruthBuilder;
+struct Monitor;
 
 /// A side of a ground truth.
 enum class PoseSide { query, train };
@@ -22,8 +22,13 @@ std::string times_in_words(const GroundTruthOptions& options);
 /// (then every frame gets one of `read(path)` or none, as associate() does), and otherwise pose i
 /// is that of frame i. Throws as associate() and the readers of times do, and Error(usage) for
 /// options that lack what they belong to, or are no times.
-Poses poses_of_side(const GroundTruthBuilder& builder, PoseSide side,
+Poses poses_of_side(const GroundTruthOptions& options, PoseSide side,
                     const std::filesystem::path& path,
-                    Trajectory (*read)(const std::filesystem::path& path));
+                    Trajectory (*read)(const std::filesystem::path& path), const Monitor& monitor);
+
+/// Where each training frame was taken, in any format that read_trajectory reads: of `path`, by
+/// time where the options say when they were taken. Throws as poses_of_side does.
+Poses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+                       const Monitor& monitor);
 
 }  // namespace vpr

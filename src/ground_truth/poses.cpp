@@ -53,9 +53,12 @@ std::string read_both(GroundTruthBuilder& builder, std::string_view format, Read
   const std::filesystem::path& reference = training_path(argument);
   builder.at_file(argument.path);  // for what is found out about the whole file
   const Poses query = read(PoseSide::query, argument.path);
+  const GroundTruthOptions& options = argument.options;
+  if (!options.query_times.empty()) builder.at_file(options.query_times);
   builder.require_query_frames(query.size());
   builder.at_file(reference);
   const Poses train = read(PoseSide::train, reference);
+  if (!options.reference_times.empty()) builder.at_file(options.reference_times);
   builder.require_train_frames(sequence, train.size());
   return fmt::format("{} poses{}: {}", format, times_in_words(argument.options),
                      match_poses(builder, sequence, query, train));
@@ -67,8 +70,8 @@ std::string read_trajectories(GroundTruthBuilder& builder, std::string_view form
     const GroundTruthOptions& options = builder.argument().options;
     const bool has_times =
         !(side == PoseSide::query ? options.query_times : options.reference_times).empty();
-    return poses_of_side(builder, side, path,
-                         has_times ? readers.with_times : readers.without_times);
+    return poses_of_side(options, side, path,
+                         has_times ? readers.with_times : readers.without_times, builder.monitor());
   });
 }
 

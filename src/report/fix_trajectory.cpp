@@ -27,7 +27,7 @@ std::vector<std::optional<FrameMatch>> fix_matches(const Evaluation& evaluation)
   return matches;
 }
 
-const RoutePoint* position_of(const TrainPositions& positions, const FrameMatch& match) {
+const Pose* position_of(const TrainPositions& positions, const FrameMatch& match) {
   if (match.sequence >= positions.size()) return nullptr;
   const auto& frames = positions[match.sequence];
   if (match.reference >= frames.size() || !frames[match.reference]) return nullptr;
@@ -35,6 +35,7 @@ const RoutePoint* position_of(const TrainPositions& positions, const FrameMatch&
 }
 
 std::string time_of(const FrameClock& clock, size_t frame) {
+  if (frame < clock.sources.size()) frame = clock.sources[frame];
   if (frame < clock.times_ns.size()) return time_text(clock.times_ns[frame]);
   const double rate = clock.frames_per_second.value_or(1);
   return fmt::format("{:.6f}", static_cast<double>(frame) / rate);
@@ -49,9 +50,11 @@ std::string fix_trajectory(const Evaluation& evaluation, const TrainPositions& p
   const auto matches = fix_matches(evaluation);
   for (size_t frame = 0; frame < matches.size(); ++frame) {
     if (!matches[frame]) continue;
-    const RoutePoint* point = position_of(positions, *matches[frame]);
-    if (point == nullptr) continue;
-    text += fmt::format("{} {:.6f} {:.6f} 0 0 0 0 1\n", time_of(clock, frame), point->x, point->y);
+    const Pose* pose = position_of(positions, *matches[frame]);
+    if (pose == nullptr) continue;
+    const auto& [x, y, z] = pose->position;
+    const std::string height = z == 0 ? "0" : fmt::format("{:.6f}", z);
+    text += fmt::format("{} {:.6f} {:.6f} {} 0 0 0 1\n", time_of(clock, frame), x, y, height);
   }
   return text;
 }

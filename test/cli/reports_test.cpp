@@ -98,6 +98,37 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
             .exit_code == 2);
 }
 
+TEST_CASE("fixes are written from a trajectory with times, of another rate than the frames") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-query",
+                      {world().database(), "--query", world().walk("one"), "--c-l", "1",
+                       "--only-sequence", "one", "--t-r", "0.3", "-o", out / "r.json", "--quiet"})
+              .exit_code == 0);
+  // The walk against itself: a metre a second up a slope, 4 poses and 2 frames a second.
+  std::string poses;
+  std::string times;
+  const Json dataset = Json::parse(test::read_text(world().dataset()));
+  const auto folder = std::filesystem::path(world().dataset()).parent_path();
+  const size_t frames = read_route(folder / dataset["train"][0]["poses"].get<std::string>()).size();
+  for (size_t i = 0; i < 2 * frames; ++i)
+    poses += fmt::format("{} {} 0 {} 0 0 0 1\n", 100 + 0.25 * i, 0.25 * i, 0.5 * i);
+  std::string expected = "# time (s) x y z qx qy qz qw\n";
+  for (int i = 0; i < frames; ++i) {
+    times += fmt::format("{}\n", 100 + 0.5 * i);
+    const std::string height = i == 0 ? "0" : fmt::format("{:.6f}", 1.0 * i);
+    expected += fmt::format("{} {:.6f} 0.000000 {} 0 0 0 1\n", 100 + 0.5 * i, 0.5 * i, height);
+  }
+  test::write_text(out / "poses.tum", poses);
+  test::write_text(out / "times.txt", times);
+  const auto outcome = run_program(
+      "vpr-eval", {out / "r.json", "--ground-truth", out / "poses.tum", "--ground-truth-reference",
+                   out / "poses.tum", "--radius", "0.1", "--query-times", out / "times.txt",
+                   "--reference-times", out / "times.txt", "--fixes-tum", out / "f.txt"});
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(test::read_text(out / "f.txt") == expected);
+}
+
 TEST_CASE("a folder of results and reports becomes one table and one page") {
   const test::TemporaryFolder out;
   std::filesystem::create_directories(out / "all/more");

@@ -65,6 +65,16 @@ TEST_CASE("a tolerance of anchors in metres goes by the poses of the training se
   argument.options.reference = "r.csv";
   argument.options.radius_m = 0.25;
   CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
+  // The same places by a trajectory of another rate, half of whose poses stand between frames.
+  files.text("r.tum",
+             "10 0 0 0 0 0 0 1\n10.5 0.5 0 0 0 0 0 1\n11 1 0 0 0 0 0 1\n"
+             "12 1.5 0 0 0 0 0 1\n13 4 0 0 0 0 0 1\n15 1.25 0.25 0 0 0 0 1\n");
+  files.text("times.txt", "10\n11\n12\n13\n14\n15\n");
+  argument.options.reference = "r.tum";
+  argument.options.reference_times = files.folder / "times.txt";
+  CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
+  argument.options.reference_times.clear();
+  argument.options.reference = "r.csv";
   argument.options.radius_m.reset();
   CHECK(test::error_kind([&] { files.read(argument, 4, 6); }) == ErrorKind::usage);
   argument.options = {};
