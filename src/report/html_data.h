@@ -10,6 +10,7 @@ namespace vpr {
 /// The charts of the page, as it draws them.
 struct PageCharts {
   Chart curve;
+  Chart risk;
   Chart thresholds;
   Chart timeline;
   Chart matrix;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "evaluation/risk_coverage.h"
 #include "report/chart_layout.h"
 #include "report/chart_svg.h"
 #include "report/evaluation_charts.h"
@@ -31,7 +32,7 @@ constexpr std::string_view kDisagreements =
     "<button type=\"button\" id=\"next-disagreement\">next disagreement (n)</button>\n"
     "<button type=\"button\" id=\"save-disagreements\">save disagreements.csv</button>";
 
-/// Two charts side by side, with their legends.
+/// Charts side by side, with their legends.
 std::string curves_html(const PageCharts& charts) {
   const auto figure = [](const Chart& chart, const std::string& title) {
     return "<figure><figcaption>" + title + "</figcaption>" + page_svg(chart) +
@@ -39,19 +40,36 @@ std::string curves_html(const PageCharts& charts) {
   };
   std::string html = "<div class=\"charts\">";
   if (!charts.curve.series.empty()) html += figure(charts.curve, charts.curve.title);
+  if (!charts.risk.series.empty()) html += figure(charts.risk, charts.risk.title);
+  // The slider below belongs to the last.
   return html + figure(charts.thresholds, charts.thresholds.title) + "</div>";
+}
+
+/// "0.031", or "0.031 by score, 0.012 by margin" where there are both.
+std::string risk_areas(const Judgement& judgement) {
+  const auto area = [](const Curve& curve) {
+    const auto value = risk_coverage_area(curve).value;
+    return value ? fmt::format("{:.3f}", *value) : std::string("not defined");
+  };
+  const std::string single = area(judgement.single_best);
+  if (!judgement.other_best) return single;
+  const bool by_score = judgement.confidence == Confidence::score;
+  const std::string other = area(*judgement.other_best);
+  return fmt::format("{} by score, {} by margin", by_score ? single : other,
+                     by_score ? other : single);
 }
 
 PageCharts page_charts(const Json& report, const Judgement& judgement, const GroundTruth& truth,
                        const ScoreMatrix* matrix, const Monitor& monitor) {
   PageCharts charts = {
-      curve_chart(report, judgement), threshold_chart(report, judgement),
-      timeline_chart(report, judgement, truth, monitor),
+      curve_chart(report, judgement), risk_chart(report, judgement),
+      threshold_chart(report, judgement), timeline_chart(report, judgement, truth, monitor),
       matrix_chart(judgement.layout, draw_scores(judgement, truth, matrix, kMatrixSide, monitor),
                    reference_word(report), score_words(report))};
   charts.curve.title = "Precision and recall";
+  charts.risk.title = "Risk and coverage: area " + risk_areas(judgement);
   charts.thresholds.title = "What a threshold recognises";
-  for (Chart* chart : {&charts.curve, &charts.thresholds}) {
+  for (Chart* chart : {&charts.curve, &charts.risk, &charts.thresholds}) {
     chart->width = 650;
     chart->height = 450;
   }

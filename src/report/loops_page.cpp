@@ -42,8 +42,7 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
 std::string mistakes_html(const Json& report) {
   const std::string text = loops_mistakes(report);
   if (text.empty()) return "";
-  return "<section><h2>Mistakes</h2>" + scroll_begin("mistakes") + "<pre>" +
-         html_escaped(text.substr(1)) + "</pre></div></section>";
+  return "<section><h2>Mistakes</h2><pre>" + html_escaped(text.substr(1)) + "</pre></section>";
 }
 
 }  // namespace

@@ -78,6 +78,13 @@ tail -n 1 "$out/live" >"$out/l2.json"
   --score standardized --t-r=-2,auto -o "$out/s2.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query \
   --save-config "$out/best.json" -o "$out/s3.json" --quiet
+data=$out/building/dataset.json
+"$bin/vpr-train" fastable --dataset "$data" --fps 4 -o "$out/thin.vprdb" --quiet
+"$bin/vpr-train" info "$out/thin.vprdb" --json >"$out/ti.json"
+"$bin/vpr-query" "$out/thin.vprdb" --dataset "$data" --query query --fps 4 --c-l 5 -o "$out/tr.json" --quiet
+"$bin/vpr-eval" "$out/tr.json" --dataset "$data" -o "$out/te.json" --quiet
+"$bin/vpr-tune" fastable "$out/thin.vprdb" --dataset "$data" --query query --fps 4 --c-l 5 --t-r 0.3 -o "$out/ts.json" --quiet
+"$bin/vpr-tune" calibrate "$out/thin.vprdb" --dataset "$data" --query query --fps 4 --c-l 5 -o "$out/tc.json" --quiet
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
@@ -89,6 +96,7 @@ tail -n 1 "$out/live" >"$out/l2.json"
   "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \
   "$out/s3.json" "$out/best.json" \
   "$out/rw.json" "$out/ew.json" "$out/esw.json" "$out/sw.json" "$out/cmpw.json" "$out/grid.json" \
+  "$out/thin.vprdb/manifest.json" "$out/ti.json" "$out/tr.json" "$out/te.json" "$out/ts.json" "$out/tc.json" \
   "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/t6.json" "$out/s6.json"
 # Settings are checked: a key that no program knows, and a value of another type.
 for wrong in '"c_ll": 10' '"c_l": "ten"' '"clustering": {"eps": 1.5}'; do

@@ -4,9 +4,11 @@
 #include <limits>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
+#include "evaluation/risk_coverage.h"
 #include "images/sequence.h"
 #include "report/gallery.h"
 #include "report/html_text.h"
@@ -249,4 +251,29 @@ TEST_CASE("without a ground truth a page shows matches and judges nothing") {
   CHECK(page.find("right: query") == std::string::npos);
   CHECK(page.find("; the ground truth has no match") == std::string::npos);
   CHECK(page.find("<td>7</td>") != std::string::npos);
+}
+
+TEST_CASE("a page has risk against coverage, with the area of the metric") {
+  Judgement judgement = example("cwcwcw");
+  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  const auto area = risk_coverage_area(judgement.single_best).value;
+  REQUIRE(area);
+  const std::string page = page_of(judgement, example_truth(judgement));
+  CHECK(page.find(fmt::format("Risk and coverage: area {:.3f}", *area)) != std::string::npos);
+  CHECK(page.find("risk: share of mistakes among them") != std::string::npos);
+}
+
+TEST_CASE("a page of thinned sequences knows the frames of the recordings, for what it saves") {
+  Judgement judgement = example("cwcwcw");
+  const GroundTruth truth = example_truth(judgement);
+  CHECK(page_of(judgement, truth).find("\"query_sources\"") == std::string::npos);
+  Replay kept;
+  kept.recorded_frames = 20;
+  kept.fps = 5;
+  kept.sources = {0, 3, 7, 9, 12, 19};
+  judgement.layout.scope.replay = judgement.layout.scope.sequences[0].kept = kept;
+  const std::string page = page_of(judgement, truth);
+  CHECK(page.find("\"query_sources\":[0,3,7,9,12,19]") != std::string::npos);
+  CHECK(page.find("\"train_sources\":[[0,3,7,9,12,19]]") != std::string::npos);
 }
