@@ -24,6 +24,7 @@ constexpr std::string_view kVersion5 = "MATLAB 5.0 MAT-file";
 constexpr std::string_view kVersion73 = "MATLAB 7.3 MAT-file";
 constexpr size_t kHeaderBytes = 128;
 constexpr size_t kTagBytes = 8;
+constexpr uint32_t kMatrixElement = 14;  // not compressed
 constexpr std::string_view kUsualName = "truth";
 
 struct Closer {
@@ -53,6 +54,18 @@ uint32_t number_at(std::string_view bytes, size_t at, bool is_little) {
   return number;
 }
 
+/// The library makes room for what parts of a matrix claim, before it looks whether they are there.
+void require_within(const GroundTruthBuilder& builder, std::string_view element, bool is_little) {
+  size_t at = 0;
+  while (at + kTagBytes <= element.size()) {
+    const bool is_in_tag = number_at(element, at, is_little) >> 16 != 0;  // its few bytes are
+    const size_t length = is_in_tag ? 0 : number_at(element, at + 4, is_little);
+    if (length > element.size() - at - kTagBytes)
+      builder.fail("has a matrix with a part that is longer than itself");
+    at += kTagBytes + (length + kTagBytes - 1) / kTagBytes * kTagBytes;
+  }
+}
+
 /// The library fills up what a file lacks with zeros, and would not tell.
 void require_whole(const GroundTruthBuilder& builder, std::string_view bytes) {
   if (bytes.starts_with(kVersion73)) return;
@@ -61,7 +74,12 @@ void require_whole(const GroundTruthBuilder& builder, std::string_view bytes) {
     builder.fail("is no MAT-file of version 5 to 7.3; save it anew in MATLAB");
   const bool is_little = bytes.size() >= kHeaderBytes && bytes[kHeaderBytes - 2] == 'I';
   size_t at = kHeaderBytes;
-  while (at + kTagBytes <= bytes.size()) at += kTagBytes + number_at(bytes, at + 4, is_little);
+  while (at + kTagBytes <= bytes.size()) {
+    const size_t length = number_at(bytes, at + 4, is_little);
+    if (number_at(bytes, at, is_little) == kMatrixElement)
+      require_within(builder, bytes.substr(at + kTagBytes, length), is_little);
+    at += kTagBytes + length;
+  }
   if (at != bytes.size()) builder.fail("is cut off, or has bytes that belong to nothing");
 }
 
