@@ -56,7 +56,7 @@ FrameWork fastable_work(const SequenceDatabase& database, const MatchSettings& s
   return [online, &database, kernels = settings.kernels,
           window_length = settings.window_length](const Sequence& frame) {
     LiveFrames& frames = online->frames;
-    add_frame(frames, described(frame, database).rows()[0], true);
+    add_frame(frames, {described(frame, database).rows()[0]});
     const auto sums = advance_fastable(online->state, frames.distances, kernels, frames.last_row());
     if (frames.frames < window_length) return;
     emit_row(frames.distances, window_length, frames.frames - 1, 0, sums,
@@ -100,7 +100,7 @@ FrameWork filter_work(const SequenceDatabase& database, const RowKernels& kernel
   online->query = start_filtered(online->frames.distances, {1, kDefaultMemoryLimit, kernels});
   return [online, &database](const Sequence& frame) {
     LiveFrames& frames = online->frames;
-    add_frame(frames, described(frame, database).rows()[0], true, &online->query.view);
+    add_frame(frames, {described(frame, database).rows()[0]}, &online->query.view);
     online->query.passed = frames.frames - 1 - frames.last_row();
     online->last = take_frame(online->query, frames.distances, frames.last_row());
   };
