@@ -109,8 +109,9 @@ TEST_CASE("fixes are written from a trajectory with times, of another rate than 
   std::string times;
   const Json dataset = Json::parse(test::read_text(world().dataset()));
   const auto folder = std::filesystem::path(world().dataset()).parent_path();
-  const size_t frames = read_route(folder / dataset["train"][0]["poses"].get<std::string>()).size();
-  for (size_t i = 0; i < 2 * frames; ++i)
+  const auto frames =
+      static_cast<int>(read_route(folder / dataset["train"][0]["poses"].get<std::string>()).size());
+  for (int i = 0; i < 2 * frames; ++i)
     poses += fmt::format("{} {} 0 {} 0 0 0 1\n", 100 + 0.25 * i, 0.25 * i, 0.5 * i);
   std::string expected = "# time (s) x y z qx qy qz qw\n";
   for (int i = 0; i < frames; ++i) {
