@@ -142,6 +142,19 @@ std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
   return "within " + counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame");
 }
 
+// Only positions of training frames go by time.
+void check_times(const GroundTruthOptions& options) {
+  const bool has_query_times =
+      options.offset_s || !options.query_times.empty() || !options.query_pose_times.empty();
+  const bool has_reference_times = options.reference_offset_s || options.max_difference_s ||
+                                   !options.reference_times.empty() ||
+                                   !options.reference_pose_times.empty();
+  if (has_query_times || (has_reference_times && !options.radius_m))
+    throw Error(ErrorKind::usage,
+                "of anchors, only the poses of training frames go by time: give --radius with "
+                "--reference-times, and no times or offset of the query");
+}
+
 }  // namespace
 
 std::string read_anchors(GroundTruthBuilder& builder) {
@@ -152,6 +165,7 @@ std::string read_anchors(GroundTruthBuilder& builder) {
         fmt::format("{}: a tolerance of anchors in metres needs both --radius and the poses "
                     "of the training sequence (--ground-truth-reference)",
                     builder.argument().path.string()));
+  check_times(options);
   const SequenceArgument source = parse_sequence_argument(builder.argument().path.string());
   const Anchors anchors = read_file(builder, source.path);
   size_t count = 0;

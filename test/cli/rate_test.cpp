@@ -155,7 +155,7 @@ TEST_CASE("Thinned training frames keep the ground truth of the recordings") {
   CHECK(has(report["protocol"]["ground_truth"], "training frames thinned to 4 frames a second"));
   CHECK(report["best_match"]["without_match"] == 0);
   const std::string best = outcomes(report);
-  for (size_t i = 0; i < best.size(); i += 3) CHECK(best[i] == 'r');
+  for (size_t i = 0; i < best.size(); i += 3) CHECK(best[i] == 'c');
   // Kept ones are changed with their file.
   test::write_text(out / "r.train_source_frames.npy", "no");
   CHECK(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"}).exit_code == 4);
