@@ -9,7 +9,7 @@
 #   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs build on
 set -euo pipefail
 libraries=(
-  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev libmatio-dev libyaml-dev zlib1g-dev
+  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev libmatio-dev libexpat1-dev libexif-dev libyaml-dev zlib1g-dev
   libdlib-dev libcli11-dev nlohmann-json3-dev catch2
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }

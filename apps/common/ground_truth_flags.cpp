@@ -68,29 +68,33 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
         .group(kGroundTruthGroup);
   };
   GroundTruthOptions& options = flags.options;
-  add_path(
-      "--ground-truth-reference", options.reference,
-      "poses, tum, kitti, euroc, utm: those of the training sequence; anchors: for a tolerance "
-      "in metres");
+  add_path("--ground-truth-reference", options.reference,
+           "poses, tum, kitti, euroc, gps, utm: those of the training sequence; anchors: for a "
+           "tolerance "
+           "in metres");
   add_number(
       command, "--radius", flags.options.radius_m,
-      "poses, tum, kitti, euroc, utm, anchors: the same place within so many metres (utm: default "
-      "25)");
+      "poses, tum, kitti, euroc, gps, utm, anchors: the same place within so many metres (utm: "
+      "default 25)");
   add_number(command, "--angle", flags.options.angle_deg,
              "and with headings that differ by at most so many degrees (default: any)");
   add_number(command, "--reference-step", flags.options.reference_step,
              "aligned: query frame i is training frame STEP i (default 1)");
   add_path("--soft", options.soft, "matrix: .npy file of pairs to ignore");
-  add_path("--query-times", options.query_times,
-           "tum, kitti, euroc: when query frames were taken (a list, a folder of images named by "
-           "their times, or a video); poses are found by time");
+  add_path(
+      "--query-times", options.query_times,
+      "tum, kitti, euroc, gps: when query frames were taken (a list, a folder of images named by "
+      "their times or with EXIF times, or a video); poses are found by time");
   add_path("--reference-times", options.reference_times, "the same of training frames");
   add_path("--query-pose-times", options.query_pose_times,
            "kitti: when the query's poses are of (times.txt)");
   add_path("--reference-pose-times", options.reference_pose_times,
            "the same of --ground-truth-reference");
+  add_path("--query-images", options.query_images,
+           "gps: the query's images, of which a CSV image,lat,lon has the names");
+  add_path("--reference-images", options.reference_images, "the same of training images");
   add_number(command, "--max-difference", options.max_difference_s,
-             "seconds from a frame to its nearest pose at most (default 0.02)");
+             "seconds from a frame to its nearest pose at most (default 0.02, of gps 1)");
   add_number(command, "--offset", options.offset_s,
              "seconds that are added to --query-times, where clocks differ");
   add_number(command, "--reference-offset", options.reference_offset_s,

@@ -1,5 +1,7 @@
 #include "eval_map.h"
 
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -25,7 +27,18 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
                                               "needs (CSV frame,x,y)",
                                               where, name));
   RouteMap map;
-  map.query = read_route(query.poses);
+  std::vector<std::filesystem::path> paths = {query.poses};
+  for (const NamedSequence& train : dataset.train)
+    if (!train.poses.empty()) paths.push_back(train.poses);
+  Routes found = read_routes(paths);
+  if (found.is_gps && !(dataset.plan.empty() && dataset.place_poses.empty()))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its \"poses\" are latitudes and longitudes, and \"plan\" and "
+                            "\"place_poses\" are in metres",
+                            where));
+  map.query = std::move(found.routes.front());
+  map.train.assign(std::make_move_iterator(found.routes.begin() + 1),
+                   std::make_move_iterator(found.routes.end()));
   const auto& replay = evaluation.judgement.layout.scope.replay;
   const size_t frames = replay ? replay->recorded_frames : evaluation.judgement.fixes.size();
   if (map.query.empty())
@@ -35,8 +48,6 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
                                              query.poses.string(), map.query.size(), frames));
   map.query.resize(frames);
   if (replay) map.query = replayed(map.query, *replay);
-  for (const NamedSequence& train : dataset.train)
-    if (!train.poses.empty()) map.train.push_back(read_route(train.poses));
   if (!dataset.plan.empty()) map.walls = read_walls(dataset.plan);
   if (!dataset.place_poses.empty()) map.places = read_place_positions(dataset.place_poses);
   return map;

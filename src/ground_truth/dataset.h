@@ -43,7 +43,9 @@ struct GroundTruthOptions {
   std::filesystem::path reference_times = {};
   std::filesystem::path query_pose_times = {};  ///< of trajectories whose files have no times
   std::filesystem::path reference_pose_times = {};
-  /// Seconds from a frame to its nearest pose at most. Nothing: 0.02.
+  std::filesystem::path query_images = {};  ///< GPS: folders or lists that names in a CSV are of
+  std::filesystem::path reference_images = {};
+  /// Seconds from a frame to its nearest pose at most. Nothing: 0.02, of GPS 1.
   std::optional<double> max_difference_s = {};
   std::optional<double> offset_s = {};            ///< is added to the query's times
   std::optional<double> reference_offset_s = {};  ///< is added to those of the training frames
@@ -58,6 +60,8 @@ void visit_paths(GroundTruthOptions& options, Visitor&& visit) {
   visit("reference_times", options.reference_times);
   visit("query_pose_times", options.query_pose_times);
   visit("reference_pose_times", options.reference_pose_times);
+  visit("query_images", options.query_images);
+  visit("reference_images", options.reference_images);
 }
 
 /// The names under which the others stand there.

@@ -13,6 +13,7 @@
 #include "base/utf8.h"
 #include "ground_truth/aligned.h"
 #include "ground_truth/anchors.h"
+#include "ground_truth/gps.h"
 #include "ground_truth/mask_image.h"
 #include "ground_truth/mat_file.h"
 #include "ground_truth/matrix_file.h"
@@ -96,6 +97,11 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
       {"kitti", "trajectories: 3 x 4 matrices", kTimedOptions, is_kitti, read_kitti_poses},
       {"euroc", "trajectories: CSV time in ns, x, y, z, qw, qx, qy, qz, ...", kTimedOptions,
        is_euroc, read_euroc_poses},
+      {"gps",
+       "latitude and longitude: CSV lat,lon, GPX track, or EXIF of images",
+       {"path", "range", "reference", "radius_m", "angle_deg", "times", "images"},
+       is_gps,
+       read_gps},
       {"utm", "images called @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
       {"matrix",
        "0/1 matrix, .npy or .npz, with a soft one to ignore",
@@ -185,6 +191,7 @@ void require_options(const GroundTruthFormat& format, const GroundTruthArgument&
     has_times = has_times || (std::string_view(name).ends_with("times") && !file.empty());
   });
   check("times", has_times);
+  check("images", !options.query_images.empty() || !options.reference_images.empty());
   check("matrix_rows", options.matrix_rows != MatrixRows::automatic);
 }
 

@@ -28,7 +28,7 @@ struct GroundTruthFormat {
   std::string_view summary;  ///< for help texts
   /// Which of "path", "range" (of frames, behind the path), "reference", "soft", "radius_m",
   /// "angle_deg", "reference_step", "matrix_rows" it uses; "times": all that say when frames and
-  /// poses are of.
+  /// poses are of; "images": those that a list's names are of.
   std::vector<std::string_view> options;
   bool (*recognise)(const FileStart& start);         ///< null: by its name only
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol in words

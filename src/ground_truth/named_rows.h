@@ -25,6 +25,10 @@ class NamedRows {
   /// Makes `row` the present one. Throws Error(data) if it has not as many fields as the header.
   void go_to(size_t row);
   bool has(std::string_view column) const;
+  /// The names of the columns.
+  const std::vector<std::string>& header() const { return rows_[0].fields; }
+  /// The present row.
+  const FileLocation& location() const { return location_; }
   /// Where the present row starts in the file, counted from 1.
   size_t line() const { return row_->line; }
   /// A field of the present row; empty without such a column.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/counted.h"
+#include "ground_truth/gps_columns.h"
 #include "ground_truth/named_rows.h"
 #include "ground_truth/numbers.h"
 #include "images/sequence_argument.h"
@@ -13,6 +14,31 @@ namespace vpr {
 namespace {
 
 const std::vector<std::string> kNeeded = {"frame", "x", "y"};
+
+/// Where a file has positions: in columns x and y, unless there are latitudes and longitudes.
+std::optional<GpsColumns> position_columns(const NamedRows& rows) {
+  if (rows.has("x") && rows.has("y")) return std::nullopt;
+  auto columns = find_gps_columns(rows.header());
+  if (!columns)
+    rows.fail(
+        fmt::format("its header has no column {} (or lat and lon)", rows.has("x") ? "y" : "x"));
+  return columns;
+}
+
+// Nothing where the row has no fix.
+std::optional<CsvPose> read_row(const NamedRows& rows, const std::optional<GpsColumns>& gps) {
+  CsvPose pose;
+  if (gps) {
+    pose.place = read_fix(rows, *gps);
+    if (!pose.place) return std::nullopt;
+    pose.position = earth_position(*pose.place);
+  } else {
+    pose.position = {rows.real("x"), rows.real("y"), 0};
+  }
+  if (rows.has("heading")) pose.heading_deg = rows.real("heading");
+  pose.floor = rows.text("floor");
+  return pose;
+}
 
 // The frame of the present row, as it counts in the range; nothing outside the range.
 std::optional<size_t> read_frame(const NamedRows& rows, const FrameRange& range) {
@@ -42,7 +68,8 @@ bool has_pose_columns(const std::vector<std::string>& header) {
 std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& path,
                                                   const PoseCsvRules& rules) {
   const SequenceArgument source = parse_sequence_argument(path.string());
-  NamedRows rows(source.path, path.string(), kNeeded);
+  NamedRows rows(source.path, path.string(), {"frame"});
+  const auto gps = position_columns(rows);
   const auto in_range = frame_count(source.range);
   if (in_range && rules.frames && *in_range != *rules.frames)
     rows.fail(fmt::format("its range has {}, and the sequence has {}", counted(*in_range, "frame"),
@@ -55,11 +82,7 @@ std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& p
     require_room(rows, rules, source, *frame);
     if (*frame >= poses.size()) poses.resize(*frame + 1);
     if (poses[*frame]) rows.fail(fmt::format("frame {} is given twice", rows.text("frame")));
-    CsvPose& pose = poses[*frame].emplace();
-    pose.x = rows.real("x");
-    pose.y = rows.real("y");
-    if (rows.has("heading")) pose.heading_deg = rows.real("heading");
-    pose.floor = rows.text("floor");
+    poses[*frame] = read_row(rows, gps);
   }
   return poses;
 }

@@ -39,13 +39,13 @@ int64_t nanoseconds(double seconds, const char* flag) {
   return std::llround(seconds * double{kSecond});
 }
 
-AssociationRules rules_of(const GroundTruthOptions& options, const SideTimes& side) {
+AssociationRules rules_of(const GroundTruthOptions& options, const SideTimes& side,
+                          double usual_difference_s) {
   AssociationRules rules;
-  if (options.max_difference_s) {
-    rules.max_difference_ns = nanoseconds(*options.max_difference_s, "--max-difference");
-    if (rules.max_difference_ns < 0)
-      throw Error(ErrorKind::usage, "--max-difference must not be negative");
-  }
+  rules.max_difference_ns =
+      nanoseconds(options.max_difference_s.value_or(usual_difference_s), "--max-difference");
+  if (rules.max_difference_ns < 0)
+    throw Error(ErrorKind::usage, "--max-difference must not be negative");
   rules.offset_ns = nanoseconds(side.offset_s.value_or(0), side.offset_flag);
   return rules;
 }
@@ -65,11 +65,26 @@ void add_pose_times(Trajectory& trajectory, const SideTimes& side) {
   require_rising_times(trajectory);
 }
 
+// Poses without a position, of which GPS has some; the others keep their times.
+void leave_out_unknown(Trajectory& trajectory) {
+  size_t kept = 0;
+  for (size_t i = 0; i < trajectory.poses.size(); ++i) {
+    if (!trajectory.poses[i]) continue;
+    trajectory.poses[kept] = trajectory.poses[i];
+    trajectory.times_ns[kept] = trajectory.times_ns[i];
+    ++kept;
+  }
+  trajectory.poses.resize(kept);
+  trajectory.times_ns.resize(kept);
+  trajectory.lines.clear();  // of poses that are no more
+}
+
 }  // namespace
 
-std::string times_in_words(const GroundTruthOptions& options) {
+std::string times_in_words(const GroundTruthOptions& options, double usual_difference_s) {
   if (options.query_times.empty() && options.reference_times.empty()) return "";
-  const AssociationRules rules = rules_of(options, times_of(options, PoseSide::query));
+  const AssociationRules rules =
+      rules_of(options, times_of(options, PoseSide::query), usual_difference_s);
   std::string words = fmt::format(" at the times of {}frames, the nearest within {} s",
                                   options.reference_times.empty() ? "query "
                                   : options.query_times.empty()   ? "training "
@@ -81,29 +96,26 @@ std::string times_in_words(const GroundTruthOptions& options) {
   return words;
 }
 
-Poses poses_of_side(const GroundTruthOptions& options, PoseSide side,
-                    const std::filesystem::path& path,
-                    Trajectory (*read)(const std::filesystem::path& path), const Monitor& monitor) {
+Poses poses_of_side(const GroundTruthOptions& options, PoseSide side, Trajectory trajectory,
+                    const Monitor& monitor, double usual_difference_s) {
   const SideTimes times = times_of(options, side);
   if (times.frames.empty()) {
     if (!times.poses.empty() || times.offset_s)
       throw Error(ErrorKind::usage,
                   fmt::format("{}: pose i is that of frame i, unless --{}-times says when frames "
                               "were taken; then poses have times",
-                              path.string(), times.prefix));
-    return read(path).poses;
+                              trajectory.name, times.prefix));
+    return std::move(trajectory.poses);
   }
-  Trajectory trajectory = read(path);
   add_pose_times(trajectory, times);
-  return associate(trajectory, read_frame_times(times.frames, monitor), rules_of(options, times),
-                   times.frames.string(), monitor);
+  leave_out_unknown(trajectory);
+  return associate(trajectory, read_frame_times(times.frames, monitor),
+                   rules_of(options, times, usual_difference_s), times.frames.string(), monitor);
 }
 
 Poses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
                        const Monitor& monitor) {
-  return poses_of_side(
-      options, PoseSide::train, path,
-      [](const std::filesystem::path& file) { return read_trajectory(file, {}); }, monitor);
+  return poses_of_side(options, PoseSide::train, read_trajectory(path, {}), monitor);
 }
 
 }  // namespace vpr

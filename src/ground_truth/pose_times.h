@@ -15,16 +15,20 @@ struct Monitor;
 /// A side of a ground truth.
 enum class PoseSide { query, train };
 
+/// Seconds from a frame to its nearest pose at most, as evo has it.
+inline constexpr double kEvoDifference = 0.02;
+
 /// ", by time within 0.02 s" for a protocol; empty where no times of frames are given.
-std::string times_in_words(const GroundTruthOptions& options);
+/// `usual_difference_s`: what counts without --max-difference.
+std::string times_in_words(const GroundTruthOptions& options,
+                           double usual_difference_s = kEvoDifference);
 
 /// The poses of the frames of one side: by their times, where the options say when they were taken
-/// (then every frame gets one of `read(path)` or none, as associate() does), and otherwise pose i
-/// is that of frame i. Throws as associate() and the readers of times do, and Error(usage) for
-/// options that lack what they belong to, or are no times.
-Poses poses_of_side(const GroundTruthOptions& options, PoseSide side,
-                    const std::filesystem::path& path,
-                    Trajectory (*read)(const std::filesystem::path& path), const Monitor& monitor);
+/// (then every frame gets one of those that are known or none, as associate() does), and otherwise
+/// pose i is that of frame i. Throws as associate() and the readers of times do, and Error(usage)
+/// for options that lack what they belong to, or are no times.
+Poses poses_of_side(const GroundTruthOptions& options, PoseSide side, Trajectory trajectory,
+                    const Monitor& monitor, double usual_difference_s = kEvoDifference);
 
 /// Where each training frame was taken, in any format that read_trajectory reads: of `path`, by
 /// time where the options say when they were taken. Throws as poses_of_side does.

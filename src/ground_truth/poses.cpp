@@ -24,7 +24,12 @@ Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames
     poses.emplace_back();
     if (!found) continue;
     Pose& pose = poses.back().emplace();
-    pose.position = {found->x, found->y, 0};
+    if (found->place)
+      throw Error(ErrorKind::data,
+                  fmt::format("{}: has latitudes and longitudes, which poses in metres can't be "
+                              "compared with; give both sides so (format gps)",
+                              path.string()));
+    pose.position = found->position;
     pose.heading_deg = found->heading_deg;
   }
   return poses;
@@ -70,8 +75,9 @@ std::string read_trajectories(GroundTruthBuilder& builder, std::string_view form
     const GroundTruthOptions& options = builder.argument().options;
     const bool has_times =
         !(side == PoseSide::query ? options.query_times : options.reference_times).empty();
-    return poses_of_side(options, side, path,
-                         has_times ? readers.with_times : readers.without_times, builder.monitor());
+    return poses_of_side(options, side,
+                         (has_times ? readers.with_times : readers.without_times)(path),
+                         builder.monitor());
   });
 }
 

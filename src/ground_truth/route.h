@@ -22,8 +22,21 @@ struct WallLine {
 };
 
 /// Where each frame was taken, up to the last that has a line; nothing for frames without one.
-/// Throws as read_pose_csv does.
-std::vector<std::optional<RoutePoint>> read_route(const std::filesystem::path& path);
+using Route = std::vector<std::optional<RoutePoint>>;
+
+/// Throws as read_pose_csv does. Of a file with latitudes and longitudes x and y are metres to the
+/// east and north of its first fix.
+Route read_route(const std::filesystem::path& path);
+
+/// Several of one map, in one plane.
+struct Routes {
+  std::vector<Route> routes;
+  bool is_gps = false;  ///< x and y are metres east and north of the first fix of the first file
+};
+
+/// One route a path, empty for an empty path. Throws as read_pose_csv does, and Error(data) where
+/// some files have latitudes and others metres.
+Routes read_routes(const std::vector<std::filesystem::path>& paths);
 
 /// A CSV with columns place, x, y and maybe floor, one line a view: the first of each place, in the
 /// order of the file. Throws Error(input) if it can't be read, Error(data), naming the line, if it

@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/frame_times.h"
+#include "ground_truth/gps.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/pose_csv.h"
 #include "ground_truth/poses.h"
@@ -122,19 +123,28 @@ Trajectory read_lines(const std::filesystem::path& path, const LineLayout& layou
   return found;
 }
 
-Trajectory read_csv(const std::filesystem::path& path) {
+}  // namespace
+
+Trajectory read_csv_trajectory(const std::filesystem::path& path, std::optional<size_t> frames) {
   Trajectory found;
   found.name = path.string();
-  for (const auto& pose : read_pose_csv(path, {{}, kMostFrames})) {
+  for (const auto& pose : read_pose_csv(path, {frames, kMostFrames})) {
     found.poses.emplace_back();
-    if (pose) found.poses.back() = Pose{{pose->x, pose->y, 0}, pose->heading_deg, {}};
+    if (!pose) continue;
+    found.poses.back() = Pose{pose->position, pose->heading_deg, {}};
+    found.is_on_earth = pose->place.has_value();
   }
   return found;
 }
 
+namespace {
+
 Trajectory read_any(const std::filesystem::path& path) {
   FileStart start;
   start.path = parse_sequence_argument(path.string()).path;
+  std::error_code error;
+  start.is_folder = std::filesystem::is_directory(start.path, error);
+  if (start.is_folder) return read_fixes(path);
   const MappedFile file(start.path);
   start.bytes = file.text();
   for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes))) {
@@ -145,11 +155,12 @@ Trajectory read_any(const std::filesystem::path& path) {
   if (is_tum(start)) return read_tum(path);
   if (is_euroc(start)) return read_euroc(path);
   if (is_kitti(start)) return read_kitti(path);
-  if (is_pose_csv(start)) return read_csv(path);
+  if (is_pose_csv(start)) return read_csv_trajectory(path);
+  if (is_gps(start)) return read_fixes(path);
   throw Error(ErrorKind::usage,
               fmt::format("{}: is no trajectory; expected a line a pose, as TUM (8 numbers), KITTI "
-                          "(12 numbers) or EuRoC (time in ns and more, with commas) write it, or "
-                          "a CSV frame,x,y",
+                          "(12 numbers) or EuRoC (time in ns and more, with commas) write it, "
+                          "a CSV frame,x,y, or GPS (a GPX track, or a CSV with lat and lon)",
                           path.string()));
 }
 
@@ -177,7 +188,7 @@ void require_rising_times(const Trajectory& trajectory) {
   FileLocation location{trajectory.name};
   for (size_t i = 1; i < trajectory.times_ns.size(); ++i) {
     if (trajectory.times_ns[i] > trajectory.times_ns[i - 1]) continue;
-    location.at("line", trajectory.lines[i]);
+    if (i < trajectory.lines.size()) location.at("line", trajectory.lines[i]);
     refuse_time_order(location, trajectory.times_ns[i - 1], trajectory.times_ns[i]);
   }
 }
@@ -193,6 +204,7 @@ void add_times(Trajectory& trajectory, const std::filesystem::path& times) {
 
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times) {
   Trajectory found = read_any(path);
+  level(found);
   require_rising_times(found);
   if (times.empty()) return found;
   if (!found.times_ns.empty())

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Trajectory {
   Poses poses;                    ///< nothing where the file has no pose of a frame
   std::vector<size_t> lines;      ///< of each pose in the file, counted from 1; none of a CSV
   std::vector<int64_t> times_ns;  ///< one a pose as the file has them, or none at all
+  bool is_on_earth = false;       ///< positions are those of geodesy.h
 };
 
 /// One pose a line: time x y z qx qy qz qw (TUM). Times may fall or repeat. All readers of this
@@ -37,9 +39,15 @@ bool is_euroc(const FileStart& start);
 /// rotation are refused.
 Trajectory read_kitti(const std::filesystem::path& path);
 
-/// Any of these, or a CSV with columns frame, x and y, by its content. Of a file without times,
-/// `times`, which may be empty, has them: one a line (KITTI's times.txt), as many as poses. Times
-/// must rise. Throws Error(usage) if the file is none of these, or times are given twice.
+/// A CSV with columns frame, x and y, or latitude and longitude, as read_pose_csv() reads it,
+/// without times. `frames`: how many the sequence has, if that is known.
+Trajectory read_csv_trajectory(const std::filesystem::path& path,
+                               std::optional<size_t> frames = std::nullopt);
+
+/// Any of these by its content, or GPS fixes (gps.h) on a plane that touches the earth at the
+/// first. Of a file without times, `times`, which may be empty, has them: one a line (KITTI's
+/// times.txt), as many as poses. Times must rise. Throws Error(usage) if the file is none of these,
+/// or times are given twice.
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times);
 
 /// Takes the times of the poses from a file. Throws Error(data) if they are not as many.

@@ -44,10 +44,13 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
       travelled_m.push_back(0);
       continue;
     }
-    const double x = poses[frame]->x - poses[frame - 1]->x;
-    const double y = poses[frame]->y - poses[frame - 1]->y;
+    double square = 0;
+    for (size_t k = 0; k < 3; ++k) {
+      const double step = poses[frame]->position[k] - poses[frame - 1]->position[k];
+      square += step * step;
+    }
     // Rounded correctly everywhere, which hypot is not.
-    travelled_m.push_back(travelled_m.back() + std::sqrt(x * x + y * y));
+    travelled_m.push_back(travelled_m.back() + std::sqrt(square));
   }
   if (!travelled_m.empty() && !std::isfinite(travelled_m.back()))
     throw Error(ErrorKind::data,
