@@ -1,12 +1,16 @@
 #include "eval_trajectory.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "ground_truth/dataset.h"
 #include "ground_truth/frame_times.h"
+#include "ground_truth/geodesy.h"
 #include "ground_truth/pose_times.h"
 #include "ground_truth/route.h"
 #include "report/fix_trajectory.h"
@@ -20,6 +24,32 @@ Poses plan_poses(const std::vector<RoutePoint>& points) {
   return poses;
 }
 
+/// Where sequences of one map are: all in metres, or all on the earth and put on the plane that
+/// touches it where the first frame was taken.
+class OneMap {
+ public:
+  Poses add(TrainPoses train) {
+    if (train.poses.empty()) return {};
+    if (is_on_earth_.value_or(train.is_on_earth) != train.is_on_earth)
+      throw Error(ErrorKind::data,
+                  "--fixes-tum: some training sequences have latitudes and longitudes and others "
+                  "metres; give all in one way");
+    is_on_earth_ = train.is_on_earth;
+    for (auto& pose : train.poses)
+      if (pose && train.is_on_earth) pose->position = on_plane(pose->position);
+    return std::move(train.poses);
+  }
+
+ private:
+  std::array<double, 3> on_plane(const std::array<double, 3>& earth) {
+    if (!plane_) plane_.emplace(earth);
+    return plane_->local(earth);
+  }
+
+  std::optional<bool> is_on_earth_;
+  std::optional<LocalPlane> plane_;
+};
+
 // Where the frames of each sequence were taken, as the data set says it or else the ground truth;
 // of a sequence that is thinned, those of the frames that are kept.
 TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluation,
@@ -28,13 +58,14 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
     return {dataset.place_poses.empty() ? Poses{}
                                         : plan_poses(read_place_positions(dataset.place_poses))};
   TrainPositions positions;
+  OneMap map;
   for (const auto& sequence : evaluation.judgement.layout.scope.sequences) {
     Poses& poses = positions.emplace_back();
     const auto train = std::ranges::find(dataset.train, sequence.name, &NamedSequence::name);
     if (train != dataset.train.end() && !train->poses.empty())
-      poses = read_train_poses(train->poses, {}, monitor);
+      poses = map.add(read_train_poses(train->poses, {}, monitor));
     else if (!options.reference.empty() && sequence.searched)
-      poses = read_train_poses(options.reference, options, monitor);
+      poses = map.add(read_train_poses(options.reference, options, monitor));
     if (!sequence.kept || poses.empty()) continue;
     poses.resize(sequence.kept->recorded_frames);
     poses = replayed(poses, *sequence.kept);

@@ -184,17 +184,10 @@ void check_sharing(const Session& session, const QueryInputs& inputs) {
     throw Error(ErrorKind::usage, "--fuse is work for one process: leave mpirun out");
 }
 
-}  // namespace
-
-void run_sequence_query(Session& session, const QueryInputs& inputs,
-                        const SequenceQuerySettings& asked) {
-  SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
-  check_loop_inputs(inputs, settings, session.share);
-  check_scores(inputs, settings);
-  check_sharing(session, inputs);
-  if (inputs.follow) return follow_query(session, inputs, asked);
-  const CommonOptions& options = session.options;
-  if (!options.output.empty()) claim_result(options.output, session.outputs);
+// Before anything is read.
+void check_and_claim(const Session& session, const QueryInputs& inputs,
+                     const SequenceQuerySettings& settings) {
+  if (!session.options.output.empty()) claim_result(session.options.output, session.outputs);
   claim_matrix(inputs, session.outputs);
   if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
   if (has_paths(settings.method) && inputs.verify_cells > 0)
@@ -208,6 +201,18 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
     throw Error(ErrorKind::usage, fmt::format("{} does not see every window: there is no whole "
                                               "matrix to save",
                                               settings.method));
+}
+
+}  // namespace
+
+void run_sequence_query(Session& session, const QueryInputs& inputs,
+                        const SequenceQuerySettings& asked) {
+  SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
+  check_loop_inputs(inputs, settings, session.share);
+  check_scores(inputs, settings);
+  check_sharing(session, inputs);
+  if (inputs.follow) return follow_query(session, inputs, asked);
+  check_and_claim(session, inputs, settings);
   const QueryResources resources = resources_of(session, inputs);
 
   const Stopwatch watch;

@@ -1,6 +1,7 @@
 #include "bench/realtime_bench.h"
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 #include <ctime>
 #include <memory>
@@ -44,6 +45,7 @@ void check_settings(const RealtimeBenchSettings& settings) {
 
 // So many descriptors, from the first again where they end.
 std::vector<uint8_t> repeated(const DescriptorRows& rows, size_t count) {
+  assert(rows.size() > 0);
   std::vector<uint8_t> bytes;
   bytes.reserve(count * rows.shape.row_bytes());
   for (size_t i = 0; i < count; ++i) {

@@ -115,7 +115,7 @@ std::string in_metres(GroundTruthBuilder& builder, const Anchors& anchors,
     throw Error(ErrorKind::usage,
                 "anchors take a tolerance in frames or a radius in metres, not both");
   const size_t sequence = builder.only_searched("a radius of anchors");
-  const Poses train = read_train_poses(options.reference, options, builder.monitor());
+  const Poses train = read_train_poses(options.reference, options, builder.monitor()).poses;
   builder.require_train_frames(sequence, train.size());
   Poses query;
   std::vector<bool> nowhere;

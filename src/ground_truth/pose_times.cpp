@@ -113,9 +113,11 @@ Poses poses_of_side(const GroundTruthOptions& options, PoseSide side, Trajectory
                    rules_of(options, times, usual_difference_s), times.frames.string(), monitor);
 }
 
-Poses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
-                       const Monitor& monitor) {
-  return poses_of_side(options, PoseSide::train, read_trajectory(path, {}), monitor);
+TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+                            const Monitor& monitor) {
+  Trajectory trajectory = read_any_trajectory(path);
+  const bool is_on_earth = trajectory.is_on_earth;
+  return {poses_of_side(options, PoseSide::train, std::move(trajectory), monitor), is_on_earth};
 }
 
 }  // namespace vpr

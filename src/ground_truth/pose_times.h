@@ -30,9 +30,15 @@ std::string times_in_words(const GroundTruthOptions& options,
 Poses poses_of_side(const GroundTruthOptions& options, PoseSide side, Trajectory trajectory,
                     const Monitor& monitor, double usual_difference_s = kEvoDifference);
 
+/// Where training frames were taken.
+struct TrainPoses {
+  Poses poses;
+  bool is_on_earth = false;  ///< positions are those of geodesy.h
+};
+
 /// Where each training frame was taken, in any format that read_trajectory reads: of `path`, by
 /// time where the options say when they were taken. Throws as poses_of_side does.
-Poses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
-                       const Monitor& monitor);
+TrainPoses read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
+                            const Monitor& monitor);
 
 }  // namespace vpr

@@ -137,35 +137,6 @@ Trajectory read_csv_trajectory(const std::filesystem::path& path, std::optional<
   return found;
 }
 
-namespace {
-
-Trajectory read_any(const std::filesystem::path& path) {
-  FileStart start;
-  start.path = parse_sequence_argument(path.string()).path;
-  std::error_code error;
-  start.is_folder = std::filesystem::is_directory(start.path, error);
-  if (start.is_folder) return read_fixes(path);
-  const MappedFile file(start.path);
-  start.bytes = file.text();
-  for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes))) {
-    if (line.empty() || line.starts_with('#')) continue;
-    start.first_line = line;
-    break;
-  }
-  if (is_tum(start)) return read_tum(path);
-  if (is_euroc(start)) return read_euroc(path);
-  if (is_kitti(start)) return read_kitti(path);
-  if (is_pose_csv(start)) return read_csv_trajectory(path);
-  if (is_gps(start)) return read_fixes(path);
-  throw Error(ErrorKind::usage,
-              fmt::format("{}: is no trajectory; expected a line a pose, as TUM (8 numbers), KITTI "
-                          "(12 numbers) or EuRoC (time in ns and more, with commas) write it, "
-                          "a CSV frame,x,y, or GPS (a GPX track, or a CSV with lat and lon)",
-                          path.string()));
-}
-
-}  // namespace
-
 Trajectory read_tum(const std::filesystem::path& path) { return read_lines(path, kTum); }
 
 Trajectory read_tum_without_times(const std::filesystem::path& path) {
@@ -202,8 +173,33 @@ void add_times(Trajectory& trajectory, const std::filesystem::path& times) {
                             counted(trajectory.poses.size(), "pose")));
 }
 
+Trajectory read_any_trajectory(const std::filesystem::path& path) {
+  FileStart start;
+  start.path = parse_sequence_argument(path.string()).path;
+  std::error_code error;
+  start.is_folder = std::filesystem::is_directory(start.path, error);
+  if (start.is_folder) return read_fixes(path);
+  const MappedFile file(start.path);
+  start.bytes = file.text();
+  for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes))) {
+    if (line.empty() || line.starts_with('#')) continue;
+    start.first_line = line;
+    break;
+  }
+  if (is_tum(start)) return read_tum(path);
+  if (is_euroc(start)) return read_euroc(path);
+  if (is_kitti(start)) return read_kitti(path);
+  if (is_pose_csv(start)) return read_csv_trajectory(path);
+  if (is_gps(start)) return read_fixes(path);
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: is no trajectory; expected a line a pose, as TUM (8 numbers), KITTI "
+                          "(12 numbers) or EuRoC (time in ns and more, with commas) write it, "
+                          "a CSV frame,x,y, or GPS (a GPX track, or a CSV with lat and lon)",
+                          path.string()));
+}
+
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times) {
-  Trajectory found = read_any(path);
+  Trajectory found = read_any_trajectory(path);
   level(found);
   require_rising_times(found);
   if (times.empty()) return found;

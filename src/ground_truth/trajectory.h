@@ -44,10 +44,13 @@ Trajectory read_kitti(const std::filesystem::path& path);
 Trajectory read_csv_trajectory(const std::filesystem::path& path,
                                std::optional<size_t> frames = std::nullopt);
 
-/// Any of these by its content, or GPS fixes (gps.h) on a plane that touches the earth at the
-/// first. Of a file without times, `times`, which may be empty, has them: one a line (KITTI's
-/// times.txt), as many as poses. Times must rise. Throws Error(usage) if the file is none of these,
-/// or times are given twice.
+/// Any of these by its content, or GPS fixes (gps.h) as positions on the earth. Throws Error(usage)
+/// if the file is none of these.
+Trajectory read_any_trajectory(const std::filesystem::path& path);
+
+/// The same, with GPS fixes on a plane that touches the earth at the first. Of a file without
+/// times, `times`, which may be empty, has them: one a line (KITTI's times.txt), as many as poses.
+/// Times must rise. Throws Error(usage) if the file is none of these, or times are given twice.
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times);
 
 /// Takes the times of the poses from a file. Throws Error(data) if they are not as many.
