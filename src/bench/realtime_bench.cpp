@@ -1,7 +1,6 @@
 #include "bench/realtime_bench.h"
 
 #include <algorithm>
-#include <cassert>
 #include <chrono>
 #include <ctime>
 #include <memory>
@@ -43,13 +42,14 @@ void check_settings(const RealtimeBenchSettings& settings) {
                                               kMaxWindowLength, settings.window_length));
 }
 
-// So many descriptors, from the first again where they end.
+// So many descriptors, from the first again where they end; none of none.
 std::vector<uint8_t> repeated(const DescriptorRows& rows, size_t count) {
-  assert(rows.size() > 0);
+  const size_t period = rows.size();
+  if (period == 0) return {};
   std::vector<uint8_t> bytes;
   bytes.reserve(count * rows.shape.row_bytes());
   for (size_t i = 0; i < count; ++i) {
-    const DescriptorRow row = rows[i % rows.size()];
+    const DescriptorRow row = rows[i % period];
     bytes.insert(bytes.end(), row.begin(), row.end());
   }
   return bytes;

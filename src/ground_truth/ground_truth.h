@@ -51,6 +51,7 @@ struct GroundTruth {
     uint32_t further = 0;
 
     uint32_t last() const { return first + further; }
+    // NOLINTNEXTLINE(modernize-use-nullptr): its literal 0 is the comparison's own
     auto operator<=>(const Pair&) const = default;
   };
   /// Per query frame: sorted, no reference twice.
