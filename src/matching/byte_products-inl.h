@@ -34,6 +34,8 @@ HWY_INLINE void ByteProducts(const ByteQuery* HWY_RESTRICT queries, const int8_t
     for (size_t r = 0; r < 4; ++r) sums[q][r] = hn::Zero(SumTag());
   }
   for (size_t i = 0; i < length; i += hn::Lanes(bytes)) {
+    if constexpr (kQueries == 1)
+      FetchAhead<hn::MaxLanes(hn::CappedTag<int8_t, 64>())>(rows, i, length);
     Bytes row[4];
     HWY_UNROLL(4)
     for (size_t r = 0; r < 4; ++r)

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/aligned_vector.h"
 #include "base/error.h"
 #include "descriptors/imported.h"
 #include "matching/cosine_kernels.h"
@@ -50,7 +51,7 @@ struct ProductTraining {
   double (*size)(double square) = nullptr;  ///< what kernels take beside a vector
   size_t length = 0;
   size_t padded_length = 0;
-  std::vector<T> rows;
+  AlignedVector<T> rows;  ///< begin at a cache line
   std::vector<double> sizes;
 };
 
