@@ -135,7 +135,7 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
                                        std::pair(inputs.references_first, "--references-first"),
                                        std::pair(inputs.missing.has_value(), "--missing")})
     refuse(is_given && !has_scores, flag, without);
-  refuse(inputs.metric == DescriptorMetric::l2 && inputs.query_npy.empty(), "--metric",
+  refuse(inputs.metric != DescriptorMetric::cosine && inputs.query_npy.empty(), "--metric",
          "compares descriptors; give it with --query-npy");
   for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
                                        std::pair(inputs.threshold.has_value(), "--threshold"),

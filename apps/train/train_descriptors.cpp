@@ -96,13 +96,15 @@ std::string_view kind_of(const DescriptorsCommand& given) {
   if (given.precision != 8 && given.precision != 16)
     throw Error(ErrorKind::usage, fmt::format("--precision must be 16 or 8 bits a number, found {}",
                                               given.precision));
-  const bool is_l2 = given.metric == DescriptorMetric::l2;
-  if (given.as_bits && (given.precision != 16 || is_l2))
+  const bool is_cosine = given.metric == DescriptorMetric::cosine;
+  if (given.as_bits && (given.precision != 16 || !is_cosine))
     throw Error(ErrorKind::usage, "--precision and --metric are for vectors; --bits are exact");
-  if (is_l2 && given.precision != 16)
-    throw Error(ErrorKind::usage, "--metric l2 takes numbers of 16 bits; leave --precision out");
+  if (!is_cosine && given.precision != 16)
+    throw Error(ErrorKind::usage,
+                fmt::format("--metric {} takes numbers of 16 bits; leave --precision out",
+                            enum_name(given.metric)));
   if (given.as_bits) return kBitKind;
-  if (is_l2) return kPointKind;
+  if (!is_cosine) return given.metric == DescriptorMetric::l2 ? kPointKind : kDirectionKind;
   return given.precision == 16 ? kVectorKind : kNarrowVectorKind;
 }
 
@@ -142,8 +144,9 @@ void add_descriptors_command(Program& program, DescriptorsCommand& given) {
   command.add_flag("--bits", given.as_bits,
                    "uint8 are 8 bits a number, bool a bit each (Hamming distances)");
   add_setting(command, "--metric", given.metric,
-              "cosine (default: only directions count) or l2 (Euclidean, for vectors whose lengths "
-              "count, and of length 1 finer where frames are nearly alike)");
+              "cosine (default: only directions count), l2 (Euclidean, for vectors whose lengths "
+              "count) or chord (l2 of the vectors at length 1: the order of cosine, finer where "
+              "frames are nearly alike)");
   add_setting(command, "--precision", given.precision,
               "bits of a number of vectors: 16 (default), or 8, which take half the memory");
   add_setting(command, "--c-l", given.settings.window_length,

@@ -47,11 +47,10 @@ DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
   return set;
 }
 
-template <ElementType element>
-DescriptorSet import_by(const DescriptorKind&, const Sequence& sequence,
-                        const DescriptorSettings& settings, Unreadable unreadable,
-                        const FrameVisitor&, const Monitor& monitor) {
-  return import_descriptors(sequence, element, unreadable, monitor, settings.unit);
+DescriptorSet import_kind(const DescriptorKind& kind, const Sequence& sequence,
+                          const DescriptorSettings& settings, Unreadable unreadable,
+                          const FrameVisitor&, const Monitor& monitor) {
+  return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
 }
 
 // The set with the frames that a replay of it shows.
@@ -67,7 +66,7 @@ DescriptorSet shown(const DescriptorSet& set, Replay replay) {
   return result;
 }
 
-constexpr std::array<DescriptorKind, 9> kKinds = {{
+constexpr std::array<DescriptorKind, 10> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
      "the frame in 64x32 grey levels, normalised in squares, as SeqSLAM has it",
@@ -88,19 +87,24 @@ constexpr std::array<DescriptorKind, 9> kKinds = {{
     {kVectorKind,
      "vectors from files, in whole numbers of 16 bits",
      {ElementType::wide_numbers, 0},
-     import_by<ElementType::wide_numbers>,
+     import_kind,
      true},
     {kNarrowVectorKind,
      "vectors from files, in whole numbers of 8 bits",
      {ElementType::whole_numbers, 0},
-     import_by<ElementType::whole_numbers>,
+     import_kind,
      true},
     {kPointKind,
      "vectors from files whose lengths count, in whole numbers of 16 bits",
      {ElementType::coordinates, 0},
-     import_by<ElementType::coordinates>,
+     import_kind,
      true},
-    {kBitKind, "bits from files", {ElementType::bits, 0}, import_by<ElementType::bits>, true},
+    {kDirectionKind,
+     "vectors from files at length 1, in whole numbers of 16 bits",
+     {ElementType::coordinates, 0},
+     import_kind,
+     true},
+    {kBitKind, "bits from files", {ElementType::bits, 0}, import_kind, true},
 }};
 
 }  // namespace

@@ -73,9 +73,8 @@ void check_point(std::span<const double> row, double unit, const std::string& wh
                             where));
 }
 
-/// How rows of an element type come from numbers.
+/// How rows of a kind come from numbers.
 struct RowImport {
-  std::string_view kind;
   size_t elements_a_number = 1;
   bool is_vector = true;
   std::function<void(std::span<const double> row, std::span<uint8_t> out)> store;
@@ -84,23 +83,31 @@ struct RowImport {
 
 RowImport bit_import(const std::string& type) {
   if (type == "|u1")
-    return {kBitKind, 8, false,
+    return {8, false,
             [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 8, out); }};
-  return {kBitKind, 1, false,
+  return {1, false,
           [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 1, out); }};
 }
 
 RowImport point_import(double unit) {
   return {
-      kPointKind, 1, true,
+      1, true,
       [unit](std::span<const double> row, std::span<uint8_t> out) { store_point(row, unit, out); },
       [unit](std::span<const double> row, const std::string& where) {
         check_point(row, unit, where);
       }};
 }
 
-RowImport import_of(ElementType element, const ArrayRows& rows, double unit) {
-  const bool is_bits = element == ElementType::bits;
+RowImport direction_import(double unit) {
+  return {1, true,
+          [unit](std::span<const double> row, std::span<uint8_t> out) {
+            store_point(row, unit * length_of(row), out);
+          },
+          check_vector};
+}
+
+RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
+  const bool is_bits = kind == kBitKind;
   if (rows.type().starts_with("<f") == is_bits)
     throw Error(ErrorKind::data,
                 fmt::format("{}: its numbers are of type {}; {}", rows.where(0), rows.type(),
@@ -108,10 +115,10 @@ RowImport import_of(ElementType element, const ArrayRows& rows, double unit) {
                                     : "vectors are float16, float32 or float64, and uint8 or bool "
                                       "are bits: train with --bits"));
   if (is_bits) return bit_import(rows.type());
-  if (element == ElementType::coordinates) return point_import(unit);
-  return element == ElementType::whole_numbers
-             ? RowImport{kNarrowVectorKind, 1, true, store_numbers<int8_t>, check_vector}
-             : RowImport{kVectorKind, 1, true, store_numbers<int16_t>, check_vector};
+  if (kind == kPointKind) return point_import(unit);
+  if (kind == kDirectionKind) return direction_import(unit);
+  return kind == kNarrowVectorKind ? RowImport{1, true, store_numbers<int8_t>, check_vector}
+                                   : RowImport{1, true, store_numbers<int16_t>, check_vector};
 }
 
 void check_length(const ArrayRows& rows, ElementType element, size_t elements_a_number) {
@@ -199,11 +206,13 @@ void quantise_numbers(std::span<const double> vector, std::span<int16_t> out) {
     out[i] = static_cast<int16_t>(std::nearbyint(vector[i] / largest * scale));
 }
 
-double coordinate_unit(std::span<const Sequence> sequences, const Monitor& monitor) {
+double coordinate_unit(std::string_view kind, std::span<const Sequence> sequences,
+                       const Monitor& monitor) {
+  if (kind == kDirectionKind) return 1 / longest_point(ArrayRows(sequences.front()).length());
   double unit = 0;
   for (const Sequence& sequence : sequences) {
     const ArrayRows rows(sequence);
-    import_of(ElementType::coordinates, rows, 0);
+    import_of(kind, rows, 0);
     check_length(rows, ElementType::coordinates, 1);
     std::vector<double> lengths(rows.count(), 0);
     parallel_for(rows.count(), monitor, [&](size_t i) {
@@ -219,14 +228,16 @@ double coordinate_unit(std::span<const Sequence> sequences, const Monitor& monit
   return unit > 0 ? unit : 1;
 }
 
-DescriptorSet import_descriptors(const Sequence& sequence, ElementType element,
+DescriptorSet import_descriptors(const Sequence& sequence, std::string_view kind,
                                  Unreadable unreadable, const Monitor& monitor, double unit) {
   const ArrayRows rows(sequence);
-  const RowImport import = import_of(element, rows, unit);
+  const RowImport import = import_of(kind, rows, unit);
+  const DescriptorKind* described = find_descriptor_kind(kind);
+  const ElementType element = described->shape.element;
   check_length(rows, element, import.elements_a_number);
   const DescriptorShape shape{element, rows.length() * import.elements_a_number};
   DescriptorSet set;
-  set.descriptors.kind = find_descriptor_kind(import.kind);
+  set.descriptors.kind = described;
   set.descriptors.length = shape.length;
   set.descriptors.unit = unit;
   set.descriptors.owned.resize(rows.count() * shape.row_bytes());

@@ -17,15 +17,18 @@ namespace vpr {
 
 struct DescriptorSet;
 
-/// What vectors are compared by: their directions, or where they lie.
-enum class DescriptorMetric { cosine, l2 };
+/// What vectors are compared by: their directions, by 1 - cos; where they lie; or where they lie at
+/// length 1, which orders them as 1 - cos does and is finer where they are nearly alike.
+enum class DescriptorMetric { cosine, l2, chord };
 template <>
-inline constexpr std::array<std::string_view, 2> kEnumNames<DescriptorMetric> = {"cosine", "l2"};
+inline constexpr std::array<std::string_view, 3> kEnumNames<DescriptorMetric> = {"cosine", "l2",
+                                                                                 "chord"};
 
 /// The names of what is imported: vectors, in whole numbers of 16 or of 8 bits, and bits.
 inline constexpr std::string_view kVectorKind = "vectors";
 inline constexpr std::string_view kNarrowVectorKind = "vectors8";
 inline constexpr std::string_view kPointKind = "points";  ///< vectors whose lengths count, too
+inline constexpr std::string_view kDirectionKind = "directions";  ///< points of length 1
 inline constexpr std::string_view kBitKind = "bits";
 
 /// The squared length of no vector of 16-bit numbers is larger: scalar products of two fit 32 bits,
@@ -51,20 +54,22 @@ void quantise_numbers(std::span<const double> vector, std::span<int8_t> out);
 /// |y|).
 void quantise_numbers(std::span<const double> vector, std::span<int16_t> out);
 
-/// What 1 is of the coordinates of points in these sequences: so much that vectors of twice the
-/// length of the longest one there are at most kLongestPoint long. 1 where all are zero. Reads all
-/// rows, and throws as import_descriptors does.
-double coordinate_unit(std::span<const Sequence> sequences, const Monitor& monitor);
+/// What 1 is of the coordinates of these sequences. Of points it is so much that vectors of twice
+/// the length of the longest one there are at most kLongestPoint long, 1 where all are zero: reads
+/// all rows, and throws as import_descriptors does. Of directions, that length 1 is. The
+/// kind is one of these two.
+double coordinate_unit(std::string_view kind, std::span<const Sequence> sequences,
+                       const Monitor& monitor);
 
-/// The rows of a sequence as descriptors of the kind of this element type. Vectors are float16,
-/// float32 or float64, and only their directions count; bits are uint8 (8 bits a number) or bool
-/// (a bit a number). Points are vectors in multiples of `unit`, each coordinate rounded to the
-/// nearest. With Unreadable::skip, a row all of whose numbers are NaN keeps its index and
-/// can't be read. Memory: what comes out, and a block of rows for each thread. Throws what
-/// ArrayRows does, and Error(data), naming the first such row, for numbers that are not finite,
-/// vectors of zeros that have no direction, points that are more than kLongestPoint long, rows that
-/// are too long, and arrays of another type.
-DescriptorSet import_descriptors(const Sequence& sequence, ElementType element,
+/// The rows of a sequence as descriptors of a kind of those above. Vectors are float16, float32 or
+/// float64, and only their directions count; bits are uint8 (8 bits a number) or bool (a bit a
+/// number). Points are vectors in multiples of `unit`, and directions vectors of length 1 in them,
+/// each coordinate rounded to the nearest. With Unreadable::skip, a row all of whose numbers are
+/// NaN keeps its index and can't be read. Memory: what comes out, and a block of rows for each
+/// thread. Throws what ArrayRows does, and Error(data), naming the first such row, for numbers that
+/// are not finite, vectors of zeros that have no direction, points that are more than kLongestPoint
+/// long, rows that are too long, and arrays of another type.
+DescriptorSet import_descriptors(const Sequence& sequence, std::string_view kind,
                                  Unreadable unreadable, const Monitor& monitor, double unit = 0);
 
 }  // namespace vpr

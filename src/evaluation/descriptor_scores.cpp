@@ -87,10 +87,14 @@ struct VectorMetric {
 };
 
 /// A row for each DescriptorMetric.
-constexpr std::array<VectorMetric, 2> kMetrics = {{
+constexpr std::array<VectorMetric, 3> kMetrics = {{
     {unit_vectors, [](const double* a, const double* b,
                       size_t length) { return 1 - sum_of_pairs<product>(a, b, length); }},
     {plain_vectors,
+     [](const double* a, const double* b, size_t length) {
+       return std::sqrt(sum_of_pairs<squared_difference>(a, b, length));
+     }},
+    {unit_vectors,
      [](const double* a, const double* b, size_t length) {
        return std::sqrt(sum_of_pairs<squared_difference>(a, b, length));
      }},
@@ -130,7 +134,7 @@ std::string fingerprint_of(const Sequence& query, const Sequence& reference,
 ComputedScores bit_scores(const Sequence& query, const Sequence& reference) {
   const auto import = [](const Sequence& sequence) {
     return std::make_shared<const DescriptorSet>(
-        import_descriptors(sequence, ElementType::bits, Unreadable::fail, {}));
+        import_descriptors(sequence, kBitKind, Unreadable::fail, {}));
   };
   const auto asked = import(query);
   const auto known = import(reference);

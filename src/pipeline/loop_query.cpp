@@ -81,7 +81,7 @@ DescriptorSet describe_walk(const Sequence& walk, SequenceQuerySettings& setting
   SequenceDatabase described;
   described.descriptors.kind = &descriptor_kind(settings.descriptor);
   if (described.descriptors.kind->shape.element == ElementType::coordinates)
-    described.descriptors.unit = coordinate_unit({&walk, 1}, monitor);
+    described.descriptors.unit = coordinate_unit(settings.descriptor, {&walk, 1}, monitor);
   return describe_frames(walk, described, settings.skip_unreadable, monitor);
 }
 

@@ -91,6 +91,29 @@ void warn_of_short_sequences(const SequenceDatabase& database, size_t window_len
                                 database.sequences[s].name, window_length));
 }
 
+// Of imported directions: frames that differ from the next one by less than distances can say.
+void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monitor) {
+  constexpr double kShare = 0.01;
+  const ElementType element = database.descriptors.shape().element;
+  if (!database.descriptors.kind->is_imported ||
+      (element != ElementType::whole_numbers && element != ElementType::wide_numbers))
+    return;
+  const DistanceKind& distance = distance_of(element);
+  size_t near = 0;
+  for (const DescriptorSpan& sequence : descriptor_spans(database))
+    for (const FrameRun& run : readable_runs(sequence))
+      for (size_t i = run.first + 1; i < run.first + run.count; ++i) {
+        const DescriptorRow before = sequence.rows[i - 1];
+        const DescriptorRow row = sequence.rows[i];
+        near += distance.pair(before, row) <= 1 && !std::ranges::equal(before, row);
+      }
+  const size_t frames = database.descriptors.rows().size();
+  if (static_cast<double>(near) > kShare * static_cast<double>(frames))
+    warn(monitor, fmt::format("{} of {} frames differ from the next one by no more than cosine "
+                              "distances are exact to ({:.1e}); --metric chord tells them apart",
+                              near, frames, distance.unit.size));
+}
+
 void add_thresholds(SequenceDatabase& database, size_t window_length, double safety_factor,
                     const RowKernels& kernels, const Monitor& monitor) {
   if (is_left_to_queries(descriptor_spans(database))) {
@@ -184,10 +207,12 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   database.descriptors.kind = &descriptor_kind(settings.descriptor_kind);
   database.descriptor = settings.descriptor;
   if (database.descriptors.kind->shape.element == ElementType::coordinates)
-    database.descriptors.unit = coordinate_unit(opened(sequences), monitor);
+    database.descriptors.unit =
+        coordinate_unit(settings.descriptor_kind, opened(sequences), monitor);
   append_sequences(database, sequences, settings.skip_unreadable, share, monitor);
   if (!share.is_first()) return database;
   warn_of_short_sequences(database, settings.window_length, monitor);
+  warn_of_near_frames(database, monitor);
   add_typical_distances(database, monitor);
   ensure_places(database, kernels, monitor);
   add_thresholds(database, settings.window_length, settings.safety_factor, kernels, monitor);

@@ -392,6 +392,61 @@ TEST_CASE("frames are described by other built-in descriptors") {
                 2, "choose one of ldb, thumbnail, hog");
 }
 
+TEST_CASE("chords tell frames apart that are nearer than the unit of cosine distances") {
+  // A thousandth of a radian from frame to frame, of which 1 - cos is a sixtieth of a unit.
+  const test::TemporaryFolder out;
+  std::vector<double> train;
+  std::vector<double> query;
+  for (size_t i = 0; i < 30; ++i) {
+    const double angle = 0.001 * static_cast<double>(i * 7 % 30);
+    for (size_t x = 0; x < 12; ++x) {
+      train.push_back(x % 2 == 0 ? std::cos(angle) : std::sin(angle));
+      query.push_back(train.back() * static_cast<double>(i + 1));  // lengths do not count
+    }
+  }
+  test::write_array(out / "db.npy", train, {30, 12});
+  test::write_array(out / "q.npy", query, {30, 12});
+  for (const auto& [metric, least] : {std::pair("chord", 1.0), std::pair("cosine", 0.0)}) {
+    INFO(metric);
+    const auto trained =
+        run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric", metric,
+                                  "--c-l", "3", "-o", out / "db.vprdb", "--force"});
+    REQUIRE(trained.exit_code == 0);
+    CHECK((trained.err.find("--metric chord tells them apart") == std::string::npos) ==
+          (least == 1));
+    const Json result = printed_json(run_program(
+        "vpr-query", {out / "db.vprdb", "--query-npy", out / "q.npy", "--c-l", "1", "--t-r", "0.2",
+                      "--verify", "50", "-o", out / "r.json", "--json", "--force"}));
+    CHECK(result["verification"]["differences"] == 0);
+    const Json report = printed_json(run_program(
+        "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0", "--json"}));
+    const auto right = report["best_match"]["rate"].get<double>();
+    CHECK((least == 1 ? right == 1 : right < 0.5));
+    // In float64 both orders are the same.
+    CHECK(printed_json(run_program(
+              "vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
+                           "--metric", metric, "--ground-truth", "aligned", "--tolerance", "0",
+                           "--json"}))["metrics"]["recall_at"]["1"] == 1.0);
+  }
+  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", out / "q.npy", "--metric", "chord",
+                                    "--c-l", "3", "-o", out / "far.vprdb"})
+              .exit_code == 0);
+  CHECK(printed_json(run_program(
+            "vpr-train", {"info", out / "far.vprdb", "--json"}))["descriptor"] == "directions");
+  // What is exported has length 1.
+  REQUIRE(run_program("vpr-train", {"export", out / "far.vprdb", "--descriptors", out / "x.npy"})
+              .exit_code == 0);
+  const NpyArray exported(out / "x.npy");
+  const auto values = exported.values<float>(2);
+  for (size_t i = 0; i < values.size(); ++i)
+    CHECK(std::abs(values[i] - train[i] / std::sqrt(6)) < 1.0 / 32000);
+  std::fill_n(query.begin(), 12, 0.0);
+  test::write_array(out / "zero.npy", query, {30, 12});
+  check_failure(run_program("vpr-query", {out / "far.vprdb", "--query-npy", out / "zero.npy",
+                                          "--c-l", "3", "--t-r", "0.2"}),
+                4, "row 0: is a vector of zeros");
+}
+
 TEST_CASE("vectors whose lengths count are compared by Euclidean distances") {
   // Train and query have the same directions: only lengths tell places apart.
   const test::TemporaryFolder out;

@@ -109,22 +109,17 @@ Recalls exact_point_recalls(const cv::Mat& train, const cv::Mat& query, size_t t
                  });
 }
 
-cv::Mat of_length_one(const cv::Mat& rows) {
-  cv::Mat units = rows.clone();
-  for (int r = 0; r < units.rows; ++r) cv::normalize(units.row(r), units.row(r));
-  return units;
-}
-
 Recalls quantised_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance,
-                          ElementType element) {
+                          std::string_view kind) {
   const test::TemporaryFolder folder;
   write(folder / "train.npy", train);
   write(folder / "query.npy", query);
   const Sequence walked = open_sequence({folder / "train.npy", {}});
-  const double unit = element == ElementType::coordinates ? coordinate_unit({&walked, 1}, {}) : 0;
+  const double unit = descriptor_kind(kind).shape.element == ElementType::coordinates
+                          ? coordinate_unit(kind, {&walked, 1}, {})
+                          : 0;
   const auto import = [&](const char* name) {
-    return import_descriptors(open_sequence({folder / name, {}}), element, Unreadable::fail, {},
-                              unit);
+    return import_descriptors(open_sequence({folder / name, {}}), kind, Unreadable::fail, {}, unit);
   };
   const DescriptorSet trained = import("train.npy");
   const DescriptorSet asked = import("query.npy");
@@ -161,20 +156,16 @@ TEST_CASE("imported vectors find what float64 finds") {
         if (components > 0) project(train, query, components);
         const Recalls exact = exact_recalls(train, query, set.tolerance, 0);
         const Recalls rounded = exact_recalls(train, query, set.tolerance, 2.0 / 65535);
-        const Recalls wide =
-            quantised_recalls(train, query, set.tolerance, ElementType::wide_numbers);
-        const Recalls narrow =
-            quantised_recalls(train, query, set.tolerance, ElementType::whole_numbers);
+        const Recalls wide = quantised_recalls(train, query, set.tolerance, kVectorKind);
+        const Recalls narrow = quantised_recalls(train, query, set.tolerance, kNarrowVectorKind);
         const bool is_long = is_hog && components == 0;  // products of float64 take half a minute
         const Recalls exact_points =
             is_long ? Recalls{} : exact_point_recalls(train, query, set.tolerance);
-        const Recalls points =
-            quantised_recalls(train, query, set.tolerance, ElementType::coordinates);
-        const Recalls unit_points = quantised_recalls(of_length_one(train), of_length_one(query),
-                                                      set.tolerance, ElementType::coordinates);
+        const Recalls points = quantised_recalls(train, query, set.tolerance, kPointKind);
+        const Recalls directions = quantised_recalls(train, query, set.tolerance, kDirectionKind);
         for (size_t k = 0; k < exact.size(); ++k) {
-          INFO(fmt::format("Euclidean: float64 {:.2f}, 16 bits {:.2f}; of length 1: {:.2f}",
-                           exact_points[k], points[k], unit_points[k]));
+          INFO(fmt::format("Euclidean: float64 {:.2f}, 16 bits {:.2f}; directions: {:.2f}",
+                           exact_points[k], points[k], directions[k]));
           const std::string found = fmt::format(
               "{}, {}, {} components, K {}: float64 {:.2f}, rounded {:.2f}, 16 bits {:.2f}, 8 bits "
               "{:.2f}",
@@ -187,7 +178,7 @@ TEST_CASE("imported vectors find what float64 finds") {
           CHECK(std::abs(wide[k] - rounded[k]) <= 0.1);
           CHECK(std::abs(narrow[k] - exact[k]) <= 1);
           if (!is_long) CHECK(std::abs(points[k] - exact_points[k]) <= 0.1);
-          CHECK(std::abs(unit_points[k] - exact[k]) <= 0.1);
+          CHECK(std::abs(directions[k] - exact[k]) <= 0.1);
         }
       }
     }

@@ -19,10 +19,9 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-DescriptorSet import(const SequenceArgument& argument,
-                     ElementType element = ElementType::whole_numbers,
+DescriptorSet import(const SequenceArgument& argument, std::string_view kind = kNarrowVectorKind,
                      Unreadable unreadable = Unreadable::fail) {
-  return import_descriptors(open_sequence(argument), element, unreadable, {});
+  return import_descriptors(open_sequence(argument), kind, unreadable, {});
 }
 
 std::vector<int> numbers(const DescriptorRow& row) {
@@ -39,11 +38,10 @@ std::vector<float> random_numbers(size_t count, uint64_t seed) {
   return values;
 }
 
-std::string refusal(const SequenceArgument& argument,
-                    ElementType element = ElementType::whole_numbers,
+std::string refusal(const SequenceArgument& argument, std::string_view kind = kNarrowVectorKind,
                     Unreadable unreadable = Unreadable::fail) {
-  CHECK(test::error_kind([&] { import(argument, element, unreadable); }) == ErrorKind::data);
-  return test::error_text([&] { import(argument, element, unreadable); });
+  CHECK(test::error_kind([&] { import(argument, kind, unreadable); }) == ErrorKind::data);
+  return test::error_text([&] { import(argument, kind, unreadable); });
 }
 
 }  // namespace
@@ -118,9 +116,9 @@ TEST_CASE("types, orders, ranges and folders hold the same rows") {
   for (const char* name : {"f.npy", "d.npy", "df.npy"}) {
     INFO(name);
     CHECK(import({folder / name, {}}).descriptors.owned == all.descriptors.owned);
-    for (const ElementType element : {ElementType::whole_numbers, ElementType::wide_numbers}) {
-      const DescriptorSet part = import({folder / name, {5, 699, 3}}, element);
-      const DescriptorSet whole = import({folder / "c.npy", {}}, element);
+    for (const std::string_view kind : {kNarrowVectorKind, kVectorKind}) {
+      const DescriptorSet part = import({folder / name, {5, 699, 3}}, kind);
+      const DescriptorSet whole = import({folder / "c.npy", {}}, kind);
       REQUIRE(part.rows().size() == 232);
       for (size_t i = 0; i < part.rows().size(); ++i)
         REQUIRE(std::ranges::equal(part.rows()[i], whole.rows()[5 + 3 * i]));
@@ -154,13 +152,13 @@ TEST_CASE("half floats") {
 TEST_CASE("bits of any number") {
   const test::TemporaryFolder folder;
   write_array<uint8_t>(folder / "b.npy", {1, 255, 0, 7, 8, 9}, {2, 3});
-  const DescriptorSet bytes = import({folder / "b.npy", {}}, ElementType::bits);
+  const DescriptorSet bytes = import({folder / "b.npy", {}}, kBitKind);
   CHECK(bytes.rows().shape == DescriptorShape{ElementType::bits, 24});
   CHECK(std::ranges::equal(bytes.rows()[1], std::vector<uint8_t>{7, 8, 9, 0, 0, 0, 0, 0}));
   const std::string header = npy_header("|b1", {2, 9});
   test::write_text(folder / "t.npy",
                    header + std::string("\1\0\0\0\0\0\0\1\1\0\1\0\0\0\0\0\0\0", 18));
-  const DescriptorSet bits = import({folder / "t.npy", {}}, ElementType::bits);
+  const DescriptorSet bits = import({folder / "t.npy", {}}, kBitKind);
   CHECK(bits.rows().shape == DescriptorShape{ElementType::bits, 9});
   CHECK(std::ranges::equal(bits.rows()[0], std::vector<uint8_t>{0x81, 1, 0, 0, 0, 0, 0, 0}));
   CHECK(std::ranges::equal(bits.rows()[1], std::vector<uint8_t>{2, 0, 0, 0, 0, 0, 0, 0}));
@@ -183,9 +181,8 @@ TEST_CASE("what is no descriptor is refused with its row") {
   CHECK(refusal({path, {}}) == name + ": row 9: number 2 is inf");
   values[3 * 5 + 1] = kNan;
   write_array(path, values, {40, 3});
-  CHECK(refusal({path, {}}, ElementType::wide_numbers, Unreadable::skip) ==
-        name + ": row 5: number 1 is nan");
-  CHECK(refusal({path, {}}, ElementType::bits).find("bits are uint8") != std::string::npos);
+  CHECK(refusal({path, {}}, kVectorKind, Unreadable::skip) == name + ": row 5: number 1 is nan");
+  CHECK(refusal({path, {}}, kBitKind).find("bits are uint8") != std::string::npos);
   write_array<uint8_t>(path, {1, 2}, {1, 2});
   CHECK(refusal({path, {}}).find("train with --bits") != std::string::npos);
   write_array<int32_t>(path, {1, 2}, {1, 2});
@@ -198,7 +195,7 @@ TEST_CASE("what is no descriptor is refused with its row") {
   write_array<double>(path, {}, {4, 0});
   CHECK(refusal({path, {}}).find("shape (4, 0)") != std::string::npos);
   write_array(path, std::vector<uint8_t>(8185, 1), {1, 8185});
-  CHECK(refusal({path, {}}, ElementType::bits).find("8184 at most") != std::string::npos);
+  CHECK(refusal({path, {}}, kBitKind).find("8184 at most") != std::string::npos);
   write_array(path, std::vector<float>(131'072, 1), {1, 131'072});
   CHECK(refusal({path, {}}).find("131071 at most") != std::string::npos);
   write_array<double>(path, {1, 2}, {2, 1});
@@ -224,11 +221,11 @@ TEST_CASE("a missing row keeps its index, unless all are missing") {
   write_array<double>(path, {1, 2, kNan, kNan, 3, 4}, {3, 2});
   CHECK(refusal({path, {}}) ==
         path.string() + ": row 1 is missing (all NaN); give --skip-unreadable to go on without it");
-  const DescriptorSet set = import({path, {}}, ElementType::whole_numbers, Unreadable::skip);
+  const DescriptorSet set = import({path, {}}, kNarrowVectorKind, Unreadable::skip);
   CHECK(set.frames.unreadable == std::vector<size_t>{1});
   CHECK(set.rows().size() == 3);
   CHECK(numbers(set.rows()[1]) == std::vector<int>{0, 0});
   write_array<double>(path, {kNan, kNan}, {1, 2});
-  CHECK(refusal({path, {}}, ElementType::whole_numbers, Unreadable::skip).find("none of its") !=
+  CHECK(refusal({path, {}}, kNarrowVectorKind, Unreadable::skip).find("none of its") !=
         std::string::npos);
 }

@@ -7,10 +7,14 @@
 void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);
   const Sequence sequence{{path, {}}, SequenceKind::descriptors, {path}};
-  for (const ElementType element :
-       {ElementType::bits, ElementType::whole_numbers, ElementType::wide_numbers}) {
+  for (const std::string_view kind :
+       {kBitKind, kNarrowVectorKind, kVectorKind, kPointKind, kDirectionKind}) {
     DescriptorSet set;
-    if (refuses([&] { set = import_descriptors(sequence, element, Unreadable::skip, {}); }))
+    const bool has_unit = descriptor_kind(kind).shape.element == ElementType::coordinates;
+    if (refuses([&] {
+          const double unit = has_unit ? coordinate_unit(kind, {&sequence, 1}, {}) : 0;
+          set = import_descriptors(sequence, kind, Unreadable::skip, {}, unit);
+        }))
       continue;
     const DescriptorSpan span = set.span();
     const FrameDistances distances = frame_distances({&span, 1}, span);
