@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "ground_truth/builder.h"
+#include "ground_truth/mat_elements.h"
 #include "ground_truth/matrix_shape.h"
 
 namespace vpr {
@@ -20,11 +21,6 @@ namespace {
 
 // What zlib makes of a byte at most, rounded up: a matrix has no more values.
 constexpr size_t kMostValuesOfByte = 1100;
-constexpr std::string_view kVersion5 = "MATLAB 5.0 MAT-file";
-constexpr std::string_view kVersion73 = "MATLAB 7.3 MAT-file";
-constexpr size_t kHeaderBytes = 128;
-constexpr size_t kTagBytes = 8;
-constexpr uint32_t kMatrixElement = 14;  // not compressed
 constexpr std::string_view kUsualName = "truth";
 
 struct Closer {
@@ -45,42 +41,6 @@ bool is_matrix(const matvar_t& variable) {
 
 std::string name_of(const matvar_t& variable) {
   return variable.name == nullptr ? "" : variable.name;
-}
-
-uint32_t number_at(std::string_view bytes, size_t at, bool is_little) {
-  uint32_t number = 0;
-  for (size_t i = 0; i < 4; ++i)
-    number |= uint32_t{static_cast<uint8_t>(bytes[at + i])} << 8 * (is_little ? i : 3 - i);
-  return number;
-}
-
-/// The library makes room for what parts of a matrix claim, before it looks whether they are there.
-void require_within(const GroundTruthBuilder& builder, std::string_view element, bool is_little) {
-  size_t at = 0;
-  while (at + kTagBytes <= element.size()) {
-    const bool is_in_tag = number_at(element, at, is_little) >> 16 != 0;  // its few bytes are
-    const size_t length = is_in_tag ? 0 : number_at(element, at + 4, is_little);
-    if (length > element.size() - at - kTagBytes)
-      builder.fail("has a matrix with a part that is longer than itself");
-    at += kTagBytes + (length + kTagBytes - 1) / kTagBytes * kTagBytes;
-  }
-}
-
-/// The library fills up what a file lacks with zeros, and would not tell.
-void require_whole(const GroundTruthBuilder& builder, std::string_view bytes) {
-  if (bytes.starts_with(kVersion73)) return;
-  // Any bytes may be of version 4, where the library believes what is claimed.
-  if (!bytes.starts_with(kVersion5))
-    builder.fail("is no MAT-file of version 5 to 7.3; save it anew in MATLAB");
-  const bool is_little = bytes.size() >= kHeaderBytes && bytes[kHeaderBytes - 2] == 'I';
-  size_t at = kHeaderBytes;
-  while (at + kTagBytes <= bytes.size()) {
-    const size_t length = number_at(bytes, at + 4, is_little);
-    if (number_at(bytes, at, is_little) == kMatrixElement)
-      require_within(builder, bytes.substr(at + kTagBytes, length), is_little);
-    at += kTagBytes + length;
-  }
-  if (at != bytes.size()) builder.fail("is cut off, or has bytes that belong to nothing");
 }
 
 /// Of the only matrix, or of several the one with the usual name.
@@ -191,7 +151,7 @@ std::string read_mat_file(GroundTruthBuilder& builder) {
   const std::filesystem::path& path = builder.argument().path;
   const size_t sequence = builder.only_searched(path.string());
   const MappedFile bytes(path);
-  require_whole(builder, bytes.text());
+  require_whole_elements(builder, bytes.text());
   const MatFile file{Mat_Open(path.c_str(), MAT_ACC_RDONLY)};
   if (!file) builder.fail("is no MAT-file that can be read");
   const std::string name = find_matrix(builder, *file);
@@ -209,8 +169,7 @@ std::string read_mat_file(GroundTruthBuilder& builder) {
 }
 
 bool is_mat_file(const FileStart& start) {
-  return start.bytes.starts_with(kVersion5) || start.bytes.starts_with(kVersion73) ||
-         (!start.is_folder && start.path.extension() == ".mat");
+  return begins_as_mat_file(start.bytes) || (!start.is_folder && start.path.extension() == ".mat");
 }
 
 }  // namespace vpr

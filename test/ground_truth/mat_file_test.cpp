@@ -1,6 +1,7 @@
 // Matrices of MATLAB, written by the library that reads them.
 #include <catch2/catch.hpp>
 #include <matio.h>
+#include <zlib.h>
 
 #include "base/error.h"
 #include "ground_truth/truth_files.h"
@@ -33,6 +34,25 @@ void write_mat(const std::filesystem::path& path, const std::vector<Variable>& v
     Mat_VarFree(variable);
   }
   Mat_Close(file);
+}
+
+// A number of four bytes, the lowest first, as this machine's library writes them.
+std::string four_bytes(size_t number) {
+  std::string bytes;
+  for (int i = 0; i < 4; ++i) bytes += static_cast<char>(number >> 8 * i & 255);
+  return bytes;
+}
+
+// A file with the elements of another one, packed together.
+std::string packed(const std::string& file) {
+  constexpr size_t kHeader = 128;
+  uLongf length = compressBound(file.size());
+  std::string bytes(length, '\0');
+  REQUIRE(compress(reinterpret_cast<Bytef*>(bytes.data()), &length,
+                   reinterpret_cast<const Bytef*>(file.data() + kHeader),
+                   file.size() - kHeader) == Z_OK);
+  bytes.resize(length);
+  return file.substr(0, kHeader) + four_bytes(15) + four_bytes(length) + bytes;
 }
 
 }  // namespace
@@ -116,4 +136,37 @@ TEST_CASE("other values, cut files and what is no MAT-file are damage") {
   CHECK(test::error_kind([&] {
           files.read(GroundTruthArgument{"mat", "g.mat"}, 20, 20);
         }) == ErrorKind::data);
+}
+
+TEST_CASE("lengths in packed matrices are not trusted") {
+  const Files files;
+  std::vector<double> values(100'000);
+  write_mat(files.folder / "g.mat", {{"m", MAT_C_DOUBLE, MAT_T_DOUBLE, {100, 1000}, values.data()}},
+            MAT_FT_MAT5, MAT_COMPRESSION_NONE);
+  const std::string plain = test::read_text(files.folder / "g.mat");
+  const auto error_of = [&](const std::string& file) {
+    files.text("g.mat", file);
+    return test::error_text([&] { files.read("g.mat", 100, 1000); });
+  };
+  CHECK(error_of(packed(plain)).empty());
+  // What the matrix and each of its four parts claim: flags, shape, name and values.
+  constexpr size_t kMatrix = 132;
+  std::vector<size_t> lengths = {140, 156};
+  CHECK(plain.substr(140, 4) == four_bytes(8));
+  CHECK(plain.substr(156, 4) == four_bytes(8));
+  const size_t value_length = plain.size() - values.size() * sizeof(double) - 4;
+  CHECK(plain.substr(value_length, 4) == four_bytes(values.size() * sizeof(double)));
+  lengths.push_back(value_length);
+  for (const size_t at : lengths) {
+    std::string longer = plain;
+    longer.replace(at, 4, four_bytes(0xf0000000));
+    CHECK(error_of(packed(longer)).find("longer than itself") != std::string::npos);
+    longer.replace(kMatrix, 4, four_bytes(0xf8000000));
+    CHECK(error_of(packed(longer)).find("damaged or cut off") != std::string::npos);
+  }
+  for (const size_t left : {size_t{133}, size_t{328}, plain.size() / 2, plain.size() - 1})
+    CHECK(error_of(packed(plain.substr(0, left))).find("damaged or cut off") != std::string::npos);
+  std::string broken = packed(plain);
+  broken.replace(140, 8, "notzlib!");
+  CHECK(error_of(broken).find("damaged or cut off") != std::string::npos);
 }
