@@ -63,6 +63,14 @@ void store_point(std::span<const double> row, double unit, std::span<uint8_t> ou
   std::memcpy(out.data(), numbers.data(), out.size());
 }
 
+// Vectors are scaled before they are squared: numbers may be as large or as small as doubles are.
+void store_direction(std::span<const double> row, double unit, std::span<uint8_t> out) {
+  const double largest = largest_size(row);
+  std::vector<double> scaled;
+  for (const double number : row) scaled.push_back(number / largest);
+  store_point(scaled, unit * length_of(scaled), out);
+}
+
 void check_point(std::span<const double> row, double unit, const std::string& where) {
   check_numbers(row, where);
   constexpr double kRounding = 1e-9;
@@ -101,7 +109,7 @@ RowImport point_import(double unit) {
 RowImport direction_import(double unit) {
   return {1, true,
           [unit](std::span<const double> row, std::span<uint8_t> out) {
-            store_point(row, unit * length_of(row), out);
+            store_direction(row, unit, out);
           },
           check_vector};
 }
@@ -221,6 +229,10 @@ double coordinate_unit(std::string_view kind, std::span<const Sequence> sequence
       if (is_missing_vector(row)) return;
       check_numbers(row, rows.where(i));
       lengths[i] = length_of(row);
+      if (!std::isfinite(2 * lengths[i]))
+        throw Error(
+            ErrorKind::data,
+            fmt::format("{}: is too long to be compared by Euclidean distances", rows.where(i)));
     });
     const double longest = *std::max_element(lengths.begin(), lengths.end());
     unit = std::max(unit, 2 * longest / longest_point(rows.length()));

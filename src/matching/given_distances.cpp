@@ -38,7 +38,7 @@ GivenUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
   const double best = is_similarity ? all.most : std::min(all.least, 0.0);
   const double range = is_similarity ? all.most - all.least : all.most - best;
   GivenUnits units{best, 1, is_whole && range <= kSteps, 0, is_similarity ? all.least : all.most};
-  if (!units.is_exact && range > 0) units.unit = range / kSteps;
+  if (!units.is_exact && range / kSteps > 0) units.unit = range / kSteps;
   units.largest = static_cast<uint16_t>(
       units.is_exact ? std::max(range, 1.0) : kSteps);  // of equal scores, too, there is one
   return units;
@@ -178,6 +178,10 @@ void GivenDistances::scan(const Monitor& monitor) {
                 fmt::format("{}: has an infinite {}, better than all others; say with --missing "
                             "what is no score",
                             name_, format_.is_similarity ? "similarity" : "distance"));
+  if (std::isinf(all.most - all.least))
+    throw Error(ErrorKind::data, fmt::format("{}: has scores from {} to {}, too far apart to be "
+                                             "compared; say with --missing what is no score",
+                                             name_, all.least, all.most));
   units_ = units_of(all, format_.is_similarity, type_->is_whole);
 }
 

@@ -229,3 +229,27 @@ TEST_CASE("a missing row keeps its index, unless all are missing") {
   CHECK(refusal({path, {}}, kNarrowVectorKind, Unreadable::skip).find("none of its") !=
         std::string::npos);
 }
+
+TEST_CASE("directions of the smallest and the largest numbers, and points too far away") {
+  const test::TemporaryFolder folder;
+  for (const double size : {5e-324, 1e-310, 1.0, 1e300, 1.7e308}) {
+    INFO(size);
+    write_array(folder / "db.npy", std::vector<double>{size, 0, -size, size}, {2, 2});
+    const Sequence sequence = open_sequence({folder / "db.npy", {}});
+    const double unit = coordinate_unit(kDirectionKind, {&sequence, 1}, {});
+    const DescriptorSet set =
+        import_descriptors(sequence, kDirectionKind, Unreadable::fail, {}, unit);
+    std::vector<int16_t> numbers(4);
+    std::memcpy(numbers.data(), set.rows().bytes.data(), set.rows().bytes.size());
+    CHECK(numbers == std::vector<int16_t>{32766, 0, -23169, 23169});
+    if (size > 1e307) {
+      CHECK(test::error_text([&] {
+              coordinate_unit(kPointKind, {&sequence, 1}, {});
+            }) == (folder / "db.npy").string() +
+                      ": row 0: is too long to be compared by Euclidean distances");
+    } else {
+      const double of_points = coordinate_unit(kPointKind, {&sequence, 1}, {});
+      import_descriptors(sequence, kPointKind, Unreadable::fail, {}, of_points);
+    }
+  }
+}

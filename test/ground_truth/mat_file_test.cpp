@@ -1,4 +1,6 @@
 // Matrices of MATLAB, written by the library that reads them.
+#include <array>
+
 #include <catch2/catch.hpp>
 #include <matio.h>
 #include <zlib.h>
@@ -169,4 +171,44 @@ TEST_CASE("lengths in packed matrices are not trusted") {
   std::string broken = packed(plain);
   broken.replace(140, 8, "notzlib!");
   CHECK(error_of(broken).find("damaged or cut off") != std::string::npos);
+}
+
+TEST_CASE("cells and structures beside the matrix are passed over, and their lengths not trusted") {
+  const Files files;
+  std::vector<double> bits = {0, 1, 1, 0};
+  const auto number = [&] {
+    return Mat_VarCreate("x", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, std::array<size_t, 2>{2, 2}.data(),
+                         bits.data(), 0);
+  };
+  const std::filesystem::path path = files.folder / "g.mat";
+  mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+  std::array<size_t, 2> shape = {3, 1};
+  std::array<matvar_t*, 3> cells = {number(), number(), number()};
+  std::array<const char*, 2> names = {"first", "second"};
+  for (matvar_t* variable :
+       {Mat_VarCreate("cells", MAT_C_CELL, MAT_T_CELL, 2, shape.data(), cells.data(), 0),
+        Mat_VarCreateStruct("fields", 2, shape.data(), names.data(), 2),
+        Mat_VarCreate("truth", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, std::array<size_t, 2>{2, 2}.data(),
+                      bits.data(), 0)}) {
+    REQUIRE(Mat_VarWrite(file, variable, MAT_COMPRESSION_NONE) == 0);
+    Mat_VarFree(variable);
+  }
+  Mat_Close(file);
+  CHECK(files.read("g.mat", 2, 2) == ".S S.");
+  // Wherever a shape of 3 x 1 is, more rows than bytes.
+  const std::string plain = test::read_text(path);
+  const std::string rows = four_bytes(5) + four_bytes(8) + four_bytes(3) + four_bytes(1);
+  size_t found = 0;
+  for (size_t at = plain.find(rows); at != std::string::npos; at = plain.find(rows, at + 1)) {
+    std::string more = plain;
+    more.replace(at + 8, 4, four_bytes(0xffffffff));
+    for (const bool is_packed : {false, true}) {
+      if (is_packed && found > 0) continue;  // one element of a file is packed at a time
+      files.text("g.mat", is_packed ? packed(more) : more);
+      CHECK(test::error_text([&] { files.read("g.mat", 2, 2); }).find("longer than itself") !=
+            std::string::npos);
+    }
+    ++found;
+  }
+  CHECK(found == 2);
 }

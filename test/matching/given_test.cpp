@@ -58,6 +58,9 @@ TEST_CASE("scores become whole numbers, from the best to the worst") {
   CHECK(row_of(similar, 1) == std::vector<uint32_t>{32768, 16384});
   // Distances below 0 start from the smallest.
   CHECK(row_of(of({-1, 1}, {1, 2}), 0) == std::vector<uint32_t>{0, 65535});
+  // As near as numbers can be.
+  CHECK(row_of(of({1.5, 0, 5e-324}, {1, 3}), 0) == std::vector<uint32_t>{65535, 0, 0});
+  CHECK(row_of(of({0, 5e-324}, {1, 2}), 0) == std::vector<uint32_t>{0, 0});
   // All equal: there is nothing to tell apart.
   CHECK(row_of(of({0, 0}, {1, 2}), 0) == std::vector<uint32_t>{0, 0});
 }
@@ -100,6 +103,7 @@ TEST_CASE("matrices that are none are refused") {
   CHECK(kind({}, {0, 4}) == ErrorKind::data);
   CHECK(kind({1, -kInfinity}, {1, 2}) == ErrorKind::data);
   CHECK(kind({1, kInfinity}, {1, 2}, {true, false, {}}) == ErrorKind::data);
+  CHECK(kind({1.5e308, -1e308}, {1, 2}) == ErrorKind::data);  // their difference is infinite
   CHECK(test::error_text([&] {
           of({1, -kInfinity}, {1, 2});
         }).find("--missing") != std::string::npos);
