@@ -14,6 +14,8 @@ namespace {
 constexpr std::string_view kVersion5 = "MATLAB 5.0 MAT-file";
 constexpr std::string_view kVersion73 = "MATLAB 7.3 MAT-file";
 constexpr size_t kHeaderBytes = 128;
+constexpr char kElements = 1;  // the upper byte of the version, which the library goes by
+constexpr char kHdf5 = 2;
 constexpr size_t kTagBytes = 8;
 constexpr uint32_t kMatrix = 14;  // types of elements
 constexpr uint32_t kPacked = 15;
@@ -107,6 +109,11 @@ uint32_t number_at(std::string_view bytes, size_t at, bool is_little) {
   return number;
 }
 
+// Numbers, texts and matrices. Of others the library takes other lengths than they state.
+bool is_known_type(uint32_t type) {
+  return (type >= 1 && type <= 7) || type == 9 || (type >= 12 && type <= 18 && type != kPacked);
+}
+
 /// What a matrix says of itself before its values.
 struct Claims {
   uint8_t kind = 0;
@@ -139,7 +146,9 @@ class MatrixCheck {
       const uint32_t type = number_at(tag, 0, is_little_);
       const bool is_in_tag = type >> 16 != 0;  // its few bytes are
       const size_t size = is_in_tag ? 0 : number_at(tag, 4, is_little_);
-      if (size > left) fail_of_length();
+      if (size > left || type >> 16 > 4) fail_of_length();
+      if (!is_known_type(type & 0xffff))
+        bytes_.builder().fail("has a matrix with a part of an unknown type");
       const size_t whole = std::min((size + kTagBytes - 1) / kTagBytes * kTagBytes, left);
       left -= whole;
       if (part == 4) require_fields(claims, is_in_tag ? type >> 16 : size, length);
@@ -202,11 +211,13 @@ void require_plain(const GroundTruthBuilder& builder, std::string_view element, 
 }  // namespace
 
 void require_whole_elements(const GroundTruthBuilder& builder, std::string_view bytes) {
-  if (bytes.starts_with(kVersion73)) return;
-  // Any bytes may be of version 4, where the library believes what is claimed.
-  if (!bytes.starts_with(kVersion5))
+  // Any other bytes may be of version 4, where the library believes what is claimed.
+  const bool is_mat = begins_as_mat_file(bytes) && bytes.size() >= kHeaderBytes;
+  const bool is_little = is_mat && bytes[kHeaderBytes - 2] == 'I';
+  const char version = is_mat ? bytes[kHeaderBytes - (is_little ? 3 : 4)] : '\0';
+  if (version == kHdf5) return;
+  if (version != kElements)
     builder.fail("is no MAT-file of version 5 to 7.3; save it anew in MATLAB");
-  const bool is_little = bytes.size() >= kHeaderBytes && bytes[kHeaderBytes - 2] == 'I';
   size_t at = kHeaderBytes;
   while (at + kTagBytes <= bytes.size()) {
     const uint32_t type = number_at(bytes, at, is_little);

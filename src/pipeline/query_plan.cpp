@@ -146,6 +146,16 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
   return table;
 }
 
+// A threshold that no windows of other places stand behind.
+void warn_of_guess(const std::string& sequence, const SequenceQuerySettings& settings,
+                   const Monitor& monitor) {
+  warn(monitor,
+       fmt::format("{}: no windows of {} frames show other places, so its automatic t_r is the "
+                   "largest that one may be, which lets wrong places in; give a smaller --c-l, a "
+                   "number as --t-r, or what vpr-tune calibrate finds",
+                   sequence, settings.window_length));
+}
+
 void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
   SequenceQuerySettings settings = plan.settings;
@@ -156,8 +166,9 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
     Target& sequence = plan.sequences[s];
     sequence.scale = automatic_scale(plan.sequences.size(), settings);
-    if (sequence.searched && automatic.sequences[s])
-      sequence.threshold = automatic.sequences[s]->value;
+    if (!sequence.searched || !automatic.sequences[s]) continue;
+    sequence.threshold = automatic.sequences[s]->value;
+    if (!automatic.table.closest[s]) warn_of_guess(sequence.name, settings, monitor);
   }
 }
 

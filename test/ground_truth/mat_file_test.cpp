@@ -151,6 +151,11 @@ TEST_CASE("lengths in packed matrices are not trusted") {
     return test::error_text([&] { files.read("g.mat", 100, 1000); });
   };
   CHECK(error_of(packed(plain)).empty());
+  // The version is a number; what the text says before it does not count.
+  std::string longest = plain;
+  longest.replace(156, 4, four_bytes(0xf0000000));
+  CHECK(error_of(longest.replace(0, 10, "MATLAB 7.3")).find("longer than itself") !=
+        std::string::npos);
   // What the matrix and each of its four parts claim: flags, shape, name and values.
   constexpr size_t kMatrix = 132;
   std::vector<size_t> lengths = {140, 156};
