@@ -87,9 +87,9 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                     "close to everything) or standardized-offline (from the whole query)"));
   group(app.add_option("--fuse", inputs.fuse,
                        "FAB-MAP's database of the same training sequences: what it says of each "
-                       "frame is taken from standardized scores"));
+                       "frame is added to standardized scores"));
   group(add_setting(app, "--fuse-beta", settings.fusion_weight,
-                    "by so many deviations a nat (default 0.25)"));
+                    "by so many deviations a nat (default 0.2), more or less as it proves right"));
   group(add_setting(
       app, "--t-r-scale", settings.threshold_scale,
       "of a number: relative (D / max D, default), mean (D / what the window differs by "

@@ -52,9 +52,10 @@ std::string method_help() {
                         decision_kinds()[d].summary);
   text +=
       "\nBoth together:\n"
-      "  --fuse FABMAP.vprdb takes what FAB-MAP says of each frame from standardized scores: by\n"
-      "  how many nats a training frame is likelier than the others, and than the best one\n"
-      "  elsewhere, times --fuse-beta. Train both databases with the same sequences.\n";
+      "  --fuse FABMAP.vprdb adds what FAB-MAP says of each frame to standardized scores:\n"
+      "  --fuse-beta deviations for each nat that a training frame is behind the likeliest one,\n"
+      "  and more, or less, as FAB-MAP's matches go along with the walk better or worse than\n"
+      "  those of scores. Train both databases with the same sequences.\n";
   return text;
 }
 

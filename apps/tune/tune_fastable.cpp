@@ -90,7 +90,7 @@ void add_fastable(Program& program, FastableTune& tune) {
   command.add_option("--fuse", tune.inputs.fuse,
                      "FAB-MAP's database of the same training sequences, as vpr-query takes it");
   add_setting(command, "--fuse-beta", tune.settings.fusion_weight,
-              "deviations a nat of what it says (default 0.25)");
+              "deviations a nat of what it says (default 0.2)");
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
               "of the numbers: relative (default), mean or bits, as vpr-query takes them; of "
               "standardized scores mean-z");

@@ -19,6 +19,8 @@ constexpr char kHdf5 = 2;
 constexpr size_t kTagBytes = 8;
 constexpr uint32_t kMatrix = 14;  // types of elements
 constexpr uint32_t kPacked = 15;
+constexpr uint32_t kFlags = 6;     // numbers of four bytes, without a sign
+constexpr uint32_t kShape = 5;     // and with one
 constexpr uint8_t kStructure = 2;  // kinds of matrices
 constexpr uint8_t kObject = 3;
 constexpr uint8_t kSparse = 5;
@@ -147,6 +149,9 @@ class MatrixCheck {
       const bool is_in_tag = type >> 16 != 0;  // its few bytes are
       const size_t size = is_in_tag ? 0 : number_at(tag, 4, is_little_);
       if (size > left || type >> 16 > 4) fail_of_length();
+      if ((part == 0 && (type != kFlags || size != kTagBytes)) ||
+          (part == 1 && (type & 0xffff) != kShape))
+        bytes_.builder().fail("has a matrix that does not begin as one");
       if (!is_known_type(type & 0xffff))
         bytes_.builder().fail("has a matrix with a part of an unknown type");
       const size_t whole = std::min((size + kTagBytes - 1) / kTagBytes * kTagBytes, left);

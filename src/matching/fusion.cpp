@@ -2,20 +2,20 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <functional>
 #include <limits>
 
+#include "matching/score_kernels.h"
 #include "matching/view_evidence.h"
 
 namespace vpr {
 namespace {
 
-constexpr int32_t kLeastLevel = -4 * kNatUnit;
-constexpr int32_t kMostLevel = 6 * kNatUnit;
-constexpr int32_t kUnsureLead = 2 * kNatUnit;
-constexpr int32_t kMostLead = 10 * kNatUnit;
+constexpr int32_t kMostBehind = 40 * kNatUnit;
 constexpr int32_t kNothing = std::numeric_limits<int32_t>::min();
-constexpr int kLargestScore = std::numeric_limits<uint16_t>::max();
+constexpr double kMostWeight = 1;
+constexpr double kLargestScore = std::numeric_limits<uint16_t>::max();
 
 size_t neighbours_of(size_t frames, const StatisticsSettings& settings) {
   return std::max(static_cast<size_t>(settings.neighbour_frames),
@@ -48,60 +48,26 @@ void leave_out(std::vector<int32_t>& likelihoods, const FusionBasis& basis, size
   }
 }
 
-// Rounded to the nearest, a half up.
-std::optional<int32_t> mean_of(std::span<const int32_t> likelihoods) {
+/// Of those that are known, in nats.
+struct Spread {
+  double mean = 0;
+  double variance = 0;
+};
+
+Spread spread_of(std::span<const int32_t> behind) {
   int64_t sum = 0;
+  uint64_t squares = 0;
   int64_t count = 0;
-  for (const int32_t likelihood : likelihoods) {
-    if (likelihood == kNothing) continue;
-    sum += likelihood;
+  for (const int32_t value : behind) {
+    if (value == kNothing) continue;
+    sum += value;
+    squares += static_cast<uint64_t>(int64_t{value} * value);
     ++count;
   }
-  if (count == 0) return std::nullopt;
-  const int64_t doubled = 2 * sum + count;
-  const int64_t floor = doubled / (2 * count) - (doubled % (2 * count) < 0 ? 1 : 0);
-  return static_cast<int32_t>(floor);
-}
-
-int32_t largest_of(std::span<const int32_t> values) {
-  return values.empty() ? kNothing : *std::max_element(values.begin(), values.end());
-}
-
-bool share_place(const FusedViews& views, size_t a, size_t b) {
-  return std::binary_search(views.shared_places.begin(), views.shared_places.end(),
-                            std::pair(std::min(a, b), std::max(a, b)));
-}
-
-// The largest likelihood of walks that show another place than walk w.
-int32_t largest_of_others(const FusionBasis& basis, std::span<const int32_t> largest, size_t w) {
-  int32_t most = kNothing;
-  for (size_t other = 0; other < largest.size(); ++other)
-    if (other != w &&
-        !share_place(*basis.evidence->of, basis.walks[w].sequence, basis.walks[other].sequence))
-      most = std::max(most, largest[other]);
-  return most;
-}
-
-// Per frame of a walk, the largest likelihood elsewhere: `others`, or of the walk's own frames more
-// than `neighbours` before or behind.
-std::vector<int32_t> elsewhere_of(std::span<const int32_t> walk, size_t neighbours,
-                                  int32_t others) {
-  std::vector<int32_t> elsewhere(walk.size(), others);
-  int32_t before = kNothing;
-  int32_t behind = kNothing;
-  for (size_t i = neighbours + 1; i < walk.size(); ++i) {
-    before = std::max(before, walk[i - neighbours - 1]);
-    behind = std::max(behind, walk[walk.size() + neighbours - i]);
-    elsewhere[i] = std::max(elsewhere[i], before);
-    const size_t mirrored = walk.size() - 1 - i;
-    elsewhere[mirrored] = std::max(elsewhere[mirrored], behind);
-  }
-  return elsewhere;
-}
-
-int32_t lead_of(int32_t likelihood, int32_t elsewhere) {
-  if (elsewhere == kNothing) return 0;
-  return std::clamp(likelihood - elsewhere - kUnsureLead, 0, kMostLead);
+  const auto frames = static_cast<double>(count);
+  const double mean = static_cast<double>(sum) / frames / kNatUnit;
+  const double of_squares = static_cast<double>(squares) / frames / (double{kNatUnit} * kNatUnit);
+  return {mean, std::max(0.0, of_squares - mean * mean)};
 }
 
 // Which training frame a frame's words are of.
@@ -111,6 +77,47 @@ std::optional<size_t> own_frame(const FusionBasis& basis, const WordSet& words) 
   if (before(&words, trained.data()) || !before(&words, trained.data() + trained.size()))
     return std::nullopt;
   return static_cast<size_t>(&words - trained.data());
+}
+
+struct FusedRows {
+  FrameDistances scores;
+  FusionBasis basis;
+  std::shared_ptr<FusionState> state;
+  FusionRow row;
+};
+
+void start_fused_row(FusedRows& rows, size_t query) {
+  FusionState& state = *rows.state;
+  rows.scores.start_row(query);
+  const WordSet& words = rows.scores.query.words[query];
+  const std::optional<size_t> own = own_frame(rows.basis, words);
+  if (own) {
+    rows.row = fusion_row(rows.basis, words, rows.basis.weight / 2, own);
+    return;
+  }
+  state.agreement.count({state.likeliest, state.closest.frame()}, rows.basis.walks);
+  rows.row = fusion_row(rows.basis, words, fusion_weight(rows.basis, state.agreement));
+  state.likeliest = rows.row.likeliest;
+  state.closest.reset();
+}
+
+void note_closest(FusedRows& rows, size_t first, std::span<const uint16_t> scores) {
+  std::optional<size_t> closest;
+  for (size_t i = 0; i < scores.size(); ++i) {
+    const bool is_closer = !closest || scores[i] < scores[*closest];
+    if (is_closer && rows.basis.views[first + i] != FusedViews::kNoView) closest = i;
+  }
+  if (closest) rows.state->closest.add(scores[*closest], first + *closest);
+}
+
+void fuse(const FusionRow& row, size_t first, std::span<uint16_t> scores) {
+  if (!row.likeliest) return;
+  for (size_t i = 0; i < scores.size(); ++i) {
+    const double z =
+        static_cast<double>(scores[i]) - kScoreBias + row.added[first + i] * kScoreUnit;
+    const double score = z * row.scale + kScoreBias + 0.5;
+    scores[i] = static_cast<uint16_t>(std::clamp(score, 0.0, kLargestScore));
+  }
 }
 
 }  // namespace
@@ -138,59 +145,45 @@ FusionBasis fusion_of(const FusionBasis& all, const std::vector<uint8_t>& keep) 
   return basis;
 }
 
-std::vector<int16_t> fusion_row(const FusionBasis& basis, const WordSet& words,
-                                std::optional<size_t> own) {
-  std::vector<int16_t> row(basis.views.size(), 0);
+FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weight,
+                     std::optional<size_t> own) {
+  FusionRow row{std::vector<double>(basis.views.size(), 0), 1, std::nullopt};
   if (words.empty()) return row;
-  std::vector<int32_t> likelihoods = likelihoods_of(basis, words);
-  if (own) leave_out(likelihoods, basis, *own);
-  const std::optional<int32_t> mean = mean_of(likelihoods);
-  if (!mean) return row;
-  std::vector<std::span<const int32_t>> walks;
-  std::vector<int32_t> largest;
-  std::span<const int32_t> rest = likelihoods;
-  for (const FusedWalk& walk : basis.walks) {
-    walks.push_back(rest.first(walk.frames));
-    largest.push_back(largest_of(walks.back()));
-    rest = rest.subspan(walk.frames);
-  }
-  size_t frame = 0;
-  for (size_t w = 0; w < walks.size(); ++w) {
-    const std::vector<int32_t> elsewhere =
-        elsewhere_of(walks[w], basis.walks[w].neighbours, largest_of_others(basis, largest, w));
-    for (size_t i = 0; i < walks[w].size(); ++i, ++frame) {
-      const int32_t likelihood = walks[w][i];
-      if (likelihood == kNothing) continue;
-      const int32_t level = std::clamp(likelihood - *mean, kLeastLevel, kMostLevel);
-      const double taken = basis.weight / 2 * (level + 2 * lead_of(likelihood, elsewhere[i]));
-      // Moved above 0, where casts round down.
-      row[frame] = static_cast<int16_t>(static_cast<int32_t>(taken + 32768.5) - 32768);
-    }
-  }
+  std::vector<int32_t> behind = likelihoods_of(basis, words);
+  if (own) leave_out(behind, basis, *own);
+  const auto likeliest = std::max_element(behind.begin(), behind.end());
+  if (likeliest == behind.end() || *likeliest == kNothing) return row;
+  row.likeliest = static_cast<size_t>(likeliest - behind.begin());
+  const int32_t most = *likeliest;
+  for (int32_t& value : behind)
+    if (value != kNothing) value = std::max(value - most, -kMostBehind);
+  const Spread spread = spread_of(behind);
+  for (size_t i = 0; i < behind.size(); ++i)
+    if (behind[i] != kNothing)
+      row.added[i] = weight * (spread.mean - static_cast<double>(behind[i]) / kNatUnit);
+  row.scale = 1 / std::sqrt(1 + weight * weight * spread.variance);
   return row;
 }
 
-FrameDistances fused(FrameDistances scores, const FusionBasis& basis) {
+double fusion_weight(const FusionBasis& basis, const Agreement& agreement) {
+  const double ratio = agreement.ratio();
+  return std::min(basis.weight * ratio * std::sqrt(ratio), kMostWeight);
+}
+
+FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
+                     std::shared_ptr<FusionState> state) {
   if (basis.evidence == nullptr) return scores;
   assert(scores.is_in_order() && basis.views.size() == scores.train_frames);
   assert(scores.query.words.size() == scores.query_frames);
-  struct State {
-    FrameDistances scores;
-    FusionBasis basis;
-    std::vector<int16_t> taken;
-  };
-  const auto state = std::make_shared<State>(State{scores, basis, {}});
-  scores.start_row = [state](size_t query) {
-    state->scores.start_row(query);
-    const WordSet& words = state->scores.query.words[query];
-    state->taken = fusion_row(state->basis, words, own_frame(state->basis, words));
-  };
-  scores.tile = [state](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
-                        size_t stride) {
-    state->scores.tile(queries, first, last, out, stride);
-    const int16_t* taken = state->taken.data() + first;
-    for (size_t i = 0; i < last - first; ++i)
-      out[i] = static_cast<uint16_t>(std::clamp(int{out[i]} - int{taken[i]}, 0, kLargestScore));
+  if (!state) state = std::make_shared<FusionState>();
+  const auto rows =
+      std::make_shared<FusedRows>(FusedRows{scores, basis, std::move(state), FusionRow{}});
+  scores.start_row = [rows](size_t query) { start_fused_row(*rows, query); };
+  scores.tile = [rows](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
+                       size_t stride) {
+    rows->scores.tile(queries, first, last, out, stride);
+    note_closest(*rows, first, {out, last - first});
+    fuse(rows->row, first, {out, last - first});
   };
   return scores;
 }

@@ -1,5 +1,5 @@
-// FAB-MAP and sequences together: standardized frame distances less what the words of the frame say
-// for a training frame.
+// FAB-MAP and sequences together: standardized frame distances with what the words of the frame say
+// of training frames.
 #pragma once
 
 #include <memory>
@@ -8,24 +8,19 @@
 #include <vector>
 
 #include "database/train_statistics.h"
+#include "matching/agreement.h"
 #include "matching/frame_distances.h"
 
 namespace vpr {
 
 struct ViewEvidence;
 
-/// The deviations that a nat is worth, unless something else is said.
-inline constexpr double kFusionWeight = 0.25;
-inline constexpr double kMostFusionWeight = 2;
+/// The deviations that a nat is worth where FAB-MAP and scores know as much, unless something else
+/// is said, and at most.
+inline constexpr double kFusionWeight = 0.2;
+inline constexpr double kMostFusionWeight = 1;
 
-/// A training sequence whose frames are matched.
-struct FusedWalk {
-  size_t sequence = 0;  ///< of the database
-  size_t frames = 0;
-  size_t neighbours = 0;  ///< frames so far apart may show the same place
-};
-
-/// What is taken from scores: nothing where there is no evidence.
+/// What is fused with scores: nothing where there is no evidence.
 struct FusionBasis {
   std::shared_ptr<const ViewEvidence> evidence;
   double weight = kFusionWeight;  ///< beta: deviations a nat
@@ -40,30 +35,48 @@ FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double we
 /// Of the sequences whose `keep` is not 0.
 FusionBasis fusion_of(const FusionBasis& all, const std::vector<uint8_t>& keep);
 
-/// What a frame's words take from its scores, one number a training frame, in 1/1024 deviation:
-/// weight * (level / 2 + lead), rounded to the nearest, a half up. With l the log-likelihood of a
-/// training frame's view in 1/1024 nat, level is l less its mean over the training frames (rounded
-/// down from a half up), within -4 and 6 nats, and lead is by how much more than 2 nats l exceeds
-/// the largest of training frames elsewhere, 10 nats at most. Elsewhere are frames of its sequence
-/// that are no neighbours, and those of sequences that show other places; where nothing is, there
-/// is no lead. 0 for frames that could not be decoded, which count nowhere, and for a frame
-/// without words.
+/// What a frame's words make of its scores: (z + added) * scale.
+struct FusionRow {
+  /// In deviations, one number a training frame: -w (behind - mean of behind), where behind is the
+  /// log-likelihood of a training frame's view less that of the likeliest one, -40 nats at least.
+  /// 0 for a frame that could not be decoded, which counts nowhere, and of a query frame without
+  /// words.
+  std::vector<double> added;
+  /// 1 / sqrt(1 + the mean of added^2): so that scores stay in deviations.
+  double scale = 1;
+  std::optional<size_t> likeliest;  ///< the first such training frame
+};
+
+/// `weight`: w, deviations a nat.
 ///
 /// `own`: which of all training frames the words are of, where a training walk is the query; then
 /// it and its neighbours count as if they could not be decoded, since a query that comes by
 /// another place has no such view.
-std::vector<int16_t> fusion_row(const FusionBasis& basis, const WordSet& words,
-                                std::optional<size_t> own = std::nullopt);
+FusionRow fusion_row(const FusionBasis& basis, const WordSet& words, double weight,
+                     std::optional<size_t> own = std::nullopt);
 
-/// Scores (score_kernels.h) less fusion_row, cut off as scores are. `scores` come in order, and the
-/// query has words; one whose words are those of FusedViews (not copies) is a training walk.
-FrameDistances fused(FrameDistances scores, const FusionBasis& basis);
+/// w of the next frame: beta ratio^1.5, 1 at most.
+double fusion_weight(const FusionBasis& basis, const Agreement& agreement);
 
-/// How far the oracle may be from a frame's part of fused scores, in 1/1024 deviation.
+/// What is known of the query so far.
+struct FusionState {
+  Agreement agreement;
+  std::optional<size_t> likeliest;  ///< of the frame whose row was started last
+  ClosestFrame closest;             ///< of that row, by scores before they are fused
+};
+
+/// Scores (score_kernels.h) with fusion_row, rounded to the nearest, a half up, and cut off as
+/// scores are; with the weight that the frames before lead to. `scores` come in order, all of a
+/// row's; the query has words. One whose words are those of FusedViews (not copies) is a training
+/// walk, of which nothing is learned: w is beta / 2. Without a `state` a query begins.
+FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
+                     std::shared_ptr<FusionState> state = nullptr);
+
+/// How far the oracle may be from a fused score by the same weight, in 1/1024 deviation.
 double fusion_tolerance(const FusionBasis& basis);
 
-/// The oracle: the same in deviations, in double precision, from the likelihoods of the definition
-/// (fabmap1) and without re-use.
-std::vector<double> plain_fusion_row(const FusionBasis& basis, const WordSet& words);
+/// The oracle: the same in double precision, from the likelihoods of the definition (fabmap1) and
+/// without re-use.
+FusionRow plain_fusion_row(const FusionBasis& basis, const WordSet& words, double weight);
 
 }  // namespace vpr

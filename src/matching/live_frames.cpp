@@ -40,8 +40,10 @@ LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis) {
   if (basis != nullptr) {
     live.state = start_standardized(std::move(raw), *basis, {});
     live.fusion = basis->fusion;
+    live.fusion_state = std::make_shared<FusionState>();
   }
-  live.distances = live.state ? fused(standardized(live.state), live.fusion) : live.raw;
+  live.distances =
+      live.state ? fused(standardized(live.state), live.fusion, live.fusion_state) : live.raw;
   return live;
 }
 
@@ -60,7 +62,8 @@ void add_frame(LiveFrames& live, FrameRow frame, std::optional<size_t>* other) {
       {DescriptorRows(rows.shape, live.bytes), live.unreadable, nullptr, live.words});
   if (other != nullptr && *other) *other = new_index(kept, **other);
   if (live.state) keep_rows(*live.state, kept, distances);
-  live.distances = live.state ? fused(standardized(live.state), live.fusion) : std::move(distances);
+  live.distances = live.state ? fused(standardized(live.state), live.fusion, live.fusion_state)
+                              : std::move(distances);
   ++live.frames;
 }
 

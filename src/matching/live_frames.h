@@ -15,6 +15,7 @@ struct LiveFrames {
   FrameDistances raw;                        ///< of a query without frames
   std::shared_ptr<StandardizedState> state;  ///< of standardized scores; null for distances
   FusionBasis fusion;
+  std::shared_ptr<FusionState> fusion_state;
   std::vector<uint8_t> bytes;      ///< of the rows that are kept, the last frame's last
   std::vector<size_t> unreadable;  ///< of them
   std::vector<WordSet> words;      ///< that they show; of those before the last, none

@@ -162,7 +162,7 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
     first_frame.push_back(frames);
     frames += sequence.rows.size();
   }
-  const PlainFusion fusion(basis.fusion, cells, window_length, query.words, monitor);
+  const PlainFusion fusion(train, query, basis, cells, window_length, monitor);
   std::vector<double> right(cells.size(), 0);
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const Cell& cell = cells[c];

@@ -1,4 +1,4 @@
-// What FAB-MAP takes from the scores of cells, by its definition.
+// What FAB-MAP makes of the scores of cells, by its definition.
 #pragma once
 
 #include <map>
@@ -6,25 +6,29 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "matching/fusion.h"
+#include "matching/standardization.h"
 #include "recognition/row_scan.h"
 
 namespace vpr {
 
-/// The oracle's rows of all query frames that cells' windows hold, each computed once.
+/// The oracle's rows of all query frames that cells' windows hold, each computed once. Their
+/// weights, which depend on all frames before, are those of scores in whole numbers, so that what
+/// nearly ties is decided in the same way.
 class PlainFusion {
  public:
-  /// `basis` must outlive it; `words` are those of the query's frames, where something is fused.
-  PlainFusion(const FusionBasis& basis, std::span<const Cell> cells, size_t window_length,
-              std::span<const WordSet> words, const Monitor& monitor);
+  /// `basis` is of all training sequences, but its fusion of those that are searched. Nothing where
+  /// nothing is fused.
+  PlainFusion(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+              const ScoreBasis& basis, std::span<const Cell> cells, size_t window_length,
+              const Monitor& monitor);
 
-  /// z of training frame i of a sequence and query frame j, less what FAB-MAP takes from it, cut
-  /// off as scores are; z itself where nothing is fused.
+  /// z of training frame i of a sequence and query frame j with what FAB-MAP adds, cut off as
+  /// scores are; z itself where nothing is fused.
   double operator()(double z, size_t sequence, size_t i, size_t j) const;
 
  private:
-  std::map<size_t, size_t> first_frame_;            ///< in rows, of each sequence that is matched
-  std::map<size_t, std::vector<double>> by_frame_;  ///< of the query
+  std::map<size_t, size_t> first_frame_;  ///< in rows, of each sequence that is matched
+  std::map<size_t, FusionRow> by_frame_;  ///< of the query
 };
 
 }  // namespace vpr

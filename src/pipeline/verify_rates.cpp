@@ -83,8 +83,8 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
                                     const Monitor& monitor) {
   const PlainUpdates updates =
       basis != nullptr ? plain_updates(train, query, *basis, monitor) : PlainUpdates{};
-  const PlainFusion fusion(basis != nullptr ? basis->fusion : FusionBasis{}, cells, windows.length,
-                           query.words, monitor);
+  const PlainFusion fusion(train, query, basis != nullptr ? *basis : ScoreBasis{}, cells,
+                           windows.length, monitor);
   const auto distance = [&](size_t sequence, size_t i, size_t j) -> double {
     return plain_distance(train[sequence].rows, i, query.rows, j);
   };

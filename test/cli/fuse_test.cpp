@@ -49,7 +49,7 @@ TEST_CASE("a fused query is verified, and says with what it was fused") {
   const Json json =
       printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--verify", "300", "--json"}));
   CHECK(json["settings"]["score"] == "standardized");
-  CHECK(json["settings"]["fuse_beta"] == 0.25);
+  CHECK(json["settings"]["fuse_beta"] == 0.2);
   CHECK(json["provenance"]["fused"].get<std::string>().starts_with("xxh3:"));
   CHECK(json["machine"]["paths"]["fuse"] == world().fabmap());
   CHECK(json["verification"]["differences"] == 0);
@@ -132,5 +132,5 @@ TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them")
   INFO(outcome.err);
   REQUIRE(outcome.exit_code == 0);
   CHECK(outcome.out.find("--fuse " + world().fabmap()) != std::string::npos);
-  CHECK(outcome.out.find("--fuse-beta 0.25") != std::string::npos);
+  CHECK(outcome.out.find("--fuse-beta 0.2") != std::string::npos);
 }

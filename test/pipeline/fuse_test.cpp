@@ -50,6 +50,14 @@ SequenceQuerySettings fused_settings(uint64_t length) {
   return settings;
 }
 
+void check_row(const std::vector<uint16_t>& fused, const std::vector<uint16_t>& scores,
+               const FusionRow& row) {
+  for (size_t i = 0; i < row.added.size(); ++i) {
+    const double score = (scores[i] - 32768.0 + 1024 * row.added[i]) * row.scale + 32768;
+    CHECK(fused[i] == std::floor(std::clamp(score + 0.5, 0.0, 65535.0)));
+  }
+}
+
 Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size_t verify = 200) {
   QueryResources resources;
   resources.kernels = select_kernels();
@@ -75,15 +83,14 @@ TEST_CASE("automatic thresholds and margins ask what a training walk does not kn
   for (uint32_t frame = 0; frame < 70; ++frame) {
     scores.start_row(frame);
     both.start_row(frame);
-    const std::vector<int16_t> row = fusion_row(basis.fusion, train[1].words[frame], 60 + frame);
     scores.tile({&frame, 1}, 0, 160, plain.data(), 192);
     both.tile({&frame, 1}, 0, 160, fast.data(), 192);
-    for (size_t i = 0; i < 160; ++i)
-      CHECK(int{fast[i]} == std::clamp(int{plain[i]} - int{row[i]}, 0, 65535));
+    check_row(fast, plain,
+              fusion_row(basis.fusion, train[1].words[frame], basis.fusion.weight / 2, 60 + frame));
   }
 }
 
-TEST_CASE("fused scores are scores less the row, cut off as scores are") {
+TEST_CASE("fused scores are scores and the row that frames before let trust, cut off") {
   const Walks walks;
   const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
   const std::vector<DescriptorSpan> train = descriptor_spans(walks.database);
@@ -94,16 +101,25 @@ TEST_CASE("fused scores are scores less the row, cut off as scores are") {
   const FrameDistances both = standardized(distances, basis, {});
   std::vector<uint16_t> plain(192);
   std::vector<uint16_t> fast(192);
+  Agreement agreement;
+  BestFrames best;
   for (uint32_t frame = 0; frame < scores.query_frames; ++frame) {
     scores.start_row(frame);
     both.start_row(frame);
-    const std::vector<int16_t> row = fusion_row(basis.fusion, walks.query.words[frame]);
     scores.tile({&frame, 1}, 0, 160, plain.data(), 192);
+    agreement.count(best, basis.fusion.walks);
+    const FusionRow row =
+        fusion_row(basis.fusion, walks.query.words[frame], fusion_weight(basis.fusion, agreement));
+    std::optional<size_t> closest;
+    for (size_t i = 0; i < 160; ++i)
+      if (i != 31 && i != 32 && (!closest || plain[i] < plain[*closest])) closest = i;
+    best = {row.likeliest, closest};
     both.tile({&frame, 1}, 0, 72, fast.data(), 192);  // in two stretches
     both.tile({&frame, 1}, 72, 160, fast.data() + 72, 192);
-    for (size_t i = 0; i < 160; ++i)
-      CHECK(int{fast[i]} == std::clamp(int{plain[i]} - int{row[i]}, 0, 65535));
+    check_row(fast, plain, row);
   }
+  CHECK(agreement.likeliest_steps > 5);  // something is learned
+  CHECK(agreement.closest_steps > 5);
 }
 
 TEST_CASE("whole queries are verified, by every method, score and number of threads") {
@@ -198,7 +214,7 @@ TEST_CASE("databases that can't be fused are refused") {
   };
   SequenceQuerySettings settings = fused_settings(5);
   CHECK_FALSE(rejects(settings));
-  settings.fusion_weight = 2.5;
+  settings.fusion_weight = 1.1;
   CHECK(rejects(settings) == ErrorKind::usage);
   settings.fusion_weight = std::nan("");
   CHECK(rejects(settings) == ErrorKind::usage);
