@@ -108,6 +108,9 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
   group(add_setting(app, "--margin-width", settings.margin_width,
                     "elsewhere is more than so many frames before or behind the best match "
                     "(default: after how many a training sequence shows another place)"));
+  group(app.add_flag("--margin-support", settings.margin_support,
+                     "with --decide margin, the last frames of a window must support its match, "
+                     "too (standardized scores, c_l 20 or more)"));
   group(app.add_list("--same-place", settings.same_place,
                      "A=B: these training sequences show the same place, so that neither is "
                      "elsewhere for the other; repeatable; none: all differ (default: as found)"));

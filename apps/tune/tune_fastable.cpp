@@ -82,6 +82,9 @@ void add_fastable(Program& program, FastableTune& tune) {
   add_setting(command, "--margin-width", tune.settings.margin_width,
               "elsewhere is more than so many frames before or behind the best match (default: "
               "after how many a training sequence shows another place)");
+  command.add_flag("--margin-support", tune.settings.margin_support,
+                   "the last frames of a window must support its match, too (standardized scores, "
+                   "c_l 20 or more)");
   command.add_list("--same-place", tune.settings.same_place,
                    "A=B: these training sequences show the same place; repeatable; none: all "
                    "differ (default: as found)");

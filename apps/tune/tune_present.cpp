@@ -32,6 +32,7 @@ std::vector<std::string> setting_flags(const QuerySettings& recommended) {
   const std::string scale = settings.value("t_r_scale", "");
   if (scale == enum_name(ThresholdScale::bits) || scale == enum_name(ThresholdScale::mean))
     flags.push_back("--t-r-scale " + scale);
+  if (settings.value("margin_support", false)) flags.emplace_back("--margin-support");
   if (settings.value("skip_unreadable", false)) flags.emplace_back("--skip-unreadable");
   return flags;
 }

@@ -14,15 +14,6 @@ void keep_smaller(std::optional<uint32_t>& kept, const std::optional<uint32_t>& 
   if (value && (!kept || *value < *kept)) kept = value;
 }
 
-// Cells [begin, end) of a row.
-ScoreRow part_of_row(const ScoreRow& row, size_t begin, size_t end) {
-  ScoreRow part = row;
-  part.train_window += begin;
-  part.scores = row.scores.subspan(begin, end - begin);
-  if (!row.rates.empty()) part.rates = row.rates.subspan(begin, end - begin);
-  return part;
-}
-
 // Whether frames are labelled same or ignore, or at most `width` before or behind one that is.
 std::vector<uint8_t> near_place(const std::vector<PlaceLabel>& labels, size_t width) {
   std::vector<uint8_t> near(labels.size(), 0);
@@ -46,11 +37,12 @@ struct LabelledScan::Windows {
 };
 
 LabelledScan::LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
-                           size_t query_windows, const RowKernels& kernels)
+                           size_t query_windows, const RowKernels& kernels, bool needs_support)
     : truth_(truth),
       widths_(elsewhere.widths),
       window_length_(window_length),
       untrained_(std::move(elsewhere), query_windows, kernels),
+      needs_support_(needs_support),
       windows_(std::make_unique<Windows>(query_windows)) {}
 
 LabelledScan::~LabelledScan() = default;
@@ -73,7 +65,7 @@ void LabelledScan::operator()(const ScoreRow& row) {
     if (near[first + begin] != 0) continue;
     size_t end = begin;
     while (end < count && near[first + end] == 0) ++end;
-    untrained_(part_of_row(row, begin, end));
+    untrained_(part_of_row(row, begin, end - begin));
     begin = end;
   }
   const std::lock_guard lock(windows_->locks[row.query_window % kLocks]);
@@ -86,9 +78,10 @@ void LabelledScan::join(const Share& share) { untrained_.join(share); }
 
 std::vector<LabelledWindow> LabelledScan::result() const {
   std::vector<LabelledWindow> found = windows_->found;
-  const MarginScanResult untrained = untrained_.result();
+  const MarginScanResult all = untrained_.result();
+  const auto untrained = needs_support_ ? supported_margins(all) : all.margins;
   for (size_t window = 0; window < found.size(); ++window)
-    found[window].untrained_margin = untrained.margins[window];
+    found[window].untrained_margin = untrained[window];
   return found;
 }
 

@@ -23,9 +23,10 @@ struct LabelledWindow {
 /// most the width of its sequence before or behind a frame labelled same or ignore.
 class LabelledScan {
  public:
-  /// `truth` must live as long as the scan.
+  /// `truth` must live as long as the scan. `needs_support`: margins without the place are those of
+  /// supported_margins.
   LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
-               size_t query_windows, const RowKernels& kernels);
+               size_t query_windows, const RowKernels& kernels, bool needs_support = false);
   ~LabelledScan();
   void operator()(const ScoreRow& row);
   /// Of processes that share training windows: what all have of margins without the place. Right
@@ -39,6 +40,7 @@ class LabelledScan {
   std::vector<uint32_t> widths_;
   size_t window_length_;
   MarginScan untrained_;
+  bool needs_support_;
   std::unique_ptr<Windows> windows_;
 };
 

@@ -55,10 +55,7 @@ bool has_exact_totals(const DescriptorShape& shape) { return shape.element == El
 std::optional<ScoreRow> cut_to(const ItemRange& windows, const ScoreRow& row) {
   const ItemRange in = overlap({row.train_window, row.train_window + row.scores.size()}, windows);
   if (in.count() == 0) return std::nullopt;
-  ScoreRow cut = row;
-  cut.train_window = in.first;
-  cut.scores = row.scores.subspan(in.first - row.train_window, in.count());
-  return cut;
+  return part_of_row(row, in.first - row.train_window, in.count());
 }
 
 void share_totals(FrameDistances& distances, const Share& share) {

@@ -44,6 +44,7 @@ SequenceQuerySettings open_settings(const SequenceQuerySettings& base, uint64_t 
   settings.margin.reset();
   if (is_by_margin(settings)) {
     settings.margin = 0;
+    settings.margin_support = can_ask_last_frames(settings);
     return settings;
   }
   const bool is_raw = !score_kind(settings.score).needs_statistics;
@@ -66,8 +67,8 @@ Labelled label_walk(QueryPlan plan, const GroundTruth& truth, const QueryResourc
   Labelled labelled;
   labelled.score_offset = plan.score_offset();
   const size_t windows = plan.query_windows;
-  LabelledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows,
-                    resources.kernels);
+  LabelledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows, resources.kernels,
+                    plan.settings.margin_support);
   const bool has_rows = !has_paths(plan.settings.method);
   const std::vector<RowConsumer> observers =
       has_rows ? std::vector<RowConsumer>{std::ref(scan)} : std::vector<RowConsumer>{};
@@ -201,15 +202,22 @@ CalibratedLength calibrate_length(QueryPlan plan, const LabelledQuery& walk, dou
   return length;
 }
 
-// A shorter window says sooner where one is, and sooner that one is elsewhere.
+// A shorter window says sooner where one is, and sooner that one is elsewhere. Where last frames
+// are asked, the most are taken: they say sooner, too, that one is elsewhere.
 std::optional<size_t> choose_length(const std::vector<CalibratedLength>& lengths) {
-  const auto right = [](const CalibratedLength& length) {
+  const auto found = [](const CalibratedLength& length) {
     return length.calibration.strength ? static_cast<double>(length.calibration.right) : 0;
+  };
+  const bool has_supported = std::any_of(lengths.begin(), lengths.end(), [&](const auto& length) {
+    return length.settings.margin_support && found(length) > 0;
+  });
+  const auto right = [&](const CalibratedLength& length) {
+    return has_supported && !length.settings.margin_support ? 0 : found(length);
   };
   double most = 0;
   for (const CalibratedLength& length : lengths) most = std::max(most, right(length));
   for (size_t l = 0; most > 0 && l < lengths.size(); ++l)
-    if (right(lengths[l]) >= kEnough * most) return l;
+    if (right(lengths[l]) >= (has_supported ? 1 : kEnough) * most) return l;
   return std::nullopt;
 }
 

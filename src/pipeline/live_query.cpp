@@ -118,7 +118,8 @@ void LiveQuery::match_window(const RowConsumer& consume) {
   const auto sums =
       advance_fastable(sums_, frames_.distances, resources_.kernels, frames_.last_row());
   if (in_a_row_ >= length)
-    emit_row(frames_.distances, length, frames_.frames - 1, 0, sums, consume);
+    emit_row(frames_.distances, length, frames_.frames - 1, 0, sums, consume,
+             last_scores(sums_, frames_.distances));
 }
 
 void LiveQuery::match_path(Found& found, const RowConsumer& consume) {
@@ -156,7 +157,7 @@ std::optional<Result> LiveQuery::take(const FrameRow& frame) {
     match_window(consume);
   if (in_a_row_ < plan_.settings.window_length) return std::nullopt;
   found.matches = scan.result();
-  if (margins) found.margins = margins->result().margins;
+  if (margins) found.margins = decided_margins(plan_, margins->result());
   Result result = make_result(plan_, found.matches, found.margins);
   result.path = std::move(found.path);
   return result;

@@ -150,7 +150,7 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
   found.matches = joined_hits(share, scan.result(), limits.max_hits);
   if (margins) {
     margins->join(share);
-    found.margins = margins->result().margins;
+    found.margins = decided_margins(plan, margins->result());
   }
   found.cells = method.is_exact
                     ? joined_cells(share, cells.result())

@@ -98,6 +98,11 @@ void set_mean_limits(Target& sequence, std::vector<double> window_means) {
     sequence.distance_limit = std::max(sequence.distance_limit, limit);
 }
 
+std::vector<std::optional<uint32_t>> decided_margins(const QueryPlan& plan,
+                                                     const MarginScanResult& found) {
+  return plan.settings.margin_support ? supported_margins(found) : found.margins;
+}
+
 HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {
   HitScanSettings settings;
   for (const Target& sequence : result.sequences) {

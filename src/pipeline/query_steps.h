@@ -5,6 +5,7 @@
 
 #include "matching/train_part.h"
 #include "pipeline/query.h"
+#include "recognition/margin_scan.h"
 
 namespace vpr {
 
@@ -38,6 +39,10 @@ void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima)
 
 /// The limits of a threshold on the scale mean: one for every query window.
 void set_mean_limits(Target& sequence, std::vector<double> window_means);
+
+/// The margins that a plan decides by.
+std::vector<std::optional<uint32_t>> decided_margins(const QueryPlan& plan,
+                                                     const MarginScanResult& found);
 
 /// A scan for hits below the result's limits.
 HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources);

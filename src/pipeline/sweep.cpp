@@ -137,7 +137,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     const QueryPlan& plan = length.planned.front();
     margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels);
     labelled.emplace_back(truth, *first.elsewhere, plan.settings.window_length, plan.query_windows,
-                          resources.kernels);
+                          resources.kernels, plan.settings.margin_support);
   }
   match_lengths([&](size_t l, const ScoreRow& row) {
     hits[l](row);
@@ -148,7 +148,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     lengths[l].found = joined_hits(share, hits[l].result(), most_hits[l]);
     if (margins.empty()) continue;
     margins[l].join(share);
-    lengths[l].margins = margins[l].result().margins;
+    lengths[l].margins = decided_margins(first, margins[l].result());
     labelled[l].join(share);
     lengths[l].labelled = labelled[l].result();
   }

@@ -15,6 +15,7 @@ void leave_out_decisions(Json& json, const SequenceQuerySettings& settings) {
       for (const std::string_view key : decision_kinds()[d].settings) json.erase(key);
   if (!settings.threshold_share) json.erase("t_r_share");
   if (!settings.margin_width) json.erase("margin_width");
+  if (!settings.margin_support) json.erase("margin_support");
   if (settings.same_place.empty()) json.erase("same_place");
 }
 

@@ -42,6 +42,7 @@ struct SequenceQuerySettings {
   Decision decision = Decision::threshold;
   std::optional<double> margin;          ///< X, in score a frame; none: automatic
   std::optional<uint64_t> margin_width;  ///< w; none: half-widths of the training sequences
+  bool margin_support = false;           ///< last frames must support a match (row_outline.h)
   /// "A=B": sequences that show the same place. Empty: as found; "none": all differ.
   std::vector<std::string> same_place;
   FilterSettings filter;                ///< of the method filter
@@ -72,6 +73,7 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("decide", settings.decision);
   visit("margin", settings.margin);
   visit("margin_width", settings.margin_width);
+  visit("margin_support", settings.margin_support);
   visit("same_place", settings.same_place);
   visit("filter", settings.filter);
   visit("fuse_beta", settings.fusion_weight);

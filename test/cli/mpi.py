@@ -95,6 +95,15 @@ def remove(name):
         shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
+def write_walks(train, query):
+    """90 vectors of 8 numbers, and 50 of them nearly, behind which are others."""
+    draw = numpy.random.default_rng(7)
+    walk = draw.normal(size=(90, 8))
+    again = walk[20:70] + draw.normal(0, 0.1, (50, 8))
+    numpy.save(train, walk)
+    numpy.save(query, numpy.concatenate([again, draw.normal(size=(20, 8))]))
+
+
 def compare_runs():
     run(0, f"vpr-synth {source}/test/golden/world.json -o data --quiet")
     walks = json.loads((folder / "data/dataset.json").read_text())["train"]
@@ -113,6 +122,10 @@ def compare_runs():
     same_bytes(f"vpr-query {query} --c-l 6 --verify 30", ".json", (1, 4))
     same_bytes(f"vpr-query {query} --c-l 5 --score standardized --decide margin --verify 30", ".json",
                every)
+    write_walks(folder / "v.npy", folder / "q.npy")
+    run(0, "vpr-train descriptors --npy v.npy --c-l 20 -o vectors.vprdb --quiet")
+    same_bytes("vpr-query vectors.vprdb --query-npy q.npy --c-l 20 --score standardized "
+               "--decide margin --margin-support", ".json", (2, 3))
     same_bytes(f"vpr-query {query} --c-l 4 --margin 0.1 --decide margin", ".json", (2, 5))
     same_bytes(f"vpr-query {query} --c-l 4 --t-r 0.6 --method fastable-online", ".json", (3,))
     same_bytes(f"vpr-query {query} --c-l 4 --t-r 0.7 --t-r-scale mean --method openable", ".json", (4,))

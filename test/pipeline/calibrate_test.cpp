@@ -91,6 +91,21 @@ TEST_CASE("a query with the calibrated settings recognises what the calibration 
     }
 }
 
+TEST_CASE("of margins of scores, windows of 20 frames or more are taken where they say something") {
+  const Walks walks;
+  SequenceQuerySettings settings;
+  settings.decision = Decision::margin;
+  settings.score = Score::standardized;
+  const auto chosen_length = [&](const std::vector<uint64_t>& lengths) {
+    const CalibratedWalk walk = walks.calibrate(settings, 1, lengths);
+    return walk.chosen ? walk.lengths[*walk.chosen].settings.window_length : 0;
+  };
+  CHECK(chosen_length({5, 10, 20}) == 20);
+  CHECK(chosen_length({10, 19}) == 10);
+  settings.score = Score::raw;
+  CHECK(chosen_length({5, 10, 20}) < 20);
+}
+
 TEST_CASE("the margin is just above the largest one that is wrong, or would be without its place") {
   const Walks walks;
   SequenceQuerySettings settings;

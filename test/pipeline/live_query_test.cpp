@@ -135,6 +135,11 @@ TEST_CASE("frames that come say what the whole query says: margins, scores and t
   CHECK(check_live_query(walks, settings) > 40);
   settings.score = Score::standardized;
   CHECK(check_live_query(walks, settings) > 40);
+  settings.window_length = 20;
+  settings.margin_support = true;
+  CHECK(check_live_query(walks, settings) > 10);
+  settings.margin_support = false;
+  settings.window_length = 6;
   settings.only_sequences = {"a"};
   CHECK(check_live_query(walks, settings) > 5);
   settings.standardization.view_change = 0;  // every frame is a view

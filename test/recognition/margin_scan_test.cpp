@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "matching/row_kernels.h"
+#include "matching/score_kernels.h"
 
 using namespace vpr;
 
@@ -166,4 +167,45 @@ TEST_CASE("pieces in any order from any number of threads give the margins of wh
       CHECK(result.margins[q] == margin);
     }
   }
+}
+
+TEST_CASE("a best match is supported where its last two frames reach 2/5 of its mean") {
+  RandomEngine engine(3);
+  size_t refused = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const size_t length = trial % 3 == 0 ? 19 : 20 + uniform_below(engine, 30);
+    const size_t windows = 1 + uniform_below(engine, 20);
+    std::vector<uint32_t> scores;
+    std::vector<uint16_t> last;
+    std::vector<uint16_t> before;
+    for (size_t x = 0; x < windows; ++x) {  // z of -2 to 1
+      scores.push_back(static_cast<uint32_t>(length * (kScoreBias - 2 * kScoreUnit) +
+                                             uniform_below(engine, 3 * length * kScoreUnit)));
+      for (auto* frames : {&last, &before})
+        frames->push_back(
+            static_cast<uint16_t>(kScoreBias - 2 * kScoreUnit + uniform_below(engine, 3072)));
+    }
+    const size_t cut = uniform_below(engine, windows);
+    const ScoreRow row{0, 0, 0, scores, {}, last, before, length};
+    MarginScan scan(make_elsewhere({1}, {}), 1, select_kernels());
+    if (cut > 0) scan(part_of_row(row, 0, cut));
+    scan(part_of_row(row, cut, windows - cut));
+    const size_t best = size_t(std::min_element(scores.begin(), scores.end()) - scores.begin());
+    const auto mean = [](double sum, size_t frames) { return sum / double(frames) - kScoreBias; };
+    const bool expected = length < 20 || mean(double(last[best]) + before[best], 2) <=
+                                             0.4 * mean(scores[best], length) + 1e-9;
+    INFO("trial " << trial);
+    const MarginScanResult found = scan.result();
+    CHECK((found.supported[0] != 0) == expected);
+    CHECK(supported_margins(found)[0] == (expected ? found.margins[0] : std::nullopt));
+    refused += expected ? 0 : 1;
+  }
+  CHECK(refused > 50);
+  CHECK(refused < 250);
+}
+
+TEST_CASE("where the last frames are not known, all best matches are supported") {
+  const MarginScanResult found = scan_row({{9, 7, 4, 3, 5, 6, 8}}, make_elsewhere({1}, {}));
+  CHECK(found.supported[0] == 1);
+  CHECK(supported_margins(found)[0] == 3);
 }
