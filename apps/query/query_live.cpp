@@ -158,7 +158,7 @@ void follow_query(Session& session, const QueryInputs& inputs, const SequenceQue
                             inputs.database));
   check_score(settings);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
-  fuse_views(database, settings, inputs.fuse, session.kernels, session.monitor);
+  fuse_views(database, settings, inputs.fuse);
   warn_of_automatic(settings, session.monitor);
   refuse_list_of_times(inputs);
   const NamedSource query = open_source(inputs, unreadable, session.monitor);

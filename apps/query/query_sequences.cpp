@@ -132,7 +132,7 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   check_score(settings);
   if (score_kind(settings.score).needs_statistics)
     ensure_statistics(sides.database, session.monitor);
-  fuse_views(sides.database, settings, inputs.fuse, session.kernels, session.monitor);
+  fuse_views(sides.database, settings, inputs.fuse);
   warn_of_automatic(settings, session.monitor);
   sides.query =
       replayed(describe_frames(open_sequence(sides.source.sequence.sequence), sides.database,

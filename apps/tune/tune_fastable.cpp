@@ -37,7 +37,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
   ensure_places(database, session.kernels, monitor);
-  fuse_views(database, settings, inputs.fuse, session.kernels, monitor);
+  fuse_views(database, settings, inputs.fuse);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed,
                                  session.share};
   session.run.memory_limit = command.memory_limit;

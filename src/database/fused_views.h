@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "database/fabmap_database.h"
@@ -21,8 +20,6 @@ struct FusedViews {
   std::vector<size_t> frames;   ///< of each training sequence
   std::vector<uint32_t> views;  ///< by training frame, sequence after sequence
   std::vector<WordSet> words;   ///< that the same frames show
-  /// Pairs of sequences that show the same place, a < b, rising.
-  std::vector<std::pair<size_t, size_t>> shared_places;
 };
 
 }  // namespace vpr

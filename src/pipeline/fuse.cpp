@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "pipeline/fabmap_train.h"
 #include "pipeline/frame_words.h"
-#include "pipeline/margin_plan.h"
 
 namespace vpr {
 namespace {
@@ -60,14 +59,12 @@ Group group_of(const FabmapDatabase& fabmap, const TrainSequence& sequence,
 
 }  // namespace
 
-void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name,
-                const RowKernels& kernels, const Monitor& monitor) {
+void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name) {
   if (database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
                 fmt::format("{}: can't be fused with a database of imported descriptors, for "
                             "FAB-MAP needs the images of a query",
                             name));
-  ensure_places(database, kernels, monitor);
   FusedViews fused;
   for (const TrainSequence& sequence : database.sequences) {
     const Group found = group_of(fabmap, sequence, name);
@@ -81,16 +78,14 @@ void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::st
     }
     for (const size_t frame : sequence.unreadable) fused.views[first + frame] = FusedViews::kNoView;
   }
-  fused.shared_places = database.shared_places.value();
   fused.fabmap = std::move(fabmap);
   fused.vocabulary = make_vocabulary(fused.fabmap.vocabulary);
   database.statistics.value().fused = std::make_shared<const FusedViews>(std::move(fused));
 }
 
 void fuse_views(SequenceDatabase& database, const SequenceQuerySettings& settings,
-                const std::string& path, const RowKernels& kernels, const Monitor& monitor) {
-  if (!path.empty())
-    return fuse_views(database, read_fabmap_database(path), path, kernels, monitor);
+                const std::string& path) {
+  if (!path.empty()) return fuse_views(database, read_fabmap_database(path), path);
   if (settings.fusion_weight)
     throw Error(ErrorKind::usage,
                 "fuse_beta is for scores that are fused with FAB-MAP's; give its database of the "

@@ -6,7 +6,6 @@
 #include "base/monitor.h"
 #include "database/fused_views.h"
 #include "database/sequence_database.h"
-#include "matching/row_kernels.h"
 #include "recognition/query_settings.h"
 
 namespace vpr {
@@ -14,17 +13,15 @@ namespace vpr {
 /// Lets scores of the database be fused with what FAB-MAP says of the same frames
 /// (matching/fusion.h), and its queries be described for both. Each training sequence needs a group
 /// of the same name, frame names and unreadable frames, of frames that are places or of views of
-/// one place; other groups count for nothing. The database has its statistics (ensure_statistics);
-/// which of its sequences show one place is found where it does not say so. Throws Error(data),
-/// which starts with `name`, where a sequence is missing or has other frames, and for descriptors
-/// that were imported.
-void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name,
-                const RowKernels& kernels, const Monitor& monitor);
+/// one place; other groups count for nothing. The database has its statistics (ensure_statistics).
+/// Throws Error(data), which starts with `name`, where a sequence is missing or has other frames,
+/// and for descriptors that were imported.
+void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::string& name);
 
 /// The same, from the folder of FAB-MAP's database; nothing for an empty path. Throws Error(usage)
 /// where there is a weight and no database, and what read_fabmap_database throws.
 void fuse_views(SequenceDatabase& database, const SequenceQuerySettings& settings,
-                const std::string& path, const RowKernels& kernels, const Monitor& monitor);
+                const std::string& path);
 
 /// Says that automatic thresholds and margins let in more wrong places where scores are fused, if
 /// they are and one is asked for.

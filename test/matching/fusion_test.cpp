@@ -33,7 +33,7 @@ std::shared_ptr<FusedViews> all_and_none(uint32_t words) {
   return views;
 }
 
-// A fusion of walks of random words, of which two show one place.
+// A fusion of walks of random words.
 FusionBasis random_basis(uint64_t seed, double weight) {
   RandomEngine engine(seed);
   auto views = std::make_shared<FusedViews>();
@@ -57,7 +57,6 @@ FusionBasis random_basis(uint64_t seed, double weight) {
   }
   for (const size_t frame : {0, 7, 41, 68}) views->views[frame] = FusedViews::kNoView;
   views->fabmap.tree = train_chow_liu(all, 30, {});
-  views->shared_places = {{0, 2}};
   views->words = all;
   index_views(views->fabmap);
   return make_fusion_basis(views, weight, {});

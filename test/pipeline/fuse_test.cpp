@@ -30,7 +30,7 @@ struct Walks {
     database = test::make_database(train);
     database.sequences[0].unreadable = {31, 32};
     ensure_statistics(database, {});
-    fuse_views(database, test::make_fabmap(database), "f", select_kernels(), {});
+    fuse_views(database, test::make_fabmap(database), "f");
     std::vector<LdbCode> codes = test::walk_codes(12, 3);
     codes.insert(codes.end(), train[0].begin() + 5, train[0].begin() + 25);
     codes.insert(codes.end(), train[1].begin() + 40, train[1].begin() + 65);
@@ -166,7 +166,7 @@ TEST_CASE("words decide where frames look alike") {
   add_group(fabmap, {sequence.name, false, sequence.frame_names}, words);
   fabmap.tree = train_chow_liu(words, 40, {});
   index_views(fabmap);
-  fuse_views(walks.database, std::move(fabmap), "f", select_kernels(), {});
+  fuse_views(walks.database, std::move(fabmap), "f");
   walks.query = test::make_query(train.front());
   walks.query.words = words;
   const Result result = query_all(walks, fused_settings(3), 50);
@@ -179,8 +179,7 @@ TEST_CASE("databases that can't be fused are refused") {
   const auto refused = [&](const auto& change) {
     FabmapDatabase fabmap = test::make_fabmap(walks.database);
     change(fabmap);
-    return test::error_kind(
-        [&] { fuse_views(walks.database, std::move(fabmap), "f", select_kernels(), {}); });
+    return test::error_kind([&] { fuse_views(walks.database, std::move(fabmap), "f"); });
   };
   CHECK_FALSE(refused([](FabmapDatabase&) {}));
   CHECK(refused([](FabmapDatabase& f) { f.groups[1].name = "other"; }) == ErrorKind::data);
@@ -221,6 +220,5 @@ TEST_CASE("databases that can't be fused are refused") {
   settings.fusion_weight = 0.25;
   settings.method = "openable";
   CHECK(rejects(settings) == ErrorKind::usage);
-  CHECK(test::error_kind([&] { fuse_views(walks.database, settings, "", select_kernels(), {}); }) ==
-        ErrorKind::usage);
+  CHECK(test::error_kind([&] { fuse_views(walks.database, settings, ""); }) == ErrorKind::usage);
 }

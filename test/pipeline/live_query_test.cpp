@@ -151,7 +151,7 @@ TEST_CASE("frames that come say what the whole query says: margins, scores and t
 
 TEST_CASE("frames that come say what the whole query says: fused with FAB-MAP") {
   Walks walks;
-  fuse_views(walks.database, test::make_fabmap(walks.database), "f", select_kernels(), {});
+  fuse_views(walks.database, test::make_fabmap(walks.database), "f");
   const DescriptorRows rows = walks.query.rows();
   for (size_t frame = 0; frame < rows.size(); ++frame)
     walks.query.words.push_back(test::words_of(rows[frame]));
