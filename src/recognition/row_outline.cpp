@@ -127,7 +127,7 @@ bool is_supported(const ScoreRow& row, size_t cell) {
   const auto length = static_cast<int64_t>(row.window_length);
   const int64_t window = int64_t{row.scores[cell]} - length * kScoreBias;
   const int64_t ends = int64_t{row.last[cell]} + row.last_but_one[cell] - 2 * int64_t{kScoreBias};
-  return 5 * length * ends <= 2 * 2 * window;
+  return 5 * length * ends <= 4 * window;
 }
 
 void note_seen(RowOutline& outline, size_t begin, size_t end) {
