@@ -24,7 +24,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr size_t kPart = 64;     // rows whose products are kept at once
 constexpr size_t kTogether = 4;  // queries that meet rows in registers
 constexpr size_t kRows = 4;      // whose sums are made at once
-constexpr size_t kAheadBytes = 8192;
 static_assert(kPart % kCosineRows == 0 && kCosineRows % kRows == 0);
 
 #if HWY_TARGET == HWY_SCALAR  // one lane, in which no pairs are summed
@@ -98,12 +97,11 @@ HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* HWY_RESTRIC
 
 #endif
 
-// Of four rows that are read side by side, the processor sees no order. So with each step, which
-// reads kStep numbers of each row, as many are asked for in the order of memory: of the four rows
-// after these, and kAheadBytes ahead at least.
+// Four rows side by side have no order that processors see: each step, of kStep numbers a row, asks
+// for as many in the order of memory, four rows or 8192 bytes ahead.
 template <size_t kStep, class T>
 HWY_INLINE void FetchAhead(const T* HWY_RESTRICT rows, size_t i, size_t length) {
-  const T* ahead = rows + std::max(4 * length, kAheadBytes / sizeof(T)) + 4 * i;
+  const T* ahead = rows + std::max(4 * length, 8192 / sizeof(T)) + 4 * i;
   HWY_UNROLL(4)
   for (size_t r = 0; r < 4; ++r) hwy::Prefetch(ahead + r * kStep);
 }
