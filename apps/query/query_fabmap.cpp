@@ -11,12 +11,10 @@
 #include "explain_fabmap.h"
 #include "images/sequence.h"
 #include "images/sequence_names.h"
-#include "pipeline/fabmap_advice.h"
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
 #include "query_loop.h"
 #include "recognition/place_runs.h"
-#include "repeated_command.h"
 #include "report/explanation_report.h"
 #include "report/posterior_file.h"
 #include "report/result_file.h"
@@ -62,27 +60,20 @@ FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database
   return query;
 }
 
-// Where nothing was recognised: how far from it the query was, and what to run instead.
-std::string advice(const Result& result, const Session& session) {
-  const auto lower = lower_place_threshold(result);
+// If nothing was recognized, the match with the highest probability.
+std::string advice(const Result& result) {
+  const Match* best = nullptr;
+  for (const std::optional<Match>& match : result.best)
+    if (match && (best == nullptr || match->score > best->score)) best = &*match;
+  if (!result.hits.empty() || best == nullptr) return "";
   const auto& settings = std::get<FabmapQuerySettings>(result.settings);
-  if (!result.hits.empty() || !lower) return "";
   const std::string in_a_row =
-      settings.window == 1 ? "" : fmt::format(" in {} frames in a row", settings.window);
-  std::string text = fmt::format(
-      "Nothing is likelier than t_p {}{}. The likeliest place is {} in frame {}, with {:.4f}.\n",
-      settings.place_threshold, in_a_row, result.places->names[lower->best.train],
-      lower->best.query, lower->best.score);
-  if (!lower->place_threshold)
-    return text + (in_a_row.empty() ? ""
-                                    : "No lower t_p changes that: no view is the likeliest so many "
-                                      "times in a row; give a smaller --c-w.\n");
-  std::vector<std::string> added = {"--t-p", fmt::format("{}", *lower->place_threshold)};
-  if (!session.options.output.empty() && !session.options.force) added.emplace_back("--force");
-  text += fmt::format("With t_p {} there are recognitions in {} or more:\n  {}\n",
-                      *lower->place_threshold, counted(lower->frames, "frame"),
-                      repeated_command(session.run.command_line, {"--t-p"}, added));
-  return text;
+      settings.window == 1 ? "" : fmt::format(" in {} consecutive frames", settings.window);
+  return fmt::format(
+      "Nothing is recognized: no probability is above t_p {}{}. The highest is {:.4f}, of {} in "
+      "frame {}.\n",
+      settings.place_threshold, in_a_row, best->score, result.places->names[best->train],
+      best->query);
 }
 
 std::string summary(const Result& result) {
@@ -153,7 +144,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   ResultContext context = context_of(session, inputs, query.path, run.seconds);
   context.database_fingerprint = database.fingerprint;
   context.query_fingerprint = words_fingerprint(query.words);
-  std::string text = summary(run.result) + advice(run.result, session);
+  std::string text = summary(run.result) + advice(run.result);
   if (explained) {
     const FabmapDatabase searched =
         settings.loop ? with_query(database, query.words, query.name) : database;

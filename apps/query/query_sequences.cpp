@@ -21,7 +21,6 @@
 #include "pipeline/train.h"
 #include "query_inputs.h"
 #include "query_loop.h"
-#include "repeated_command.h"
 #include "report/result_file.h"
 #include "report/table.h"
 #include "saved_matrix.h"
@@ -64,31 +63,6 @@ Table places_table(const Result& result) {
   return table;
 }
 
-// The same query with the threshold, or margin, that is suggested.
-std::string suggested_command(const Session& session, const SuggestedThreshold& suggested) {
-  std::vector<std::string> added = {suggested.scale ? "--t-r" : "--margin",
-                                    fmt::format("{}", suggested.threshold)};
-  if (suggested.scale)
-    added.insert(added.end(), {"--t-r-scale", std::string(enum_name(*suggested.scale))});
-  if (!session.options.output.empty() && !session.options.force) added.emplace_back("--force");
-  return repeated_command(
-      session.run.command_line,
-      {"--t-r", "--t-r-scale", "--safety-factor", "--safety-margin", "--margin"}, added);
-}
-
-// Nothing where the threshold tells places apart; a warning, too, where it accepts too much.
-std::string advice_text(const Session& session, const Result& result) {
-  const auto advice = threshold_advice(result);
-  if (!advice) return "";
-  if (advice->is_too_large) warn(session.monitor, advice->sentence);
-  std::string text = advice->is_too_large ? "" : advice->sentence + "\n";
-  if (advice->suggested)
-    text += fmt::format("This recognises {} of {}:\n  {}\n", advice->suggested->windows,
-                        counted(result.query_windows, "window"),
-                        suggested_command(session, *advice->suggested));
-  return text;
-}
-
 std::string summary(const QueryRun& run) {
   const Result& result = run.result;
   std::string text = render_table(places_table(result), TableFormat::text);
@@ -112,6 +86,18 @@ struct Sides {
   ResultContext context;
   std::vector<int64_t> times_ns;  ///< of --loop
 };
+
+// A matrix and a walk against its own past have no training sequences that the filter needs.
+std::string advice_text(Sides& sides, const Result& result, const QueryResources& resources,
+                        const Session& session) {
+  if (const auto sentence = too_many_hits(result)) warn(session.monitor, *sentence);
+  if (!result.hits.empty()) return "";
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  if (sides.given || settings.loop || has_paths(settings.method) || !session.share.is_alone())
+    return nothing_recognized(result) + "\n";
+  ensure_statistics(sides.database, session.monitor);
+  return filter_finding(sides.database, sides.query, settings, resources, session.monitor) + "\n";
+}
 
 void describe_own(Sides& sides, const Session& session, const QueryInputs& inputs,
                   SequenceQuerySettings& settings) {
@@ -255,8 +241,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   if (found.result.hits.empty() && !settings.loop && settings.decision == Decision::threshold &&
       !settings.distance_threshold && !has_scores)
     explain_no_hits(database, settings.window_length, session.kernels, session.monitor);
-  const std::string advice = advice_text(session, found.result);
-  session.print_result(summary(found) + advice, json);
+  session.print_result(summary(found) + advice_text(sides, found.result, resources, session), json);
 }
 
 }  // namespace vpr

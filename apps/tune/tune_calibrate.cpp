@@ -21,6 +21,9 @@ CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const S
   const Monitor& monitor = session.monitor;
   SequenceDatabase database = read_sequence_database(command.inputs.database);
   const SequenceQuerySettings settings = with_implied(command.settings);
+  if (settings.fusion_weight)
+    throw Error(ErrorKind::usage,
+                "vpr-tune calibrate has no --fuse: remove fuse_beta from the configuration.");
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
   ensure_places(database, session.kernels, monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};

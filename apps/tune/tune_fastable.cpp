@@ -3,6 +3,7 @@
 
 #include "base/stopwatch.h"
 #include "images/sequence.h"
+#include "pipeline/advice.h"
 #include "pipeline/fuse.h"
 #include "pipeline/margin_plan.h"
 #include "pipeline/rate_advice.h"
@@ -54,6 +55,10 @@ void tune_fastable(Session& session, const FastableTune& command) {
         resources, monitor);
     if (settings.decision == Decision::threshold && session.share.is_first())
       explain_automatic(found.cells, database, session);
+    if (!found.recommendation.cell && session.share.is_first()) {
+      ensure_statistics(database, monitor);
+      warn(monitor, filter_finding(database, query, settings, resources, monitor));
+    }
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(sources, sweep, monitor);

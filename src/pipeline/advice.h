@@ -1,35 +1,24 @@
-// What to try where a threshold recognises nothing, or everything.
+// What to say if a query recognizes nothing, or everything.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "recognition/result.h"
+#include "pipeline/query.h"
 
 namespace vpr {
 
-/// A threshold, or margin, that would recognise the closest tenth of the query windows that have a
-/// best match, at least one.
-struct SuggestedThreshold {
-  double threshold = 0;
-  std::optional<ThresholdScale> scale = ThresholdScale::bits;  ///< none: it is a margin
-  size_t windows = 0;                                          ///< that it recognises
-};
+/// One sentence if more than a fifth of all window pairs of a result are hits.
+std::optional<std::string> too_many_hits(const Result& result);
 
-/// What a t_r could be instead.
-struct ThresholdAdvice {
-  bool is_too_large = false;                    ///< else nothing is recognised
-  std::string sentence;                         ///< what is wrong, and what the closest windows are
-  std::optional<SuggestedThreshold> suggested;  ///< none if it would not be another one
-};
+/// One sentence on a result without hits, from its settings alone.
+std::string nothing_recognized(const Result& result);
 
-/// Advice for a result without a hit, or one in which more than a fifth of all window pairs are
-/// hits; nothing for others, and for one whose windows have no best match. The suggestion is on the
-/// scale of the result, rounded to a number that people can read. Of a decision by margin: the
-/// margin that a tenth of the query windows reach.
-std::optional<ThresholdAdvice> threshold_advice(const Result& result);
-
-/// The same of a result by margin, where nothing is recognised.
-std::optional<ThresholdAdvice> margin_advice(const Result& result);
+/// One sentence on a query whose windows recognize nothing: how many of its frames the method
+/// filter recognizes, with default settings and the same training sequences, and the median of
+/// their speeds. The database has statistics (ensure_statistics).
+std::string filter_finding(const SequenceDatabase& database, const DescriptorSet& query,
+                           const SequenceQuerySettings& settings, const QueryResources& resources,
+                           const Monitor& monitor);
 
 }  // namespace vpr

@@ -34,7 +34,9 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
   assert(learned->components);
   ScoreBasis basis = make_score_basis(settings.standardization, kind.is_offline, *learned);
   if (settings.fusion_weight) {
-    assert(learned->fused != nullptr);
+    if (learned->fused == nullptr)
+      throw Error(ErrorKind::usage,
+                  "fuse_beta needs FAB-MAP's database of the training sequences: pass --fuse.");
     basis.fusion = make_fusion_basis(learned->fused, *settings.fusion_weight, learned->settings);
   }
   return basis;

@@ -147,16 +147,15 @@ std::string calibration_text(const CalibratedWalk& walk, const CalibrationReques
 std::string calibration_failure(const CalibratedWalk& walk) {
   switch (telling_length(walk).calibration.advice) {
     case CalibrationAdvice::no_right_hit:
-      return "no window is recognised rightly; see whether the ground truth is that of this "
-             "query, and give other c_l";
+      return "no window is recognized correctly; check that the ground truth belongs to this query";
     case CalibrationAdvice::nothing_wrong:
       return "no window shows how close wrong places come; give a longer walk, or train more";
     case CalibrationAdvice::none_is_safe:
     case CalibrationAdvice::calibrated:
       break;
   }
-  return "wherever a window is recognised rightly, others are wrong, or would be without their "
-         "place; give a longer c_l, a lower --precision, or --score standardized --decide margin";
+  return "at every setting that recognizes a window correctly, others are incorrect, or would be "
+         "if their place were not trained";
 }
 
 }  // namespace vpr

@@ -73,8 +73,7 @@ std::string first_error_text(const Sweep& sweep) {
   const std::vector<SweepCell> cells = sweep_cells(sweep);
   const std::string& window = cells[*choice.cell].window;
   if (!choice.first_error)
-    return fmt::format("{} {} has no incorrect hit in the whole grid: {} {} may find more.\n",
-                       symbols.window, window, symbols.looser, symbols.threshold);
+    return fmt::format("{} {} has no incorrect hit in the whole grid.\n", symbols.window, window);
   const SweepCell& error = cells[*choice.first_error];
   if (error.hits.incorrect == 0)
     return fmt::format("At {} {}, {} of {} {} would be wrong, were their places not trained.\n",
@@ -94,9 +93,8 @@ bool knows_untrained(const Sweep& sweep) {
 // A recommendation holds on what it was not made from, or says that it may not.
 std::string promise_text(const Sweep& sweep) {
   if (sweep.score == &probability_kind() || knows_untrained(sweep))
-    return "It may be wrong on another walk.\n";
-  return "It may well be wrong on another walk: --decide margin holds oftener, and vpr-tune "
-         "calibrate.\n";
+    return "It may be wrong on another sequence.\n";
+  return "It may be wrong on another sequence: --decide margin generalizes better.\n";
 }
 
 std::string intervals_text(const SweepIntervals& intervals, bool has_places) {
@@ -125,9 +123,7 @@ std::vector<SweepCell> sweep_cells(const Sweep& sweep) {
 }
 
 SweepSymbols sweep_symbols(const Sweep& sweep) {
-  const bool is_distance = sweep.threshold_order == ScoreOrder::distance;
-  return {std::string(sweep.score->window_symbol), sweep.threshold_symbol,
-          is_distance ? "larger" : "smaller", is_distance ? "smaller" : "larger"};
+  return {std::string(sweep.score->window_symbol), sweep.threshold_symbol};
 }
 
 std::vector<std::string> distinct_values(const std::vector<SweepCell>& cells,
@@ -217,7 +213,7 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
 
 std::string reason_text(const Sweep& sweep) {
   const Recommendation& choice = sweep.recommendation;
-  const auto [window, threshold, looser, stricter] = sweep_symbols(sweep);
+  const std::string threshold = sweep_symbols(sweep).threshold;
   const auto correct_at = [&](size_t cell) { return sweep_cells(sweep)[cell].hits.correct; };
   const auto near_miss = [&] {
     return fmt::format("{} has {} and no incorrect one", cell_name(sweep, *choice.near_miss),
@@ -235,33 +231,21 @@ std::string reason_text(const Sweep& sweep) {
           "this, every stricter and the next looser {}",
           counted(correct_at(*choice.cell), "correct hit"), threshold);
     case Advice::no_hits:
-      return fmt::format("no setting has a hit; give a {} {}", looser, threshold);
+      return "no setting has a hit";
     case Advice::no_correct_hits:
-      return fmt::format(
-          "all hits are incorrect; give a {} {} or a longer {}, and see whether the "
-          "ground truth is that of this query",
-          stricter, threshold, window);
+      return "all hits are incorrect; check that the ground truth belongs to this query";
     case Advice::always_errors:
-      return fmt::format(
-          "every setting with a correct hit has an incorrect one, too{}; give a {} {} "
-          "in finer steps, or a longer {}",
-          knows_untrained(sweep) ? ", or would, were its place not trained" : "", stricter,
-          threshold, window);
+      return fmt::format("every setting with a correct hit also has an incorrect one{}",
+                         knows_untrained(sweep) ? ", or would if its place were not trained" : "");
     case Advice::next_errs:
-      return fmt::format(
-          "{}, but the next looser {} of the grid, {}, has one; give finer steps "
-          "there, or a longer {}",
-          near_miss(), threshold, sweep_cells(sweep)[*choice.first_error].threshold, window);
+      return fmt::format("{}, but the next looser {} of the grid, {}, has one; add steps between",
+                         near_miss(), threshold, sweep_cells(sweep)[*choice.first_error].threshold);
     case Advice::grid_ends:
-      return fmt::format(
-          "{}, but nothing looser is in the grid, so that nobody knows how near the "
-          "first error is; give a {} {}, too",
-          near_miss(), looser, threshold);
+      return fmt::format("{}, but the grid has no looser {} that shows how near the first error is",
+                         near_miss(), threshold);
     case Advice::only_automatic:
-      return fmt::format(
-          "an automatic {} has no next looser one to be compared with; give numbers, "
-          "too",
-          threshold);
+      return fmt::format("an automatic {} has no next looser one to compare with; add numbers",
+                         threshold);
   }
   return {};
 }

@@ -28,8 +28,6 @@ struct SweepCell {
 struct SweepSymbols {
   std::string window;     ///< c_l or c_w
   std::string threshold;  ///< t_r or t_p
-  std::string looser;     ///< larger or smaller: how a threshold is that accepts more
-  std::string stricter;
 };
 
 /// The cells of a sweep, in its order.

@@ -79,6 +79,8 @@ TEST_CASE("what can't be calibrated is said in a sentence") {
   fails({"--fps", "0"}, 2, "--fps must be above 0");
   fails({"--method", "lsh", "--decide", "threshold", "--score", "raw"}, 2,
         "does not see every window");
+  test::write_text(out / "fused.json", R"({"score": "standardized", "fuse_beta": 0.2})");
+  fails({"--config", out / "fused.json"}, 2, "vpr-tune calibrate has no --fuse");
   test::write_text(out / "none.csv", "query,sequence,reference,label\n0,one,0,ignore\n");
   check_failure(run_program("vpr-tune", calibrate({}, out / "none.csv")), 2,
                 "shows no trained place by the ground truth");

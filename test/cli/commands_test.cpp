@@ -255,34 +255,29 @@ TEST_CASE("a database and a query are enough for an answer") {
   INFO(single.out << single.err);
   CHECK(single.exit_code == 0);
   CHECK(single.out.find("\none") != std::string::npos);
-  CHECK(single.out.find("Nothing is close enough") == std::string::npos);
+  CHECK(single.out.find("Nothing is recognized") == std::string::npos);
 }
 
-TEST_CASE("where nothing or everything is recognised, a command says what to try") {
-  const auto none = run_program("vpr-query", query_words({"--t-r", "0.01"}));
-  CHECK(none.exit_code == 0);
-  CHECK(none.out.find("Nothing is close enough. The closest are query frame") != std::string::npos);
-  const auto command = [&](const std::string& text) {
-    const size_t start = text.find("windows:\n  ") + 11;
-    std::istringstream words(text.substr(start, text.find('\n', start) - start));
-    std::vector<std::string> found;
-    for (std::string word; words >> word;) found.push_back(word);
-    return found;
-  };
-  std::vector<std::string> words = command(none.out);
-  REQUIRE(words.size() > 2);
-  words.erase(words.begin());
-  CHECK(std::count(words.begin(), words.end(), "--t-r") == 1);
-  const auto some = run_program("vpr-query", words);
-  CHECK(some.exit_code == 0);
-  CHECK(some.out.find(" 0 hits") == std::string::npos);
-  CHECK(some.out.find("Nothing is close enough") == std::string::npos);
+TEST_CASE("where nothing or everything is recognized, no looser threshold is suggested") {
+  for (const std::vector<std::string>& strict :
+       {std::vector<std::string>{"--t-r", "0.01"},
+        {"--score", "standardized", "--t-r", "-20"},
+        {"--score", "standardized", "--decide", "margin", "--margin", "60"}}) {
+    const auto none = run_program("vpr-query", query_words(strict));
+    INFO(none.out);
+    CHECK(none.exit_code == 0);
+    CHECK(none.out.find(" frames: use --method filter.\n") != std::string::npos);
+    CHECK(none.out.find("--t-r ") == std::string::npos);
+    CHECK(none.out.find("--margin ") == std::string::npos);
+  }
+  const auto other = run_program("vpr-query", {world().database(), "--query", world().walk("other"),
+                                               "--c-l", "10", "--t-r", "0.01"});
+  INFO(other.out);
+  CHECK(other.out.find("may show another place or the opposite direction") != std::string::npos);
+  CHECK(other.out.find("use --method filter") == std::string::npos);
   const auto all = run_program("vpr-query", query_words({"--t-r", "1"}));
-  CHECK(all.err.find("% of all window pairs are hits") != std::string::npos);
-  words = command(all.out);
-  REQUIRE(words.size() > 2);
-  words.erase(words.begin());
-  CHECK(run_program("vpr-query", words).err.empty());
+  CHECK(all.err.find("% of all window pairs are hits: t_r is too large") != std::string::npos);
+  CHECK(all.out.find("vpr-query") == std::string::npos);
 }
 
 TEST_CASE("an expectation that is not met ends with 5 and a readable difference") {

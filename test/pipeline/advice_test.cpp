@@ -1,14 +1,23 @@
-// What is said where a threshold recognises nothing, or everything.
+// What is said if a query recognizes nothing, or everything.
 #include "pipeline/advice.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
+
+#include "examples.h"
+#include "pipeline/score_basis.h"
 
 using namespace vpr;
 
 namespace {
 
-// Twenty query windows against ten training windows; the best match of window j is at 100 + 10 j.
-Result planned_result(ThresholdScale scale, double threshold) {
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+// Twenty query windows against ten training windows.
+Result planned_result(std::optional<double> threshold) {
   Result result;
   SequenceQuerySettings settings;
   settings.window_length = 2;
@@ -19,76 +28,63 @@ Result planned_result(ThresholdScale scale, double threshold) {
   sequence.name = "walk";
   sequence.windows = 10;
   sequence.threshold = threshold;
-  sequence.scale = scale;
-  if (scale == ThresholdScale::relative) sequence.max_distance = 1000;
   for (uint32_t j = 0; j < 20; ++j) result.best.emplace_back(Match{j, 0, 3, 0, 100 + 10.0 * j});
   return result;
 }
 
+QueryResources resources() {
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  return resources;
+}
+
+// What is said of frames first, first + step, ... of a sequence of 160.
+std::string finding(const test::Example& walk, size_t first, size_t step) {
+  std::vector<LdbCode> frames;
+  for (size_t f = first; f < walk.train[0].size(); f += step) frames.push_back(walk.train[0][f]);
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  return filter_finding(database, test::make_query(frames), {}, resources(), {});
+}
+
 }  // namespace
 
-TEST_CASE("on the scale mean the closest is the one that is closest for its window") {
-  Result result = planned_result(ThresholdScale::mean, 0.1);
-  result.targets[0].window_means.assign(20, 400);
-  result.targets[0].window_means[5] = 1000;  // 150 of 1000
-  const auto advice = threshold_advice(result);
-  REQUIRE(advice);
-  CHECK(advice->sentence.find("0.150 of what this window differs by on average") !=
-        std::string::npos);
-  REQUIRE(advice->suggested);
-  CHECK(advice->suggested->scale == ThresholdScale::mean);
-  CHECK(advice->suggested->threshold == Approx(0.251));  // the second is 100 of 400
-  CHECK(advice->suggested->windows == 2);
-}
-
-TEST_CASE("without a hit, the closest windows and a threshold for a tenth of them are said") {
-  const auto bits = threshold_advice(planned_result(ThresholdScale::bits, 10));
-  REQUIRE(bits);
-  CHECK_FALSE(bits->is_too_large);
-  CHECK(bits->sentence.find("query frame 1 and walk frame 4: mean frame distance 50.0") !=
-        std::string::npos);
-  REQUIRE(bits->suggested);
-  CHECK(bits->suggested->threshold == 55.1);  // the second closest has 110 / 2
-  CHECK(bits->suggested->scale == ThresholdScale::bits);
-  CHECK(bits->suggested->windows == 2);
-  const auto relative = threshold_advice(planned_result(ThresholdScale::relative, 0.05));
-  REQUIRE(relative);
-  CHECK(relative->sentence.find("0.100 of the largest distance, mean frame distance 50.0") !=
-        std::string::npos);
-  REQUIRE(relative->suggested);
-  CHECK(relative->suggested->threshold == Approx(0.111));
-  CHECK(relative->suggested->windows == 2);
-}
-
 TEST_CASE("more than a fifth of all pairs as hits is too much") {
-  Result result = planned_result(ThresholdScale::bits, 200);
+  Result result = planned_result(200);
   for (uint32_t j = 0; j < 20; ++j)
     for (uint32_t i = 0; i < 2; ++i) result.hits.push_back({j, 0, i, 0, 300});
-  CHECK_FALSE(threshold_advice(result));  // 40 of 200
+  CHECK_FALSE(too_many_hits(result));  // 40 of 200
   result.hits.push_back({19, 0, 2, 0, 300});
-  const auto advice = threshold_advice(result);
-  REQUIRE(advice);
-  CHECK(advice->is_too_large);
-  CHECK(advice->sentence.find("20 % of all window pairs are hits") == 0);
-  REQUIRE(advice->suggested);
-  CHECK(advice->suggested->threshold == 55.1);
-  result.targets[0].threshold = 55;
-  CHECK_FALSE(threshold_advice(result)->suggested);  // no help
+  CHECK(too_many_hits(result) ==
+        "20 % of all window pairs are hits: t_r is too large to tell places apart");
   CHECK(recognised_windows(result) == 20);
+  CHECK_FALSE(too_many_hits(Result{}));
 }
 
-TEST_CASE("mean z is suggested below 0 or not at all") {
-  Result result = planned_result(ThresholdScale::mean_z, -9);
-  std::get<SequenceQuerySettings>(result.settings).score = Score::standardized;
-  for (auto& match : result.best) match->score = -2 * 1024;
-  const auto advice = threshold_advice(result);
-  REQUIRE(advice);
-  CHECK(advice->sentence.find("mean z -1.00") != std::string::npos);
-  REQUIRE(advice->suggested);
-  CHECK(advice->suggested->threshold == -0.99);
-  CHECK(advice->suggested->windows == 20);
-  for (auto& match : result.best) match->score = 2 * 1024;
-  CHECK_FALSE(threshold_advice(result)->suggested);
-  result.best.assign(20, std::nullopt);
-  CHECK_FALSE(threshold_advice(result));
+TEST_CASE("without a threshold nothing is said to be too far") {
+  CHECK(has(nothing_recognized(planned_result(10)), "no score is below t_r"));
+  CHECK(nothing_recognized(planned_result(std::nullopt)) ==
+        "Without a threshold there are no recognitions, only best matches.");
+  Result by_margin = planned_result(std::nullopt);
+  std::get<SequenceQuerySettings>(by_margin.settings).decision = Decision::margin;
+  CHECK(has(nothing_recognized(by_margin), "--margin-width"));
+  by_margin.margins.assign(20, 5.0);
+  CHECK(has(nothing_recognized(by_margin), "no best match has the margin"));
+  by_margin.path = ResultPath{};
+  CHECK(has(nothing_recognized(by_margin), "the opposite direction"));
+}
+
+TEST_CASE("the filter tells another speed from another place") {
+  const test::Example walk = test::make_example({160}, 0, 3);
+  CHECK(has(finding(walk, 0, 1), "The filter recognizes "));
+  const std::string twice = finding(walk, 0, 2);
+  INFO(twice);
+  CHECK(has(twice, "At another speed (about 2.0 training frames per query frame) "));
+  CHECK(has(twice, " of 80 frames are recognized: use --method filter."));
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  const test::Example other = test::make_example({1}, 100, 4);
+  CHECK(filter_finding(database, test::make_query(other.query), {}, resources(), {}) ==
+        "Nothing is recognized at any speed: the query may show another place or the opposite "
+        "direction.");
 }

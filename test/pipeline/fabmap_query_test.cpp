@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "pipeline/fabmap_advice.h"
 #include "pipeline/fabmap_matcher.h"
 
 using namespace vpr;
@@ -54,15 +53,6 @@ FabmapDatabase without_unreadable(const FabmapDatabase& database) {
   return fewer;
 }
 
-Result result_with(const std::vector<std::optional<Match>>& best, uint64_t window) {
-  Result result;
-  FabmapQuerySettings settings;
-  settings.window = window;
-  result.settings = settings;
-  result.best = best;
-  return result;
-}
-
 }  // namespace
 
 TEST_CASE("views that could not be decoded change no variant's likelihoods of the others") {
@@ -95,25 +85,6 @@ TEST_CASE("frames without a word are counted apart from those that can't be deco
   FabmapDatabase database = make_database(50, 4, {1}, 1);
   add_group(database, {"more", false, {"a", "b", "c"}, {2, 2}}, std::vector<WordSet>{{}, {3}, {}});
   CHECK(featureless_frames(database) == std::vector<size_t>{0, 1});
-}
-
-TEST_CASE("the lower t_p to try is the first round one that recognises something") {
-  const auto at = [](uint32_t frame, uint32_t view, double probability) {
-    return Match{frame, 0, view, view, probability};
-  };
-  const std::vector<std::optional<Match>> best = {at(0, 4, 0.31), std::nullopt, at(2, 4, 0.8),
-                                                  at(3, 4, 0.35), at(4, 5, 0.72)};
-  const auto once = lower_place_threshold(result_with(best, 1));
-  REQUIRE(once);
-  CHECK(once->best == at(2, 4, 0.8));
-  CHECK(once->place_threshold == 0.7);  // 0.8 is not above 0.8
-  CHECK(once->frames == 2);
-  const auto twice = lower_place_threshold(result_with(best, 2));
-  CHECK(twice->place_threshold == 0.3);
-  CHECK(twice->frames == 1);
-  CHECK_FALSE(lower_place_threshold(result_with(best, 3))->place_threshold);
-  CHECK(lower_place_threshold(result_with({at(0, 1, 0.035)}, 1))->place_threshold == 0.03);
-  CHECK_FALSE(lower_place_threshold(result_with({std::nullopt}, 1)));
 }
 
 TEST_CASE("A replayed query of FAB-MAP shows the words of the recording again") {

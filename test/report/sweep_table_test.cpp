@@ -75,5 +75,5 @@ TEST_CASE("the recommendation says where the first error is") {
   Sweep short_grid = example();
   short_grid.cells.resize(1);
   short_grid.recommendation = recommend(short_grid.cells, ScoreOrder::distance);
-  CHECK(recommendation_text(short_grid).find("give a larger t_r, too") != std::string::npos);
+  CHECK(recommendation_text(short_grid).find("the grid has no looser t_r") != std::string::npos);
 }
