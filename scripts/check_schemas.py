@@ -1,44 +1,119 @@
 #!/usr/bin/env python3
-"""Checks that every property of the schemas in docs/ has a description, and validates JSON files
-against them: check_schemas.py FILE..."""
+"""check_schemas.py [--format] [FILE...]: checks the schemas in docs/, and validates JSON files.
+
+Every property has a description, every reference leads to a definition, every definition is used,
+and files are formatted as --format writes them."""
 import json
 import pathlib
 import sys
 
-try:
-    import jsonschema
-except ImportError:
-    print("SKIPPED: needs python3-jsonschema")
-    sys.exit(77)
-
-docs = pathlib.Path(__file__).parent.parent / "docs"
+docs = pathlib.Path(__file__).resolve().parent.parent / "docs"
+# Properties whose name and type say what they are.
+SELF_EVIDENT = {"lower_quartile_ms", "upper_quartile_ms", "command_line", "correct", "incorrect", "ignored"}
 
 
-def undescribed(node, path=""):
-    """Properties without a description, wherever they stand in a schema."""
-    if isinstance(node, list):
-        for index, item in enumerate(node):
-            yield from undescribed(item, f"{path}/{index}")
-    if not isinstance(node, dict):
-        return
-    for key, value in node.items():
-        if key == "properties" and isinstance(value, dict):
-            for name, schema in value.items():
-                if not schema.get("description", ""):
-                    yield f"{path}/{name}"
-        yield from undescribed(value, f"{path}/{key}")
+def depth(node):
+    if isinstance(node, dict):
+        return 1 + max(map(depth, node.values()), default=0)
+    return max(map(depth, node), default=0) if isinstance(node, list) else 0
 
+
+def formatted(node, indent=0, column=0):
+    """JSON with two spaces of indentation. Objects of up to two levels are on one line if they fit
+    into 100 columns."""
+    line = json.dumps(node, ensure_ascii=False)
+    if not isinstance(node, (dict, list)) or depth(node) <= 2 and column + len(line) < 100:
+        return line
+    pad = "  " * (indent + 1)
+    if isinstance(node, dict):
+        keys = [f"{pad}{json.dumps(key)}: " for key in node]
+        items = [key + formatted(value, indent + 1, len(key)) for key, value in zip(keys, node.values())]
+    else:
+        items = [pad + formatted(value, indent + 1, len(pad)) for value in node]
+    ends = "{}" if isinstance(node, dict) else "[]"
+    return ends[0] + "\n" + ",\n".join(items) + "\n" + "  " * indent + ends[1]
+
+
+def nodes(node, path=""):
+    """All objects and their paths."""
+    if isinstance(node, dict):
+        yield path, node
+    for key, value in node.items() if isinstance(node, dict) else enumerate(node):
+        if isinstance(value, (dict, list)):
+            yield from nodes(value, f"{path}/{key}")
+
+
+def target(file, reference):
+    """Name of the file and path of a definition."""
+    name, path = reference.split("#")
+    return name or file, path
+
+
+schemas = {file.name: json.loads(file.read_text()) for file in sorted(docs.glob("*.schema.json"))}
+every_node = {(name, path): node for name, schema in schemas.items() for path, node in nodes(schema)}
+if sys.argv[1:2] == ["--format"]:
+    for name, schema in schemas.items():
+        (docs / name).write_text(formatted(schema) + "\n")
+    sys.exit()
 
 bad = 0
-for file in sorted(docs.glob("*.schema.json")):
-    for place in undescribed(json.loads(file.read_text())):
-        print(f"{file.name}: {place} has no description: what it is, its unit, when it is absent")
-        bad = 1
-for name in sys.argv[1:]:
-    instance = json.loads(pathlib.Path(name).read_text())
+
+
+def complain(text):
+    global bad
+    bad = 1
+    print(text)
+
+
+used = set()
+for (name, path), node in every_node.items():
+    if isinstance(node.get("$ref"), str):
+        place = target(name, node["$ref"])
+        used.add(place)
+        if place not in every_node:
+            complain(f"{name}: {path}: {node['$ref']} is not defined")
+    if not path.endswith("/properties") or path.count("/properties/properties"):
+        continue
+    for key, schema in node.items():
+        described = schema.get("description") or "const" in schema or key in SELF_EVIDENT
+        refinement = "$ref" in every_node[name, path.removesuffix("/properties")]
+        if "$ref" in schema:
+            described = described or every_node.get(target(name, schema["$ref"]), {}).get("description")
+        if not described and not (refinement and set(schema) <= {"required", "not"}) and "/if" not in path:
+            complain(f"{name}: {path}/{key} has no description: what it is, its unit, when it is absent")
+for name, path in every_node:
+    if path.startswith("/$defs/") and path.count("/") == 2 and (name, path) not in used:
+        complain(f"{name}: nothing refers to {path}")
+for name, schema in schemas.items():
+    if (docs / name).read_text() != formatted(schema) + "\n":
+        complain(f"{name} is not formatted: run scripts/check_schemas.py --format")
+
+if len(sys.argv) > 1:
+    try:
+        import jsonschema
+    except ImportError:
+        print("SKIPPED: needs python3-jsonschema")
+        sys.exit(bad or 77)
+
+
+def inlined(node, file):
+    """A schema whose references lead to its own definitions, which are those of all files."""
+    if isinstance(node, list):
+        return [inlined(item, file) for item in node]
+    if not isinstance(node, dict):
+        return node
+    node = {key: inlined(value, file) for key, value in node.items()}
+    if isinstance(node.get("$ref"), str):
+        name, path = target(file, node["$ref"])
+        node["$ref"] = f"#/$defs/{name}{path}"
+    return node
+
+
+definitions = {name: inlined(schema, name) for name, schema in schemas.items()}
+for file in sys.argv[1:]:
+    instance = json.loads(pathlib.Path(file).read_text())
     kind = instance["schema"].removeprefix("vpr.").rsplit("/", 1)[0]
-    schema = json.loads((docs / f"{kind}.schema.json").read_text())
+    schema = {"$defs": definitions, "$ref": f"#/$defs/{kind}.schema.json"}
     for error in jsonschema.Draft202012Validator(schema).iter_errors(instance):
-        print(f"{name}: {'/'.join(map(str, error.path))}: {error.message[:200]}")
-        bad = 1
+        complain(f"{file}: {'/'.join(map(str, error.path))}: {error.message[:200]}")
 sys.exit(bad)

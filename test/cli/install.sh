@@ -14,7 +14,7 @@ for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
   done
   bash -n "$out/share/bash-completion/completions/$program"
 done
-[[ -s $out/share/doc/vpr-toolkit/report.schema.json ]]
+for file in report common; do [[ -s $out/share/doc/vpr-toolkit/$file.schema.json ]]; done
 
 source "$out/share/bash-completion/completions/vpr-eval"
 expect() {  # the completions, then the words of a command line

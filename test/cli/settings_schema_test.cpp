@@ -1,5 +1,5 @@
-// The schemas in docs/ describe settings as their structs do: keys, types, names and order come
-// from visit_fields; descriptions, and bounds that a type does not say, stand in the schemas.
+// docs/common.schema.json defines the settings as their structs do: keys, types, names and order
+// follow visit_fields; descriptions, and bounds that a type does not imply, stand in the schema.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -26,53 +26,60 @@ using namespace vpr;
 
 namespace {
 
-/// given: in a configuration, where every key may be missing. stored: in files, where a name that
-/// was left to be chosen is the one that was chosen.
-enum class Form { given, stored };
-
-/// Of vpr-eval, whose settings are values of its flags.
-struct EvalKeys {
+/// The settings of vpr-eval, which are values of its flags.
+struct EvalOptions {
   std::optional<uint64_t> tolerance;
   TableFormat format = TableFormat::text;
 };
 template <class Visitor>
-void visit_fields(EvalKeys& keys, Visitor&& visit) {
-  visit("tolerance", keys.tolerance);
-  visit("format", keys.format);
+void visit_fields(EvalOptions& options, Visitor&& visit) {
+  visit("tolerance", options.tolerance);
+  visit("format", options.format);
 }
 
-template <class T>
-Json schema_of(T& value, const Json& old, Form form);
+// The names of the definitions; a struct without a name has none.
+template <class S>
+constexpr const char* kDefinition = nullptr;
+template <>
+constexpr const char* kDefinition<StandardizationSettings> = "standardization_settings";
+template <>
+constexpr const char* kDefinition<FilterSettings> = "filter_settings";
+template <>
+constexpr const char* kDefinition<LshSettings> = "lsh_settings";
+template <>
+constexpr const char* kDefinition<ClusterSettings> = "cluster_settings";
+template <>
+constexpr const char* kDefinition<PosteriorSettings> = "posterior_settings";
+template <>
+constexpr const char* kDefinition<StatisticsSettings> = "statistics_settings";
+template <>
+constexpr const char* kDefinition<FeatureSettings> = "feature_settings";
 
-// A part of `old`, or nothing.
+Json reference(const std::string& definition) { return {{"$ref", "#/$defs/" + definition}}; }
+
+// A part of `old`, or an empty object.
 Json part(const Json& old, const std::string& key) {
   return old.is_object() && old.contains(key) ? old[key] : Json::object();
 }
 
 template <class T>
-Json type_of(T& value, const Json& old, Form form) {
+Json schema_of(const Json& old);
+
+template <class T>
+Json type_of(const Json& old) {
   if constexpr (Settings<T>) {
-    Json properties = Json::object();
-    Json required = Json::array();
-    visit_fields(value, [&](const char* key, auto& field) {
-      properties[key] = schema_of(field, part(part(old, "properties"), key), form);
-      required.push_back(key);
-    });
-    Json schema = {{"type", "object"}, {"properties", properties}};
-    // A key that is new may be missing in files that are older.
-    if (form == Form::stored)
-      schema["required"] = old.contains("required") ? old["required"] : required;
-    schema["additionalProperties"] = false;
-    return schema;
+    return reference(kDefinition<T>);
   } else if constexpr (detail::kIsOptional<T>) {
-    typename T::value_type chosen{};
-    Json schema = type_of(chosen, {}, form);
-    if (!std::is_enum_v<typename T::value_type>) return {{"oneOf", {schema, {{"const", "auto"}}}}};
-    if (form == Form::given) schema["enum"].push_back("auto");
-    return schema;
+    using Value = typename T::value_type;
+    if constexpr (std::is_enum_v<Value>) {
+      Json schema = type_of<Value>({});
+      schema["enum"].push_back("auto");
+      return schema;
+    } else {
+      return reference(std::is_floating_point_v<Value> ? "auto_number" : "auto_count");
+    }
   } else if constexpr (detail::kIsList<T>) {
-    typename T::value_type item{};
-    return {{"type", "array"}, {"items", schema_of(item, part(old, "items"), form)}};
+    return {{"type", "array"}, {"items", schema_of<typename T::value_type>(part(old, "items"))}};
   } else if constexpr (std::is_enum_v<T>) {
     return {{"enum", kEnumNames<T>}};
   } else if constexpr (std::is_same_v<T, bool>) {
@@ -90,81 +97,103 @@ Json type_of(T& value, const Json& old, Form form) {
 }
 
 template <class T>
-Json schema_of(T& value, const Json& old, Form form) {
+Json schema_of(const Json& old) {
   Json schema = Json::object();
   if (old.contains("description")) schema["description"] = old["description"];
-  schema.update(type_of(value, old.is_object() ? old : Json::object(), form));
+  schema.update(type_of<T>(old.is_object() ? old : Json::object()));
   for (const char* bound : {"exclusiveMinimum", "minimum", "maximum", "pattern"})
     if (old.contains(bound)) schema[bound] = old[bound];
   return schema;
 }
 
+// Settings that other definitions extend: each key may be missing, and others may be there.
 template <class S>
-Json stored(const Json& old) {
+Json open(const Json& old) {
   S settings;
-  return schema_of(settings, old, Form::stored);
+  Json properties = Json::object();
+  visit_fields(settings, [&]<class T>(const char* key, T&) {
+    properties[key] = schema_of<T>(part(part(old, "properties"), key));
+  });
+  return {{"type", "object"}, {"properties", properties}};
 }
 
-// Of settings in force: which of them stand in a file depends on others, and the schema says how.
+// Settings within others: each key may be missing, but no others may be there.
 template <class S>
-Json in_force(const Json& old) {
-  Json schema = stored<S>(old);
-  for (const char* key : {"dependentRequired", "if", "then", "else"})
-    if (old.contains(key)) schema[key] = old[key];
-  if (!schema["properties"].contains("score")) return schema;
-  Json& scores = schema["properties"]["score"]["enum"];
-  scores.erase(std::find(scores.begin(), scores.end(), enum_name(Score{})));
+Json closed(const Json& old) {
+  Json schema = open<S>(old);
+  schema["additionalProperties"] = false;
   return schema;
 }
 
-// What a configuration of a program may hold: settings, those of another method, common keys.
-template <class S, class... Others>
-Json configuration(const Json& old) {
-  CommonOptions common;
-  Json schema = {{"title", part(old, "title")}};
-  schema.update(schema_of(common, old, Form::given));
-  Json& properties = schema["properties"];
-  Json all = {{"schema", part(part(old, "properties"), "schema")}};
-  const auto add = [&](auto settings) {
-    all.update(schema_of(settings, old, Form::given)["properties"]);
-  };
-  (add(S{}), ..., add(Others{}));
-  all.update(properties);
-  properties = all;
+template <class S>
+Json keys() {
+  S settings;
+  Json keys = Json::array();
+  visit_fields(settings, [&](const char* key, auto&) { keys.push_back(key); });
+  return keys;
+}
+
+// Settings in a file of ours: all keys are there, and each has the value that was used. Which of
+// the settings of sequence methods are there depends on others, and the schema says how.
+template <class S>
+Json stored(const Json& old) {
+  S settings;
+  Json properties = Json::object();
+  visit_fields(settings, [&]<class T>(const char* key, T&) {
+    if constexpr (Settings<T>) {
+      properties[key] = {{"required", keys<T>()}};
+    } else if constexpr (detail::kIsOptional<T>) {
+      if (std::is_enum_v<typename T::value_type>) properties[key] = {{"not", {{"const", "auto"}}}};
+    } else if constexpr (std::is_same_v<T, Score>) {  // absent instead
+      properties[key] = {{"not", {{"const", enum_name(Score{})}}}};
+    }
+  });
+  Json schema = {{"$ref", part(old, "$ref")}};
+  if (!properties.empty()) schema["properties"] = properties;
+  const bool has_conditions = std::is_same_v<S, SequenceQuerySettings>;
+  schema["required"] = has_conditions ? part(old, "required") : keys<S>();
+  if (has_conditions)
+    for (const char* key : {"dependentRequired", "if", "then", "else"})
+      if (old.contains(key)) schema[key] = old[key];
+  schema["unevaluatedProperties"] = false;
   return schema;
 }
 
 using Generator = Json (*)(const Json& old);
 
-// Where a schema of settings stands: the file, and the path in it.
+// Where schemas of settings stand: the file, and the path in it.
 const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& places() {
-  static const std::map<std::string, Generator> kQuery = {
-      {"/properties/settings/oneOf/0", in_force<SequenceQuerySettings>},
-      {"/properties/settings/oneOf/1", in_force<FabmapQuerySettings>}};
-  static const std::map<std::string, Generator> kDatabase = {
-      {"/properties/settings/oneOf/0", stored<DescriptorSettings>},
-      {"/properties/settings/oneOf/1", stored<FabmapTrainSettings>}};
   static const std::vector<std::pair<std::string, std::map<std::string, Generator>>> kPlaces = {
-      {"result", kQuery},
-      {"report", kQuery},
-      {"database", kDatabase},
-      {"database-info", kDatabase},
+      {"common",
+       {{"/$defs/sequence_query_settings", open<SequenceQuerySettings>},
+        {"/$defs/fabmap_query_settings", open<FabmapQuerySettings>},
+        {"/$defs/common_options", open<CommonOptions>},
+        {"/$defs/sequence_train_settings", open<SequenceTrainSettings>},
+        {"/$defs/fabmap_train_settings", open<FabmapTrainSettings>},
+        {"/$defs/descriptor_settings", open<DescriptorSettings>},
+        {"/$defs/eval_options", open<EvalOptions>},
+        {"/$defs/matching_bench_settings", open<MatchingBenchSettings>},
+        {"/$defs/describe_bench_settings", open<DescribeBenchSettings>},
+        {"/$defs/fabmap_bench_settings", open<FabmapBenchSettings>},
+        {"/$defs/nordland_bench_settings", open<NordlandBenchSettings>},
+        {"/$defs/realtime_bench_settings", open<RealtimeBenchSettings>},
+        {"/$defs/standardization_settings", closed<StandardizationSettings>},
+        {"/$defs/filter_settings", closed<FilterSettings>},
+        {"/$defs/lsh_settings", closed<LshSettings>},
+        {"/$defs/cluster_settings", closed<ClusterSettings>},
+        {"/$defs/posterior_settings", closed<PosteriorSettings>},
+        {"/$defs/statistics_settings", closed<StatisticsSettings>},
+        {"/$defs/feature_settings", closed<FeatureSettings>},
+        {"/$defs/stored_sequence_query_settings", stored<SequenceQuerySettings>},
+        {"/$defs/stored_fabmap_query_settings", stored<FabmapQuerySettings>},
+        {"/$defs/stored_descriptor_settings", stored<DescriptorSettings>},
+        {"/$defs/stored_fabmap_train_settings", stored<FabmapTrainSettings>}}},
       {"bench",
        {{"/properties/settings/anyOf/0", stored<MatchingBenchSettings>},
         {"/properties/settings/anyOf/1", stored<DescribeBenchSettings>},
         {"/properties/settings/anyOf/2", stored<FabmapBenchSettings>},
         {"/properties/settings/anyOf/3", stored<NordlandBenchSettings>},
-        {"/properties/settings/anyOf/4", stored<RealtimeBenchSettings>}}},
-      {"config",
-       {{"/anyOf/0", configuration<SequenceQuerySettings, FabmapQuerySettings>},
-        {"/anyOf/1", configuration<SequenceTrainSettings>},
-        {"/anyOf/2", configuration<FabmapTrainSettings>},
-        {"/anyOf/3", configuration<EvalKeys>},
-        {"/anyOf/4", configuration<MatchingBenchSettings>},
-        {"/anyOf/5", configuration<DescribeBenchSettings>},
-        {"/anyOf/6", configuration<FabmapBenchSettings>},
-        {"/anyOf/7", configuration<NordlandBenchSettings>},
-        {"/anyOf/8", configuration<RealtimeBenchSettings>}}}};
+        {"/properties/settings/anyOf/4", stored<RealtimeBenchSettings>}}}};
   return kPlaces;
 }
 
