@@ -9,11 +9,11 @@
 #   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs build on
 set -euo pipefail
 libraries=(
-  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev libmatio-dev libexpat1-dev libexif-dev libyaml-dev zlib1g-dev
+  libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev
   libdlib-dev libcli11-dev nlohmann-json3-dev catch2
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
-packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy zsh fish)
+packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil zsh fish)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
 [[ ${1:-} == --cluster ]] && packages+=(snakemake)

@@ -84,7 +84,7 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   add_path(
       "--query-times", options.query_times,
       "tum, kitti, euroc, gps: when query frames were taken (a list, a folder of images named by "
-      "their times or with EXIF times, or a video); poses are found by time");
+      "their times, or a video); poses are found by time");
   add_path("--reference-times", options.reference_times, "the same of training frames");
   add_path("--query-pose-times", options.query_pose_times,
            "kitti: when the query's poses are of (times.txt)");
@@ -99,9 +99,8 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
              "seconds that are added to --query-times, where clocks differ");
   add_number(command, "--reference-offset", options.reference_offset_s,
              "seconds that are added to --reference-times");
-  add_setting(
-      command, "--matrix-rows", flags.options.matrix_rows,
-      "matrix, mat, mask: rows are query or reference frames (default: as the format's authors)")
+  add_setting(command, "--matrix-rows", flags.options.matrix_rows,
+              "matrix: rows are query or reference frames (default: as the format's authors)")
       .group(kGroundTruthGroup);
 }
 

@@ -33,7 +33,9 @@ void run(Session& session, const ConvertInputs& inputs) {
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   require_undamaged(found, inputs.ground_truth);
   const GroundTruthSummary summary = summarise(found, session.monitor);
-  if (summary.ignored > 0 && !target.holds_ignored)
+  const bool holds_ignored = target.ignores_in.empty() ||
+                             std::filesystem::path(options.output).extension() == target.ignores_in;
+  if (summary.ignored > 0 && !holds_ignored)
     warn(session.monitor, fmt::format("{} to ignore become different: {} can't say that",
                                       counted(summary.ignored, "pair"), target.name));
   target.write(found, session.outputs.file(options.output), session.monitor);
@@ -50,10 +52,10 @@ void add_convert(Program& program, ConvertInputs& inputs) {
   const Command command = program.add_command(
       "convert", "Turn a ground truth into another format.",
       "  vpr-eval convert ground_truth_new.npy --to pairs -o pairs.csv\n"
-      "  vpr-eval convert query.csv --ground-truth-reference ref.csv --radius 5 --to mask "
-      "-o mask.png\n"
-      "  vpr-eval convert aligned --tolerance 3 --query-frames 111 --train-frames 111 --to matrix "
-      "-o GT.npz",
+      "  vpr-eval convert query.csv --ground-truth-reference ref.csv --radius 5 --to matrix "
+      "-o GT.npz\n"
+      "  vpr-eval convert aligned --tolerance 3 --query-frames 111 --train-frames 111 --to pairs "
+      "-o pairs.csv",
       [&inputs](Session& session) { run(session, inputs); });
   command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
   command.add_option("--to", inputs.target, format_names(is_written)).required();

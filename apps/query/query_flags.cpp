@@ -178,7 +178,7 @@ void add_fabmap_flags(const Command& app, QueryInputs& inputs, FabmapQuerySettin
                    "[GROUP=]SEQUENCE: images of a training sequence, to draw views with --explain; "
                    "repeatable"));
   group(app.add_option("--query-bow", inputs.query_bow,
-                       "OpenFABMAP's BOW matrix (.yml, .yml.gz) instead of --query, with an "
+                       "OpenFABMAP's BOW matrix (.npy) instead of --query, with an "
                        "optional range"));
   group(app.add_option("--save-posteriors", inputs.posteriors,
                        "write frames x (1 + views) probabilities, new place first (.npy)"));

@@ -123,13 +123,14 @@ void add_fabmap_command(Program& program, FabmapCommand& command) {
   fabmap.add_flag("--skip-unreadable", fabmap_settings.skip_unreadable,
                   "frames that can't be decoded keep their index and show no words");
   fabmap.add_flag("--from-openfabmap", fabmap_inputs.from_openfabmap,
-                  "import OpenFABMAP's files (OpenCV YAML, also .gz) instead");
-  fabmap.add_option("--vocabulary", fabmap_inputs.vocabulary, "OpenFABMAP's vocabulary");
-  fabmap.add_option("--tree", fabmap_inputs.tree, "OpenFABMAP's Chow-Liu tree");
-  fabmap.add_option("--pretrain-bow", fabmap_inputs.pretrain_bow,
-                    "OpenFABMAP's BOW matrix of the pretraining frames, with an optional range");
+                  "import OpenFABMAP's files as .npy, which scripts/convert/openfabmap.py writes");
+  fabmap.add_option("--vocabulary", fabmap_inputs.vocabulary, "OpenFABMAP's vocabulary (.npy)");
+  fabmap.add_option("--tree", fabmap_inputs.tree, "OpenFABMAP's Chow-Liu tree (.npy)");
+  fabmap.add_option(
+      "--pretrain-bow", fabmap_inputs.pretrain_bow,
+      "OpenFABMAP's BOW matrix of the pretraining frames (.npy), with an optional range");
   fabmap.add_option("--train-bow", fabmap_inputs.train_bow,
-                    "OpenFABMAP's BOW matrix of the places, with an optional range");
+                    "OpenFABMAP's BOW matrix of the places (.npy), with an optional range");
 }
 
 }  // namespace vpr

@@ -1,11 +1,10 @@
 // vpr-train: databases from frames; listing, checking and extending them.
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
+#include "database/fabmap_database.h"
 #include "database/family.h"
-#include "database/openfabmap.h"
 #include "report/database_report.h"
 #include "train_inputs.h"
 
@@ -44,20 +43,6 @@ void add_to_fabmap(Session& session, const std::string& path, const AddInputs& i
   add_views(database, group_arguments(inputs.train, inputs.places, taken), inputs.skip_unreadable,
             session.share, session.monitor);
   store_fabmap(session, database);
-}
-
-void export_openfabmap(Session& session, const std::string& path) {
-  if (session.options.output.empty())
-    throw Error(ErrorKind::usage, "give the folder to write, as in -o FOLDER");
-  session.outputs.claim_folder(session.options.output, is_openfabmap_folder);
-  const FabmapDatabase database = read_fabmap_database(path);
-  write_openfabmap(session.options.output, database, session.outputs);
-  session.print_result(
-      fmt::format("{}: vocabulary.yml, tree.yml, bow-pretrain.yml ({}), bow-train.yml ({}), "
-                  "as vpr-train fabmap --from-openfabmap reads them\n",
-                  session.options.output, counted(database.pretrain.views(), "frame"),
-                  counted(database.views.views(), "view")),
-      database_json(database, session.run));
 }
 
 std::vector<std::string> described_kinds() {
@@ -116,7 +101,6 @@ void add_fastable_command(Program& program, FastableCommand& given) {
 struct DatabaseCommands {
   std::string path;
   AddInputs added;
-  bool as_openfabmap = false;
   std::string descriptors;
   NoSettings settings;
 };
@@ -166,27 +150,17 @@ void add_add_command(Program& program, DatabaseCommands& given) {
 void add_export_command(Program& program, DatabaseCommands& given) {
   const Command command = program.add_command(
       "export", "Write a database as files that other programs read.",
-      "  vpr-train export fabmap.vprdb --openfabmap -o openfabmap-files\n"
       "  vpr-train export corridor.vprdb --descriptors corridor.npy",
-      [&](Session& session) {
-        if (given.as_openfabmap == !given.descriptors.empty())
-          throw Error(ErrorKind::usage,
-                      "say what to export: --openfabmap, or --descriptors FILE.npy");
-        if (given.as_openfabmap)
-          export_openfabmap(session, given.path);
-        else
-          export_descriptors(session, given.path, given.descriptors);
-      });
+      [&](Session& session) { export_descriptors(session, given.path, given.descriptors); });
   program.add_config(command, given.settings);
   command.add_option("DB", given.path, "database").required();
-  command.add_flag("--openfabmap", given.as_openfabmap,
-                   "of FAB-MAP: OpenFABMAP's vocabulary, tree and BOW matrices (OpenCV YAML)");
   command
       .add_option(
           "--descriptors", given.descriptors,
           "of sequences: a row a frame, of all sequences (.npy): bits as uint8, 8 a number, "
           "vectors as float32, pictures as uint8")
-      .type_name("FILE");
+      .type_name("FILE")
+      .required();
 }
 
 }  // namespace

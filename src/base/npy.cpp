@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/converters.h"
 #include "base/error.h"
 
 namespace vpr {
@@ -85,6 +86,7 @@ std::string npy_header(std::string_view type, const std::vector<size_t>& shape) 
 NpyArray::NpyArray(const std::filesystem::path& path) : name_(path.string()), file_(path) {
   const auto header = parse_npy_header(file_.text());
   const auto size = header ? npy_value_size(header->type) : std::nullopt;
+  if (!header) refuse_unconverted(path, file_.text().substr(0, kMaxNpyHeader), true);
   if (!size)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not a little-endian .npy array of numbers", name_));

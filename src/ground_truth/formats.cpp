@@ -5,19 +5,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/converters.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/named_table.h"
-#include "base/npy.h"
 #include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/aligned.h"
 #include "ground_truth/anchors.h"
 #include "ground_truth/gps.h"
-#include "ground_truth/mask_image.h"
-#include "ground_truth/mat_file.h"
 #include "ground_truth/matrix_file.h"
-#include "ground_truth/openseqslam_csv.h"
 #include "ground_truth/pairs_csv.h"
 #include "ground_truth/poses.h"
 #include "ground_truth/trajectory.h"
@@ -53,19 +50,6 @@ std::string use_of(std::string_view option) {
   return fmt::format("; {} belongs to {}", option, format_names_of(option));
 }
 
-// VPR-Bench's ground truth is a Python pickle.
-[[noreturn]] void refuse_vpr_bench(const std::string& what) {
-  throw Error(ErrorKind::usage,
-              fmt::format("{}: Python objects are not read; turn the file into pairs, as in "
-                          "scripts/pairs_of_vpr_bench.py ground_truth_new.npy > pairs.csv",
-                          what));
-}
-
-bool holds_objects(std::string_view bytes) {
-  const auto header = parse_npy_header(bytes);
-  return header && header->type == "|O";
-}
-
 // Numbers of frames stand before a range in a path's name.
 std::filesystem::path path_without_range(const std::filesystem::path& path) {
   return parse_sequence_argument(path.string()).path;
@@ -90,15 +74,14 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        {"path", "range"},
        is_pairs_csv,
        read_pairs_csv,
-       write_pairs_csv,
-       true},
+       write_pairs_csv},
       {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions, is_pose_csv, read_poses},
       {"tum", "trajectories: time x y z qx qy qz qw", kTimedOptions, is_tum, read_tum_poses},
       {"kitti", "trajectories: 3 x 4 matrices", kTimedOptions, is_kitti, read_kitti_poses},
       {"euroc", "trajectories: CSV time in ns, x, y, z, qw, qx, qy, qz, ...", kTimedOptions,
        is_euroc, read_euroc_poses},
       {"gps",
-       "latitude and longitude: CSV lat,lon, GPX track, or EXIF of images",
+       "latitude and longitude: CSV lat,lon",
        {"path", "range", "reference", "radius_m", "angle_deg", "times", "images"},
        is_gps,
        read_gps},
@@ -109,21 +92,7 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        is_matrix_file,
        read_matrix_file,
        write_matrix_file,
-       true},
-      {"mat", "0/1 matrix of MATLAB, .mat", {"path", "matrix_rows"}, is_mat_file, read_mat_file},
-      {"openseqslam2",
-       "CSV without header: query, reference, tolerance, from 1",
-       {"path"},
-       is_openseqslam_csv,
-       read_openseqslam_csv,
-       write_openseqslam_csv},
-      {"mask",
-       "image: 255 same, 0 different, grey ignore",
-       {"path", "matrix_rows"},
-       is_mask_image,
-       read_mask_image,
-       write_mask_image,
-       true}};
+       ".npz"}};
   return kFormats;
 }
 
@@ -144,7 +113,7 @@ std::string format_summaries() {
 std::vector<std::string> format_names() { return names_of(ground_truth_formats()); }
 
 const GroundTruthFormat& find_format(std::string_view name) {
-  if (name == "vpr-bench") refuse_vpr_bench("the ground truth format vpr-bench");
+  refuse_unconverted_format(name);
   return find_named(ground_truth_formats(), "ground truth format", name);
 }
 
@@ -156,9 +125,9 @@ const GroundTruthFormat& recognise_format(const std::filesystem::path& path) {
   const MappedFile file = start.is_folder ? MappedFile() : MappedFile(start.path);
   start.bytes = file.text().substr(0, kStartBytes);
   start.first_line = first_line(start.bytes);
-  if (holds_objects(start.bytes)) refuse_vpr_bench(path.string());
   for (const GroundTruthFormat& format : ground_truth_formats())
     if (format.recognise != nullptr && format.recognise(start)) return format;
+  refuse_unconverted(start.path, start.bytes);
   if (start.path.extension() == ".csv") return find_format("pairs");
   throw Error(ErrorKind::usage,
               fmt::format("{}: is no ground truth of a format that can be told from its content; "

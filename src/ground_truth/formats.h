@@ -36,7 +36,7 @@ struct GroundTruthFormat {
   /// them, and Error(output).
   void (*write)(const InspectedGroundTruth& truth, OutputFile& file,
                 const Monitor& monitor) = nullptr;
-  bool holds_ignored = false;  ///< whether what is written can say that a pair is to be ignored
+  std::string_view ignores_in = {};  ///< extension of files that hold ignored pairs; empty: all
 };
 
 /// All formats, in the order in which content is recognised and help lists them.

@@ -8,7 +8,6 @@
 #include "base/mapped_file.h"
 #include "base/text.h"
 #include "base/utf8.h"
-#include "ground_truth/exif.h"
 #include "ground_truth/numbers.h"
 #include "images/sequence.h"
 #include "images/video_reader.h"
@@ -25,39 +24,6 @@ size_t time_column(const std::vector<std::string_view>& header) {
     for (size_t i = 0; i < header.size(); ++i)
       if (header[i] == name) return i;
   return 0;
-}
-
-// Of the tags of images, whose first has one.
-std::vector<int64_t> times_of_tags(const Sequence& sequence, const Monitor& monitor) {
-  FileLocation location;
-  std::vector<int64_t> times;
-  bool has_zones = true;
-  for (const std::filesystem::path& file : sequence.files) {
-    location.file = file.string();
-    const auto taken = read_image_tags(file).taken;
-    if (!taken) location.fail("its EXIF tags do not say when it was taken (DateTimeOriginal)");
-    if (!times.empty() && taken->ns <= times.back())
-      refuse_time_order(location, times.back(), taken->ns);
-    has_zones = has_zones && taken->has_zone;
-    times.push_back(taken->ns);
-  }
-  if (!has_zones)
-    warn(monitor, fmt::format("{}: EXIF times without a time zone are taken for UTC; a camera that "
-                              "was two hours ahead needs --offset -7200",
-                              sequence.argument.path.string()));
-  return times;
-}
-
-bool has_time_name(const std::filesystem::path& file) {
-  return unit_of_time(file.stem().string()).has_value();
-}
-
-// Of the names of images; where the first is no time, of their tags.
-std::vector<int64_t> times_of_images(const Sequence& sequence, const Monitor& monitor) {
-  if (!sequence.files.empty() && !has_time_name(sequence.files.front()) &&
-      read_image_tags(sequence.files.front()).taken)
-    return times_of_tags(sequence, monitor);
-  return times_of_names(sequence);
 }
 
 bool is_text(const std::filesystem::path& path) {
@@ -120,7 +86,11 @@ std::vector<int64_t> times_of_names(const Sequence& sequence) {
     location.file = file.string();
     const std::string name = file.stem().string();
     if (!unit) unit = unit_of_time(name);
-    if (!unit) location.fail(fmt::format("its name \"{}\" is no time", name));
+    if (!unit)
+      location.fail(
+          fmt::format("its name \"{}\" is not a time; scripts/convert/exif.py lists when "
+                      "JPEG images were taken",
+                      name));
     const int64_t time = read_time(location, name, *unit);
     if (!times.empty() && time <= times.back()) refuse_time_order(location, times.back(), time);
     times.push_back(time);
@@ -132,7 +102,7 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const M
   const SequenceArgument source = parse_sequence_argument(path.string());
   std::error_code error;
   if (std::filesystem::is_directory(source.path, error))
-    return times_of_images(open_sequence(source), monitor);
+    return times_of_names(open_sequence(source));
   if (is_text(source.path)) return read_time_list(path);
   return read_video_times(source, monitor);
 }

@@ -31,8 +31,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path);
 std::vector<int64_t> times_of_names(const Sequence& sequence);
 
 /// Nanoseconds, one a frame: of a list as read_time_list reads it, of the images of a folder by
-/// their names, which must be numbers (1305031102.175304.png, 1403636579763555584.png) or, where
-/// the first is none, by their EXIF tags (those without a zone are UTC, with a warning), or of a
+/// their names, which must be numbers (1305031102.175304.png, 1403636579763555584.png), or of a
 /// video since its first frame; a range behind the path picks frames. Throws Error(input) for what
 /// can't be read, Error(data), naming the image or line, for what is no time and for times that do
 /// not rise.

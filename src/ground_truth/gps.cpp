@@ -4,20 +4,17 @@
 
 #include <fmt/format.h>
 
+#include "base/converters.h"
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/exif.h"
 #include "ground_truth/geodesy.h"
 #include "ground_truth/gps_columns.h"
 #include "ground_truth/gps_csv.h"
-#include "ground_truth/gpx.h"
 #include "ground_truth/pose_times.h"
 #include "ground_truth/poses.h"
-#include "ground_truth/utm_names.h"
-#include "images/sequence.h"
 
 namespace vpr {
 namespace {
@@ -37,17 +34,6 @@ std::vector<std::string> header_of(std::string_view line) {
   return names;
 }
 
-bool is_gps_csv(const FileStart& start) {
-  return find_gps_columns(header_of(start.first_line)).has_value();
-}
-
-bool is_image_list(const FileStart& start) {
-  if (start.is_folder) return true;
-  const std::string line(start.first_line);
-  return !line.empty() && line.find('\0') == std::string::npos && line.size() < 4096 &&
-         is_jpeg_file(start.path.parent_path() / line);
-}
-
 FileStart start_of(const std::filesystem::path& path, const MappedFile& file) {
   FileStart start;
   start.path = path;
@@ -58,32 +44,6 @@ FileStart start_of(const std::filesystem::path& path, const MappedFile& file) {
       break;
     }
   return start;
-}
-
-Trajectory read_images(const std::filesystem::path& path) {
-  const Sequence sequence = open_sequence(parse_sequence_argument(path.string()));
-  Trajectory found;
-  found.name = path.string();
-  found.is_on_earth = true;
-  if (sequence.kind != SequenceKind::images)
-    throw Error(ErrorKind::data, fmt::format("{}: is no folder or list of images, nor a CSV with "
-                                             "latitudes and longitudes, nor a GPX track",
-                                             path.string()));
-  for (const auto& image : sequence.files) {
-    const ImageTags tags = read_image_tags(image);
-    found.poses.emplace_back();
-    if (tags.place) found.poses.back() = Pose{earth_position(*tags.place), tags.heading_deg, {}};
-  }
-  const bool has_some = std::any_of(found.poses.begin(), found.poses.end(),
-                                    [](const auto& pose) { return pose.has_value(); });
-  if (!has_some)
-    throw Error(
-        ErrorKind::data,
-        fmt::format("{}: has no GPS position in its EXIF tags, and neither has any other image of "
-                    "{}; only JPEG images carry them; give a GPX track with --query-times, or a "
-                    "CSV image,lat,lon",
-                    sequence.files.front().string(), path.string()));
-  return found;
 }
 
 void check_fixes(const GroundTruthBuilder& builder, const std::filesystem::path& path,
@@ -113,28 +73,26 @@ Poses read_side(const GroundTruthBuilder& builder, PoseSide side, const FrameCou
 
 }  // namespace
 
+bool is_gps(const FileStart& start) {
+  return find_gps_columns(header_of(start.first_line)).has_value();
+}
+
 Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::path& images,
                       std::optional<size_t> frames) {
   const std::filesystem::path file_path = parse_sequence_argument(path.string()).path;
   std::error_code error;
-  if (!std::filesystem::is_directory(file_path, error)) {
-    const MappedFile file(file_path);
-    const FileStart start = start_of(file_path, file);
-    if (is_gps_csv(start)) return read_gps_csv(path, images, frames);
-    if (!images.empty())
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: has no names of images, as a CSV image,lat,lon "
-                              "has; leave out {}",
-                              path.string(), images.string()));
-    if (is_pose_csv(start))
-      throw Error(
-          ErrorKind::data,
-          fmt::format("{}: has positions in metres, which latitudes and longitudes can't be "
-                      "compared with",
-                      path.string()));
-    if (is_gpx(start) || file_path.extension() == ".gpx") return read_gpx(path);
-  }
-  return read_images(path);
+  if (std::filesystem::is_directory(file_path, error))
+    throw Error(ErrorKind::usage,
+                fmt::format("{} is a folder: write the GPS positions of its images to a CSV with "
+                            "scripts/convert/exif.py",
+                            path.string()));
+  const MappedFile file(file_path);
+  const FileStart start = start_of(file_path, file);
+  if (is_gps(start)) return read_gps_csv(path, images, frames);
+  refuse_unconverted(file_path, start.bytes);
+  throw Error(ErrorKind::data,
+              fmt::format("{}: is not a CSV with latitudes and longitudes{}", path.string(),
+                          is_pose_csv(start) ? "; its positions are in meters" : ""));
 }
 
 std::string read_gps(GroundTruthBuilder& builder) {
@@ -153,18 +111,6 @@ std::string read_gps(GroundTruthBuilder& builder) {
   builder.require_train_frames(sequence, train.size());
   return fmt::format("gps positions{}: {}", times_in_words(argument.options, kUsualDifference),
                      match_poses(builder, sequence, query, train));
-}
-
-bool is_gps(const FileStart& start) {
-  if (is_gps_csv(start) || is_gpx(start)) return true;
-  if (!is_image_list(start)) return false;
-  try {
-    const Sequence sequence = open_sequence({start.path, {}});
-    return sequence.kind == SequenceKind::images && is_jpeg_file(sequence.files.front()) &&
-           !parse_utm_name(sequence.files.front().filename().string());
-  } catch (const Error&) {
-    return false;  // its reader says what is wrong
-  }
 }
 
 void level(Trajectory& trajectory) {

@@ -11,17 +11,16 @@
 namespace vpr {
 
 /// The argument's path has the fixes of the query, its `reference` those of the training sequence;
-/// each is a CSV (gps_csv.h), a GPX track (gpx.h), or images that carry GPS tags (exif.h), with a
-/// range of frames where the sequence had one. By time as trajectories (pose_times.h). Distances
-/// are straight lines between points on the ellipsoid, heights left out. Warns where more than half
-/// of the frames of a side have no fix; throws Error(data) where none has, and as the readers do.
+/// each is a CSV (gps_csv.h), with a range of frames where the sequence had one. By time as
+/// trajectories (pose_times.h). Distances are straight lines between points on the ellipsoid,
+/// heights left out. Warns where more than half of the frames of a side have no fix; throws
+/// Error(data) where none has, and as the readers do.
 std::string read_gps(GroundTruthBuilder& builder);
 
-/// A CSV that names latitudes and longitudes, a GPX track, or a folder or list of JPEG images that
-/// are not called @east@north@.
+/// Whether the first line is the header of a CSV that names latitudes and longitudes.
 bool is_gps(const FileStart& start);
 
-/// The fixes of one side, by content, on the earth. `images` and `frames` as read_gps_csv has them.
+/// The fixes of one side on the earth. `images` and `frames` as read_gps_csv has them.
 Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::path& images = {},
                       std::optional<size_t> frames = std::nullopt);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/converters.h"
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/npy.h"
@@ -158,7 +159,9 @@ bool is_matrix_file(const FileStart& start) {
 
 std::string read_matrix_file(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
-  if (is_zip(MappedFile(argument.path).text())) return read_archive(builder);
+  const MappedFile file(argument.path);
+  if (is_zip(file.text())) return read_archive(builder);
+  refuse_unconverted(argument.path, file.text().substr(0, kMaxNpyHeader));
   NpyStream hard(argument.path);
   if (argument.options.soft.empty()) return read_streams(builder, hard, nullptr, true);
   NpyStream soft(argument.options.soft);

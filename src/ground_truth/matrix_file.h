@@ -14,7 +14,7 @@ namespace vpr {
 /// Throws Error(data) for another shape, a value that is neither 0 nor 1, or damage.
 std::string read_matrix_file(GroundTruthBuilder& builder);
 
-/// A .npy file that holds no Python objects, or a zip archive.
+/// A .npy file of numbers, or a zip archive.
 bool is_matrix_file(const FileStart& start);
 
 /// Writes bool matrices: .npz (GThard and GTsoft, rows training frames; soft: same or ignored), or,

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/converters.h"
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
@@ -191,10 +192,11 @@ Trajectory read_any_trajectory(const std::filesystem::path& path) {
   if (is_kitti(start)) return read_kitti(path);
   if (is_pose_csv(start)) return read_csv_trajectory(path);
   if (is_gps(start)) return read_fixes(path);
+  refuse_unconverted(start.path, start.bytes);
   throw Error(ErrorKind::usage,
               fmt::format("{}: is no trajectory; expected a line a pose, as TUM (8 numbers), KITTI "
                           "(12 numbers) or EuRoC (time in ns and more, with commas) write it, "
-                          "a CSV frame,x,y, or GPS (a GPX track, or a CSV with lat and lon)",
+                          "a CSV frame,x,y, or a CSV with lat and lon",
                           path.string()));
 }
 

@@ -41,7 +41,10 @@ UtmSide read_side(GroundTruthBuilder& builder, const std::filesystem::path& path
   for (const auto& file : sequence.files) {
     const auto name = parse_utm_name(file.filename().string());
     if (!name)
-      builder.fail(fmt::format("{} is not called @east@north@...", file.filename().string()));
+      builder.fail(
+          fmt::format("{} is not called @east@north@...; scripts/convert/exif.py lists the "
+                      "GPS positions of JPEG images",
+                      file.filename().string()));
     if (side.zone.empty()) side.zone = name->zone;
     if (!name->zone.empty() && name->zone != side.zone)
       builder.fail(fmt::format("{} lies in UTM zone {}, others in {}: their distances mean nothing",

@@ -9,6 +9,7 @@
 #include "base/npy.h"
 #include "base/simd.h"
 #include "cli/world.h"
+#include "database/fabmap_database.h"
 #include "support.h"
 
 using namespace vpr;
@@ -38,6 +39,29 @@ Json parse(const std::string& text) { return Json::parse(text); }
 void copy_database(const fs::path& from, const fs::path& to) {
   fs::remove_all(to);
   fs::copy(from, to);
+}
+
+/// The vocabulary, tree, and BOW matrices of the pretraining frames and places of a database.
+std::array<fs::path, 4> openfabmap_files(const fs::path& path, const fs::path& folder) {
+  const FabmapDatabase database = read_fabmap_database(path);
+  const size_t words = database.tree.words();
+  const auto matrix = [&](const std::string& name, const ViewWords& views) {
+    std::vector<uint8_t> values(views.views() * words);
+    for (size_t v = 0; v < views.views(); ++v)
+      for (const uint32_t word : views.view(v)) values[v * words + word] = 1;
+    test::write_array<uint8_t>(folder / name, values, {views.views(), words});
+    return folder / name;
+  };
+  for (const char* name : {"vocabulary.npy", "tree.npy"}) fs::copy_file(path / name, folder / name);
+  return {folder / "vocabulary.npy", folder / "tree.npy",
+          matrix("bow-pretrain.npy", database.pretrain), matrix("bow-train.npy", database.views)};
+}
+
+test::RunOutcome import_openfabmap_files(const std::array<fs::path, 4>& files,
+                                         const std::string& output) {
+  return run_program("vpr-train", {"fabmap", "--from-openfabmap", "--features", "sift",
+                                   "--vocabulary", files[0], "--tree", files[1], "--pretrain-bow",
+                                   files[2], "--train-bow", files[3], "-o", output});
 }
 
 std::string without_last_bit(std::string text) {
@@ -87,22 +111,15 @@ TEST_CASE("adding views gives the database of training them together") {
           test::read_text(out / "added.vprdb" / name));
 }
 
-TEST_CASE("exported to OpenFABMAP and imported again, a database gives the same posteriors") {
+TEST_CASE("imported from its vocabulary, tree and words, a database gives the same posteriors") {
   const test::TemporaryFolder out;
-  const fs::path files = out / "files";
   REQUIRE(
       run_program("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
                                 world().walk("one"), "--features", "sift", "--words", "60",
                                 "--clustering", "radius", "--radius", "300", "-o", out / "r.vprdb"})
           .exit_code == 0);
-  REQUIRE(run_program("vpr-train", {"export", out / "r.vprdb", "--openfabmap", "-o", files})
-              .exit_code == 0);
-  REQUIRE(run_program(
-              "vpr-train",
-              {"fabmap", "--from-openfabmap", "--vocabulary", files / "vocabulary.yml", "--tree",
-               files / "tree.yml", "--pretrain-bow", files / "bow-pretrain.yml", "--features",
-               "sift", "--train-bow", files / "bow-train.yml", "-o", out / "i.vprdb"})
-              .exit_code == 0);
+  const auto files = openfabmap_files(out / "r.vprdb", out.path());
+  REQUIRE(import_openfabmap_files(files, out / "i.vprdb").exit_code == 0);
   for (const std::string name : {"r", "i"})
     REQUIRE(run_program("vpr-query", {out / (name + ".vprdb"), "--query", world().walk("back"),
                                       "--save-posteriors", out / (name + ".npy"), "--json"})
@@ -403,30 +420,20 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
 
 TEST_CASE("OpenFABMAP's files, broken") {
   const test::TemporaryFolder out;
-  const fs::path files = out / "files";
-  REQUIRE(run_program("vpr-train", {"export", world().fabmap(), "--openfabmap", "-o", files})
-              .exit_code == 0);
-  const auto import = [&] {
-    return run_program(
-        "vpr-train",
-        {"fabmap", "--from-openfabmap", "--vocabulary", files / "vocabulary.yml", "--tree",
-         files / "tree.yml", "--pretrain-bow", files / "bow-pretrain.yml", "--features", "sift",
-         "--train-bow", files / "bow-train.yml", "-o", out / "x.vprdb"});
-  };
-  for (const std::string name :
-       {"vocabulary.yml", "tree.yml", "bow-pretrain.yml", "bow-train.yml"}) {
-    INFO(name);
-    const std::string whole = test::read_text(files / name);
+  const auto files = openfabmap_files(world().fabmap(), out.path());
+  for (const fs::path& file : files) {
+    INFO(file);
+    const std::string whole = test::read_text(file);
     for (const std::string& text :
          {whole.substr(0, whole.size() / 2), std::string("x: 3\n"), std::string()}) {
-      test::write_text(files / name, text);
-      const auto outcome = import();
+      test::write_text(file, text);
+      const auto outcome = import_openfabmap_files(files, out / "x.vprdb");
       CHECK(outcome.exit_code == 4);
-      CHECK(outcome.err.find(name) != std::string::npos);
+      CHECK(outcome.err.find(file.filename().string()) != std::string::npos);
     }
-    fs::remove(files / name);
-    CHECK(import().exit_code == 3);
-    test::write_text(files / name, whole);
+    fs::remove(file);
+    CHECK(import_openfabmap_files(files, out / "x.vprdb").exit_code == 3);
+    test::write_text(file, whole);
   }
   CHECK(!fs::exists(out / "x.vprdb"));
 }

@@ -60,10 +60,14 @@ def corridor():
 
 
 def loop():
-    yield (f"vpr-train fabmap --from-openfabmap --features sift --vocabulary {OPENFABMAP}/vocabulary.yml.gz "
-           f"--tree {OPENFABMAP}/tree.yml.gz --pretrain-bow {OPENFABMAP}/bow-pretrain.yml.gz "
-           f"--train-bow {OPENFABMAP}/bow-loop.yml.gz@0:40 -o loop.vprdb")
-    bow = f"--query-bow {OPENFABMAP}/bow-loop.yml.gz@40:80"
+    arrays = pathlib.Path(tempfile.mkdtemp())
+    for name in "vocabulary", "tree", "bow-pretrain", "bow-loop":
+        subprocess.run([SOURCE / "scripts/convert/openfabmap.py", OPENFABMAP / f"{name}.yml.gz",
+                        "-o", arrays / f"{name}.npy"], check=True)
+    yield (f"vpr-train fabmap --from-openfabmap --features sift --vocabulary {arrays}/vocabulary.npy "
+           f"--tree {arrays}/tree.npy --pretrain-bow {arrays}/bow-pretrain.npy "
+           f"--train-bow {arrays}/bow-loop.npy@0:40 -o loop.vprdb")
+    bow = f"--query-bow {arrays}/bow-loop.npy@40:80"
     for variant in "fabmap1", "fabmap2", "fabmap2-fixed", "lut", "fbo":
         for more in ("", "--word-model naive-bayes", "--new-place mean-field", "--motion-model"):
             if variant == "fbo" and more:

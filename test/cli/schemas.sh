@@ -39,7 +39,7 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
 "$bin/vpr-eval" --loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --similarity -o "$out/lo.json" --quiet
 "$bin/vpr-eval" --loops "$out/loops.csv" --poses "$out/poses.csv" --radius 2 --gap 2 --distance -o "$out/lo2.json" --quiet
 "$bin/vpr-eval" check "$out/building/query.ground_truth.csv" -o "$out/c.json" --quiet
-"$bin/vpr-eval" convert aligned --query-frames 3 --train-frames 4 --to mask -o "$out/m.png" --json >"$out/cv.json"
+"$bin/vpr-eval" convert aligned --query-frames 3 --train-frames 4 --to matrix -o "$out/m.npz" --json >"$out/cv.json"
 "$bin/vpr-train" info "$out/w.vprdb" --json >"$out/i.json"
 "$bin/vpr-train" fabmap --pretrain "$out/building/corridor" --train "$out/building/hall@0:20" --words 20 \
   -o "$out/f.vprdb" --json >"$out/fi.json"

@@ -21,10 +21,19 @@ struct Loop {
   std::vector<WordSet> frames;
   ViewWords places;  // frames 0 to 39
 
-  explicit Loop(const std::filesystem::path& folder)
-      : tree(read_openfabmap_tree(folder / "tree.yml.gz")) {
-    pretrain = read_openfabmap_frames({folder / "bow-pretrain.yml.gz", {}}, tree.words());
-    frames = read_openfabmap_frames({folder / "bow-loop.yml.gz", {}}, tree.words());
+  explicit Loop(const std::filesystem::path& folder) {
+    const test::TemporaryFolder arrays;
+    const auto converted = [&](const std::string& name) {
+      const auto outcome =
+          test::run_program(test::source_path("scripts/convert/openfabmap.py"),
+                            {folder / (name + ".yml.gz"), "-o", arrays / (name + ".npy")});
+      INFO(outcome.err);
+      REQUIRE(outcome.exit_code == 0);
+      return arrays / (name + ".npy");
+    };
+    tree = read_openfabmap_tree(converted("tree"));
+    pretrain = read_openfabmap_frames({converted("bow-pretrain"), {}}, tree.words());
+    frames = read_openfabmap_frames({converted("bow-loop"), {}}, tree.words());
     for (size_t f = 0; f < 40; ++f) places.add(frames[f]);
   }
 };

@@ -108,12 +108,9 @@ WRITERS = [
     Writer("train add, fabmap in place",
            "vpr-train add out/d.vprdb --train in/walks/two -o out/d.vprdb", "d.vprdb", {}, INFO,
            (("d.vprdb", "in/f.vprdb"),)),
-    Writer("train export", "vpr-train export {database} --openfabmap -o out/files", "files",
-           {"database": ("in/f.vprdb", "in/f2.vprdb")},
-           (Reader(("files",), "vpr-train fabmap --from-openfabmap --vocabulary "
-                   "out/files/vocabulary.yml --tree out/files/tree.yml --pretrain-bow "
-                   "out/files/bow-pretrain.yml --train-bow out/files/bow-train.yml "
-                   "-o read/d.vprdb"),)),
+    Writer("train export", "vpr-train export {database} --descriptors out/x.npy", "x.npy",
+           {"database": ("in/one.vprdb", "in/s.vprdb")},
+           (Reader(("x.npy",), "vpr-train descriptors --train out/x.npy -o read/d.vprdb"),)),
     Writer("query", "vpr-query in/s.vprdb --query {query} --c-l 3 --t-r 0.6 -o out/r.json "
            "--save-matrix out/m.npy", "r.json", QUERY,
            (Reader(SEQUENCE_RESULT, f"vpr-eval out/r.json {PAIRS}"),
@@ -186,8 +183,7 @@ WRITERS = [
              f"{{tolerance}} --query in/walks/two --train in/walks/one -o out/{name}", name,
              {"tolerance": ("0", "1")},
              (Reader((name,), f"vpr-eval in/n.json --ground-truth out/{name}"),))
-      for kind, name in (("pairs", "g.csv"), ("matrix", "g.npy"), ("matrix", "g.npz"),
-                         ("mask", "g.png"))],
+      for kind, name in (("pairs", "g.csv"), ("matrix", "g.npy"), ("matrix", "g.npz"))],
     Writer("eval check", "vpr-eval check in/walks/back.ground_truth.csv --result in/r.json "
            "--tolerance {tolerance} -o out/c.json", "c.json", {"tolerance": ("0", "1")}),
     Writer("bench", "vpr-bench describe --frames {frames} --features orb --seconds 0.001 "

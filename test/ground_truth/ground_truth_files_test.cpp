@@ -1,4 +1,4 @@
-// Pairs, matrices, masks and presets, on cases small enough to see, then at their edges.
+// Pairs, matrices and presets, on cases small enough to see, then at their edges.
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -93,21 +93,6 @@ TEST_CASE("an archive without any file is damaged ground truth") {
   CHECK(test::error_kind([&] { files.read("none.npz", 1, 1); }) == ErrorKind::data);
 }
 
-TEST_CASE("OpenSeqSLAM counts from one, and has a tolerance for every pair") {
-  const Files files;
-  files.text("g.csv", "1,1,1\n2, 3 ,0\n3,4,9\n");
-  CHECK(files.read("g.csv", 3, 4) == "SS.. ..S. SSSS");
-  GroundTruthArgument argument{"openseqslam2", "g.csv", 1};
-  CHECK(files.read(argument, 3, 4) == "SSS. .SSS SSSS");
-  for (const std::string bad : {"0,1,0\n", "1,0,0\n", "4,1,0\n", "1,5,0\n", "1,1,-1\n", "1\n",
-                                "1,1,1,1\n", "1,x,0\n", "1,1.5,0\n", ""}) {
-    files.text("b.csv", bad);
-    argument.path = "b.csv";
-    INFO(bad);
-    CHECK(test::error_kind([&] { files.read(argument, 3, 4); }) == ErrorKind::data);
-  }
-}
-
 TEST_CASE("matrices of any number type, with a soft one") {
   const Files files;
   files.matrix<uint8_t>("b.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "|b1");
@@ -164,20 +149,36 @@ TEST_CASE("matrices that are none") {
         }) == ErrorKind::data);
 }
 
-TEST_CASE("masks are white, black and grey") {
+TEST_CASE("files that scripts convert are refused with the script, by their bytes or names") {
   const Files files;
-  const auto write = [&](const std::string& name, const cv::Mat& image) {
-    cv::imwrite((files.folder / name).string(), image);
-  };
-  write("m.png", (cv::Mat_<uint8_t>(2, 3) << 255, 1, 0, 0, 254, 255));
-  CHECK(files.read("m.png", 2, 3) == "Si. .iS");
-  CHECK(files.read("m.png", 3, 2) == "S. ii .S");
-  write("m.jpg", cv::Mat::zeros(2, 3, CV_8U));
-  CHECK(test::error_text([&] { files.read("m.jpg", 2, 3); }).find("JPEG") != std::string::npos);
-  CHECK(test::error_kind([&] { files.read("m.png", 2, 2); }) == ErrorKind::data);
-  const std::string png = test::read_text(files.folder / "m.png");
-  files.text("cut.png", png.substr(0, png.size() / 2));
-  CHECK(test::error_kind([&] { files.read("cut.png", 2, 3); }) == ErrorKind::data);
+  files.text("v7.bin", "MATLAB 5.0 MAT-file");
+  files.text("v73.bin", "\x89HDF\r\n\x1a\n");
+  files.text("old.mat", "");
+  files.text("m.bin", "\x89PNG\r\n");
+  files.text("m.jpg", "\xff\xd8");
+  files.text("o.csv", "1, 2 ,0\n");
+  files.text("g.txt", "<?xml?><gpx>");
+  files.text("g.yml", "%YAML:1.0\n");
+  files.text("p.npy", npy_header("|O", {3}));
+  for (const auto& [name, script] : {std::pair("v7.bin", "mat"),
+                                     {"v73.bin", "mat"},
+                                     {"old.mat", "mat"},
+                                     {"m.bin", "mask"},
+                                     {"m.jpg", "mask"},
+                                     {"o.csv", "openseqslam2"},
+                                     {"g.txt", "gpx"},
+                                     {"g.yml", "openfabmap"},
+                                     {"p.npy", "vpr_bench"}}) {
+    INFO(name);
+    const auto read = [&, path = std::string(name)] { files.read(path, 3, 3); };
+    CHECK(test::error_kind(read) == ErrorKind::usage);
+    CHECK(test::error_text(read).find(std::string("scripts/convert/") + script + ".py") !=
+          std::string::npos);
+  }
+  const auto scores = [&] { NpyArray(files.folder / "v7.bin"); };
+  CHECK(test::error_text(scores).find("scripts/convert/mat.py") != std::string::npos);
+  CHECK(test::error_kind([&] { NpyArray(files.folder / "m.bin"); }) == ErrorKind::data);
+  CHECK(test::error_text([] { find_format("mask"); }).find("mask.py") != std::string::npos);
 }
 
 TEST_CASE("an archive that is cut off anywhere is refused") {

@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""Write the GPS positions and times in the EXIF tags of images as a CSV.
+
+  exif.py photos -o photos.csv
+
+The CSV has one line per image in the order of the frames, with the columns image, lat, lon and,
+where images have them, heading and time (seconds since 1970). Give it to --ground-truth with
+--query-images photos, and to --query-times for the times. Fields are empty where an image has no
+position: no tags, 0 N 0 E, or a receiver without a fix. Times without a time zone are taken as UTC.
+Needs python3-pil.
+"""
+import csv
+import datetime
+import io
+import math
+import re
+import sys
+
+import common
+
+SUFFIXES = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp"}
+GPS, CAMERA = 0x8825, 0x8769  # directories of tags
+
+
+def degrees(parts):
+    if not isinstance(parts, tuple) or len(parts) != 3:
+        return math.nan
+    return sum(float(part) / 60 ** power for power, part in enumerate(parts))
+
+
+def position(image, tags):
+    """Latitude and longitude in degrees, or nothing."""
+    values = [degrees(tags.get(key)) for key in (2, 4)]
+    if any(map(math.isnan, values)) or values == [0, 0] or tags.get(9) == "V":
+        return None
+    for at, (letters, largest) in enumerate((("NS", 90), ("EW", 180))):
+        letter = str(tags.get(2 * at + 1, "")).strip("\0 ")
+        if len(letter) != 1 or letter not in letters:
+            raise common.Refusal(common.DATA, f"{image}: its GPS position does not say whether it is "
+                                              f"{letters[0]} or {letters[1]}")
+        if values[at] > largest:
+            raise common.Refusal(common.DATA, f"{image}: its GPS position {values} is not on the "
+                                              "globe")
+        values[at] *= 1 if letter == letters[0] else -1
+    return values
+
+
+def time_taken(tags):
+    """Seconds since 1970 as text and whether a time zone is known, or nothing."""
+    taken, fraction, zone = (str(tags.get(key, "")).strip("\0 ") for key in (0x9003, 0x9291, 0x9011))
+    try:
+        time = datetime.datetime.strptime(taken + (zone.replace(":", "") or "+0000"),
+                                          "%Y:%m:%d %H:%M:%S%z")
+    except ValueError:
+        return None
+    digits = "." + fraction if fraction.isdigit() else ""
+    return f"{int(time.timestamp())}{digits}", bool(zone)
+
+
+def read_tags(image_module, path):
+    try:
+        with image_module.open(path) as image:
+            return image.getexif()
+    except (OSError, SyntaxError, ValueError):
+        raise common.Refusal(common.FILES, f"{path}: cannot read image") from None
+
+
+def natural(path):
+    """Numbers in names compare by value, as in the programs."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", path.name)]
+
+
+def convert(arguments):
+    image_module = common.need("PIL.Image", "python3-pil")
+    folder = arguments.source
+    images = sorted((path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES),
+                    key=natural)
+    rows, lacks_zone = [], False
+    for path in images:
+        tags = read_tags(image_module, path)
+        gps = tags.get_ifd(GPS)
+        place = position(path, gps) or ("", "")
+        heading = float(gps.get(17, math.nan))
+        time = time_taken(tags.get_ifd(CAMERA))
+        lacks_zone = lacks_zone or (time is not None and not time[1])
+        rows.append({"image": path.name, "lat": place[0], "lon": place[1],
+                     "heading": heading if 0 <= heading <= 360 else "", "time": time[0] if time else ""})
+    if all(row["lat"] == "" and row["time"] == "" for row in rows):
+        raise common.Refusal(common.DATA, f"{folder}: no image has a GPS position or a time in its "
+                                          "EXIF tags")
+    if lacks_zone:
+        print(f"exif.py: {folder}: times without a time zone are taken as UTC; with a camera two "
+              "hours ahead, use --offset -7200", file=sys.stderr)
+    columns = ["image", "lat", "lon",
+               *(key for key in ("heading", "time") if any(row[key] != "" for row in rows))]
+    output = io.StringIO()
+    table = csv.DictWriter(output, columns, extrasaction="ignore", lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    common.write(arguments, output.getvalue())
+
+
+common.run(common.parser(__doc__, "FOLDER", "FILE.csv").parse_args(), convert)

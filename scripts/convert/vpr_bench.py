@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""Turns VPR-Bench's ground truth into pairs as CSV, which the programs read.
+
+  scripts/convert/vpr_bench.py ground_truth_new.npy > pairs.csv
+
+The file has a row (query, list of references) for every query or, as GSV-Cities stores it, one list
+or array of references for every query. It is a Python pickle, which is a program: what would do
+more than build lists, numbers and NumPy arrays is refused. Needs NumPy (python3-numpy)."""
+import pickle
+import sys
+
+import numpy
+
+PARTS = {"_reconstruct", "scalar", "ndarray", "dtype", "range", "xrange"}
+HOMES = {"numpy", "numpy.core.multiarray", "numpy._core.multiarray", "builtins", "__builtin__"}
+
+
+class Reader(pickle.Unpickler):
+    def find_class(self, module, name):
+        if module not in HOMES or name not in PARTS:
+            raise pickle.UnpicklingError(f"it would run {module}.{name}")
+        return super().find_class(module, name)
+
+
+if len(sys.argv) != 2:
+    sys.exit(__doc__)
+try:
+    with open(sys.argv[1], "rb") as file:
+        numpy.lib.format.read_magic(file)
+        numpy.lib.format.read_array_header_1_0(file)
+        table = Reader(file, encoding="latin1").load()
+    rows = table if table.ndim == 2 else enumerate(table)
+    pairs = [(query, reference) for query, references in rows for reference in references]
+    if any(int(number) != number for pair in pairs for number in pair):
+        raise ValueError("a query or reference is no whole number")
+except Exception as error:  # whatever a damaged file brings about
+    sys.exit(f"{sys.argv[1]}: {error}")
+print("query,reference", *(f"{int(query)},{int(reference)}" for query, reference in pairs), sep="\n")

@@ -1,0 +1,94 @@
+#include "base/converters.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/npy.h"
+#include "base/text.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A script, and the files that it reads.
+struct Converter {
+  std::string_view format;
+  std::string_view what;
+  std::string_view script;
+  bool makes_arrays = false;  ///< of any values, not of ground truth only
+  bool (*reads)(const fs::path& path, std::string_view start) = nullptr;
+};
+
+bool is_mat(const fs::path& path, std::string_view start) {
+  return path.extension() == ".mat" || start.starts_with("MATLAB ") ||
+         start.starts_with("\x89HDF\r\n");
+}
+
+bool is_opencv_yaml(const fs::path& path, std::string_view start) {
+  const fs::path name = path.extension() == ".gz" ? path.stem() : path;
+  return name.extension() == ".yml" || name.extension() == ".yaml" || start.starts_with("%YAML");
+}
+
+bool is_gpx(const fs::path& path, std::string_view start) {
+  return path.extension() == ".gpx" || start.find("<gpx") != std::string_view::npos;
+}
+
+bool is_image(const fs::path&, std::string_view start) {
+  constexpr std::array<std::string_view, 6> kSignatures = {"\x89PNG", "\xff\xd8", "BM",
+                                                           "P5",      "II*",      "MM"};
+  return std::any_of(kSignatures.begin(), kSignatures.end(),
+                     [&](std::string_view signature) { return start.starts_with(signature); });
+}
+
+// Two or three integers with commas between them, without a header.
+bool is_openseqslam(const fs::path&, std::string_view start) {
+  const auto lines = split_lines(start);
+  if (lines.empty()) return false;
+  const auto fields = split(lines.front(), ',');
+  return (fields.size() == 2 || fields.size() == 3) &&
+         std::all_of(fields.begin(), fields.end(), [](std::string_view field) {
+           const auto words = split_words(field);
+           if (words.size() != 1) return false;
+           long value = 0;
+           const char* const last = words[0].data() + words[0].size();
+           return std::from_chars(words[0].data(), last, value).ptr == last;
+         });
+}
+
+bool holds_python_objects(const fs::path&, std::string_view start) {
+  const auto header = parse_npy_header(start);
+  return header && header->type == "|O";
+}
+
+constexpr Converter kConverters[] = {
+    {"mat", "a MAT-file", "mat.py", true, is_mat},
+    {"openfabmap", "OpenCV's YAML", "openfabmap.py", true, is_opencv_yaml},
+    {"gpx", "a GPX track", "gpx.py", false, is_gpx},
+    {"mask", "an image", "mask.py", false, is_image},
+    {"openseqslam2", "OpenSeqSLAM2's CSV", "openseqslam2.py", false, is_openseqslam},
+    {"vpr-bench", "an array of Python objects", "vpr_bench.py", false, holds_python_objects}};
+
+}  // namespace
+
+void refuse_unconverted(const fs::path& path, std::string_view start, bool arrays_only) {
+  for (const Converter& converter : kConverters)
+    if ((converter.makes_arrays || !arrays_only) && converter.reads(path, start))
+      throw Error(ErrorKind::usage, fmt::format("{} is {}: convert it with scripts/convert/{}",
+                                                path.string(), converter.what, converter.script));
+}
+
+void refuse_unconverted_format(std::string_view format) {
+  for (const Converter& converter : kConverters)
+    if (converter.format == format)
+      throw Error(ErrorKind::usage,
+                  fmt::format("Programs do not read the format {}: convert it with "
+                              "scripts/convert/{}",
+                              format, converter.script));
+}
+
+}  // namespace vpr

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""What scripts/convert/vpr_bench.py makes of files, and what the programs say of them.
+   vpr_bench.py SOURCE BIN [CORRIDOR]; ends with 77 (skipped) without NumPy."""
+import os
+import pathlib
+import pickle
+import subprocess
+import sys
+import tempfile
+
+try:
+    import numpy
+except ModuleNotFoundError:
+    print("skipped: python3-numpy is not installed")
+    sys.exit(77)
+
+source, programs = map(pathlib.Path, sys.argv[1:3])
+corridor = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+folder = pathlib.Path(tempfile.mkdtemp())
+
+
+def run(*words):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True)
+
+
+def convert(path):
+    return run(sys.executable, source / "scripts/convert/vpr_bench.py", path)
+
+
+def table(rows, shape):
+    array = numpy.empty(shape, dtype=object)
+    for at, row in enumerate(rows):
+        array[at] = row
+    path = folder / "g.npy"
+    numpy.save(path, array, allow_pickle=True)
+    return path
+
+
+def check(path, expected):
+    found = convert(path)
+    assert (found.returncode, found.stdout) == (0, expected), (expected, found)
+
+
+two = "query,reference\n0,1\n0,2\n2,0\n"
+check(table([(0, [1, 2]), (1, []), (2, (0,))], (3, 2)), two)
+check(table([(0, numpy.array([1, 2])), (1, range(0)), (2, [numpy.int64(0)])], (3, 2)), two)
+check(table([[1, 2], numpy.array([], dtype=int), [0.0]], 3), two)
+
+# The programs read what it writes, and say what to do with what it reads.
+pairs = folder / "pairs.csv"
+pairs.write_text(two)
+checked = run(programs / "vpr-eval", "check", pairs, "--query-frames", "3", "--train-frames", "3")
+assert checked.returncode == 0, checked
+for words in (("check", folder / "g.npy"), ("check", folder / "g.npy", "--ground-truth-format", "vpr-bench"),
+              ("convert", folder / "g.npy", "--to", "pairs", "-o", folder / "p.csv")):
+    refused = run(programs / "vpr-eval", *words)
+    assert refused.returncode == 2, refused
+    assert "scripts/convert/vpr_bench.py" in refused.stderr, refused
+
+
+# A pickle that would run something is refused, and nothing runs; so is what is damaged.
+class Hostile:
+    def __reduce__(self):
+        return os.system, (f"touch {folder}/HERE",)
+
+
+hostile = table([(0, [1]), (1, Hostile())], (2, 2))
+refused = convert(hostile)
+assert refused.returncode != 0 and "it would run" in refused.stderr, refused
+assert not (folder / "HERE").exists()
+whole = table([(0, [1, 2])], (1, 2)).read_bytes()
+for bad in (whole[: len(whole) // 2], whole[:-4], b"", b"query,reference\n0,1\n"):
+    (folder / "bad.npy").write_bytes(bad)
+    refused = convert(folder / "bad.npy")
+    assert refused.returncode != 0 and refused.stdout == "" and "bad.npy" in refused.stderr, refused
+assert convert(table([(0, [0.5])], (1, 2))).returncode != 0
+assert convert(folder / "none.npy").returncode != 0
+
+if corridor and corridor.exists():
+    check(corridor / "ground_truth_new.npy", (corridor / "ground_truth.csv").read_text())
