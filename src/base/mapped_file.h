@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace vpr {
@@ -28,5 +29,9 @@ class MappedFile {
   const std::byte* data_ = nullptr;
   size_t size_ = 0;
 };
+
+/// The bytes of a file that another program may change or truncate meanwhile, which would kill a
+/// process that maps it: as many as it had when it was opened, or fewer. Throws as MappedFile does.
+std::string read_whole_file(const std::filesystem::path& path);
 
 }  // namespace vpr

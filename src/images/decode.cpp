@@ -1,6 +1,7 @@
 #include "images/decode.h"
 
 #include <limits>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -14,32 +15,49 @@ namespace vpr {
 namespace {
 
 constexpr std::string_view kJpegStart = "\xff\xd8\xff";
-constexpr std::string_view kJpegEnd = "\xff\xd9";
-constexpr uint8_t kStartOfScan = 0xda;
+constexpr size_t kMostScans = 100;  // usual progressive JPEGs have about 10
 
-// Where the compressed data of a JPEG begin: after the segments, whose previews hold end marks of
-// their own. npos if the segments themselves are cut.
-size_t jpeg_scan_start(std::string_view file) {
-  size_t at = 2;
-  while (at + 4 <= file.size()) {
-    const auto byte = [&](size_t i) { return static_cast<uint8_t>(file[at + i]); };
-    if (byte(0) != 0xff) return std::string_view::npos;
-    if (byte(1) == 0xff) {  // fill byte
-      ++at;
-      continue;
-    }
-    if (byte(1) == kStartOfScan) return at;
-    at += 2 + (size_t{byte(2)} << 8 | byte(3));
-  }
-  return std::string_view::npos;
+bool has(std::string_view file, size_t at, std::string_view bytes) {
+  return file.size() > at && file.substr(at).starts_with(bytes);
 }
 
-bool is_truncated_jpeg(std::string_view file) {
-  if (!file.starts_with(kJpegStart)) return false;
-  const size_t scan = jpeg_scan_start(file);
-  if (scan == std::string_view::npos) return true;
-  const size_t end = file.rfind(kJpegEnd);
-  return end == std::string_view::npos || end < scan;
+// By signature: OpenCV has more decoders, of formats that cameras do not write, and some of them
+// crash on damaged files. DICOM is recognized by bytes that may follow any other signature.
+bool is_accepted_format(std::string_view file) {
+  using namespace std::string_view_literals;
+  if (has(file, 128, "DICM")) return false;
+  for (const std::string_view start :
+       {kJpegStart, "\x89PNG\r\n\x1a\n"sv, "II*\0"sv, "MM\0*"sv, "BM"sv})
+    if (file.starts_with(start)) return true;
+  const bool is_pnm = file.size() > 2 && file[0] == 'P' && "2356"sv.find(file[1]) != file.npos;
+  return is_pnm || (file.starts_with("RIFF") && has(file, 8, "WEBPVP8"));
+}
+
+struct JpegScans {
+  size_t count = 0;
+  size_t first = std::string_view::npos;
+};
+
+// Segments are skipped by their length: their previews have marks of their own.
+JpegScans jpeg_scans(std::string_view file) {
+  JpegScans scans;
+  const auto byte = [&](size_t i) { return static_cast<uint8_t>(file[i]); };
+  for (size_t at = file.find('\xff', 2); at < file.size() - 3; at = file.find('\xff', at)) {
+    const uint8_t mark = byte(at + 1);
+    const bool is_data = mark < 0xc0 || (mark >= 0xd0 && mark <= 0xd7);
+    if (mark == 0xd9) break;
+    if (mark == 0xda && scans.count++ == 0) scans.first = at;
+    if (mark == 0xff)  // a fill byte
+      ++at;
+    else
+      at += is_data ? 2 : 2 + (size_t{byte(at + 2)} << 8 | byte(at + 3));
+  }
+  return scans;
+}
+
+bool is_truncated(std::string_view jpeg, const JpegScans& scans) {
+  const size_t end = jpeg.rfind("\xff\xd9");
+  return scans.count == 0 || end == std::string_view::npos || end < scans.first;
 }
 
 // Beyond what check_frame_size may allow; OpenCV keeps to itself how large.
@@ -58,13 +76,18 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
                 fmt::format("{}: can't be decoded: {}; remove it, or give --skip-unreadable",
                             path.string(), why));
   };
-  const MappedFile file(path);
-  if (file.text().empty()) fail("the file is empty");
-  if (is_truncated_jpeg(file.text())) fail("the JPEG is truncated");
-  if (file.text().size() > static_cast<size_t>(std::numeric_limits<int>::max()))
+  const std::string file = read_whole_file(path);
+  if (file.empty()) fail("the file is empty");
+  if (!is_accepted_format(file)) fail("it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image");
+  if (file.starts_with(kJpegStart)) {
+    const JpegScans scans = jpeg_scans(file);
+    if (scans.count > kMostScans)
+      fail(fmt::format("the JPEG has {} scans, more than {}", scans.count, kMostScans));
+    if (is_truncated(file, scans)) fail("the JPEG is truncated");
+  }
+  if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     fail("the file is larger than 2 GiB");
-  const cv::Mat bytes(1, static_cast<int>(file.text().size()), CV_8U,
-                      const_cast<char*>(file.text().data()));
+  const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
   cv::Mat image;
   try {
     const CodecScope scope(path);
@@ -74,7 +97,7 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
     if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos) fail_as_too_large(path);
     fail(error.err);
   }
-  if (image.empty()) fail("it is damaged or not an image");
+  if (image.empty()) fail("it is damaged");
   return image;
 }
 

@@ -13,9 +13,11 @@ namespace vpr {
 enum class PixelFormat { grey, bgr };
 
 /// 8 bits a channel, as OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR decodes, EXIF orientation
-/// applied. Throws Error(input), naming the file, when it is missing, empty, not an image, or
-/// truncated (OpenCV itself fills the missing part of a JPEG with grey); Error(usage) when it is
-/// larger than the MegapixelLimit, before any memory is taken for its pixels.
+/// applied. Throws Error(input), naming the file, when it is missing, empty, damaged, or not a
+/// JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is
+/// truncated (OpenCV itself fills the missing part with gray) or has more than 100 scans;
+/// Error(usage) when it is larger than the MegapixelLimit, before memory is allocated for its
+/// pixels.
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format);
 
 }  // namespace vpr

@@ -2,13 +2,16 @@
 
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
 #include <poll.h>
 #include <sys/inotify.h>
 #include <unistd.h>
 
 #include "base/error.h"
+#include "images/decode.h"
 #include "images/sequence.h"
 
 namespace vpr {
@@ -66,7 +69,8 @@ void GrowingFolder::take_event(const std::string& name, uint32_t event, const Mo
   if (!is_frame_name(name)) return;
   if (is_later(name)) {
     waiting_.insert(name);
-    if ((event & IN_CREATE) == 0) complete_.insert(name);
+    if ((event & IN_MOVED_TO) != 0) renamed_.insert(name);
+    if ((event & IN_CLOSE_WRITE) != 0) closed_.insert(name);
   } else if (natural_less(name, last_) && (event & IN_CLOSE_WRITE) == 0) {
     warn(monitor, fmt::format("{}: came after {}, which was taken before, and is left out",
                               (folder_ / name).string(), last_));
@@ -101,6 +105,26 @@ bool GrowingFolder::has_rested(const std::string& name) {
   return size > 0 && now - resting_->since >= rest_for_;
 }
 
+bool GrowingFolder::can_be_decoded(const std::string& name, const Monitor& monitor) {
+  try {
+    decode_image(folder_ / name, PixelFormat::grey);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) return true;
+    closed_.erase(name);
+    resting_.reset();
+    if (std::exchange(incomplete_, name) != name)
+      warn(monitor, fmt::format("{}: is incomplete; waiting for the rest of it, or a later image",
+                                (folder_ / name).string()));
+    return false;
+  }
+  return true;
+}
+
+bool GrowingFolder::is_complete(const std::string& name, const Monitor& monitor) {
+  if (renamed_.contains(name) || waiting_.size() > 1) return true;
+  return (closed_.contains(name) || has_rested(name)) && can_be_decoded(name, monitor);
+}
+
 void GrowingFolder::wait() const {
   pollfd events{events_, POLLIN, 0};  // a negative one is passed over
   ::poll(&events, 1, kPatienceMs);
@@ -113,9 +137,10 @@ fs::path GrowingFolder::next(const Monitor& monitor) {
     look();
     if (waiting_.empty()) continue;
     const std::string name = *waiting_.begin();
-    if (!complete_.contains(name) && waiting_.size() == 1 && !has_rested(name)) continue;
+    if (!is_complete(name, monitor)) continue;
     waiting_.erase(name);
-    complete_.erase(name);
+    renamed_.erase(name);
+    closed_.erase(name);
     last_ = name;
     return folder_ / name;
   }

@@ -15,10 +15,10 @@
 namespace vpr {
 
 /// The images of a folder in natural order, each as soon as it is complete: it was renamed into the
-/// folder, or closed by who wrote it; a later one is there; or its size has not changed for a
-/// while, which is how a file is judged that was there before, or on a file system that tells
-/// nothing, at which it looks every second. An image that comes after a later one was given is left
-/// out, with a warning where the system tells of it.
+/// folder, a later one is there, or it can be decoded after its writer closed it or after its size
+/// has not changed for a while (a file that was there before, or a file system without events,
+/// which is read every second). An image that arrives after a later one was taken is
+/// omitted, with a warning where there are events.
 class GrowingFolder {
  public:
   /// `rest`: how long a size must not change. Throws Error(input) for what can't be read.
@@ -49,6 +49,8 @@ class GrowingFolder {
   void take_event(const std::string& name, uint32_t event, const Monitor& monitor);
   bool is_later(const std::string& name) const;
   bool has_rested(const std::string& name);
+  bool can_be_decoded(const std::string& name, const Monitor& monitor);
+  bool is_complete(const std::string& name, const Monitor& monitor);
   void wait() const;
 
   std::filesystem::path folder_;
@@ -57,9 +59,11 @@ class GrowingFolder {
   std::optional<Clock::time_point> looked_;
   std::filesystem::file_time_type changed_;  ///< when it was looked at
   std::set<std::string, NaturalLess> waiting_;
-  std::set<std::string> complete_;  ///< of those
-  std::string last_;                ///< that was given
+  std::set<std::string> renamed_;  ///< waiting names that were renamed into the folder
+  std::set<std::string> closed_;   ///< waiting names whose writer closed them
+  std::string last_;               ///< that was given
   std::optional<Rest> resting_;
+  std::string incomplete_;  ///< that a warning named
 };
 
 }  // namespace vpr

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/utf8.h"
 #include "images/camera.h"
 #include "images/growing_folder.h"
 #include "images/video_reader.h"
@@ -93,7 +94,9 @@ class LivePipe : public LiveSource {
   std::optional<std::string> take_line() {
     const size_t end = text_.find('\n');
     if (end == std::string::npos && (!ended_ || text_.empty())) return std::nullopt;
-    std::string line = text_.substr(0, end);
+    std::string line(is_first_line_ ? without_byte_order_mark(text_.substr(0, end))
+                                    : text_.substr(0, end));
+    is_first_line_ = false;
     text_.erase(0, end == std::string::npos ? end : end + 1);
     if (line.ends_with('\r')) line.pop_back();
     return line;
@@ -113,6 +116,7 @@ class LivePipe : public LiveSource {
 
   int descriptor_;
   std::string text_;
+  bool is_first_line_ = true;
   bool ended_ = false;
 };
 

@@ -19,9 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 12> kImageExtensions = {".jpg", ".jpeg", ".jpe",  ".png",
-                                                               ".bmp", ".pgm",  ".ppm",  ".pnm",
-                                                               ".tif", ".tiff", ".webp", ".jp2"};
+constexpr std::array<std::string_view, 11> kImageExtensions = {
+    ".jpg", ".jpeg", ".jpe", ".png", ".bmp", ".pgm", ".ppm", ".pnm", ".tif", ".tiff", ".webp"};
 constexpr std::array<std::string_view, 1> kArrayExtensions = {".npy"};
 constexpr std::array<std::string_view, 3> kListExtensions = {".txt", ".lst", ".csv"};
 
@@ -154,6 +153,8 @@ Sequence open_sequence(const SequenceArgument& argument) {
         fmt::format(
             "{}: is neither a folder nor a regular file{}", path.string(),
             fs::is_character_file(status) ? "; vpr-query follows a camera with --follow" : ""));
+  } else if (fs::is_empty(path, error)) {  // a file of /proc, which would never end, seems so
+    throw Error(ErrorKind::input, fmt::format("{}: is an empty file", path.string()));
   } else {
     sequence.kind = SequenceKind::video;
     return sequence;

@@ -131,7 +131,9 @@ TEST_CASE("image paths on standard input are followed to their end") {
   Running live("vpr-query",
                words_of("-", {"--c-l", "2", "--follow", "--t-r", "300", "--t-r-scale", "bits"}));
   for (const std::string name : {"00000.png", "00001.png"}) {
-    live.write("# a note\n\n" + (walk / name).string() + "\n");
+    // Some editors begin a list with a byte order mark.
+    live.write((name == "00000.png" ? "\xef\xbb\xbf" : "# a note\n\n") + (walk / name).string() +
+               "\n");
     const Json line = Json::parse(live.line());
     CHECK(line["name"] == name);
     CHECK(line["match"].is_null() == (name == "00000.png"));

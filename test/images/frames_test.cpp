@@ -2,6 +2,7 @@
 
 #include <map>
 #include <mutex>
+#include <thread>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -132,9 +133,77 @@ TEST_CASE("a JPEG whose preview is complete but whose picture is cut counts as t
   CHECK(test::error_kind([&] { read_all({folder.path(), {}}); }) == ErrorKind::input);
 }
 
+TEST_CASE("images are accepted by their first bytes, whatever their names say") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& bytes) {
+    test::write_text(folder / "1.png", bytes);
+    return test::error_text([&] { read_all({folder.path(), {}}); });
+  };
+  const auto encoded = [](const std::string& extension, const cv::Mat& image) {
+    std::vector<uint8_t> bytes;
+    REQUIRE(cv::imencode(extension, image, bytes));
+    return std::string(bytes.begin(), bytes.end());
+  };
+  cv::Mat image(128, 128, CV_8UC3);  // OpenJPEG compresses nothing much smaller
+  cv::randu(image, 0, 256);
+  for (const char* extension : {".jpg", ".png", ".tiff", ".bmp", ".ppm", ".webp"})
+    CHECK(read(encoded(extension, image)).empty());
+  CHECK(read(encoded(".pgm", image.reshape(1))).empty());
+  CHECK(read("P2\n2 1\n255\n7 9\n").empty());
+
+  std::string dicom = std::string(128, '\0') + "DICM";
+  cv::Mat floats;
+  image.convertTo(floats, CV_32FC3);
+  for (const std::string& refused :
+       {encoded(".jp2", image), encoded(".ras", image), encoded(".hdr", floats),
+        encoded(".pfm", floats), dicom, "RIFF\x4\1\0\0WEBPVP8 " + dicom.substr(16),
+        std::string("GIF89a"), std::string("v/1\x01"), std::string("P7\n"), std::string("x")}) {
+    INFO(refused.substr(0, 10));
+    CHECK(read(refused).find("it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image") !=
+          std::string::npos);
+  }
+}
+
+TEST_CASE("a progressive JPEG is decoded, and refused with thousands of scans") {
+  cv::Mat image(48, 64, CV_8UC3);
+  cv::randu(image, 0, 256);
+  std::vector<uint8_t> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  std::string jpeg(bytes.begin(), bytes.end());
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "1.jpg", jpeg);
+  CHECK(read_all({folder.path(), {}}).images.size() == 1);
+  const size_t last = jpeg.rfind("\xff\xda");
+  const std::string scan = jpeg.substr(last, jpeg.size() - 2 - last);
+  for (int i = 0; i < 3000; ++i) jpeg.insert(jpeg.size() - 2, scan);
+  test::write_text(folder / "1.jpg", jpeg);
+  CHECK(test::error_text([&] {
+          read_all({folder.path(), {}});
+        }).find("the JPEG has 3010 scans, more than 100") != std::string::npos);
+}
+
+TEST_CASE("a file that is truncated while it is read is damaged, and nothing worse") {
+  const test::TemporaryFolder folder;
+  cv::Mat image(2000, 3000, CV_8UC3);
+  cv::randu(image, 0, 256);
+  cv::imwrite(folder / "1.bmp", image);
+  const auto size = fs::file_size(folder / "1.bmp");
+  for (int trial = 0; trial < 20; ++trial) {
+    std::jthread writer([&] {
+      fs::resize_file(folder / "1.bmp", 100);
+      fs::resize_file(folder / "1.bmp", size);
+    });
+    try {
+      decode_image(folder / "1.bmp", PixelFormat::grey);
+    } catch (const Error& error) {
+      CHECK(error.kind() == ErrorKind::input);
+    }
+  }
+}
+
 TEST_CASE("a picture of more pixels than are allowed is refused, whatever its format") {
   const std::string extension =
-      GENERATE(as<std::string>(), ".png", ".jpg", ".bmp", ".pgm", ".tiff", ".webp", ".jp2");
+      GENERATE(as<std::string>(), ".png", ".jpg", ".bmp", ".pgm", ".tiff", ".webp");
   const test::TemporaryFolder folder;
   const MegapixelLimit limit(1);
   for (int i = 0; i < 6; ++i) test::write_image(folder / fmt::format("{}.png", i), i);

@@ -48,17 +48,53 @@ TEST_CASE("images are given in natural order, as soon as they are renamed into a
 TEST_CASE("a file that is being written is waited for") {
   const test::TemporaryFolder folder;
   GrowingFolder growing(folder.path(), 1h);
-  std::ofstream file(folder / "1.png");
-  file << "half" << std::flush;
+  test::write_image(folder / ".whole.png", 1);
+  const std::string image = test::read_text(folder / ".whole.png");
+  std::ofstream file(folder / "1.png", std::ios::binary);
+  file << image.substr(0, 50) << std::flush;
   auto next = std::async(std::launch::async, [&] { return fs::file_size(growing.next({})); });
-  file << " and half" << std::flush;
+  file << image.substr(50) << std::flush;
   file.close();
-  CHECK(next.get() == 13);
+  CHECK(next.get() == image.size());
+}
+
+TEST_CASE("an image whose writer pauses is waited for, and a warning names it once") {
+  const test::TemporaryFolder folder;
+  test::write_image(folder / ".whole.png", 1);
+  const std::string image = test::read_text(folder / ".whole.png");
+  const bool is_closed = GENERATE(false, true);  // between the parts
+  GrowingFolder growing(folder.path(), 0ms);
+  std::ofstream file(folder / "1.png", std::ios::binary);
+  file << image.substr(0, 50) << std::flush;
+  if (is_closed) file.close();
+  std::promise<void> was_incomplete;
+  int warnings = 0;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) {
+    CHECK(sentence.find("1.png: is incomplete") != std::string::npos);
+    if (warnings++ == 0) was_incomplete.set_value();
+  };
+  auto next = std::async(std::launch::async, [&] { return fs::file_size(growing.next(monitor)); });
+  was_incomplete.get_future().wait();
+  if (is_closed) file.open(folder / "1.png", std::ios::binary | std::ios::app);
+  file << image.substr(50) << std::flush;
+  file.close();
+  CHECK(next.get() == image.size());
+  CHECK(warnings == 1);
+}
+
+TEST_CASE("a damaged image is given when a later one is there, or when it was renamed") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "1.png", "x");
+  GrowingFolder growing(folder.path(), 1h);
+  put(folder.path(), "2.png");
+  CHECK(growing.next({}) == folder / "1.png");
+  CHECK(growing.next({}) == folder / "2.png");
 }
 
 TEST_CASE("a file that was there is given when its size rests") {
   const test::TemporaryFolder folder;
-  put(folder.path(), "1.png");
+  test::write_image(folder / "1.png", 1);
   GrowingFolder growing(folder.path(), 0ms);
   CHECK(growing.next({}) == folder / "1.png");
 }

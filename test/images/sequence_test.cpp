@@ -110,6 +110,17 @@ TEST_CASE("what is no sequence is an input error that names it") {
   CHECK(test::error_kind([&] { open_sequence({folder / name, {}}); }) == ErrorKind::input);
 }
 
+TEST_CASE("an empty file, as files of /proc are, is not opened as a video") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "walk.mp4", "");
+  for (const fs::path& path : {folder / "walk.mp4", fs::path("/proc/kmsg")}) {
+    if (!fs::exists(path)) continue;  // /proc/kmsg, in some containers
+    CHECK(test::error_text([&] {
+            open_sequence({path, {}});
+          }) == path.string() + ": is an empty file");
+  }
+}
+
 TEST_CASE("sequences are named by their folder, with parents where two are equal") {
   const auto names = [](const std::vector<std::string>& texts) {
     std::vector<SequenceArgument> arguments;
