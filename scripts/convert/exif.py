@@ -22,10 +22,18 @@ SUFFIXES = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp"}
 GPS, CAMERA = 0x8825, 0x8769  # directories of tags
 
 
+def number(value):
+    """A tag as a number; NaN for a quotient by 0 and for anything else."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, ZeroDivisionError):
+        return math.nan
+
+
 def degrees(parts):
     if not isinstance(parts, tuple) or len(parts) != 3:
         return math.nan
-    return sum(float(part) / 60 ** power for power, part in enumerate(parts))
+    return sum(number(part) / 60 ** power for power, part in enumerate(parts))
 
 
 def position(image, tags):
@@ -80,7 +88,7 @@ def convert(arguments):
         tags = read_tags(image_module, path)
         gps = tags.get_ifd(GPS)
         place = position(path, gps) or ("", "")
-        heading = float(gps.get(17, math.nan))
+        heading = number(gps.get(17))
         time = time_taken(tags.get_ifd(CAMERA))
         lacks_zone = lacks_zone or (time is not None and not time[1])
         rows.append({"image": path.name, "lat": place[0], "lon": place[1],

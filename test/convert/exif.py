@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""EXIF tags of images as CSV: exif.py SOURCE BIN."""
+import shutil
+
+import support
+
+image_module, tiff = support.packages("PIL.Image", "PIL.TiffImagePlugin")
+folder, convert = support.folder, support.converter("exif.py")
+photos = folder / "photos"
+
+
+def image(name, gps=None, camera=None):
+    exif = image_module.Exif()
+    exif.update({tag: tags for tag, tags in ((0x8825, gps), (0x8769, camera)) if tags})
+    photos.mkdir(exist_ok=True)
+    image_module.new("L", (8, 8)).save(photos / name, exif=exif)
+
+
+def angle(degrees, minutes, hundredths, divisor=100):
+    return tuple(tiff.IFDRational(*part) for part in ((degrees, 1), (minutes, 1), (hundredths, divisor)))
+
+
+def place(hundredths, **more):
+    tags = {1: "N", 2: angle(52, 0, hundredths), 3: "E", 4: angle(13, 0, 0)}
+    return {**tags, **{int(key[1:]): value for key, value in more.items()}}
+
+
+def rows():
+    outcome = support.good(convert(photos, "-o", folder / "p.csv", "--force"))
+    return (folder / "p.csv").read_text().splitlines(), outcome.stderr
+
+
+image("IMG_10.jpg", place(36, _1="S", _3="W", _17=tiff.IFDRational(181, 2)),
+      {0x9003: "2024:05:01 14:00:03", 0x9291: "25", 0x9011: "+02:00"})
+image("IMG_9.jpg", place(0), {0x9003: "2024:05:01 12:00:00"})
+(photos / "notes.txt").write_text("x")
+lines, warning = rows()
+assert lines == ["image,lat,lon,heading,time", "IMG_9.jpg,52.0,13.0,,1714564800",
+                 "IMG_10.jpg,-52.0001,-13.0,90.5,1714564803.25"], lines
+assert "--offset -7200" in warning
+
+# Positions of the query by name, and times of the frames.
+image("IMG_10.jpg", place(20), {0x9003: "2024:05:01 12:00:03"})
+rows()
+(folder / "r.csv").write_text("lat,lon\n52,13\n52.0000555,13\n")
+truth = (folder / "p.csv", "--ground-truth-reference", folder / "r.csv", "--radius", "1")
+for more in (("--query-images", photos), ("--query-times", folder / "p.csv")):
+    support.good(support.run(support.programs / "vpr-eval", "convert", *truth, *more, "--to", "pairs", "-o",
+                             folder / "pairs.csv", "--force"))
+    assert (folder / "pairs.csv").read_text() == "query,reference\n0,0\n1,1\n", more
+outcome = support.run(support.programs / "vpr-eval", "check", photos, *truth[1:])
+assert outcome.returncode != 0 and "scripts/convert/exif.py" in outcome.stderr, outcome
+
+# Positions that are none.
+for bad in (place(0, _9="V"), place(0, _2=angle(52, 0, 0, 0)), {}, {2: angle(0, 0, 0), 4: angle(0, 0, 0)}):
+    image("IMG_10.jpg", bad)
+    assert rows()[0][2] == "IMG_10.jpg,,,", bad
+for bad, words in ((place(0, _2=angle(95, 0, 0)), "not on the globe"), (place(0, _3=""), "E or W")):
+    image("IMG_10.jpg", bad)
+    support.refused(convert(photos, "-o", folder / "x.csv"), 4, words)
+(photos / "IMG_10.jpg").write_bytes(b"\xff\xd8\xff")
+support.refused(convert(photos, "-o", folder / "x.csv"), 3, "IMG_10.jpg")
+shutil.rmtree(photos)
+image("a.jpg")
+support.refused(convert(photos, "-o", folder / "x.csv"), 4, "no image has a GPS position")
+support.refused(convert(folder / "none", "-o", folder / "x.csv"), 3, "none")
