@@ -1,4 +1,4 @@
-// vpr-bench: how long everything takes on this machine, beside the paper's times.
+// vpr-bench: times of each step on this machine.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -8,12 +8,9 @@
 #include "bench/describe_bench.h"
 #include "bench/fabmap_bench.h"
 #include "bench/matching_bench.h"
-#include "bench/nordland_bench.h"
 #include "bench/realtime_bench.h"
-#include "bench/replay_work.h"
 #include "bench_compare.h"
 #include "common/command.h"
-#include "database/family.h"
 #include "descriptors/frame_descriptors.h"
 #include "images/sequence.h"
 #include "pipeline/score_basis.h"
@@ -59,7 +56,6 @@ std::string report_text(const BenchResult& result, TableFormat format) {
   for (const Table& table : readable_tables(result))
     text += (text.empty() ? "" : "\n") + render_table(table, format);
   for (const std::string& sentence : result.left_out) text += "Left out: " + sentence + ".\n";
-  if (!result.paper.empty()) text += "\n" + render_table(paper_table(result), format);
   return text;
 }
 
@@ -102,58 +98,52 @@ std::vector<LdbCode> describe(const std::string& path, const Monitor& monitor) {
                                                    Unreadable::fail, monitor));
 }
 
-void add_matching(Program& program, Bench<MatchingBenchSettings>& bench) {
+/// Real frames for vpr-bench matching.
+struct RecordedInputs {
+  std::string train;
+  std::string query;
+};
+
+BenchResult run_matching(Session& session, const RecordedInputs& inputs,
+                         const MatchingBenchSettings& settings) {
+  if (inputs.train.empty() != inputs.query.empty())
+    throw Error(ErrorKind::usage, "--train and --query belong together: pass both or neither");
+  if (!inputs.train.empty() && settings.descriptor_length != 0)
+    throw Error(ErrorKind::usage, "--descriptor-length has no effect on --train; omit one of them");
+  std::optional<RecordedCodes> recorded;
+  if (!inputs.train.empty())
+    recorded = {describe(inputs.train, session.monitor), describe(inputs.query, session.monitor)};
+  BenchResult result =
+      bench_matching(settings, recorded, session.options.seed, session.kernels, session.monitor);
+  add_matching_comparisons(result, settings);
+  return result;
+}
+
+void add_matching(Program& program, Bench<MatchingBenchSettings>& bench, RecordedInputs& inputs) {
   const Command command = add_bench(
-      program, bench, "matching", "Matching time against database size and window length (tab6).",
+      program, bench, "matching",
+      "Time matching against database size and window length (the paper's tables 5 to 7).",
       "  vpr-bench matching -o matching.json --plot plots\n"
-      "  vpr-bench matching --query-frames 500,1000,1500,2000 --databases 8000 --c-l 40\n"
+      "  vpr-bench matching --databases 1000,10000,100000 --c-l 300\n"
+      "  vpr-bench matching --train summer.mp4 --query winter.mp4 --databases 1000\n"
       "  vpr-bench matching --descriptor-length 512 --databases 100000 --c-l 20",
-      [](Session& session, const MatchingBenchSettings& settings) {
-        BenchResult result =
-            bench_matching(settings, session.options.seed, session.kernels, session.monitor);
-        add_matching_comparisons(result, settings);
-        return result;
+      [&inputs](Session& session, const MatchingBenchSettings& settings) {
+        return run_matching(session, inputs, settings);
       });
   add_names(command, "--methods", bench.settings.methods,
-            "of fastable-online, fastable, standardized, filter, openable, lsh, plain-fastable, "
-            "plain-openable");
+            "methods: fastable-online, fastable, standardized, filter, openable, lsh");
   add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
   add_numbers(command, "--c-l", bench.settings.window_lengths, "window lengths c_l");
   add_numbers(command, "--query-frames", bench.settings.query_frames, "query lengths in frames");
   add_setting(command, "--descriptor-length", bench.settings.descriptor_length,
-              "vectors of so many numbers, as of a network, instead of LDB codes");
+              "dimensions of generated vectors to compare (default: 0, LDB codes)");
   add_setting(command, "--precision", bench.settings.precision,
-              "bits of a number of these vectors: 16 (default) or 8");
-  add_setting(command, "--seconds", bench.settings.seconds, "of each measurement (default 0.3)");
-}
-
-void add_nordland(Program& program, Bench<NordlandBenchSettings>& bench, std::string& train,
-                  std::string& query) {
-  const Command command = add_bench(
-      program, bench, "nordland", "Long databases with c_l 300 (tab5, tab7).",
-      "  vpr-bench nordland -o nordland.json\n"
-      "  vpr-bench nordland --train summer.mp4 --query winter.mp4@0:1000 --databases 1000,10000",
-      [&train, &query](Session& session, const NordlandBenchSettings& settings) {
-        if (train.empty() != query.empty())
-          throw Error(ErrorKind::usage, "give both --train and --query, or neither");
-        std::optional<RecordedCodes> recorded;
-        if (!train.empty())
-          recorded = {describe(train, session.monitor), describe(query, session.monitor)};
-        return bench_nordland(settings, recorded, session.options.seed, session.kernels,
-                              session.monitor);
-      });
-  add_names(command, "--methods", bench.settings.methods,
-            "of fastable-online, fastable, standardized, filter, openable, plain-fastable, "
-            "plain-openable, lsh");
-  add_numbers(command, "--databases", bench.settings.databases, "database sizes in frames");
-  add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 300)");
-  add_setting(command, "--query-frames", bench.settings.query_frames,
-              "of the query (default 1000)");
-  add_setting(command, "--lsh-most-frames", bench.settings.lsh_most_frames,
-              "longer databases are not hashed (default 100000)");
-  add_setting(command, "--seconds", bench.settings.seconds, "of each measurement (default 1)");
-  command.add_option("--train", train, "real frames instead of generated codes: the database");
-  command.add_option("--query", query, "real frames instead of generated codes: the query");
+              "bits per value of these vectors: 16 or 8 (default: 16)");
+  add_setting(command, "--seconds", bench.settings.seconds,
+              "least time of a measurement (default: 0.3)");
+  command.add_option("--train", inputs.train,
+                     "training frames (default: generated LDB codes); needs --query");
+  command.add_option("--query", inputs.query, "query frames for --train");
 }
 
 void add_describe(Program& program, Bench<DescribeBenchSettings>& bench, std::string& images) {
@@ -192,56 +182,47 @@ void add_fabmap(Program& program, Bench<FabmapBenchSettings>& bench) {
 struct RealtimeInputs {
   std::string database;
   std::string query;
-  bool find_largest = false;
 };
 
 BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
                          const RealtimeBenchSettings& settings) {
   const Sequence query = open_sequence(parse_sequence_argument(inputs.query));
-  BenchResult result;
-  SequenceDatabase database;
-  if (database_family(inputs.database) == DatabaseFamily::fabmap) {
-    const FabmapDatabase places = read_fabmap_database(inputs.database);
-    result = bench_realtime(query, fabmap_work(places, {}), settings, session.monitor);
-  } else {
-    database = read_sequence_database(inputs.database);
-    if (settings.method == "filter") ensure_statistics(database, session.monitor);
-    result = bench_realtime(query, sequence_work(database, settings, session.kernels), settings,
-                            session.monitor);
-  }
-  const bool is_ldb = database.descriptors.kind == &descriptor_kinds().front();
-  if (inputs.find_largest)
-    find_largest_database(result, settings, session.kernels, session.options.seed,
-                          is_ldb ? DescriptorRows() : database.descriptors.rows(), session.monitor);
-  return result;
+  SequenceDatabase database = read_sequence_database(inputs.database);
+  if (database.descriptors.kind->is_imported)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has imported descriptors. Frames cannot be described alike",
+                            inputs.database));
+  if (score_kind(live_settings(settings).score).needs_statistics)
+    ensure_statistics(database, session.monitor);
+  QueryResources resources;
+  resources.kernels = session.kernels;
+  resources.seed = session.options.seed;
+  return bench_realtime(database, query, settings, resources, session.monitor);
 }
 
 void add_realtime(Program& program, Bench<RealtimeBenchSettings>& bench, RealtimeInputs& inputs) {
-  const Command command = add_bench(
-      program, bench, "realtime", "Replay a recording at its rate: latency and missed deadlines.",
-      "  vpr-bench realtime corridor.vprdb --query corridor/query --rate 10 --largest\n"
-      "  vpr-bench realtime network.vprdb --query q.npy --rate 30",
-      [&inputs](Session& session, const RealtimeBenchSettings& settings) {
-        return run_realtime(session, inputs, settings);
-      });
-  command.add_option("DB", inputs.database, "database of either method").required();
-  command
-      .add_option("--query", inputs.query,
-                  "folder or list of images; of a database of vpr-train descriptors, n x d numbers "
-                  "or a folder with a .npy file a frame")
-      .required();
+  const Command command =
+      add_bench(program, bench, "realtime",
+                "Replay a recording at its frame rate, as vpr-query --follow processes it: latency "
+                "and missed "
+                "deadlines.",
+                "  vpr-bench realtime corridor.vprdb --query corridor/query --rate 10\n"
+                "  vpr-bench realtime corridor.vprdb --query walk --rate 30 --method filter",
+                [&inputs](Session& session, const RealtimeBenchSettings& settings) {
+                  return run_realtime(session, inputs, settings);
+                });
+  command.add_option("DB", inputs.database, "database of a sequence method").required();
+  command.add_option("--query", inputs.query, "folder or list of images").required();
   add_setting(command, "--method", bench.settings.method,
-              "of a database of sequences: fastable (default) or filter")
+              "matching method: fastable or filter (default: fastable)")
       .choices("METHOD", {"fastable", "filter"});
-  add_setting(command, "--rate", bench.settings.rate_hz, "frames a second (default 10)");
-  add_setting(command, "--frames", bench.settings.frames, "of the query at most (default 100)");
-  add_setting(command, "--c-l", bench.settings.window_length, "window length c_l (default 40)");
-  add_names(command, "--rates", bench.settings.rates, "of windows (default 1)").type_name("P/Q");
-  command.add_flag("--largest", inputs.find_largest,
-                   "find the largest database that keeps the rate with --share of a core (of LDB "
-                   "codes, or else of this database's descriptors again and again)");
-  add_setting(command, "--share", bench.settings.share_percent,
-              "per cent of one core (default 10)");
+  add_setting(command, "--score", bench.settings.score,
+              "window score: raw or standardized (default: raw)");
+  add_setting(command, "--rate", bench.settings.rate_hz, "frames per second (default: 10)");
+  add_setting(command, "--frames", bench.settings.frames,
+              "largest number of query frames (default: 100)");
+  add_setting(command, "--c-l", bench.settings.window_length,
+              "window length c_l in frames (default: 40)");
 }
 
 }  // namespace
@@ -251,16 +232,13 @@ int main(int argc, char** argv) {
   using namespace vpr;
   Program program(
       "vpr-bench",
-      "Measure times on this machine, checked before they are taken, on one core unless "
-      "--threads says otherwise.",
+      "Measure times on this machine, on one core unless --threads is set. Results are verified "
+      "before they are timed.",
       "  vpr-bench matching --databases 1000,8000 --c-l 20,80 -o matching.json");
   program.set_default_threads(1);
   Bench<MatchingBenchSettings> matching;
-  add_matching(program, matching);
-  Bench<NordlandBenchSettings> nordland;
-  std::string train;
-  std::string query;
-  add_nordland(program, nordland, train, query);
+  RecordedInputs recorded;
+  add_matching(program, matching, recorded);
   Bench<DescribeBenchSettings> describe;
   std::string images;
   add_describe(program, describe, images);

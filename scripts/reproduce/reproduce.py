@@ -124,7 +124,7 @@ def run_bench(experiment, laboratory):
     for index, command in enumerate(experiment["commands"]):
         stem = f"{experiment['name']}-{index + 1}"
         out = WORK / f"bench-{stem}.json"
-        data = nordland_data(laboratory.folder) if command[0] == "nordland" else []
+        data = nordland_data(laboratory.folder) if is_nordland(command) else []
         run(f"measure {' '.join(command)}", "vpr-bench", *command, *data, "--plot",
             figures / stem, "-o", out, "--force")
         bench = laboratory.written(out)
@@ -132,6 +132,11 @@ def run_bench(experiment, laboratory):
         measured += bench["rows"]
     rows = ((row, times_of(row, measured)) for row in experiment["rows"])
     return [(row, *found) for row, found in rows if found]
+
+
+def is_nordland(command):
+    """Whether a command measures the paper's Nordland tables, which have c_l 300."""
+    return "--c-l" in command and command[command.index("--c-l") + 1] == "300"
 
 
 def nordland_data(folder):
@@ -182,7 +187,7 @@ def main():
     cells = cells_of(KINDS[experiment["kind"]](experiment, laboratory))
     data = sorted(data.title for data in laboratory.data_sets.values())
     if experiment["kind"] == "bench":
-        real = arguments.data and experiment["commands"][0][0] == "nordland"
+        real = arguments.data and is_nordland(experiment["commands"][0])
         data = ["Nordland"] if real else ["generated codes, a stand-in"]
     title = f"{experiment['title']}: {', '.join(data)}"
     out = ROOT / "out" / arguments.experiment

@@ -31,12 +31,6 @@ double read_time(const Fields& row, const std::string& key) {
   return value.get<double>();
 }
 
-// Version 1 called the method of vpr-query's fastable-online fastable, and fastable fastable-batch.
-std::string work_of_version_1(const std::string& work) {
-  if (work == "fastable") return "fastable-online";
-  return work == "fastable-batch" ? "fastable" : work;
-}
-
 }  // namespace
 
 Json bench_json(const BenchResult& result, const RunInfo& run) {
@@ -55,17 +49,6 @@ Json bench_json(const BenchResult& result, const RunInfo& run) {
                             {"values", numbers_json(row.values)},
                             {"note", row.note}});
   json["left_out"] = result.left_out;
-  json["paper"] = Json::array();
-  for (const PaperNumber& number : result.paper)
-    json["paper"].push_back({{"table", number.table},
-                             {"what", number.what},
-                             {"parameters", numbers_json(number.parameters)},
-                             {"unit", number.unit},
-                             {"paper", number.paper},
-                             {"ours", number.ours},
-                             {"low", number.low},
-                             {"high", number.high},
-                             {"our_work", number.our_work}});
   json["provenance"] = provenance_json(run);
   json["machine"] = machine_json(run);
   return json;
@@ -74,7 +57,7 @@ Json bench_json(const BenchResult& result, const RunInfo& run) {
 BenchResult read_bench(const std::filesystem::path& path) {
   const std::string where = path.string();
   const Json json = read_json(path, ErrorKind::data);
-  const int version = require_schema(json, "bench", where, ErrorKind::data, 2);
+  require_schema(json, "bench", where, ErrorKind::data, 2);
   const Fields fields(json, where);
   BenchResult result;
   result.bench = fields.text("bench");
@@ -82,7 +65,6 @@ BenchResult read_bench(const std::filesystem::path& path) {
     const Fields row(item, where);
     BenchRow& read = result.rows.emplace_back();
     read.work = row.text("work");
-    if (version == 1) read.work = work_of_version_1(read.work);
     read.per = row.text("per");
     read.parameters = read_numbers(row["parameters"], row);
     read.time = {read_time(row, "median_ms"),         read_time(row, "lower_quartile_ms"),

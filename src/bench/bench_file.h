@@ -1,4 +1,4 @@
-// Benchmarks as files (vpr.bench/2, and version 1).
+// Benchmarks as files (vpr.bench/2).
 #pragma once
 
 #include <filesystem>
@@ -9,12 +9,11 @@
 
 namespace vpr {
 
-/// A benchmark as vpr.bench holds it: settings, rows, what was left out, the paper's numbers,
-/// provenance and machine.
+/// Settings, rows, omitted measurements, provenance and machine.
 Json bench_json(const BenchResult& result, const RunInfo& run);
 
-/// Rows and name of a stored benchmark, of this version or of version 1. Throws Error(input) if it
-/// can't be read, Error(data) if it is none, or damaged.
+/// Rows and name of a stored benchmark. Throws Error(input) if the file cannot be read, Error(data)
+/// if it is not a benchmark or is damaged.
 BenchResult read_bench(const std::filesystem::path& path);
 
 }  // namespace vpr

@@ -28,25 +28,4 @@ const BenchRow* find_row(const BenchResult& result, const std::string& work,
   return nullptr;
 }
 
-PaperNumber paper_time(const std::string& table, const std::string& what, double paper_ms,
-                       const BenchRow& row) {
-  const TimeSummary& ours = row.time;
-  return {table,    what,           row.parameters,         "ms",
-          paper_ms, ours.median_ms, ours.lower_quartile_ms, ours.upper_quartile_ms,
-          row.work};
-}
-
-PaperNumber paper_ratio(const std::string& table, const std::string& what, double paper,
-                        const BenchRow& row, const BenchRow& slower) {
-  return {table,
-          what,
-          row.parameters,
-          "times",
-          paper,
-          slower.time.median_ms / row.time.median_ms,
-          slower.time.lower_quartile_ms / row.time.upper_quartile_ms,
-          slower.time.upper_quartile_ms / row.time.lower_quartile_ms,
-          row.work};
-}
-
 }  // namespace vpr

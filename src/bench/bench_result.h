@@ -1,4 +1,4 @@
-// What every benchmark gives: rows of times, and the paper's numbers beside ours.
+// The result of every benchmark: rows of times.
 #pragma once
 
 #include <optional>
@@ -30,26 +30,12 @@ struct BenchRow {
 /// The first number of a name; nothing where no number has it.
 std::optional<double> find_number(const NamedNumbers& numbers, const std::string& name);
 
-/// A number of the paper, and ours in its place.
-struct PaperNumber {
-  std::string table;  ///< "tab6", ...
-  std::string what;
-  NamedNumbers parameters;
-  std::string unit;
-  double paper = 0;
-  double ours = 0;
-  double low = 0;   ///< ours by quartiles: of a time the lower one, of a ratio the least of both
-  double high = 0;  ///< the upper one
-  std::string our_work;  ///< the row that stands in its place
-};
-
 /// What one command of vpr-bench measured.
 struct BenchResult {
   std::string bench;
   Json settings;
   std::vector<BenchRow> rows;
   std::vector<std::string> left_out;  ///< sentences: what was not measured, and why
-  std::vector<PaperNumber> paper;
   std::vector<Chart> charts;
 };
 
@@ -61,12 +47,5 @@ void add_speed_up(BenchResult& result, const std::string& work, const std::strin
 /// The row with this work and these parameters, or null.
 const BenchRow* find_row(const BenchResult& result, const std::string& work,
                          const NamedNumbers& parameters);
-
-/// A time of the paper, and that of one of our rows.
-PaperNumber paper_time(const std::string& table, const std::string& what, double paper_ms,
-                       const BenchRow& row);
-/// A ratio of the paper, and how many times `row` is as fast as `slower`.
-PaperNumber paper_ratio(const std::string& table, const std::string& what, double paper,
-                        const BenchRow& row, const BenchRow& slower);
 
 }  // namespace vpr

@@ -47,7 +47,6 @@ std::string label(const std::string& name) {
       {"peak_mib", "peak MiB"},
       {"share_of_fastable_speed", "x FastABLE"},
       {"times_openable", "x OpenABLE"},
-      {"times_plain_fastable", "x plain FastABLE"},
       {"build_s", "build s"},
       {"latency_50_ms", "50 %"},
       {"latency_95_ms", "95 %"},
@@ -176,28 +175,6 @@ std::vector<Table> readable_tables(const BenchResult& result) {
   for (const std::vector<BenchRow>& rows : alike_rows(result.rows))
     tables.push_back(readable_table(result.bench, rows));
   return tables;
-}
-
-Table paper_table(const BenchResult& result) {
-  Table table;
-  table.title = "The paper's numbers and ours";
-  table.columns = {"table", "what"};
-  std::vector<std::string> names;
-  for (const PaperNumber& number : result.paper)
-    for (const auto& [name, value] : number.parameters)
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  for (const std::string& name : names) table.columns.push_back(label(name));
-  table.columns.insert(table.columns.end(), {"unit", "paper", "ours", "paper / ours"});
-  for (const PaperNumber& number : result.paper) {
-    std::vector<std::string>& cells = table.rows.emplace_back();
-    cells = {number.table, number.what};
-    for (const std::string& name : names) cells.push_back(cell(number.parameters, name));
-    cells.insert(
-        cells.end(),
-        {number.unit, fmt::format("{:.4g}", number.paper), fmt::format("{:.4g}", number.ours),
-         number.unit == "ms" ? fmt::format("{:.3g}", number.paper / number.ours) : ""});
-  }
-  return table;
 }
 
 }  // namespace vpr

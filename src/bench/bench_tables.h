@@ -16,7 +16,4 @@ Table rows_table(const BenchResult& result);
 /// most rows lack stand in words.
 std::vector<Table> readable_tables(const BenchResult& result);
 
-/// The paper's numbers beside ours; nothing if there are none.
-Table paper_table(const BenchResult& result);
-
 }  // namespace vpr

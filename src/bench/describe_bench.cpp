@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "bench/generated.h"
-#include "bench/paper_times.h"
 #include "descriptors/centre_codes.h"
 #include "descriptors/frame_descriptors.h"
 #include "descriptors/hog.h"
@@ -100,18 +99,6 @@ void add_whole_sequence(BenchResult& result, const Sequence& images,
       [&] { descriptor_kinds().front().describe(images, {}, Unreadable::fail, {}); });
 }
 
-// The paper's times beside those of the same work, for frames of the paper's size.
-void add_paper_times(BenchResult& result) {
-  for (const PaperFrameTime& paper : kPaperFrameTimes) {
-    const auto ours = std::find_if(result.rows.begin(), result.rows.end(),
-                                   [&](const BenchRow& row) { return row.work == paper.our_work; });
-    if (ours == result.rows.end()) continue;
-    PaperNumber& number =
-        result.paper.emplace_back(paper_time("image times", paper.what, paper.ms, *ours));
-    number.parameters.clear();  // the pictures' size is the paper's
-  }
-}
-
 }  // namespace
 
 BenchResult bench_describe(const DescribeBenchSettings& settings,
@@ -128,7 +115,6 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   BenchResult result;
   result.bench = "describe";
   result.settings = value_to_json(settings);
-  result.settings["images"] = images ? "recorded" : "generated, 640x480";
   const Frames frames = load_frames(images, settings.frames, seed);
   size_t next = 0;
   StepCounter counter(monitor, "measure", 7 + kinds.size());
@@ -173,7 +159,6 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
         "features", static_cast<double>(points) / static_cast<double>(frames.grey.size()));
   }
   if (images) add_whole_sequence(result, *images, settings, monitor);
-  if (frames.grey[0].size() == cv::Size(640, 480)) add_paper_times(result);
   return result;
 }
 

@@ -1,7 +1,6 @@
 #include "bench/matching_bench.h"
 
 #include <algorithm>
-#include <memory>
 
 #include <fmt/format.h>
 
@@ -10,7 +9,6 @@
 #include "base/random.h"
 #include "bench/generated.h"
 #include "bench/matching_timers.h"
-#include "bench/paper_times.h"
 #include "recognition/clustering.h"
 
 namespace vpr {
@@ -51,26 +49,63 @@ std::vector<std::string> timed_methods(const MatchingBenchSettings& settings) {
   return methods;
 }
 
-/// A database and the query of a size, of the kind that is timed.
-struct Generated {
+/// Training and query frames of one database size.
+struct Walks {
   std::vector<LdbCode> train_codes;
+  std::vector<LdbCode> query_codes;
   GeneratedVectors train_vectors;
+  GeneratedVectors query_vectors;
 
-  Generated(const MatchingBenchSettings& settings, uint64_t frames, uint64_t seed) {
-    if (settings.descriptor_length == 0)
-      train_codes = generate_walk(frames, seed);
-    else
-      train_vectors =
-          generate_vectors(frames, settings.descriptor_length, settings.precision, seed, seed + 1);
+  MatchingCase example(const MatchSettings& match) const {
+    if (train_codes.empty()) return {train_vectors.rows(), query_vectors.rows(), match};
+    return {train_codes, query_codes, match};
   }
 };
 
-std::unique_ptr<MatchingCase> make_case(const Generated& train, const GeneratedVectors& asked,
-                                        const std::vector<LdbCode>& again,
-                                        const MatchSettings& match) {
-  if (train.train_codes.empty())
-    return std::make_unique<MatchingCase>(train.train_vectors.rows(), asked.rows(), match);
-  return std::make_unique<MatchingCase>(train.train_codes, again, match);
+Walks make_walks(const MatchingBenchSettings& settings,
+                 const std::optional<RecordedCodes>& recorded, uint64_t frames, uint64_t query,
+                 uint64_t seed) {
+  Walks walks;
+  const size_t numbers = settings.descriptor_length;
+  if (numbers != 0) {
+    walks.train_vectors = generate_vectors(frames, numbers, settings.precision, seed, seed + 1);
+    walks.query_vectors =
+        generate_vectors(query, numbers, settings.precision, seed, seed + 2, frames / 3);
+  } else if (recorded) {
+    const auto first = [](const std::vector<LdbCode>& codes, size_t count) {
+      return std::vector<LdbCode>(codes.begin(), codes.begin() + static_cast<ptrdiff_t>(count));
+    };
+    walks.train_codes = first(recorded->train, frames);
+    walks.query_codes = first(recorded->query, query);
+  } else {
+    walks.train_codes = generate_walk(frames, seed);
+    walks.query_codes =
+        walk_again(walks.train_codes, frames / 3, query, settings.changed_bits, seed + 1);
+  }
+  return walks;
+}
+
+// Why a case cannot be measured; empty if it can.
+std::string obstacle(const MatchingBenchSettings& settings,
+                     const std::optional<RecordedCodes>& recorded, uint64_t frames, uint64_t length,
+                     uint64_t query) {
+  if (length >= frames || length >= query)
+    return fmt::format("c_l {} needs more than {} database frames and {} query frames", length,
+                       frames, query);
+  if (recorded && (recorded->train.size() < frames || recorded->query.size() < query))
+    return fmt::format("{} database frames and {} query frames: the recordings have {} and {}",
+                       frames, query, recorded->train.size(), recorded->query.size());
+  // Codes twice (as generated, and in blocks), sums twice, the ring, a row.
+  const size_t bytes = settings.descriptor_length == 0
+                           ? kLdbBytes
+                           : settings.descriptor_length * settings.precision / 8;
+  const size_t ring = std::min(settings.ring_bytes, 2 * frames * (length + 1));
+  const size_t needed = frames * (2 * bytes + 16) + ring + (size_t{64} << 20);
+  const size_t available = available_memory();
+  if (available != 0 && needed > available)
+    return fmt::format("{} frames need {} MiB of memory, and {} MiB are free", frames, needed >> 20,
+                       available >> 20);
+  return "";
 }
 
 NamedNumbers parameters_of(uint64_t frames, uint64_t length, uint64_t query) {
@@ -79,7 +114,7 @@ NamedNumbers parameters_of(uint64_t frames, uint64_t length, uint64_t query) {
           {"query_frames", static_cast<double>(query)}};
 }
 
-// What the paper says of a time per frame: frames a second, and the share of one core at 10 Hz.
+// Frames per second, and the share of one core at 10 Hz.
 void add_rates(BenchRow& row) {
   row.values.emplace_back("fps", 1000 / row.time.median_ms);
   row.values.emplace_back("cpu_at_10_hz_percent", row.time.median_ms);
@@ -127,48 +162,48 @@ Chart time_chart(const BenchResult& result, const MatchingBenchSettings& setting
 
 }  // namespace
 
-BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
+BenchResult bench_matching(const MatchingBenchSettings& settings,
+                           const std::optional<RecordedCodes>& recorded, uint64_t seed,
                            const RowKernels& kernels, const Monitor& monitor) {
   check_settings(settings);
   BenchResult result;
   result.bench = "matching";
   result.settings = value_to_json(settings);
   const Effort effort{settings.seconds};
+  const std::vector<std::string> methods = timed_methods(settings);
   StepCounter counter(monitor, "measure",
                       settings.databases.size() * settings.window_lengths.size() *
-                          settings.query_frames.size() * settings.methods.size());
-  const std::vector<std::string> methods = timed_methods(settings);
-  for (const uint64_t frames : settings.databases) {
-    const Generated train(settings, frames, seed);
+                          settings.query_frames.size() * methods.size());
+  for (const uint64_t frames : settings.databases)
     for (const uint64_t query : settings.query_frames) {
-      std::vector<LdbCode> again;
-      GeneratedVectors asked;
-      if (settings.descriptor_length == 0)
-        again = walk_again(train.train_codes, frames / 3, query, settings.changed_bits, seed + 1);
-      else
-        asked = generate_vectors(query, settings.descriptor_length, settings.precision, seed,
-                                 seed + 2, frames / 3);
+      std::optional<Walks> walks;
       for (const uint64_t length : settings.window_lengths) {
-        if (length >= frames || length >= query) {
-          result.left_out.push_back(
-              fmt::format("c_l {} needs more than {} database frames and {} query frames", length,
-                          frames, query));
+        if (const std::string reason = obstacle(settings, recorded, frames, length, query);
+            !reason.empty()) {
+          result.left_out.push_back(reason);
           continue;
         }
-        MatchSettings match{length, kDefaultMemoryLimit, kernels, settings.lsh, seed};
-        const auto example_case = make_case(train, asked, again, match);
-        const MatchingCase& example = *example_case;
+        if (!walks) walks = make_walks(settings, recorded, frames, query, seed);
+        const MatchingCase example =
+            walks->example({length, settings.ring_bytes, kernels, settings.lsh, seed});
         check_methods(example, methods, monitor);
         for (const std::string& method : methods) {
+          counter.add();
+          if (method == "standardized" && !has_room_for_scores(example)) {
+            result.left_out.push_back(
+                fmt::format("standardized for {} frames, whose scores do not fit ring_bytes {}",
+                            frames, settings.ring_bytes));
+            continue;
+          }
           BenchRow row{method, parameters_of(frames, length, query), "query frame", {}, {}, ""};
+          reset_peak_memory();
           find_matching_timer(method).measure(example, effort, monitor, row);
           add_rates(row);
+          row.values.emplace_back("peak_mib", static_cast<double>(peak_memory() >> 20));
           result.rows.push_back(std::move(row));
-          counter.add();
         }
       }
     }
-  }
   if (settings.clustered_hits > 0)
     result.rows.push_back(time_clustering(settings.clustered_hits, effort, seed, monitor));
   return result;
@@ -186,11 +221,6 @@ void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& 
       if (fast == nullptr || slow == nullptr) continue;
       series.points.emplace_back(static_cast<double>(frames),
                                  slow->time.median_ms / fast->time.median_ms);
-      for (const PaperSpeedUp& paper : kPaperSpeedUps)
-        if (paper.frames == frames && paper.window_length == length)
-          result.paper.push_back(
-              paper_ratio("tab6", fmt::format("FastABLE over OpenABLE, {}", paper.device),
-                          paper.ratio, *fast, *slow));
     }
     if (!series.points.empty()) speed_ups.push_back(series);
   }

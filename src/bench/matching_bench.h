@@ -1,5 +1,5 @@
-// Matching time against database size, window length and query length: the paper's speed-up table
-// (tab6) and figures, and its Nordland tables (tab5, tab7).
+// Matching time against database size, window length and query length (the paper's tables 5 to 7
+// and figures 12, 16 and 17).
 #pragma once
 
 #include "bench/bench_result.h"
@@ -9,8 +9,7 @@ namespace vpr {
 
 /// What vpr-bench matching times: every method with every combination of the numbers.
 struct MatchingBenchSettings {
-  std::vector<std::string> methods = {"fastable-online", "fastable",       "standardized",
-                                      "openable",        "plain-fastable", "plain-openable"};
+  std::vector<std::string> methods = {"fastable-online", "fastable", "standardized", "openable"};
   std::vector<uint64_t> databases = {500, 1000, 2000, 4000, 8000};  ///< frames
   std::vector<uint64_t> window_lengths = {20, 40, 60, 80};          ///< c_l
   std::vector<uint64_t> query_frames = {1000};
@@ -20,7 +19,8 @@ struct MatchingBenchSettings {
   /// Of generated vectors, compared by 1 - cos; 0: LDB codes. Other methods than those that take
   /// any distances are left out.
   uint64_t descriptor_length = 0;
-  uint64_t precision = 16;  ///< bits of a number of these: 16 or 8
+  uint64_t precision = 16;             ///< bits per value of these vectors: 16 or 8
+  uint64_t ring_bytes = 512ULL << 20;  ///< memory of FastABLE's ring; a larger one is not used
   LshSettings lsh = {};
 };
 
@@ -35,16 +35,25 @@ void visit_fields(MatchingBenchSettings& settings, Visitor&& visit) {
   visit("changed_bits", settings.changed_bits);
   visit("descriptor_length", settings.descriptor_length);
   visit("precision", settings.precision);
+  visit("ring_bytes", settings.ring_bytes);
   visit("lsh", settings.lsh);
 }
 
-/// Generated codes. Every method is checked against the definition before it is timed. Throws
-/// Error(usage) for settings out of range, Error(expectation) if a distance differs.
-BenchResult bench_matching(const MatchingBenchSettings& settings, uint64_t seed,
+/// Codes of a recording to use instead of generated ones.
+struct RecordedCodes {
+  std::vector<LdbCode> train;
+  std::vector<LdbCode> query;
+};
+
+/// Times each method on the first frames of the recording, or on generated codes. Checks every
+/// method against its definition first. Databases that do not fit the memory or the recording are
+/// listed in left_out. Throws Error(usage) for settings out of range, Error(expectation) if a
+/// distance differs.
+BenchResult bench_matching(const MatchingBenchSettings& settings,
+                           const std::optional<RecordedCodes>& recorded, uint64_t seed,
                            const RowKernels& kernels, const Monitor& monitor);
 
-/// Speed-up of FastABLE over OpenABLE of each case, beside the paper's where it has one, and the
-/// plots of its figures.
+/// Adds the speed-up of FastABLE over OpenABLE to the rows, and the charts.
 void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& settings);
 
 }  // namespace vpr

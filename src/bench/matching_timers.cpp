@@ -26,7 +26,6 @@ namespace vpr {
 namespace {
 
 constexpr size_t kCheckedCells = 300;
-constexpr size_t kSampledCells = 20'000;  // of a row of the plain methods
 
 void ignore(const ScoreRow&) {}
 
@@ -145,55 +144,13 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
                           static_cast<double>(found) / static_cast<double>(example.rows()));
 }
 
-// The recurrence, cell by cell: two distances each, byte by byte. Part of a long row stands for it.
-void time_plain_fastable(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
-                         BenchRow& row) {
-  const auto& train = example.train_codes;
-  const size_t length = example.settings.window_length;
-  const size_t cells = std::min(kSampledCells, train.size() - length);
-  std::vector<uint32_t> sums(cells + 1, 0);
-  const LdbCode& leaving = example.query_codes[0];
-  const LdbCode& entering = example.query_codes[length];
-  const auto step = [&] {
-    for (size_t i = cells; i > 0; --i)
-      sums[i] = sums[i - 1] + plain_hamming(train[i - 1 + length], entering) -
-                plain_hamming(train[i - 1], leaving);
-  };
-  row.time =
-      summarise(divided(time_repeatedly(effort, step, monitor),
-                        static_cast<double>(cells) / static_cast<double>(train.size() - length)));
-  if (cells < train.size() - length) row.note = fmt::format("{} cells of a row sampled", cells);
-}
-
-void time_plain_openable(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
-                         BenchRow& row) {
-  const DescriptorRows train(example.train_codes);
-  const size_t length = example.settings.window_length;
-  const size_t windows = train.size() - length + 1;
-  const size_t cells = std::min(std::max<size_t>(kSampledCells / length, 1), windows);
-  size_t first = 0;
-  uint64_t sum = 0;  // read below, so that nothing is left out
-  const auto some = [&] {
-    for (size_t i = 0; i < cells; ++i)
-      sum += plain_window_distance(train, (first + i) % windows, example.query_codes, 0, length);
-    first += cells;
-  };
-  row.time = summarise(divided(time_repeatedly(effort, some, monitor),
-                               static_cast<double>(cells) / static_cast<double>(windows)));
-  if (cells < windows) row.note = fmt::format("{} cells of a row sampled", cells);
-  if (sum == 1) row.note += ".";
-}
-
-constexpr std::array<MatchingTimer, 8> kTimers = {{
+constexpr std::array<MatchingTimer, 6> kTimers = {{
     {"fastable-online", "one query frame after the other", false, time_online},
     {"fastable", "the whole query at once", false, time_batch},
     {"standardized", "online, standardized scores", false, time_standardized},
     {"filter", "online, over places and rates, of standardized scores", false, time_filtered},
     {"openable", "no re-use, same kernels", false, time_openable},
     {"lsh", "multi-probe hashing, approximate", true, time_lsh},
-    {"plain-fastable", "as in the paper's time: scalar, two distances a cell", true,
-     time_plain_fastable},
-    {"plain-openable", "the same without re-use", true, time_plain_openable},
 }};
 
 }  // namespace
@@ -224,10 +181,8 @@ const MatchingTimer& find_matching_timer(std::string_view name) {
 }
 
 void add_method_speed_ups(BenchResult& result) {
-  for (const char* work : {"fastable-online", "fastable"}) {
+  for (const char* work : {"fastable-online", "fastable"})
     add_speed_up(result, work, "openable", "times_openable");
-    add_speed_up(result, work, "plain-fastable", "times_plain_fastable");
-  }
   add_speed_up(result, "standardized", "fastable-online", "share_of_fastable_speed");
 }
 

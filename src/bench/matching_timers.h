@@ -44,7 +44,7 @@ const MatchingTimer& find_matching_timer(std::string_view name);
 /// Standardized scores need the whole ring.
 bool has_room_for_scores(const MatchingCase& example);
 
-/// How many times faster than OpenABLE and plain FastABLE, where those were timed.
+/// How many times faster than OpenABLE with the same kernels, where that was timed.
 void add_method_speed_ups(BenchResult& result);
 
 /// Recomputes a few hundred random cells of every exact method by the definition. Throws

@@ -89,26 +89,3 @@ TEST_CASE("a stored run is read as it was; a broken one is refused") {
   json["rows"] = 3;
   CHECK(kind_of(json.dump()) == ErrorKind::data);
 }
-
-TEST_CASE("rows of files of version 1 have the names of their methods today") {
-  const test::TemporaryFolder out;
-  BenchResult run = make_run(1);
-  run.rows.push_back(
-      {"fastable-batch", {{"frames", 1000}}, "query frame", {1, 1, 1, 1, 1, 5}, {}, ""});
-  Json json = bench_json(run, {});
-  CHECK(json["schema"] == "vpr.bench/2");
-  test::write_text(out / "new.json", json.dump());
-  json["schema"] = "vpr.bench/1";
-  test::write_text(out / "old.json", json.dump());
-  const auto names = [&](const char* file) {
-    std::vector<std::string> works;
-    for (const BenchRow& row : read_bench(out / file).rows) works.push_back(row.work);
-    return works;
-  };
-  CHECK(names("new.json") == std::vector<std::string>{"fastable", "fastable", "fastable-batch"});
-  CHECK(names("old.json") ==
-        std::vector<std::string>{"fastable-online", "fastable-online", "fastable"});
-  json["schema"] = "vpr.bench/3";
-  test::write_text(out / "newer.json", json.dump());
-  CHECK(test::error_kind([&] { read_bench(out / "newer.json"); }) == ErrorKind::data);
-}

@@ -24,7 +24,7 @@ BenchResult make_result() {
         result.rows.end(),
         {make_row("fastable", 8000, c_l,
                   {{"ring", 1}, {"fps", 426330.1}, {"times_openable", 71.2345}}),
-         make_row("plain-openable", 8000, c_l, {{"fps", 42}}, "12 cells of a row sampled"),
+         make_row("openable", 8000, c_l, {{"fps", 42}}, "12 cells of a row sampled"),
          make_row("lsh", 8000, c_l, {{"build_s", 3.25}, {"recall", 0.989}, {"fps", 42}})});
   result.rows.push_back(
       {"cluster", {{"hits", 1e6}}, "set of hits", {68, 67, 69, 66, 70, 5}, {{"places", 3}}, ""});

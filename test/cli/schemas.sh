@@ -86,11 +86,14 @@ data=$out/building/dataset.json
 "$bin/vpr-tune" fastable "$out/thin.vprdb" --dataset "$data" --query query --fps 4 --c-l 5 --t-r 0.3 -o "$out/ts.json" --quiet
 "$bin/vpr-tune" calibrate "$out/thin.vprdb" --dataset "$data" --query query --fps 4 --c-l 5 -o "$out/tc.json" --quiet
 "$bin/vpr-bench" matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o "$out/b.json" --quiet
+"$bin/vpr-bench" describe --features orb --frames 1 --seconds 0.001 -o "$out/b2.json" --quiet
+"$bin/vpr-bench" fabmap --places 10 --words 100 --descriptors 0 --variants fabmap2 --seconds 0.001 -o "$out/b3.json" --quiet
+"$bin/vpr-bench" realtime "$out/w.vprdb" --query "$out/building/query" --frames 5 --rate 1000 -o "$out/b4.json" --quiet
 "$bin/vpr-bench" compare "$out/b.json" "$out/b.json" -o "$out/bc.json" --quiet
 "$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json "$out/building/dataset.json" \
   "$out/w.vprdb/manifest.json" "$out/r.json" "$out/r2.json" "$out/r3.json" "$out/e.json" "$out/x.json" \
   "$out/lo.json" "$out/lo2.json" "$out/p.json" "$out/c.json" "$out/cv.json" \
-  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/bc.json" \
+  "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/b2.json" "$out/b3.json" "$out/b4.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json" "$out/l1.json" "$out/l2.json" "$out/l3.json" \
   "$out/several.json" "$out/en.json" \
   "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \

@@ -13,7 +13,6 @@
 #include "bench/describe_bench.h"
 #include "bench/fabmap_bench.h"
 #include "bench/matching_bench.h"
-#include "bench/nordland_bench.h"
 #include "bench/realtime_bench.h"
 #include "common/session.h"
 #include "database/fabmap_database.h"
@@ -144,7 +143,8 @@ Json stored(const Json& old) {
       properties[key] = {{"required", keys<T>()}};
     } else if constexpr (detail::kIsOptional<T>) {
       if (std::is_enum_v<typename T::value_type>) properties[key] = {{"not", {{"const", "auto"}}}};
-    } else if constexpr (std::is_same_v<T, Score>) {  // absent instead
+    } else if constexpr (std::is_same_v<S, SequenceQuerySettings> &&
+                         std::is_same_v<T, Score>) {  // absent instead
       properties[key] = {{"not", {{"const", enum_name(Score{})}}}};
     }
   });
@@ -175,7 +175,6 @@ const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& pla
         {"/$defs/matching_bench_settings", open<MatchingBenchSettings>},
         {"/$defs/describe_bench_settings", open<DescribeBenchSettings>},
         {"/$defs/fabmap_bench_settings", open<FabmapBenchSettings>},
-        {"/$defs/nordland_bench_settings", open<NordlandBenchSettings>},
         {"/$defs/realtime_bench_settings", open<RealtimeBenchSettings>},
         {"/$defs/standardization_settings", closed<StandardizationSettings>},
         {"/$defs/filter_settings", closed<FilterSettings>},
@@ -192,8 +191,7 @@ const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& pla
        {{"/properties/settings/anyOf/0", stored<MatchingBenchSettings>},
         {"/properties/settings/anyOf/1", stored<DescribeBenchSettings>},
         {"/properties/settings/anyOf/2", stored<FabmapBenchSettings>},
-        {"/properties/settings/anyOf/3", stored<NordlandBenchSettings>},
-        {"/properties/settings/anyOf/4", stored<RealtimeBenchSettings>}}}};
+        {"/properties/settings/anyOf/3", stored<RealtimeBenchSettings>}}}};
   return kPlaces;
 }
 
