@@ -34,10 +34,15 @@ std::string query_fingerprint(const DescriptorSet& query) {
   return checksum(std::as_bytes(query.rows().bytes));
 }
 
-// How many training frames a query frame passes there.
-std::string rate_text(const ResultPath& path, size_t query_frame) {
-  const double rate = path.rates[query_frame];
-  return std::isnan(rate) ? "-" : fmt::format("{:.2f}", rate);
+// The anchors of windows `first` to `last`.
+std::string anchors_text(size_t first, size_t last, size_t length) {
+  const std::string text = std::to_string(anchor_of(first, length));
+  return first == last ? text : fmt::format("{} to {}", text, anchor_of(last, length));
+}
+
+std::string rate_text(const Cluster& track) {
+  const auto rate = mean_rate(track);
+  return rate ? fmt::format("{:.2f}", *rate) : "-";
 }
 
 Table places_table(const Result& result) {
@@ -48,17 +53,16 @@ Table places_table(const Result& result) {
                   recognised_windows(result), counted(result.query_windows, "window"));
   const ScoreKind& kind = result.score();
   const size_t length = result.window_length();
-  table.columns = {"sequence", "query frame", "train frame", "hits",
+  table.columns = {"sequence", "query frames", "train frames", "hits",
                    result.path ? "rate" : std::string(kind.frame_unit)};
   for (const Cluster& cluster : result.clusters->all) {
     if (table.rows.size() == kTableRows) break;
     const std::string value =
         fmt::format("{:.{}f}", kind.frame_value(cluster.best_score, length), kind.frame_digits);
     table.rows.push_back({result.targets[cluster.target].name,
-                          std::to_string(anchor_of(cluster.query_window, length)),
-                          std::to_string(anchor_of(cluster.train_window, length)),
-                          std::to_string(cluster.hits),
-                          result.path ? rate_text(*result.path, cluster.query_window) : value});
+                          anchors_text(cluster.query_first, cluster.query_last, length),
+                          anchors_text(cluster.train_first, cluster.train_last, length),
+                          std::to_string(cluster.hits), result.path ? rate_text(cluster) : value});
   }
   return table;
 }

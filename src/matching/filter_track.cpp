@@ -104,7 +104,11 @@ bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_
 void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin, double excess) {
   if (track.views == 1 || margin == 0 || track.support < 0) track.is_established = false;
   const bool is_now = is_present(track, margin, excess, settings.present_support);
-  if (is_now && establishes(track, settings, margin)) track.is_established = true;
+  if (is_now && !track.is_established && establishes(track, settings, margin)) {
+    track.is_established = true;
+    ++track.number;
+  }
+  track.last.track = track.is_established ? track.number : 0;
   const bool is_enough = is_as_long(track, 2 * settings.establish_views) ||
                          margin >= in_scores(settings.establish_margin);
   track.last.margin = track.is_established && is_now && is_enough ? margin : 0;
@@ -148,7 +152,7 @@ void follow_view(PathTrack& track, const FilterState& state, const QueryView& vi
   weigh(track, std::move(reading.supports));
   track.recent.push_back({view.frame, frame});
   if (track.recent.size() > kRecentViews) track.recent.pop_front();
-  track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt};
+  track.last = {best.cell, frame, 0, state.nowhere_value, std::nullopt, 0};
   if (track.recent.size() >= kFewViews) {
     const PathTrack::Point& from = track.recent.front();
     const size_t passed = frame - std::min(frame, from.train_frame);

@@ -33,6 +33,7 @@ struct PathFrame {
   uint32_t margin = 0;         ///< 0: not to be trusted
   uint32_t nowhere = 0;        ///< the value of being nowhere
   std::optional<double> rate;  ///< training frames a query frame, lately
+  uint32_t track = 0;          ///< number of the confirmed track, from 1 on; 0: not confirmed
 };
 
 /// The path that the best places of the last views lie on.
@@ -40,8 +41,9 @@ struct PathTrack {
   RowKernels kernels;
   SharedPlaces shared;
   bool is_established = false;
-  size_t views = 0;               ///< of the query; 0 before the first one
-  size_t start = 0;               ///< the cell where it began
+  uint32_t number = 0;  ///< of confirmed tracks so far: rises whenever is_established becomes true
+  size_t views = 0;     ///< of the query; 0 before the first one
+  size_t start = 0;     ///< the cell where it began
   std::vector<int32_t> supports;  ///< -z at the places of its last views, in scores (PathReading)
   int32_t support = 0;            ///< their mean, weighted 1/2, 1/4, ... into the past
   /// The sum of -z - kUnrelatedSupport at these places, in scores, never below 0; a view adds or

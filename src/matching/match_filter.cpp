@@ -117,7 +117,7 @@ PathReport take_frame(FilteredQuery& query, const FrameDistances& distances, siz
   }
   const PathFrame path = path_at(query.track, query.filter.cells, number);
   write_best(query, path);
-  return {number, path.margin, path.nowhere, path.rate};
+  return {number, path.margin, path.nowhere, path.rate, path.track};
 }
 
 void match_filter(const FrameDistances& distances, const MatchSettings& settings,

@@ -73,6 +73,7 @@ struct PathReport {
                          ///< where it is not to be trusted
   uint32_t nowhere = 0;  ///< the value of being at no training frame
   std::optional<double> rate;  ///< training frames a query frame; none while little was seen
+  uint32_t track = 0;          ///< number of the confirmed track, from 1 on; 0: not confirmed
 };
 
 /// Bytes for rings and hits, where the user says nothing.

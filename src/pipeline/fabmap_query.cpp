@@ -182,17 +182,20 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
       extend_previous(previous, views.size(), settings.posterior.smoothing);
       posterior = fabmap_posterior(views, new_place, previous, settings.posterior);
     }
+    // A frame without words resembles every view without words: its posterior is kept in files and
+    // by the motion model, but recognizes nothing.
+    const std::span<const double> shown =
+        query.frames[frame].empty() ? std::span<const double>{} : posterior;
     if (observe) observe(frame, posterior);
-    window.add(posterior, settings.place_threshold, views.size());
+    window.add(shown, settings.place_threshold, views.size());
     result.places->new_place.push_back(unreadable ? 0 : posterior[0]);
     result.best.emplace_back();
-    if (unreadable) return;
-    if (!query.frames[frame].empty() && !views.empty()) {
+    if (!shown.empty() && !views.empty()) {
       const Match best = likeliest_view(frame, posterior, place_of);
       if (std::isfinite(views[best.view])) result.best.back() = best;
     }
-    append_hits(result.hits, frame, posterior, window, settings.window, place_of);
-    previous = std::move(posterior);
+    append_hits(result.hits, frame, shown, window, settings.window, place_of);
+    if (!unreadable) previous = std::move(posterior);
   };
   const size_t at_once = frames_at_once(place_of.size());
   for (size_t begin = 0; begin < frames; begin += at_once) {

@@ -1,6 +1,5 @@
 #include "pipeline/live_query.h"
 
-#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -123,8 +122,7 @@ void LiveQuery::match_window(const RowConsumer& consume) {
 }
 
 void LiveQuery::match_path(Found& found, const RowConsumer& consume) {
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  found.path = ResultPath{{none}, {none}};
+  found.path.emplace(1);
   found.margins.resize(1);
   if (in_a_row_ == 0 || filtered_->filter.cells.places == 0) return;
   if (in_a_row_ == 1) forget_frames(*filtered_);
@@ -134,6 +132,7 @@ void LiveQuery::match_path(Found& found, const RowConsumer& consume) {
   found.path->nowhere[0] =
       static_cast<double>(static_cast<int64_t>(report.nowhere) - plan_.score_offset());
   if (report.rate) found.path->rates[0] = *report.rate;
+  found.path->tracks[0] = report.track;
   emit_row(frames_.distances, 1, frames_.frames - 1, 0, filtered_->row, consume);
 }
 

@@ -1,7 +1,5 @@
 #include "pipeline/query.h"
 
-#include <limits>
-
 #include <fmt/format.h>
 
 #include "base/counted.h"
@@ -105,17 +103,11 @@ struct Found {
   std::optional<ResultPath> path;
 };
 
-// Query frames of which nothing is told keep no number.
-void start_path(Found& found, const QueryPlan& plan) {
-  const std::vector<double> none(plan.query_frames, std::numeric_limits<double>::quiet_NaN());
-  found.path = {none, none};
-  found.margins.resize(plan.query_frames);
-}
-
 void take_report(Found& found, const PathReport& report, int64_t score_offset) {
   found.margins[report.query_frame] = report.margin;
   found.path->nowhere[report.query_frame] = static_cast<double>(report.nowhere - score_offset);
   if (report.rate) found.path->rates[report.query_frame] = *report.rate;
+  found.path->tracks[report.query_frame] = report.track;
 }
 
 Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const TrainPart& part,
@@ -124,7 +116,8 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
                  const Monitor& monitor) {
   Found found;
   if (method.has_paths) {
-    start_path(found, plan);
+    found.path.emplace(plan.query_frames);
+    found.margins.resize(plan.query_frames);
     match.on_path = [&](const PathReport& report) {
       take_report(found, report, plan.score_offset());
     };

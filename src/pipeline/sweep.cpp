@@ -228,12 +228,13 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
   std::vector<std::vector<Match>> hits(grid.windows.size() * thresholds);
   std::vector<ViewWindow> windows(thresholds);
   const auto observe = [&](size_t frame, std::span<const double> posterior) {
+    // A frame without words recognizes nothing.
+    const std::span<const double> shown =
+        query.frames[frame].empty() ? std::span<const double>{} : posterior;
     for (size_t t = 0; t < thresholds; ++t) {
-      windows[t].add(posterior, *grid.thresholds[t], place_of.size());
-      if (posterior.empty()) continue;
+      windows[t].add(shown, *grid.thresholds[t], place_of.size());
       for (size_t w = 0; w < grid.windows.size(); ++w)
-        append_hits(hits[w * thresholds + t], frame, posterior, windows[t], grid.windows[w],
-                    place_of);
+        append_hits(hits[w * thresholds + t], frame, shown, windows[t], grid.windows[w], place_of);
     }
   };
   const Result all =

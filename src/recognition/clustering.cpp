@@ -86,7 +86,7 @@ uint32_t rounded_mean(uint64_t sum, uint64_t count) {
   return static_cast<uint32_t>((2 * sum + count) / (2 * count));
 }
 
-void add_hit(Cluster& cluster, Sums& sums, const Match& hit) {
+void add_hit(Cluster& cluster, const Match& hit) {
   if (cluster.hits == 0) {
     cluster.target = hit.target;
     cluster.query_first = hit.query;
@@ -98,8 +98,6 @@ void add_hit(Cluster& cluster, Sums& sums, const Match& hit) {
   cluster.train_last = std::max(cluster.train_last, hit.train);
   cluster.best_score = std::min(cluster.best_score, hit.score);
   ++cluster.hits;
-  sums.query += hit.query;
-  sums.train += hit.train;
 }
 
 }  // namespace
@@ -131,7 +129,9 @@ Clusters cluster_hits(std::span<const Match> hits, const ClusterSettings& settin
       sums.emplace_back();
     }
     of_hit[i] = of_hit[root];
-    add_hit(all[of_hit[i]], sums[of_hit[i]], hits[i]);
+    add_hit(all[of_hit[i]], hits[i]);
+    sums[of_hit[i]].query += hits[i].query;
+    sums[of_hit[i]].train += hits[i].train;
   }
   for (size_t c = 0; c < all.size(); ++c) {
     all[c].query_window = rounded_mean(sums[c].query, all[c].hits);
@@ -157,6 +157,32 @@ Clusters cluster_by_target(std::span<const Match> hits, size_t targets,
   all.of_hit.reserve(hits.size());
   for (const Match& hit : hits) all.of_hit.push_back(of_hit[hit.target][next[hit.target]++]);
   return all;
+}
+
+Clusters cluster_tracks(std::span<const Match> hits, std::span<const uint32_t> tracks) {
+  Clusters clusters;
+  for (size_t h = 0; h < hits.size(); ++h) {
+    const uint32_t track = tracks[hits[h].query];
+    const bool goes_on = h > 0 && track != 0 && track == tracks[hits[h - 1].query] &&
+                         hits[h].target == hits[h - 1].target;
+    if (!goes_on) clusters.all.emplace_back();
+    clusters.of_hit.push_back(static_cast<uint32_t>(clusters.all.size() - 1));
+    add_hit(clusters.all.back(), hits[h]);
+  }
+  size_t first = 0;
+  for (Cluster& track : clusters.all) {
+    const Match& middle = hits[first + track.hits / 2];
+    track.query_window = middle.query;
+    track.train_window = middle.train;
+    first += track.hits;
+  }
+  return clusters;
+}
+
+std::optional<double> mean_rate(const Cluster& track) {
+  if (track.query_first == track.query_last) return std::nullopt;
+  return static_cast<double>(track.train_last - track.train_first) /
+         static_cast<double>(track.query_last - track.query_first);
 }
 
 }  // namespace vpr

@@ -1,6 +1,7 @@
-// Hits to recognised places: DBSCAN with min_points 1, which is connected components.
+// Hits to recognized places: connected components (DBSCAN with min_points 1), or confirmed tracks.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,13 +24,13 @@ void visit_fields(ClusterSettings& settings, Visitor&& visit) {
   visit("eps_inclusive", settings.eps_inclusive);
 }
 
-/// A cluster of hits: one recognised place. Windows by their first frame; means rounded half up.
+/// A cluster of hits: one recognized place. Windows by their first frame; means rounded half up.
 struct Cluster {
   uint32_t target = 0;
-  uint32_t query_window = 0;  ///< mean over the hits
+  uint32_t query_window = 0;  ///< mean over the hits; of a track, its middle hit
   uint32_t query_first = 0;
   uint32_t query_last = 0;
-  uint32_t train_window = 0;  ///< mean over the hits
+  uint32_t train_window = 0;  ///< the same
   uint32_t train_first = 0;
   uint32_t train_last = 0;
   uint64_t hits = 0;
@@ -54,5 +55,15 @@ Clusters cluster_hits(std::span<const Match> hits, const ClusterSettings& settin
 /// window: clusters of each sequence, one after the other.
 Clusters cluster_by_target(std::span<const Match> hits, size_t targets,
                            const ClusterSettings& settings, const Monitor& monitor = {});
+
+/// Confirmed tracks of the filter: successive hits on the same track in the same target are one
+/// cluster; a hit without a track is a cluster of its own. `hits`: sorted by query frame. `tracks`:
+/// track number per query frame, 0 for none. query_window and train_window of a cluster are those
+/// of its middle hit (of an even number, the later one). Clusters are in the order of their first
+/// hits.
+Clusters cluster_tracks(std::span<const Match> hits, std::span<const uint32_t> tracks);
+
+/// Training frames per query frame along a track; none for a track of one query frame.
+std::optional<double> mean_rate(const Cluster& track);
 
 }  // namespace vpr

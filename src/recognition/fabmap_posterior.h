@@ -36,8 +36,8 @@ std::vector<double> fabmap_posterior(std::span<const double> log_likelihoods, do
 struct ViewWindow {
   std::vector<uint32_t> run;
 
-  /// Takes a frame's posterior (new place first); nothing for an unreadable frame, which breaks
-  /// every run.
+  /// Takes a frame's posterior (new place first). An empty one (an unreadable frame, or a frame
+  /// without words) breaks every run.
   void add(std::span<const double> posterior, double t_p, size_t views);
 };
 

@@ -20,6 +20,11 @@ void decide(Result& result, const DecisionKind& decision) {
 
 }  // namespace
 
+ResultPath::ResultPath(size_t frames)
+    : nowhere(frames, std::numeric_limits<double>::quiet_NaN()),
+      rates(nowhere),
+      tracks(frames, 0) {}
+
 Result make_result(const QueryPlan& plan, const HitScanResult& found,
                    const std::vector<std::optional<uint32_t>>& margins) {
   const int64_t offset = plan.score_offset();
@@ -60,8 +65,9 @@ std::optional<double> frame_margin(const Result& result, size_t query_window) {
 
 void cluster(Result& result, const Monitor& monitor) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  result.clusters =
-      cluster_by_target(result.hits, result.targets.size(), settings.clustering, monitor);
+  result.clusters = result.path ? cluster_tracks(result.hits, result.path->tracks)
+                                : cluster_by_target(result.hits, result.targets.size(),
+                                                    settings.clustering, monitor);
 }
 
 size_t recognised_windows(const Result& result) {

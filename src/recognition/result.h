@@ -59,11 +59,14 @@ struct ResultPlaces {
   std::vector<double> new_place;   ///< probability, per frame; 0 for an unreadable one
 };
 
-/// What the filter knows of query frames besides their best matches; no number where a frame can't
-/// be read.
+/// What the filter reports per query frame besides the best match.
 struct ResultPath {
-  std::vector<double> nowhere;  ///< the score of being at no training frame
-  std::vector<double> rates;    ///< training frames a query frame; no number while little was seen
+  std::vector<double> nowhere;   ///< score of being at no training frame; NaN: unreadable frame
+  std::vector<double> rates;     ///< training frames per query frame; NaN: not known yet
+  std::vector<uint32_t> tracks;  ///< number of the confirmed track, from 1 on; 0: none
+
+  /// `frames` query frames that nothing is known of.
+  explicit ResultPath(size_t frames = 0);
 };
 
 /// What a query gave, whatever its method.
@@ -87,7 +90,8 @@ struct Result {
   /// score; none where there is no elsewhere. Empty where margins are not known: of approximate
   /// methods, of FAB-MAP, and of results of older date.
   std::vector<std::optional<double>> margins;
-  std::optional<Clusters> clusters;          ///< of the hits, by target, then first hit
+  std::optional<Clusters>
+      clusters;  ///< of the hits: by target, then first hit; tracks by first hit
   std::optional<SearchRecall> recall;        ///< of an approximate method
   std::optional<UsedStatistics> statistics;  ///< of standardized scores
   std::optional<ResultPath> path;            ///< of the filter
@@ -128,7 +132,7 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found = {},
 /// The margin of a query window, in score a frame; none where it has none.
 std::optional<double> frame_margin(const Result& result, size_t query_window);
 
-/// Clusters the hits of a sequence method.
+/// Clusters the hits of a sequence method: by distance, or by track for the filter.
 void cluster(Result& result, const Monitor& monitor = {});
 
 /// The frame at which a window is judged, where the user is: its last one.

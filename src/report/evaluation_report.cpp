@@ -24,9 +24,14 @@ Json recognitions_json(const Result& result, const std::vector<JudgedCluster>& j
   const size_t length = result.window_length();
   for (size_t c = 0; c < judged.size(); ++c) {
     const Cluster& cluster = result.clusters->all[c];
+    const auto anchors = [&](size_t first, size_t last) {
+      return Json{anchor_of(first, length), anchor_of(last, length)};
+    };
     json.push_back({{"sequence", result.targets[cluster.target].name},
                     {"query", anchor_of(cluster.query_window, length)},
+                    {"query_range", anchors(cluster.query_first, cluster.query_last)},
                     {"train", anchor_of(cluster.train_window, length)},
+                    {"train_range", anchors(cluster.train_first, cluster.train_last)},
                     {"label", enum_name(judged[c].label)},
                     {"hits", label_counts_json(judged[c].hits)}});
   }
@@ -100,6 +105,11 @@ std::string text(const Json& json) {
   return json.is_string() ? json.get<std::string>() : json.dump();
 }
 
+std::string range_text(const Json& range) {
+  const std::string first = text(range[0]);
+  return range[0] == range[1] ? first : fmt::format("{} to {}", first, text(range[1]));
+}
+
 // Of a place in a report.
 std::string verdict_text(const Json& place) {
   if (place["label"] == enum_name(PlaceLabel::different)) return "wrong";
@@ -156,6 +166,7 @@ Json result_report_json(const Evaluation& evaluation, const RunInfo& run, const 
     add_place_protocol(json["protocol"]);
   else
     add_window_protocol(json["protocol"], result.score().measure);
+  if (result.path) json["protocol"]["places"] = "confirmed tracks, judged at their middle frame";
   if (by_view) json["protocol"]["by_view"] = kViewProtocol;
   add_metrics_protocol(json["protocol"], judgement, true);
   json["provenance"] = provenance_json(run);
@@ -271,14 +282,18 @@ Table report_table(const Json& report) {
 std::string recognitions_text(const Json& report) {
   if (!report.contains("recognitions")) return "";
   Table table;
-  table.title = "Places, judged at their mean (mixed: right there, but some of the hits are wrong)";
-  table.columns = {"sequence", "query frame", "train frame", "place", "hits right", "hits wrong"};
+  const bool has_tracks = report["settings"].value("method", std::string()) == "filter";
+  table.title =
+      fmt::format("Places, judged at their {} (mixed: right there, but some hits are wrong)",
+                  has_tracks ? "middle frame" : "mean");
+  table.columns = {"sequence", "query frames", "train frames", "place", "hits right", "hits wrong"};
   const Json& places = report["recognitions"];
   for (const Json& place : places) {
     if (table.rows.size() == kMostPlaces) break;
     const Json& hits = place["hits"];
-    table.rows.push_back({text(place["sequence"]), text(place["query"]), text(place["train"]),
-                          verdict_text(place), text(hits["correct"]), text(hits["incorrect"])});
+    table.rows.push_back({text(place["sequence"]), range_text(place["query_range"]),
+                          range_text(place["train_range"]), verdict_text(place),
+                          text(hits["correct"]), text(hits["incorrect"])});
   }
   if (table.rows.empty()) return "";
   return render_table(table, TableFormat::text) +

@@ -156,17 +156,21 @@ void read_path(const ResultSource& source, Result& result) {
   const NpyArray array =
       read_companion(companion_path(source.path, "path.npy"), files.object("path"));
   const auto rows = array.values<double>(2);
-  if (array.shape()[1] != 2 || array.shape()[0] != result.query_frames)
+  if (array.shape()[1] != 3 || array.shape()[0] != result.query_frames)
     files.fail("path.npy does not fit the query");
-  ResultPath& path = result.path.emplace();
+  ResultPath& path = result.path.emplace(result.query_frames);
   for (size_t frame = 0; frame < result.query_frames; ++frame) {
-    const double nowhere = rows[2 * frame];
-    const double rate = rows[2 * frame + 1];
+    const double nowhere = rows[3 * frame];
+    const double rate = rows[3 * frame + 1];
+    const double track = rows[3 * frame + 2];
     const bool is_fine = (std::isnan(nowhere) || is_score(nowhere, result)) &&
-                         (std::isnan(rate) || (rate >= 0 && rate <= kMostSum));
+                         (std::isnan(rate) || (rate >= 0 && rate <= kMostSum)) && track >= 0 &&
+                         track <= static_cast<double>(result.query_frames) &&
+                         track == std::floor(track);
     if (!is_fine) files.fail("path.npy holds a number out of range");
-    path.nowhere.push_back(nowhere);
-    path.rates.push_back(rate);
+    path.nowhere[frame] = nowhere;
+    path.rates[frame] = rate;
+    path.tracks[frame] = static_cast<uint32_t>(track);
   }
 }
 

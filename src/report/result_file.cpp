@@ -57,11 +57,12 @@ std::vector<double> margin_column(const Result& result) {
   return margins;
 }
 
-// By query frame: the score of being nowhere, and the rate.
+// By query frame: the score of being nowhere, the rate, and the number of the track.
 std::vector<double> path_rows(const ResultPath& path) {
   std::vector<double> rows;
   for (size_t frame = 0; frame < path.nowhere.size(); ++frame)
-    rows.insert(rows.end(), {path.nowhere[frame], path.rates[frame]});
+    rows.insert(rows.end(),
+                {path.nowhere[frame], path.rates[frame], static_cast<double>(path.tracks[frame])});
   return rows;
 }
 
@@ -244,7 +245,7 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   companions.write("best_scores", best.scores);
   if (!result.best_rates.empty()) companions.write("best_rates", result.best_rates);
   if (!result.margins.empty()) companions.write("margins", margin_column(result));
-  if (result.path) companions.write("path", path_rows(*result.path), 2);
+  if (result.path) companions.write("path", path_rows(*result.path), 3);
   if (result.views) companions.write("views", view_rows(*result.views), 2);
   if (result.places) companions.write("new_place", result.places->new_place);
   if (result.replay) {

@@ -176,12 +176,12 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   if (has_places) check_places(source, result);
   read_matches(source, result);
   read_rates(source, result);
+  read_path(source, result);
   if (has_places)
     read_new_place(source, result);
   else
     read_clusters(source, result, monitor);
   read_margins(source, result);
-  read_path(source, result);
   read_views(source, result);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");

@@ -1,6 +1,7 @@
 // Figures on a real office corridor, walked twice (111 + 111 frames).
 #include <algorithm>
 #include <cstdlib>
+#include <tuple>
 
 #include <catch2/catch.hpp>
 
@@ -186,4 +187,35 @@ TEST_CASE("metrics of the corridor are those of an independent evaluation in Num
   CHECK(metrics["recall_at"]["5"].get<double>() == Approx(74 / 111.0));
   CHECK(metrics["recall_at"]["10"].get<double>() == Approx(90 / 111.0));
   CHECK(metrics["recall_at"]["20"].get<double>() == Approx(97 / 111.0));
+}
+
+TEST_CASE("a confirmed track through the corridor is one place, at equal and at double speed") {
+  const auto corridor = test::real_data("data/corridor");
+  if (!corridor) return;
+  const test::TemporaryFolder out;
+  REQUIRE(
+      run_program("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "c.vprdb"})
+          .exit_code == 0);
+  for (const auto& [range, first, last] :
+       {std::tuple<std::string, size_t, size_t>{"", 39, 110}, {"@::2", 33, 55}}) {
+    INFO(range);
+    const auto outcome = run_program(
+        "vpr-query", {out / "c.vprdb", "--query", (*corridor / "query").string() + range,
+                      "--method", "filter", "--force", "-o", out / "r.json", "--json"});
+    REQUIRE(outcome.exit_code == 0);
+    const Json result = Json::parse(outcome.out);
+    REQUIRE(result["clusters"].size() == 1);
+    const Json& place = result["clusters"][0];
+    CHECK(place["hits"] == result["totals"]["hits"]);
+    CHECK(place["query"]["first_frame"] == first);
+    CHECK(place["query"]["last_frame"] == last);
+    CHECK(place["train"]["last_frame"] == 110);
+    const auto eval =
+        run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "3",
+                                 "--reference-step", range.empty() ? "1" : "2", "--json"});
+    const Json report = Json::parse(eval.out);
+    CHECK(report["counts"]["distinct"] == 1);
+    CHECK(report["counts"]["hits"]["correct"] == result["totals"]["hits"]);
+    CHECK(report["recognitions"][0]["query_range"] == Json({first, last}));
+  }
 }

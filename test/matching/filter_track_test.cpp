@@ -167,7 +167,8 @@ TEST_CASE("a path that its frames do not support any more is not believed, and g
   places.see(0, 22, 22, 21 * kUnit);
   CHECK(places.track.last.margin == 0);
   CHECK(places.track.is_established);
-  places.change = 0.125;  // less change than that of the training walk is no better
+  CHECK(places.track.last.track == 1);  // not recognized, but the same track
+  places.change = 0.125;                // less change than that of the training walk is no better
   places.z = -2;
   places.see(0, 23, 23, 8 * kUnit);  // shares of 0.81 and 0.27
   CHECK(places.track.last.margin == 0);
@@ -176,6 +177,19 @@ TEST_CASE("a path that its frames do not support any more is not believed, and g
   places.z = 4;
   places.see(0, 25, 25);
   CHECK_FALSE(places.track.is_established);
+  CHECK(places.track.last.track == 0);
+}
+
+TEST_CASE("a track that is confirmed again, or elsewhere, has the next number") {
+  Places places;
+  for (size_t view = 0; view < 20; ++view) {
+    places.see(0, view, view);
+    CHECK(places.track.last.track == (view >= 18 ? 1 : 0));
+  }
+  for (size_t view = 20; view < 40; ++view) {
+    places.see(1, view - 20, view);
+    CHECK(places.track.last.track == (view >= 38 ? 2 : 0));
+  }
 }
 
 TEST_CASE("what is believed is as its plain twin says") {

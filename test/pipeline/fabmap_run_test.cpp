@@ -119,10 +119,27 @@ TEST_CASE("a hit is a view above t_p in c_w frames in a row, which an unreadable
   CHECK(run(two_words(), settings).hits.empty());
   settings.place_threshold = 0.25;  // both views of a walk and of the place: one hit a place
   const Result both = run(two_words(), settings);
-  CHECK(
-      frames_and_views(both.hits) ==
-      Pairs{
-          {0, 0}, {0, 2}, {1, 0}, {1, 2}, {3, 0}, {3, 2}, {4, 1}, {4, 2}, {5, 0}, {6, 0}, {6, 2}});
+  CHECK(frames_and_views(both.hits) ==
+        Pairs{{0, 0}, {0, 2}, {1, 0}, {1, 2}, {3, 0}, {3, 2}, {4, 1}, {4, 2}, {6, 0}, {6, 2}});
+}
+
+TEST_CASE("a frame without words is never a hit, and breaks a window") {
+  // Frame 5 shows no word. Views 0 and 1 have 0.51 / 2.02 of its posterior each, and the view of
+  // the walk has more than 0.25 in frames 4 and 6.
+  FabmapQuerySettings settings = by_hand();
+  settings.place_threshold = 0.25;
+  REQUIRE(share(kNothing, 1) > 0.25);
+  REQUIRE(share(kWord1, 3) > 0.25);
+  const auto hits_from_4 = [&](uint64_t window) {
+    settings.window = window;
+    std::vector<std::pair<uint32_t, uint32_t>> pairs;
+    for (const Match& hit : run(two_words(), settings).hits)
+      if (hit.query >= 4) pairs.emplace_back(hit.query, hit.view);
+    return pairs;
+  };
+  using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
+  CHECK(hits_from_4(1) == Pairs{{4, 1}, {4, 2}, {6, 0}, {6, 2}});
+  CHECK(hits_from_4(2) == Pairs{{4, 2}});
 }
 
 TEST_CASE("of several views of a place the likeliest one stands for it") {

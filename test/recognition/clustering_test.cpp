@@ -123,3 +123,22 @@ TEST_CASE("places of several sequences come one after the other, and every hit k
   CHECK(clusters.of_hit == std::vector<uint32_t>{0, 2, 0, 3, 1});
   CHECK(cluster_by_target({}, 3, {}).all.empty());
 }
+
+TEST_CASE("hits on one track are one place, whatever the steps and gaps between them") {
+  // Query frames 3 to 6 on track 1, of which frame 5 is not recognized; 8 and 9 on track 2; and 10,
+  // which no track explains.
+  const std::vector<uint32_t> tracks = {0, 0, 0, 1, 1, 1, 1, 0, 2, 2, 0, 0};
+  const std::vector<Match> hits = {{3, 1, 40, 0, -5}, {4, 1, 43, 0, -9}, {6, 1, 47, 0, -2},
+                                   {8, 0, 9, 0, -4},  {9, 0, 9, 0, -4},  {10, 0, 9, 0, -4},
+                                   {11, 0, 9, 0, -4}};
+  const Clusters clusters = cluster_tracks(hits, tracks);
+  REQUIRE(clusters.all.size() == 4);
+  CHECK(clusters.all[0] == Cluster{1, 4, 3, 6, 43, 40, 47, 3, -9});
+  CHECK(clusters.all[1] == Cluster{0, 9, 8, 9, 9, 9, 9, 2, -4});
+  CHECK(clusters.all[2] == Cluster{0, 10, 10, 10, 9, 9, 9, 1, -4});
+  CHECK(clusters.of_hit == std::vector<uint32_t>{0, 0, 0, 1, 1, 2, 3});
+  CHECK(mean_rate(clusters.all[0]) == 7 / 3.0);
+  CHECK(mean_rate(clusters.all[1]) == 0);
+  CHECK_FALSE(mean_rate(clusters.all[2]));
+  CHECK(cluster_tracks({}, tracks).all.empty());
+}
