@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What every step of standardized scores is worth, as a table of docs/standardized.md: per cent of
+# What every step of standardized scores is worth, as a table of docs/experiments/zscores.md: per cent of
 # best matches that are right / of windows before the first wrong one when sorted by score.
 #   scripts/ablation.sh DATA [BIN]     DATA: folder with corridor/ and nordland/
 set -euo pipefail

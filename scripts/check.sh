@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What must be green before a commit: format, layers, build, tests, static analysis.
 #   scripts/check.sh           everything
-#   scripts/check.sh --style   format, layers and schemas only
+#   scripts/check.sh --style   format, layers, schemas and links only
 #   scripts/check.sh --quick   no build and no tests; static analysis of the files that a change
 #                              touches: all commits since $VPR_CHECK_BASE, by default of the six
 #                              hours before the last one; at most 20 files, the rest is named
@@ -18,6 +18,7 @@ else
 fi
 scripts/check_layers.sh
 scripts/check_schemas.py
+scripts/check_links.py
 [[ ${1:-} == --style ]] && exit 0
 
 # Static analysis reads sources as they stand, without precompiled headers.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """FAB-MAP and sequences together: per cent of best matches that are right, of standardized scores /
 of these fused with FAB-MAP's, by c_l, and of FAB-MAP alone, which knows single frames; the table of
-docs/methods.md. Vocabularies have 500 SIFT words by default, and never see a set that they are
+docs/experiments/fusion.md. Vocabularies have 500 SIFT words by default, and never see a set that they are
 used on: those of corridor, Nordland and loop are of four floors of the tower, those of the tower of
 corridor and loop, those of rendered worlds of their pretraining walks or, where there are none, of
 the tower.

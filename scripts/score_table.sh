@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Raw distances and standardized scores on every set of real images, in both directions: per cent
 # of best matches that are right / of windows before the first wrong one when sorted by score, as
-# in docs/methods.md.
+# in docs/experiments/zscores.md.
 #   scripts/score_table.sh DATA [BIN] [SCORE...]   DATA: holds corridor/, nordland/ and loop/
 set -euo pipefail
 here=$(dirname "$0")

@@ -10,7 +10,7 @@ Columns are replays of the query (--warp; seeds 1 to 3, averaged, where somethin
 world its query walks. Rows are what the programs offer: raw and z-score windows, by margin where
 vpr-query has --decide, of the rates 1/2, 2/3, 1, 3/2 and 2 where it has --rates, and the method
 filter where there is one. --into FILE writes the tables between the lines "<!-- speed table: begin -->" and "... end -->"
-of FILE, as of docs/methods.md and the README. --short leaves out rows and columns, as the README's table does."""
+of FILE, as of docs/experiments/speeds.md."""
 import argparse
 import functools
 import json
@@ -21,7 +21,6 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
 WARPS = ["same", "0.5", "0.67", "1.5", "2", "varying", "stops", "kidnap"]
-SHORT_WARPS = ["same", "0.67", "1.5", "2", "varying", "stops"]
 DRAWN = {"varying", "stops", "kidnap"}
 RATES = "1/2,2/3,1,3/2,2"
 
@@ -34,11 +33,11 @@ def run(program, *words):
     return done.stdout
 
 
-def methods(help_text, short):
+def methods(help_text):
     """Rows: a name, flags, and whether recall is by margin."""
     rows = []
     has_margin = "--decide" in help_text
-    for length in [20] if short else [10, 20, 40]:
+    for length in [10, 20, 40]:
         for score, name in [("raw", "raw"), ("standardized", "z-scores")]:
             flags = ("--c-l", length, "--score", score)
             rows.append((f"windows, {name}, c_l {length}", flags, False))
@@ -96,9 +95,8 @@ def table(name, judge, columns, rows):
 
 
 def of_images(options, name, train, query, truth):
-    warps = SHORT_WARPS if options.short else WARPS
     columns = [("same pace" if warp == "same" else warp + "x" if warp[0].isdigit() else warp,
-                ("--query", query), warp) for warp in warps]
+                ("--query", query), warp) for warp in WARPS]
     with tempfile.TemporaryDirectory() as folder:
         judge = Judge(options.bin, folder, ["--train", train], truth)
         return table(name, judge, columns, options.rows)
@@ -133,12 +131,11 @@ def main():
     parser.add_argument("--ground-truth")
     parser.add_argument("--tolerance", type=int, default=0)
     parser.add_argument("--name", default="query")
-    parser.add_argument("--short", action="store_true")
     parser.add_argument("--into", type=pathlib.Path)
     parser.add_argument("--bin", type=pathlib.Path, default=HERE / "build/release/bin")
     options = parser.parse_args()
     options.bin = options.bin.resolve()
-    options.rows = methods(run(options.bin / "vpr-query", "--help"), options.short)
+    options.rows = methods(run(options.bin / "vpr-query", "--help"))
     if not options.data and not options.world and not (options.train and options.query):
         parser.error("give --data, --world, or --train and --query with --ground-truth")
     tables = []

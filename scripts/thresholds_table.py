@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Thresholds from one walk, or half of one, used on another: thresholds_table.py DATA [BIN] [--jobs N].
 DATA: folder with corridor/, nordland/, loop/ and tower/. Worlds are rendered from
-configs/worlds/speeds.json. Prints the tables of docs/methods.md, Calibration: by what vpr-tune
+configs/worlds/speeds.json. Prints the tables of docs/experiments/calibration.md: by what vpr-tune
 fastable recommends, by vpr-tune calibrate, and automatic thresholds and margins on whole walks."""
 import argparse
 import array

@@ -94,7 +94,7 @@ TEST_CASE(
     REQUIRE(ours.p[q] == Approx(loop.tree.p[q]).margin(1e-12));
 }
 
-// Counts vary with the seed of k-means; the medians over five seeds are in docs/methods.md.
+// Counts vary with the seed of k-means; docs/experiments/fabmap.md has others.
 TEST_CASE("a vocabulary of our own recognises the second lap") {
   const auto tower = test::real_data("data/tower");
   const auto loop = test::real_data("data/loop");
