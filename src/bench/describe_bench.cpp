@@ -51,37 +51,6 @@ Frames load_frames(const std::optional<Sequence>& images, uint64_t count, uint64
   return frames;
 }
 
-// A feature may not depend on what was described before: the same frame twice gives the same.
-void check_feature(const cv::Mat& frame, const FeatureSettings& settings) {
-  const LocalFeatures first = find_features(frame, settings);
-  const LocalFeatures second = find_features(frame, settings);
-  if (first.descriptors.size() != second.descriptors.size() ||
-      cv::norm(first.descriptors, second.descriptors, cv::NORM_INF) > 0)
-    throw Error(ErrorKind::expectation,
-                fmt::format("{}: describes a frame differently the second time; nothing was timed",
-                            enum_name(settings.kind)));
-}
-
-// The first bits of the code by hand: the quarters of the window, by their sums of pixels.
-void check_ldb(const cv::Mat& frame) {
-  cv::Mat small;
-  cv::resize(frame, small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
-  cv::GaussianBlur(small, small, {7, 7}, 2, 2, cv::BORDER_REFLECT_101);
-  std::array<double, 4> sums{};
-  for (int cell = 0; cell < 4; ++cell)
-    sums[static_cast<size_t>(cell)] =
-        cv::sum(small(cv::Rect(3 + cell % 2 * 30 + 1, 3 + cell / 2 * 30 + 1, 29, 29)))[0];
-  const LdbCode code = describe_ldb(frame);
-  size_t bit = 0;
-  for (size_t i = 0; i < 4; ++i) {
-    for (size_t j = i + 1; j < 4; ++j, bit += 3) {
-      if ((code[bit / 8] >> bit % 8 & 1) != (sums[i] > sums[j] ? 1 : 0))
-        throw Error(ErrorKind::expectation,
-                    "LDB: a bit differs from the sums of its cells; nothing was timed");
-    }
-  }
-}
-
 // What training does, with all threads: decoding alone, and with describing.
 void add_whole_sequence(BenchResult& result, const Sequence& images,
                         const DescribeBenchSettings& settings, const Monitor& monitor) {
@@ -137,7 +106,6 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
     result.rows.push_back(std::move(row));
     counter.add();
   };
-  check_ldb(frames.grey[0]);
   add("decode", [&](size_t i) { cv::imdecode(frames.files[i], cv::IMREAD_GRAYSCALE); });
   add("resize", [&](size_t i) {
     cv::Mat small;
@@ -151,7 +119,6 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   for (const FeatureKind kind : kinds) {
     FeatureSettings feature = settings.feature_settings;
     feature.kind = kind;
-    check_feature(frames.grey[0], feature);
     size_t points = 0;
     for (const cv::Mat& frame : frames.grey) points += find_features(frame, feature).points.size();
     add(std::string(enum_name(kind)), [&](size_t i) { find_features(frames.grey[i], feature); });

@@ -1,4 +1,4 @@
-// What one frame costs before matching: decoding, resizing, LDB and each local feature.
+// Time per frame of decoding, resizing, LDB and each local feature.
 #pragma once
 
 #include "bench/bench_result.h"
@@ -23,8 +23,7 @@ void visit_fields(DescribeBenchSettings& settings, Visitor&& visit) {
   visit("feature_settings", settings.feature_settings);
 }
 
-/// `images`: a folder or list of images; without it, generated 640x480 JPEG files in memory. Codes
-/// are compared with those of a plain computation of the same cells first.
+/// `images`: a folder or list of images; without it, generated 640x480 JPEG files in memory.
 BenchResult bench_describe(const DescribeBenchSettings& settings,
                            const std::optional<Sequence>& images, uint64_t seed,
                            const Monitor& monitor);
