@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "ground_truth/association.h"
 #include "ground_truth/dataset.h"
-#include "ground_truth/frame_times.h"
-#include "ground_truth/geodesy.h"
-#include "ground_truth/pose_times.h"
+#include "ground_truth/gps.h"
 #include "ground_truth/route.h"
+#include "ground_truth/times.h"
 #include "report/fix_trajectory.h"
 
 namespace vpr {

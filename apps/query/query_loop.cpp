@@ -5,7 +5,6 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "evaluation/result_loops.h"
-#include "ground_truth/frame_times.h"
 #include "ground_truth/times.h"
 #include "images/sequence.h"
 #include "pipeline/loop_query.h"

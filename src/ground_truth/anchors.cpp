@@ -10,11 +10,11 @@
 
 #include "base/counted.h"
 #include "base/error.h"
+#include "ground_truth/association.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/named_rows.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/pairs_csv.h"
-#include "ground_truth/pose_times.h"
 #include "images/sequence_argument.h"
 
 namespace vpr {

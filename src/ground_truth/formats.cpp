@@ -7,7 +7,6 @@
 
 #include "base/converters.h"
 #include "base/error.h"
-#include "base/mapped_file.h"
 #include "base/named_table.h"
 #include "base/text.h"
 #include "base/utf8.h"
@@ -38,24 +37,27 @@ std::string format_names_of(std::string_view option) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string_view first_line(std::string_view text) {
-  for (const std::string_view line : split_lines(without_byte_order_mark(text)))
-    if (!line.empty() && !line.starts_with('#')) return line;
-  return {};
-}
-
 // What an option that has no effect belongs to.
 std::string use_of(std::string_view option) {
   if (option == "range") return "; turn it into pairs, which take one (vpr-eval convert)";
   return fmt::format("; {} belongs to {}", option, format_names_of(option));
 }
 
-// Numbers of frames stand before a range in a path's name.
-std::filesystem::path path_without_range(const std::filesystem::path& path) {
-  return parse_sequence_argument(path.string()).path;
-}
-
 }  // namespace
+
+StartedFile open_start(const std::filesystem::path& path) {
+  StartedFile opened;
+  FileStart& start = opened.start;
+  start.path = parse_sequence_argument(path.string()).path;
+  std::error_code error;
+  start.is_folder = std::filesystem::is_directory(start.path, error);
+  if (start.is_folder) return opened;
+  opened.file = MappedFile(start.path);
+  start.bytes = opened.file.text().substr(0, kStartBytes);
+  for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes)))
+    if (start.first_line.empty() && !line.starts_with('#')) start.first_line = line;
+  return opened;
+}
 
 std::span<const GroundTruthFormat> ground_truth_formats() {
   static const std::vector<std::string_view> kPoseOptions = {"path", "range", "reference",
@@ -118,13 +120,8 @@ const GroundTruthFormat& find_format(std::string_view name) {
 }
 
 const GroundTruthFormat& recognise_format(const std::filesystem::path& path) {
-  std::error_code error;
-  FileStart start;
-  start.path = path_without_range(path);
-  start.is_folder = std::filesystem::is_directory(start.path, error);
-  const MappedFile file = start.is_folder ? MappedFile() : MappedFile(start.path);
-  start.bytes = file.text().substr(0, kStartBytes);
-  start.first_line = first_line(start.bytes);
+  const StartedFile opened = open_start(path);
+  const FileStart& start = opened.start;
   for (const GroundTruthFormat& format : ground_truth_formats())
     if (format.recognise != nullptr && format.recognise(start)) return format;
   refuse_unconverted(start.path, start.bytes);

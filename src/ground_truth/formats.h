@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/mapped_file.h"
 #include "base/output_file.h"
 #include "ground_truth/ground_truth.h"
 
@@ -21,6 +22,15 @@ struct FileStart {
   std::string_view bytes;       ///< the file's first 64 KiB
   std::string_view first_line;  ///< that is neither empty nor a comment (#), without its end
 };
+
+/// An open file (of a folder only its name), and its start.
+struct StartedFile {
+  MappedFile file;
+  FileStart start;
+};
+
+/// `path` may end in a range. Throws Error(input) if the file can't be read.
+StartedFile open_start(const std::filesystem::path& path);
 
 /// A row of the table of formats.
 struct GroundTruthFormat {

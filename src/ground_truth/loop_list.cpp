@@ -10,7 +10,6 @@
 #include "base/text.h"
 #include "base/utf8.h"
 #include "ground_truth/file_location.h"
-#include "ground_truth/frame_times.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/times.h"
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/counted.h"
-#include "ground_truth/gps_columns.h"
+#include "ground_truth/gps.h"
 #include "ground_truth/named_rows.h"
 #include "ground_truth/numbers.h"
 #include "images/sequence_argument.h"

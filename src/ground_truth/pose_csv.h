@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "ground_truth/geodesy.h"
+#include "ground_truth/gps.h"
 
 namespace vpr {
 
 /// Metres, and degrees.
 struct CsvPose {
-  std::array<double, 3> position{};   ///< x, y and 0, or on the earth (geodesy.h)
+  std::array<double, 3> position{};   ///< x, y and 0, or on the earth (gps.h)
   std::optional<Geographic> place;    ///< of files with latitudes and longitudes
   std::optional<double> heading_deg;  ///< none without such a column
   std::string floor;                  ///< empty without such a column
@@ -30,7 +30,7 @@ struct PoseCsvRules {
 bool has_pose_columns(const std::vector<std::string>& header);
 
 /// One entry a frame; nothing for a frame without a line or, in a file that has latitudes and
-/// longitudes (gps_columns.h) instead of x and y, without a fix. `path` may end in a range
+/// longitudes (gps.h) instead of x and y, without a fix. `path` may end in a range
 /// (poses.csv@100:200): then its frames count from the range's first, in its steps, and others are
 /// left out. Frames may stand in any order; other columns than these, heading and floor are not
 /// looked at. Throws Error(input) if the file can't be read, Error(data), naming the line, if

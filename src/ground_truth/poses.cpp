@@ -6,11 +6,11 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "ground_truth/association.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/pose_csv.h"
 #include "ground_truth/pose_matches.h"
-#include "ground_truth/pose_times.h"
 #include "ground_truth/trajectory.h"
 
 namespace vpr {

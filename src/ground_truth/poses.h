@@ -18,7 +18,7 @@ bool is_pose_csv(const FileStart& start);
 
 /// One pose a line, time x y z qx qy qz qw (the RGB-D benchmark of the TU Munich); lines that start
 /// with # are skipped. Poses of frames are found by time where the argument has the frames' times
-/// (pose_times.h); otherwise line i is frame i, and times are not looked at.
+/// (association.h); otherwise line i is frame i, and times are not looked at.
 std::string read_tum_poses(GroundTruthBuilder& builder);
 /// Whether the first line holds eight numbers with spaces between them.
 bool is_tum(const FileStart& start);

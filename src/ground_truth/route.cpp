@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "ground_truth/geodesy.h"
+#include "ground_truth/gps.h"
 #include "ground_truth/named_rows.h"
 #include "ground_truth/pose_csv.h"
 

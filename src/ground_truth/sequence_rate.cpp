@@ -10,7 +10,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "base/npy.h"
-#include "ground_truth/frame_times.h"
+#include "ground_truth/times.h"
 #include "images/sequence.h"
 #include "images/thinning.h"
 #include "images/video_reader.h"

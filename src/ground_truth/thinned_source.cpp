@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "ground_truth/frame_times.h"
 #include "ground_truth/sequence_rate.h"
+#include "ground_truth/times.h"
 #include "images/thinning.h"
 
 namespace vpr {

@@ -14,7 +14,6 @@
 #include "base/mapped_file.h"
 #include "base/text.h"
 #include "base/utf8.h"
-#include "ground_truth/frame_times.h"
 #include "ground_truth/gps.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/pose_csv.h"
@@ -175,18 +174,9 @@ void add_times(Trajectory& trajectory, const std::filesystem::path& times) {
 }
 
 Trajectory read_any_trajectory(const std::filesystem::path& path) {
-  FileStart start;
-  start.path = parse_sequence_argument(path.string()).path;
-  std::error_code error;
-  start.is_folder = std::filesystem::is_directory(start.path, error);
+  const StartedFile opened = open_start(path);
+  const FileStart& start = opened.start;
   if (start.is_folder) return read_fixes(path);
-  const MappedFile file(start.path);
-  start.bytes = file.text();
-  for (const std::string_view line : split_lines(without_byte_order_mark(start.bytes))) {
-    if (line.empty() || line.starts_with('#')) continue;
-    start.first_line = line;
-    break;
-  }
   if (is_tum(start)) return read_tum(path);
   if (is_euroc(start)) return read_euroc(path);
   if (is_kitti(start)) return read_kitti(path);

@@ -19,7 +19,7 @@ struct Trajectory {
   Poses poses;                    ///< nothing where the file has no pose of a frame
   std::vector<size_t> lines;      ///< of each pose in the file, counted from 1; none of a CSV
   std::vector<int64_t> times_ns;  ///< one a pose as the file has them, or none at all
-  bool is_on_earth = false;       ///< positions are those of geodesy.h
+  bool is_on_earth = false;       ///< positions are those of gps.h
 };
 
 /// One pose a line: time x y z qx qy qz qw (TUM). Times may fall or repeat. All readers of this

@@ -14,10 +14,10 @@ namespace vpr {
 
 namespace {
 
-using Poses = std::vector<std::optional<CsvPose>>;
+using CsvPoses = std::vector<std::optional<CsvPose>>;
 
-Poses read_poses(const std::filesystem::path& path, size_t frames,
-                 const std::optional<Replay>& replay) {
+CsvPoses read_poses(const std::filesystem::path& path, size_t frames,
+                    const std::optional<Replay>& replay) {
   if (!replay) return read_pose_csv(path, {frames});
   return replayed(read_pose_csv(path, {replay->recorded_frames}), *replay);
 }
@@ -26,7 +26,7 @@ Poses read_poses(const std::filesystem::path& path, size_t frames,
 
 std::vector<double> read_travelled(const std::filesystem::path& path, size_t frames,
                                    const Monitor& monitor, const std::optional<Replay>& replay) {
-  const Poses poses = read_poses(path, frames, replay);
+  const CsvPoses poses = read_poses(path, frames, replay);
   const auto known = [](const auto& pose) { return pose.has_value(); };
   const auto missing = std::find_if_not(poses.begin(), poses.end(), known);
   if (missing != poses.end()) {

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "ground_truth/frame_times.h"
+#include "ground_truth/times.h"
 #include "ground_truth/truth_files.h"
 
 using namespace vpr;

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "ground_truth/frame_times.h"
 #include "ground_truth/route.h"
+#include "ground_truth/times.h"
 #include "ground_truth/truth_files.h"
 
 using namespace vpr;

@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "ground_truth/frame_times.h"
 #include "ground_truth/loop_list.h"
 #include "ground_truth/times.h"
 #include "support.h"
