@@ -143,6 +143,16 @@ size_t find_frame(const FrameNames& names, const std::string& name, const std::s
                                           where, name));
 }
 
+// Numbers alone can ask for any matrix; names say how many frames there are.
+void check_size(const Prediction& one, size_t queries, size_t references, bool is_named) {
+  constexpr uint64_t kMostScores = uint64_t{1} << 31;
+  if (is_named || uint64_t{queries} * references <= kMostScores) return;
+  throw Error(ErrorKind::data,
+              fmt::format("{}: the frame numbers up to here need {} x {} scores; the limit is {}. "
+                          "Name the frames with --query and --train (folders, or lists of names)",
+                          one.where, queries, references, kMostScores));
+}
+
 Lists collect(const std::vector<Prediction>& all, const FrameNames& queries,
               const FrameNames& references) {
   Lists lists{references.count().value_or(0), {}};
@@ -150,8 +160,10 @@ Lists collect(const std::vector<Prediction>& all, const FrameNames& queries,
   for (const Prediction& one : all) {
     const size_t query = find_frame(queries, one.query, one.where, "query");
     const size_t reference = find_frame(references, one.reference, one.where, "training");
-    if (query >= lists.queries.size()) lists.queries.resize(query + 1);
     lists.references = std::max(lists.references, reference + 1);
+    check_size(one, std::max(lists.queries.size(), query + 1), lists.references,
+               queries.count() && references.count());
+    if (query >= lists.queries.size()) lists.queries.resize(query + 1);
     std::vector<Found>& found = lists.queries[query];
     const double rank = static_cast<double>(found.size()) + 1;
     found.push_back({static_cast<uint32_t>(reference), one.score.value_or(rank)});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/checksum.h"
 #include "base/error.h"
@@ -40,12 +41,12 @@ size_t blocks_of(size_t count, size_t size) { return (count + size - 1) / size; 
 ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format)
     : name_(path.string()), format_(format), array_(path) {
   type_ = find_number_type(array_.type());
-  if (type_ == nullptr || array_.shape().size() != 2)
+  if (type_ == nullptr || array_.shape().size() != 2 || array_.value_bytes().empty())
     throw Error(
         ErrorKind::data,
-        fmt::format("{}: expected a matrix (2 dimensions) of numbers, queries x references; "
-                    "found {} dimensions of type {}",
-                    name_, array_.shape().size(), array_.type()));
+        fmt::format("{}: expected a matrix of scores, queries x references; found the shape ({}) "
+                    "of type {}",
+                    name_, fmt::join(array_.shape(), ", "), array_.type()));
   queries_ = array_.shape()[format.references_first ? 1 : 0];
   references_ = array_.shape()[format.references_first ? 0 : 1];
   query_major_ = array_.is_column_major() == format.references_first;

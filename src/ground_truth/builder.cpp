@@ -12,9 +12,11 @@ namespace {
 
 constexpr size_t kMostExamples = 5;
 /// 16 bytes each. A matrix of 10 000 x 10 000 has a few runs a row, unless it is noise.
-constexpr size_t kMostRuns = size_t{1} << 26;
+constexpr size_t kMostRuns = size_t{1} << 24;
 
 constexpr size_t kMostGrownSequences = 10000;
+/// Query frames times training sequences, where the file alone says how many there are.
+constexpr size_t kMostGrownRows = size_t{1} << 25;
 
 bool stands_before(const GroundTruth::Pair& a, const GroundTruth::Pair& b) {
   return std::tie(a.sequence, a.first, a.label, a.further) <
@@ -135,10 +137,8 @@ void GroundTruthBuilder::append(size_t query, const GroundTruth::Pair& pair) {
     }
   }
   if (++runs_ > kMostRuns)
-    fail(
-        "the ground truth has too many labels; is it a matrix of something else, or a tolerance "
-        "too "
-        "large?");
+    fail(fmt::format("labels more than {} runs of frames. Use fewer frames, or check the format",
+                     kMostRuns));
   pairs.push_back(pair);
 }
 
@@ -200,6 +200,13 @@ void GroundTruthBuilder::join(size_t query) {
 InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
   pairs_.resize(query_.frames);
   at({}, 0);
+  const bool grows = query_.grows ||
+                     std::ranges::any_of(train_, [](const FrameCount& side) { return side.grows; });
+  if (grows && train_.size() > kMostGrownRows / std::max<size_t>(query_.frames, 1))
+    fail(
+        fmt::format("names {} query frames and {} training sequences, which is too many. Give the "
+                    "sequences with --query and --train",
+                    query_.frames, train_.size()));
   for (size_t query = 0; query < pairs_.size(); ++query) {
     check_stop();
     join(query);

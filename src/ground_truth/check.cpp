@@ -12,6 +12,7 @@ namespace vpr {
 namespace {
 
 constexpr size_t kMostExamples = 5;
+constexpr uint64_t kMostCompared = uint64_t{1} << 26;  // pairs whose other direction is looked up
 
 const GroundTruthFinding& finding(const InspectedGroundTruth& ground_truth, FindingKind kind) {
   return ground_truth.findings[static_cast<size_t>(kind)];
@@ -32,6 +33,19 @@ void count_one_sided(GroundTruthSummary& summary, const GroundTruth& truth,
   }
 }
 
+// Frames in any of the runs, which are sorted.
+uint64_t covered_frames(std::vector<LabelRun>& runs) {
+  std::ranges::sort(runs, {}, &LabelRun::first);
+  uint64_t covered = 0;
+  size_t end = 0;
+  for (const LabelRun& run : runs) {
+    if (run.last < end) continue;
+    covered += run.last + 1 - std::max(end, run.first);
+    end = run.last + 1;
+  }
+  return covered;
+}
+
 }  // namespace
 
 GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Monitor& monitor) {
@@ -39,33 +53,35 @@ GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Mon
   const auto& sequences = ground_truth.scope.sequences;
   GroundTruthSummary summary;
   summary.query_frames = truth.pairs.size();
-  std::vector<uint64_t> matches(truth.pairs.size());
-  const bool is_square = sequences.size() == 1 && sequences[0].frames == truth.pairs.size();
-  if (is_square) summary.one_sided = 0;
+  std::vector<std::vector<LabelRun>> matched(sequences.size());
+  for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    check_stop(monitor);
+    uint64_t matches = 0;
+    const auto& row = truth.pairs[query];
+    for (auto pair = row.begin(); pair != row.end();) {
+      const size_t s = pair->sequence;
+      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].frames)) {
+        const uint64_t count = run.last - run.first + 1;
+        (run.label == PlaceLabel::same ? matches : summary.ignored) += count;
+        if (run.label == PlaceLabel::same) matched[s].push_back(run);
+      }
+      pair = std::find_if(pair, row.end(), [&](const auto& other) { return other.sequence != s; });
+    }
+    summary.same += matches;
+    if (matches == 0) ++summary.queries_without_match;
+    summary.most_matches = std::max(summary.most_matches, matches);
+  }
   for (size_t s = 0; s < sequences.size(); ++s) {
     summary.train_frames += sequences[s].frames;
-    std::vector<bool> is_matched;  // as far as any is
+    summary.references_without_match += sequences[s].frames - covered_frames(matched[s]);
+  }
+  if (sequences.size() == 1 && sequences[0].frames == truth.pairs.size() &&
+      summary.same <= kMostCompared) {
+    summary.one_sided = 0;
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
       check_stop(monitor);
-      const std::vector<LabelRun> runs = label_runs(truth, query, s, sequences[s].frames);
-      for (const LabelRun& run : runs) {
-        const uint64_t count = run.last - run.first + 1;
-        (run.label == PlaceLabel::same ? summary.same : summary.ignored) += count;
-        if (run.label != PlaceLabel::same) continue;
-        matches[query] += count;
-        is_matched.resize(std::max(is_matched.size(), run.last + 1));
-        std::fill(is_matched.begin() + static_cast<ptrdiff_t>(run.first),
-                  is_matched.begin() + static_cast<ptrdiff_t>(run.last) + 1, true);
-      }
-      if (is_square) count_one_sided(summary, truth, runs, query);
+      count_one_sided(summary, truth, label_runs(truth, query, 0, truth.pairs.size()), query);
     }
-    summary.references_without_match +=
-        sequences[s].frames -
-        static_cast<uint64_t>(std::count(is_matched.begin(), is_matched.end(), true));
-  }
-  for (const uint64_t count : matches) {
-    if (count == 0) ++summary.queries_without_match;
-    summary.most_matches = std::max(summary.most_matches, count);
   }
   return summary;
 }

@@ -20,7 +20,7 @@ struct GroundTruthSummary {
   uint64_t most_matches = 0;              ///< of any query
   /// Pairs (i, j) of the same place for which (j, i) is not: in a ground truth of a sequence
   /// against itself a mistake, between two walks usual. Nothing unless there is one sequence with
-  /// as many frames as the query.
+  /// as many frames as the query, and at most 2^26 pairs.
   std::optional<uint64_t> one_sided;
   std::vector<std::string> one_sided_examples;
 };

@@ -21,6 +21,8 @@ namespace {
 
 constexpr std::string_view kHard = "GThard.npy";
 constexpr std::string_view kSoft = "GTsoft.npy";
+constexpr uint64_t kMostValues = 10'000'000'000;
+constexpr uint64_t kMostArchiveValues = uint64_t{1} << 31;  // they are in memory
 // With a first file, or none at all.
 bool is_zip(std::string_view bytes) {
   return bytes.starts_with("PK\x03\x04") || bytes.starts_with("PK\x05\x06");
@@ -173,8 +175,10 @@ void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& fil
   const size_t sequence = only_written_sequence(ground_truth, "matrix");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;
   const GroundTruth& truth = ground_truth.truth;
-  if (file.path().extension() == ".npz")
-    return write_archive(truth, sequence, frames, file, monitor);
+  const bool is_archive = file.path().extension() == ".npz";
+  require_writable(uint64_t{truth.pairs.size()} * frames,
+                   is_archive ? kMostArchiveValues : kMostValues, "values of a matrix");
+  if (is_archive) return write_archive(truth, sequence, frames, file, monitor);
   file.write(npy_header("|b1", {truth.pairs.size(), frames}));
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
     check_stop(monitor);

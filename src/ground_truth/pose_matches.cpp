@@ -17,6 +17,8 @@ namespace {
 
 /// Where a larger share of all pairs is the same place, hardly a match can be wrong.
 constexpr double kLargeShare = 0.1;
+/// Pairs of the same place, each of which is compared.
+constexpr uint64_t kMostPairs = uint64_t{1} << 27;
 
 /// What counts as the same place.
 struct Nearness {
@@ -38,11 +40,18 @@ bool is_near(const Pose& a, const Pose& b, const Nearness& nearness,
   return *angle <= *nearness.angle_deg;
 }
 
+/// Neighboring frames first .. last.
+struct FrameSpan {
+  size_t first = 0;
+  size_t last = 0;
+};
+
 /// Frames with a pose, by the coordinate that tells them apart best.
 struct SortedPoses {
   size_t axis = 0;
   std::vector<size_t> known;
-  std::vector<size_t> unknown;
+  std::vector<FrameSpan> unknown;
+  size_t unknown_frames = 0;
 };
 
 // The coordinate with the largest extent.
@@ -54,11 +63,34 @@ size_t longest_axis(const Poses& poses) {
 SortedPoses sort_poses(const Poses& poses) {
   SortedPoses sorted;
   sorted.axis = longest_axis(poses);
-  for (size_t i = 0; i < poses.size(); ++i) (poses[i] ? sorted.known : sorted.unknown).push_back(i);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    auto& unknown = sorted.unknown;
+    if (poses[i])
+      sorted.known.push_back(i);
+    else if (++sorted.unknown_frames; !unknown.empty() && unknown.back().last + 1 == i)
+      unknown.back().last = i;
+    else
+      unknown.push_back({i, i});
+  }
   std::stable_sort(sorted.known.begin(), sorted.known.end(), [&](size_t a, size_t b) {
     return poses[a]->position[sorted.axis] < poses[b]->position[sorted.axis];
   });
   return sorted;
+}
+
+// Where the radius reaches from end to end, every pair is near; this is known before the work.
+bool is_everything_near(const Poses& query, const Poses& train, const Nearness& nearness) {
+  Poses all = query;
+  all.insert(all.end(), train.begin(), train.end());
+  const auto [x, y, z] = extents_of(all);
+  return !nearness.angle_deg && std::hypot(x, y, z) <= nearness.radius_m;
+}
+
+[[noreturn]] void refuse_pairs(const GroundTruthBuilder& builder, const Nearness& nearness) {
+  builder.fail(
+      fmt::format("more than {} pairs of frames lie within {} m. Use a smaller --radius, "
+                  "or fewer frames (vpr-query --fps)",
+                  kMostPairs, nearness.radius_m));
 }
 
 std::vector<size_t> near_frames(const Pose& query, const Poses& train, const SortedPoses& sorted,
@@ -148,6 +180,9 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
                         const std::vector<bool>& nowhere) {
   const Nearness nearness = find_nearness(builder, usual_radius_m);
   const SortedPoses sorted = sort_poses(train);
+  if (is_everything_near(query, train, nearness) &&
+      uint64_t{query.size()} * sorted.known.size() > kMostPairs)
+    refuse_pairs(builder, nearness);
   uint64_t known = 0;
   uint64_t same = 0;
   uint64_t unknown = 0;
@@ -164,11 +199,12 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       builder.add(frame, sequence, reference, reference, PlaceLabel::same);
       ++same;
     }
-    for (const size_t reference : sorted.unknown)
-      builder.add(frame, sequence, reference, reference, PlaceLabel::ignore);
+    if (same > kMostPairs) refuse_pairs(builder, nearness);
+    for (const FrameSpan& span : sorted.unknown)
+      builder.add(frame, sequence, span.first, span.last, PlaceLabel::ignore);
   }
   warn_of_large_share(builder, nearness, same, known * sorted.known.size());
-  return describe(nearness, builder.argument().tolerance_frames, unknown, sorted.unknown.size());
+  return describe(nearness, builder.argument().tolerance_frames, unknown, sorted.unknown_frames);
 }
 
 }  // namespace vpr

@@ -29,6 +29,14 @@ size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::stri
                           format, searched));
 }
 
+void require_writable(uint64_t count, uint64_t most, std::string_view what) {
+  if (count > most)
+    throw Error(ErrorKind::data,
+                fmt::format("the file would hold {} {}; the limit is {}. Check the largest frame "
+                            "numbers, or use fewer frames",
+                            count, what, most));
+}
+
 void write_piece(OutputFile& file, std::string& text, const Monitor& monitor) {
   if (text.size() < kPieceBytes) return;
   check_stop(monitor);

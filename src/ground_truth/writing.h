@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -13,6 +14,10 @@ struct Monitor;
 
 /// The index of the one sequence that was searched. Throws Error(usage) if there are more, or none.
 size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format);
+
+/// Checks a size before anything is written. Throws Error(data) if there are more than `most` of
+/// `what`, such as "pairs".
+void require_writable(uint64_t count, uint64_t most, std::string_view what);
 
 /// Writes `text` and empties it once it is long: a query may have a line for every reference.
 /// Throws Error(interrupted) on a stop.
