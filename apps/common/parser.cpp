@@ -235,6 +235,11 @@ bool Parser::parse(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app_->exit(error), false;  // --help, --version
     if (const auto unknown = unknown_word(describe(), {argv + 1, argv + argc}))
       throw Error(ErrorKind::usage, *unknown);
+    const std::vector<std::string> extra = app_->remaining(true);
+    for (const char* flag : {"--query", "--train"})
+      if (!extra.empty() && takes(flag))
+        throw Error(ErrorKind::usage, fmt::format("unexpected argument {}; did you mean {} {}?",
+                                                  extra.front(), flag, extra.front()));
     throw Error(ErrorKind::usage, fmt::format("{}; see {} --help", error.what(), app_->get_name()));
   }
 }

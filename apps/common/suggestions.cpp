@@ -48,6 +48,8 @@ std::optional<std::string> unknown_word(const CommandEntry& program,
                          fmt::join(commands, ", "));
     }
   }
+  if (path == program.name && !program.runs_itself)
+    return fmt::format("give a command: {}; see {} --help", fmt::join(commands, ", "), path);
   for (const std::string& word : words) {
     if (word == "--") break;
     const std::string name = word.substr(0, word.find('='));

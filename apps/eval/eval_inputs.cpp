@@ -6,6 +6,8 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "database/sequence_database.h"
+#include "images/frame_names.h"
 #include "images/sequence_names.h"
 #include "report/evaluation_report.h"
 #include "report/result_file.h"
@@ -50,6 +52,7 @@ JudgedBy judged_by(const Session& session, const EvalInputs& inputs,
     if (by.poses.empty() && !inputs.result.empty()) by.poses = query.sequence.poses;
   }
   if (!by.ground_truth && !only_looks(session, inputs)) refuse_without_truth(inputs);
+  if (family == DatabaseFamily::sequences) add_names(by, inputs);
   return by;
 }
 
@@ -83,12 +86,28 @@ std::string query_name(const EvalInputs& inputs) {
   return sequence_names({parse_sequence_argument(*inputs.pictures.query)}).front();
 }
 
+// Where no sequence is given, names come from the query and the database of the run.
+void add_recorded_names(JudgedBy& by, const StoredResult& stored) {
+  const auto path_of = [&](const char* role) {
+    const auto found = stored.paths.find(role);
+    return found == stored.paths.end() ? std::string() : found->second;
+  };
+  if (const std::string query = path_of("query"); !by.query_names && !query.empty())
+    by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
+  const std::string database = path_of("database");
+  if (!by.train_names.empty() || database.empty()) return;
+  for (size_t s = 0; s < stored.result.targets.size(); ++s)
+    by.train_names.emplace_back(
+        [database, s] { return read_sequence_database(database).sequences.at(s).frame_names; });
+}
+
 void evaluate_stored(Session& session, const EvalInputs& inputs, OpenedScores opened,
                      Evaluated& evaluated) {
   StoredResult& stored = *opened.stored;
   evaluated.by =
       judged_by(session, inputs, stored.result.query_name,
                 stored.result.places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
+  if (!stored.result.places) add_recorded_names(evaluated.by, stored);
   evaluated.evaluation = evaluate_result(std::move(stored.result), std::move(opened.matrix),
                                          evaluated.by, session.monitor);
   evaluated.evaluation.fingerprint = stored.fingerprint;
@@ -96,12 +115,14 @@ void evaluate_stored(Session& session, const EvalInputs& inputs, OpenedScores op
 
 void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& evaluated) {
   evaluated.by = judged_by(session, inputs, inputs.pictures.query, DatabaseFamily::sequences);
-  check_window(inputs.scores);
   OpenedScores opened = open_inputs(session, inputs);
+  check_rows(inputs.scores, opened.matrix->queries(),
+             inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
   ScoreSettings settings = settings_of(inputs.scores, session.options.seed);
   settings.format.kind = opened.matrix->kind();
   evaluated.evaluation = evaluate_scores(std::move(*opened.matrix), settings, query_name(inputs),
                                          evaluated.by, session.monitor);
+  warn_reversed(session.monitor, inputs.scores, evaluated.evaluation.judgement);
   warn_negative(session.monitor, inputs.scores, evaluated.evaluation.judgement);
 }
 

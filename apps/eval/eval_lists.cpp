@@ -10,6 +10,7 @@
 #include "eval_inputs.h"
 #include "evaluation/best_pairs.h"
 #include "evaluation/prediction_lists.h"
+#include "images/sequence.h"
 #include "report/result_file.h"
 
 namespace vpr {
@@ -17,26 +18,33 @@ namespace {
 
 constexpr uint64_t kMostPairs = 1'000'000;  // of a query
 
-std::vector<std::string> names_of(const SequenceArgument& argument) {
-  return frame_names(argument);
-}
-
-// Names of the query's frames: those of --query, or of the data set; none where nobody says.
-std::vector<std::string> query_names(const EvalInputs& inputs) {
+// The sequence of the query: of --query, or of the data set; none where neither is given.
+std::optional<SequenceArgument> query_argument(const EvalInputs& inputs) {
   const std::optional<std::string>& query = inputs.pictures.query;
   if (!inputs.dataset.empty())
-    return names_of(select_query(read_dataset(inputs.dataset), query).sequence.sequence);
-  return query ? names_of(parse_sequence_argument(*query)) : std::vector<std::string>{};
+    return select_query(read_dataset(inputs.dataset), query).sequence.sequence;
+  return query ? std::optional(parse_sequence_argument(*query)) : std::nullopt;
 }
 
-// The same of each training sequence.
+std::vector<SequenceArgument> train_arguments(const EvalInputs& inputs) {
+  std::vector<SequenceArgument> arguments;
+  for (const std::string& text : inputs.pictures.train)
+    arguments.push_back(parse_sequence_argument(text));
+  if (arguments.empty() && !inputs.dataset.empty())
+    for (const NamedSequence& sequence : read_dataset(inputs.dataset).train)
+      arguments.push_back(sequence.sequence);
+  return arguments;
+}
+
+std::vector<std::string> query_names(const EvalInputs& inputs) {
+  const auto query = query_argument(inputs);
+  return query ? frame_names(*query) : std::vector<std::string>{};
+}
+
 std::vector<std::vector<std::string>> train_names(const EvalInputs& inputs) {
   std::vector<std::vector<std::string>> names;
-  for (const std::string& text : inputs.pictures.train)
-    names.push_back(names_of(parse_sequence_argument(text)));
-  if (names.empty() && !inputs.dataset.empty())
-    for (const NamedSequence& sequence : read_dataset(inputs.dataset).train)
-      names.push_back(names_of(sequence.sequence));
+  for (const SequenceArgument& argument : train_arguments(inputs))
+    names.push_back(frame_names(argument));
   return names;
 }
 
@@ -68,7 +76,25 @@ std::string pair_lines(const std::vector<BestPair>& pairs, const EvalInputs& inp
   return text;
 }
 
+NameReader reader_of(const SequenceArgument& argument) {
+  return [argument] { return frame_names(argument); };
+}
+
 }  // namespace
+
+std::optional<size_t> query_frames(const EvalInputs& inputs) {
+  const auto query = query_argument(inputs);
+  if (!query) return std::nullopt;
+  const Sequence sequence = open_sequence(*query);
+  return sequence.kind == SequenceKind::images ? std::optional(sequence.files.size())
+                                               : std::nullopt;
+}
+
+void add_names(JudgedBy& by, const EvalInputs& inputs) {
+  if (const auto query = query_argument(inputs)) by.query_names = reader_of(*query);
+  for (const SequenceArgument& argument : train_arguments(inputs))
+    by.train_names.push_back(reader_of(argument));
+}
 
 void add_list_options(const Command& app, EvalInputs& inputs) {
   const std::string group = "Lists";
@@ -145,6 +171,7 @@ void run_lists(Session& session, const EvalInputs& inputs) {
   const ScoreLayout layout =
       result ? layout_of(*result) : layout_of(*opened.matrix, inputs.scores.window_length);
   const ScoreMatrix* matrix = opened.matrix ? &*opened.matrix : nullptr;
+  if (result == nullptr) check_rows(inputs.scores, matrix->queries(), std::nullopt);
   if (matrix != nullptr) require_fit(*matrix, layout);
   const size_t count = write_pairs(session, inputs, matrix, layout, result);
   session.print_result(fmt::format("{}: {}\n", inputs.pairs.path, counted(count, "pair")),

@@ -10,6 +10,7 @@
 namespace vpr {
 
 struct EvalInputs;
+struct JudgedBy;
 
 struct PairInputs {
   std::string path;              ///< empty: not asked for
@@ -23,6 +24,13 @@ void add_list_options(const Command& app, EvalInputs& inputs);
 /// Throws Error(usage) for flags that do not go together; claims the output. Call it before long
 /// work.
 void check_lists(const Session& session, const EvalInputs& inputs);
+
+/// Frames of --query or of the data set's query; none where neither is given, or it is not a
+/// sequence of images. Throws as open_sequence does.
+std::optional<size_t> query_frames(const EvalInputs& inputs);
+
+/// How a ground truth may name frames: as --query and --train or the data set do.
+void add_names(JudgedBy& by, const EvalInputs& inputs);
 
 /// The scores of --predictions. Throws as prediction_scores does.
 ScoreMatrix open_predictions(const EvalInputs& inputs);

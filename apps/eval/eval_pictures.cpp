@@ -46,8 +46,9 @@ std::vector<std::optional<Sequence>> open_references(const std::vector<NamedSequ
       return !t.name.empty() && t.name == scope.sequences[s].name;
     });
     references[s] = open_sequence((named == train.end() ? train[s] : *named).sequence);
-    const auto& [name, frames, searched, kept] = scope.sequences[s];
-    require_frames(*references[s], kept ? kept->recorded_frames : frames, name);
+    const GroundTruthScope::TrainSequence& known = scope.sequences[s];
+    require_frames(*references[s], known.kept ? known.kept->recorded_frames : known.frames,
+                   known.name);
   }
   return references;
 }

@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.h"
 #include "base/error.h"
 #include "common/warp_flag.h"
 #include "evaluation/descriptor_scores.h"
 #include "evaluation/metrics.h"
+#include "evaluation/recall_at.h"
 #include "images/sequence.h"
 #include "recognition/score_kind.h"
 
@@ -15,18 +17,20 @@ namespace vpr {
 namespace {
 
 constexpr uint64_t kMostWindow = 1'000'000;
-constexpr uint64_t kMostFrames = 100'000'000;
+constexpr uint64_t kMostFrames = 10'000'000;
+constexpr const char* kWindowFlag = "--rows-are-windows-of";
 
-void check_replay(const ScoreInputs& inputs) {
-  if (inputs.warp.empty() == inputs.query_frames.has_value())
-    throw Error(ErrorKind::usage,
-                "--warp and --query-frames go together: how the query was replayed, and how many "
-                "frames it has as it is");
-  if (inputs.warp.empty()) return;
-  check_warp(inputs.warp);
-  if (*inputs.query_frames == 0 || *inputs.query_frames > kMostFrames)
+void check_frames(const ScoreInputs& inputs) {
+  if (inputs.query_frames && (*inputs.query_frames == 0 || *inputs.query_frames > kMostFrames))
     throw Error(ErrorKind::usage, fmt::format("--query-frames must be 1 to {}, found {}",
                                               kMostFrames, *inputs.query_frames));
+  if (inputs.window_length == 0 || inputs.window_length > kMostWindow)
+    throw Error(ErrorKind::usage, fmt::format("{} must be 1 to {}, found {}", kWindowFlag,
+                                              kMostWindow, inputs.window_length));
+  if (inputs.warp.empty()) return;
+  check_warp(inputs.warp);
+  if (!inputs.query_frames)
+    throw Error(ErrorKind::usage, "--warp needs the number of recorded frames: --query-frames N");
 }
 
 }  // namespace
@@ -63,8 +67,11 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
       .group(group);
   add_setting(app, "--missing", inputs.missing, "this value is no score (NaN never is)")
       .group(group);
-  add_setting(app, "--window", inputs.window_length,
-              "rows and columns are windows of so many frames, judged at their last (default 1)")
+  add_setting(
+      app, kWindowFlag, inputs.window_length,
+      "rows and columns of --scores are windows of N frames, not frames; a window is judged "
+      "at its last frame (default: 1). vpr-query --scores --c-l N computes windows")
+      .type_name("N")
       .group(group);
   add_setting(app, "--threshold", inputs.threshold,
               "best matches from this score on count as recognised along the path (default: that "
@@ -74,7 +81,8 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
                 "rows of --scores are of a query that was replayed so, with --seed and "
                 "--query-frames; results say it themselves (below)")
       .group(group);
-  app.add_option("--query-frames", inputs.query_frames, "frames of that query as it is")
+  app.add_option("--query-frames", inputs.query_frames,
+                 "frames of the query, before --warp: required by it, otherwise checked")
       .group(group)
       .type_name("NUMBER");
   app.add_option(
@@ -118,7 +126,8 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
       throw Error(ErrorKind::usage,
                   "--predictions are evaluated by themselves, without a result and other scores");
     for (const auto& [is_given, flag] : {std::pair(inputs.references_first, "--references-first"),
-                                         std::pair(inputs.missing.has_value(), "--missing")})
+                                         std::pair(inputs.missing.has_value(), "--missing"),
+                                         std::pair(inputs.window_length != 1, kWindowFlag)})
       refuse(is_given, flag, "is for --scores; pairs that --predictions do not list have none");
   }
   if (!inputs.query_npy.empty()) {
@@ -130,6 +139,10 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
                                          std::pair(inputs.references_first, "--references-first"),
                                          std::pair(inputs.missing.has_value(), "--missing")})
       refuse(is_given, flag, "is for --scores; distances of descriptors are computed");
+    refuse(
+        inputs.window_length != 1, kWindowFlag,
+        "is for --scores; rows of descriptors are frames. For windows of N frames, use vpr-train "
+        "descriptors and vpr-query --query-npy --c-l N");
   }
   for (const auto& [is_given, flag] : {std::pair(inputs.is_distance, "--distance"),
                                        std::pair(inputs.references_first, "--references-first"),
@@ -142,11 +155,11 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
                                        std::pair(!inputs.warp.empty(), "--warp"),
                                        std::pair(inputs.query_frames.has_value(), "--query-frames"),
                                        std::pair(!inputs.recall_at.empty(), "--recall-at"),
-                                       std::pair(inputs.window_length != 1, "--window")}) {
+                                       std::pair(inputs.window_length != 1, kWindowFlag)}) {
     refuse(is_given && has_result, flag, beside);
     refuse(is_given && !has_scores, flag, without);
   }
-  check_replay(inputs);
+  check_frames(inputs);
 }
 
 namespace {
@@ -188,10 +201,22 @@ ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
           {ScoreOrder::distance, inputs.references_first, inputs.missing.value_or(missing)}};
 }
 
-void check_window(const ScoreInputs& inputs) {
-  if (inputs.window_length == 0 || inputs.window_length > kMostWindow)
-    throw Error(ErrorKind::usage, fmt::format("--window must be 1 to {}, found {}", kMostWindow,
-                                              inputs.window_length));
+void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames) {
+  if (inputs.warp.empty() && inputs.query_frames) query_frames = *inputs.query_frames;
+  const size_t frames = rows + inputs.window_length - 1;
+  if (query_frames ? frames == *query_frames : inputs.window_length <= rows) return;
+  const std::string windows =
+      inputs.window_length == 1
+          ? counted(rows, "frame")
+          : fmt::format("windows of {}", counted(inputs.window_length, "frame"));
+  throw Error(
+      ErrorKind::data,
+      query_frames
+          ? fmt::format("{}: its {} rows as {} need a query of {}, found {}", inputs.source(), rows,
+                        windows, counted(frames, "frame"), *query_frames)
+          : fmt::format("{}: its {} rows are fewer than the frames of one window, {}. Give "
+                        "the number of query frames with --query-frames, or correct {}",
+                        inputs.source(), rows, inputs.window_length, kWindowFlag));
 }
 
 ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
@@ -200,6 +225,19 @@ ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
   ScoreSettings settings{name, format_of(inputs), inputs.window_length, inputs.threshold};
   if (!inputs.warp.empty()) settings.replay = replay(inputs.warp, *inputs.query_frames, seed);
   return settings;
+}
+
+void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
+  const uint64_t queries = judged_queries(judgement.outcomes);
+  const auto found = recall_at(judgement.outcomes, 1);
+  if (!found || !judgement.all_pairs || inputs.is_distance == inputs.is_similarity) return;
+  const double other =
+      static_cast<double>(judgement.all_pairs->worst_correct) / static_cast<double>(queries);
+  constexpr double kClear = 0.05;  // of the queries: more than chance
+  if (other < 2 * *found || other < *found + kClear) return;
+  warn(monitor, fmt::format("{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(),
+                            100 * *found, inputs.is_distance ? "--distance" : "--similarity",
+                            100 * other, inputs.is_distance ? "--similarity" : "--distance"));
 }
 
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {

@@ -24,9 +24,9 @@ struct ScoreInputs {
   bool references_first = false;
   std::optional<double> missing;
   std::optional<double> threshold;
-  uint64_t window_length = 1;
+  uint64_t window_length = 1;            ///< frames per row of --scores
   std::string warp;                      ///< how the query was replayed; empty: it was not
-  std::optional<uint64_t> query_frames;  ///< of the query as it is
+  std::optional<uint64_t> query_frames;  ///< of the query, before --warp
   std::string name;                      ///< for tables; empty: the file's, or the method
   std::string poses;                     ///< of the query, for metres
 
@@ -53,8 +53,9 @@ ScoreMatrix open_scores(const ScoreInputs& inputs);
 /// The matrix that was saved with a result; `missing` stands where it has no score.
 ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
 
-/// Throws Error(usage) for a --window out of range.
-void check_window(const ScoreInputs& inputs);
+/// Throws Error(data) if `rows` windows do not have the frames that --query-frames or
+/// `query_frames` states, or, where neither is known, if a window is longer than the matrix.
+void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames);
 
 /// K of recall@K, rising, 1 among them; none where the flag was not given. Throws Error(usage) for
 /// a K out of range.
@@ -65,6 +66,9 @@ size_t stretch_of(const ScoreInputs& inputs);
 
 /// What a report says of --scores alone. `seed`: of a replay. Throws what replay throws.
 ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed);
+
+/// Warns where the scores find more places in the other order: --distance instead of --similarity.
+void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);
 
 /// Warns where the best score of all may be what vpr-query writes where there is none.
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);

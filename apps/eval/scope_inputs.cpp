@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "descriptors/array_rows.h"
 #include "evaluation/counts.h"
+#include "images/frame_names.h"
 #include "images/frames.h"
 #include "images/sequence.h"
 #include "images/sequence_names.h"
@@ -14,7 +15,7 @@
 namespace vpr {
 namespace {
 
-constexpr uint64_t kMostFrames = 100'000'000;
+constexpr uint64_t kMostFrames = uint64_t{1} << 22;
 
 size_t count_frames(const SequenceArgument& argument, const Monitor& monitor) {
   const Sequence sequence = open_sequence(argument);
@@ -30,9 +31,16 @@ GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& mo
   for (const std::string& text : inputs.train) arguments.push_back(parse_sequence_argument(text));
   const std::vector<std::string> names = sequence_names(arguments);
   GroundTruthScope scope;
-  scope.query_frames = count_frames(parse_sequence_argument(inputs.query), monitor);
-  for (size_t s = 0; s < arguments.size(); ++s)
+  const auto names_of = [](const SequenceArgument& argument) {
+    return [argument] { return frame_names(argument); };
+  };
+  const SequenceArgument query = parse_sequence_argument(inputs.query);
+  scope.query_frames = count_frames(query, monitor);
+  scope.query_names = names_of(query);
+  for (size_t s = 0; s < arguments.size(); ++s) {
     scope.sequences.push_back({names[s], count_frames(arguments[s], monitor)});
+    scope.sequences.back().names = names_of(arguments[s]);
+  }
   return scope;
 }
 

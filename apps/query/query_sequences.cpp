@@ -220,8 +220,13 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
           : plan_query(database, query, name, settings, resources, session.monitor);
   const Result shape = make_result(planned);  // of which nothing is found yet
   std::optional<GroundTruth> truth;
-  if (source.ground_truth && inputs.matrix.ends_with(".png"))
-    truth = read_ground_truth(*source.ground_truth, scope_of(shape), session.monitor);
+  if (source.ground_truth && inputs.matrix.ends_with(".png")) {
+    GroundTruthScope scope = scope_of(shape);
+    scope.query_names = [&] { return query.frames.names; };
+    for (size_t s = 0; s < scope.sequences.size(); ++s)
+      scope.sequences[s].names = [&, s] { return database.sequences[s].frame_names; };
+    truth = read_ground_truth(*source.ground_truth, scope, session.monitor);
+  }
 
   SavedMatrix matrix;
   const std::vector<RowConsumer> observers =
@@ -231,8 +236,10 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   found.seconds["describe"] = describe_s;
   found.seconds["total"] = watch.elapsed_s();
 
-  ResultContext context =
-      context_of(session, inputs, source.sequence.sequence.path.string(), found.seconds);
+  ResultContext context = context_of(
+      session, inputs,
+      source.sequence.sequence.path.string() + range_text(source.sequence.sequence.range),
+      found.seconds);
   context.run.memory_limit = resources.memory_limit;
   context.scores = known.scores;
   context.database_fingerprint = known.database_fingerprint;

@@ -22,7 +22,7 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
                         grid != nullptr ? *grid : fabmap_grid(inputs.grid), reader,
                         session.options.seed, session.share, monitor);
   };
-  const std::vector<Sweep> sweeps = sweep_all(sources, sweep, monitor);
+  const std::vector<Sweep> sweeps = sweep_all(sources, inputs.database, sweep, monitor);
   if (session.share.is_first())
     present(session, inputs, DatabaseFamily::fabmap, command.settings, sweeps, watch.elapsed_s());
 }

@@ -61,7 +61,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
     }
     return found;
   };
-  const std::vector<Sweep> sweeps = sweep_all(sources, sweep, monitor);
+  const std::vector<Sweep> sweeps = sweep_all(sources, inputs.database, sweep, monitor);
   if (session.share.is_first())
     present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
 }

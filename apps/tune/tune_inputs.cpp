@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "common/warp_flag.h"
+#include "database/sequence_database.h"
+#include "images/frame_names.h"
 #include "images/sequence_names.h"
 
 namespace vpr {
@@ -75,9 +77,15 @@ std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily f
 
 }  // namespace
 
-TruthReader reader_of(const GroundTruthArgument& argument, const Monitor& monitor) {
-  return [&argument, &monitor](const GroundTruthScope& scope) {
-    return read_ground_truth(argument, scope, monitor);
+TruthReader reader_of(const Source& source, const std::string& database, const Monitor& monitor) {
+  return [&, database](GroundTruthScope scope) {
+    scope.query_names = [&] { return frame_names(source.sequence.sequence); };
+    if (database_family(database) == DatabaseFamily::sequences)
+      for (size_t s = 0; s < scope.sequences.size(); ++s)
+        scope.sequences[s].names = [&database, s] {
+          return read_sequence_database(database).sequences[s].frame_names;
+        };
+    return read_ground_truth(source.ground_truth, scope, monitor);
   };
 }
 
@@ -94,20 +102,20 @@ Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Moni
   return sources;
 }
 
-std::vector<Sweep> sweep_all(const Sources& sources, const SweepQuery& sweep,
-                             const Monitor& monitor) {
+std::vector<Sweep> sweep_all(const Sources& sources, const std::string& database,
+                             const SweepQuery& sweep, const Monitor& monitor) {
   std::vector<Sweep> sweeps;
   std::optional<Grid> grid;
   for (const Source& query : sources.queries) {
     Sweep& found = sweeps.emplace_back(
-        sweep(query, grid ? &*grid : nullptr, reader_of(query.ground_truth, monitor)));
+        sweep(query, grid ? &*grid : nullptr, reader_of(query, database, monitor)));
     grid = grid_of(found.cells);
     const auto& recommended = found.recommendation.cell;
     if (!recommended || !sources.validation) continue;
     const Source& other = *sources.validation;
     const Grid one = grid_of({&found.cells[*recommended], 1});
     found.validation = {other.sequence.name,
-                        sweep(other, &one, reader_of(other.ground_truth, monitor)).cells.front()};
+                        sweep(other, &one, reader_of(other, database, monitor)).cells.front()};
   }
   return sweeps;
 }

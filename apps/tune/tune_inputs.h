@@ -63,8 +63,8 @@ using SweepQuery =
 
 /// Sweeps query after query, all over the grid of the first, and the recommended cell of each on
 /// the validation.
-std::vector<Sweep> sweep_all(const Sources& sources, const SweepQuery& sweep,
-                             const Monitor& monitor);
+std::vector<Sweep> sweep_all(const Sources& sources, const std::string& database,
+                             const SweepQuery& sweep, const Monitor& monitor);
 
 /// Writes pictures, plots, configuration and JSON, and prints the tables. `base`: settings of which
 /// the sweeps vary two. Throws Error(expectation), when all else is done, if --save-config has
@@ -99,8 +99,9 @@ struct CalibrateTune {
 };
 void add_calibrate(Program& program, CalibrateTune& tune);
 
-/// The ground truth of a source, once the scope of a result is known. Both must outlive it.
-TruthReader reader_of(const GroundTruthArgument& argument, const Monitor& monitor);
+/// Reads the ground truth of a source, which may name frames as `database` and the query do. Source
+/// and monitor must outlive the reader.
+TruthReader reader_of(const Source& source, const std::string& database, const Monitor& monitor);
 
 /// vpr-tune threshold; `tune` must live as long as the program.
 struct ThresholdTune {

@@ -131,6 +131,20 @@ std::string fingerprint_of(const Sequence& query, const Sequence& reference,
   return checksum(std::as_bytes(std::span(text)));
 }
 
+// Of a d x n array, the lengths are numbers of frames.
+[[noreturn]] void refuse_lengths(const Sequence& query, const Sequence& reference) {
+  const ArrayRows a(query);
+  const ArrayRows b(reference);
+  const bool is_transposed =
+      a.count() == b.length() || a.length() == b.count() || a.count() == b.count();
+  throw Error(ErrorKind::data,
+              fmt::format("{}: has descriptors of length {} ({} x {}), {} of length {} ({} x {}). "
+                          "Rows are frames{}",
+                          query.argument.path.string(), a.length(), a.count(), a.length(),
+                          reference.argument.path.string(), b.length(), b.count(), b.length(),
+                          is_transposed ? "; is an array transposed?" : ""));
+}
+
 ComputedScores bit_scores(const Sequence& query, const Sequence& reference) {
   const auto import = [](const Sequence& sequence) {
     return std::make_shared<const DescriptorSet>(
@@ -138,12 +152,6 @@ ComputedScores bit_scores(const Sequence& query, const Sequence& reference) {
   };
   const auto asked = import(query);
   const auto known = import(reference);
-  const DescriptorShape shape = known->rows().shape;
-  if (asked->rows().shape != shape)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: its descriptors have {} bits, those of {} {}",
-                            query.argument.path.string(), asked->rows().shape.length,
-                            reference.argument.path.string(), shape.length));
   ComputedScores scores;
   scores.queries = asked->rows().size();
   scores.references = known->rows().size();
@@ -160,10 +168,6 @@ ComputedScores bit_scores(const Sequence& query, const Sequence& reference) {
 ComputedScores vector_scores(const std::shared_ptr<const ArrayRows>& query,
                              const std::shared_ptr<const ArrayRows>& reference,
                              DescriptorMetric metric) {
-  if (query->length() != reference->length())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: its descriptors have {} numbers, those of {} {}", query->where(0),
-                            query->length(), reference->where(0), reference->length()));
   ComputedScores scores;
   scores.queries = query->count();
   scores.references = reference->count();
@@ -186,6 +190,7 @@ ScoreMatrix descriptor_scores(const Sequence& query, const Sequence& reference,
   if (has_bits(*asked) != has_bits(*known))
     throw Error(ErrorKind::data, fmt::format("{} are numbers of type {}, {} of {}", asked->where(0),
                                              asked->type(), known->where(0), known->type()));
+  if (asked->length() != known->length()) refuse_lengths(query, reference);
   ComputedScores scores =
       has_bits(*asked) ? bit_scores(query, reference) : vector_scores(asked, known, metric);
   scores.fingerprint = [query, reference](const Monitor& monitor) {

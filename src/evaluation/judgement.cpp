@@ -10,8 +10,9 @@ namespace {
 void take_matrix(Judgement& judgement, const ScoreMatrix& matrix, const GroundTruth& truth,
                  const Monitor& monitor) {
   MatrixScan scan = scan_matrix(matrix, truth, judgement.layout, monitor);
-  judgement.all_pairs = PairJudgement{pair_curve(matrix, truth, judgement.layout, scan, monitor),
-                                      scan.ignored_pairs, scan.same_without_score};
+  judgement.all_pairs =
+      PairJudgement{pair_curve(matrix, truth, judgement.layout, scan, monitor), scan.ignored_pairs,
+                    scan.same_without_score, scan.worst_correct};
   judgement.outcomes = std::move(scan.outcomes);
   order_by(judgement, Confidence::score);
 }

@@ -17,6 +17,7 @@ struct PairJudgement {
   Curve curve;
   uint64_t ignored = 0;             ///< pairs left out
   uint64_t same_without_score = 0;  ///< to find, but never found
+  uint64_t worst_correct = 0;       ///< queries whose worst score is right
 };
 
 /// A recognised cell: query window and column of the layout.

@@ -82,8 +82,10 @@ void judge(QueryOutcome& query, ScanPart& share, std::span<const uint64_t> keys,
   count_pairs(share, keys);
   BestColumn best;
   BestColumn correct;
+  std::optional<size_t> worst;
   for (size_t c = 0; c < keys.size(); ++c) {
     if (share.labels[c] == PlaceLabel::ignore) continue;
+    if (keys[c] != kNoScore && (!worst || keys[c] > keys[*worst])) worst = c;
     query.is_tied =
         (query.is_tied && keys[c] >= best.key) || (keys[c] == best.key && keys[c] != kNoScore);
     if (keys[c] < best.key) best = {keys[c], c};
@@ -94,6 +96,7 @@ void judge(QueryOutcome& query, ScanPart& share, std::span<const uint64_t> keys,
   query.key = best.key;
   rank_right_ones(query, share.heap, keys, share.labels);
   if (best.key == kNoScore) return;
+  share.scan.worst_correct += share.labels[*worst] == PlaceLabel::same ? 1 : 0;
   query.best = match_of_column(layout, best.column);
   if (share.labels[best.column] == PlaceLabel::same) query.verdict = Verdict::correct;
 }
@@ -103,6 +106,7 @@ void merge(MatrixScan& scan, MatrixScan&& share) {
   scan.ignored_pairs += share.ignored_pairs;
   scan.same_without_score += share.same_without_score;
   scan.best_key = std::min(scan.best_key, share.best_key);
+  scan.worst_correct += share.worst_correct;
   scan.same_keys.insert(scan.same_keys.end(), share.same_keys.begin(), share.same_keys.end());
   share.same_keys = {};
 }

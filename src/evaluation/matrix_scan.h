@@ -15,6 +15,7 @@ struct MatrixScan {
   uint64_t same_without_score = 0;  ///< of same_pairs
   std::vector<uint64_t> same_keys;  ///< sorted, one a pair of the same place that has a score
   uint64_t best_key = kNoScore;     ///< of all pairs that are not ignored
+  uint64_t worst_correct = 0;       ///< queries whose worst score, first of ties, is right
 };
 
 /// References labelled ignore are passed over, as if they were not there: best match and rank are

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "evaluation/frame_names.h"
 #include "evaluation/score_matrix.h"
+#include "images/frame_names.h"
 
 namespace vpr {
 

@@ -25,17 +25,36 @@ Pose between(const Trajectory& trajectory, size_t before, size_t after, int64_t 
   return pose;
 }
 
-/// From each frame to its nearest pose, the middle one of them: what the clocks may differ by.
+// The lower of two; `values` is not empty.
+int64_t median(std::vector<int64_t> values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// From each frame to its nearest pose, the median of the absolute differences.
 int64_t median_difference(const Trajectory& trajectory, std::span<const int64_t> frame_times,
                           int64_t offset_ns) {
   std::vector<int64_t> differences;
   for (const int64_t frame_time : frame_times) {
     const int64_t time = frame_time + offset_ns;
-    differences.push_back(trajectory.times_ns[nearest_time(trajectory.times_ns, time)] - time);
+    differences.push_back(
+        std::abs(trajectory.times_ns[nearest_time(trajectory.times_ns, time)] - time));
   }
-  const auto middle = differences.begin() + static_cast<ptrdiff_t>((differences.size() - 1) / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return *middle;
+  return median(std::move(differences));
+}
+
+/// What to do about missing poses: a frame between two is at most half their distance from one.
+std::string remedy(const Trajectory& trajectory, const AssociationRules& rules,
+                   int64_t difference) {
+  std::vector<int64_t> gaps;
+  for (size_t i = 1; i < trajectory.times_ns.size(); ++i)
+    gaps.push_back(trajectory.times_ns[i] - trajectory.times_ns[i - 1]);
+  const int64_t half = gaps.empty() ? 0 : (median(gaps) + 1) / 2;
+  if (half <= rules.max_difference_ns || half < difference)
+    return "If the clocks differ, use --offset";
+  return fmt::format("Poses are {} s apart: --max-difference {}?", time_text(median(gaps)),
+                     time_text(half));
 }
 
 std::string range_of(std::span<const int64_t> times, int64_t offset_ns) {
@@ -49,19 +68,20 @@ void report_missing(const Trajectory& trajectory, std::span<const int64_t> frame
   const std::string ranges =
       fmt::format("they are of {}, and {} is of {}", range_of(frame_times, rules.offset_ns),
                   trajectory.name, range_of(trajectory.times_ns, 0));
-  const std::string median = time_text(median_difference(trajectory, frame_times, rules.offset_ns));
+  const int64_t difference = median_difference(trajectory, frame_times, rules.offset_ns);
   if (missing == frame_times.size())
     throw Error(
         ErrorKind::data,
         fmt::format("{}: no frame has a pose within {} s (--max-difference): {}; the median "
-                    "difference to the nearest pose is {} s; if clocks differ, say by how "
-                    "much (--offset)",
-                    frames, time_text(rules.max_difference_ns), ranges, median));
+                    "difference to the nearest pose is {} s. {}",
+                    frames, time_text(rules.max_difference_ns), ranges, time_text(difference),
+                    remedy(trajectory, rules, difference)));
   warn(monitor,
-       fmt::format("{}: {} of {} have no pose within {} s (--max-difference), and are not judged: "
-                   "{}; the median difference to the nearest pose is {} s",
+       fmt::format("{}: {} of {} have no pose within {} s and are not judged: {}; the median "
+                   "difference to the nearest pose is {} s. {}",
                    frames, missing, counted(frame_times.size(), "frame"),
-                   time_text(rules.max_difference_ns), ranges, median));
+                   time_text(rules.max_difference_ns), ranges, time_text(difference),
+                   remedy(trajectory, rules, difference)));
 }
 
 constexpr double kMostSeconds = 4e9;

@@ -32,6 +32,7 @@ class GroundTruthBuilder {
                      InconsistentPairs inconsistent, const Monitor& monitor);
 
   const GroundTruthArgument& argument() const { return argument_; }
+  const GroundTruthScope& scope() const { return scope_; }
   const FrameCount& query() const { return query_; }
   const FrameCount& train(size_t sequence) const { return train_[sequence]; }
 

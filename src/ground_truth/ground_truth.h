@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -24,6 +25,9 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"diff
 /// A number of frames that only the ground truth itself can tell.
 inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();
 
+/// Reads the names of the frames of a sequence; null: they are not known.
+using NameReader = std::function<std::vector<std::string>()>;
+
 /// What indices mean: the training sequences of a result, in its order, and its query.
 struct GroundTruthScope {
   struct TrainSequence {
@@ -32,12 +36,14 @@ struct GroundTruthScope {
     bool searched = true;  ///< pairs of a sequence that was not searched are left out
     /// Where its frames are kept ones of a recording: the files know the recording's frames.
     std::optional<Replay> kept = {};
+    NameReader names = {};
   };
   size_t query_frames = 0;
   std::vector<TrainSequence> sequences;
   /// Where the query is a recording that is replayed: the files know the recording's frames, labels
   /// are of the replay's.
   std::optional<Replay> replay = {};
+  NameReader query_names = {};
 };
 
 /// Three-valued, by frames (not windows).

@@ -1,5 +1,6 @@
 #include "ground_truth/pairs_csv.h"
 
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -8,12 +9,16 @@
 #include "base/csv.h"
 #include "base/mapped_file.h"
 #include "ground_truth/builder.h"
+#include "ground_truth/check.h"
 #include "ground_truth/label_runs.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/writing.h"
+#include "images/frame_names.h"
 
 namespace vpr {
 namespace {
+
+constexpr uint64_t kMostLines = uint64_t{1} << 30;
 
 /// Column numbers of a pairs file.
 struct PairColumns {
@@ -38,15 +43,50 @@ PairColumns read_header(const std::vector<CsvRow>& rows, const GroundTruthBuilde
   builder.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
 }
 
-// Nothing if the index is out of range, which is noted.
-std::optional<size_t> read_index(GroundTruthBuilder& builder, const std::string& text,
-                                 const FrameCount& side, std::string_view what) {
+/// One side of a pair. `names` is filled when the first name is met.
+struct PairSide {
+  std::string_view what;
+  const FrameCount& frames;
+  const NameReader& reader;
+  std::optional<FrameNames>& names;
+};
+
+size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const std::string& text) {
+  if (!side.reader)
+    builder.fail(
+        fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, "
+                    "give the sequences: --query and --train",
+                    side.what, text));
+  if (!side.names) side.names.emplace(side.reader());
+  const size_t count = side.names->count().value_or(0);
+  if (!side.frames.grows && count != side.frames.frames)
+    builder.fail(
+        fmt::format("{} \"{}\" is one of {}, and the result has {}. Use the sequence that "
+                    "was evaluated",
+                    side.what, text, counted(count, "name"), counted(side.frames.frames, "frame")));
+  const auto frame = side.names->find(text);
+  if (!frame)
+    builder.fail(
+        fmt::format("{} \"{}\" is neither a frame number nor the name of exactly one of {}",
+                    side.what, text, counted(count, "frame")));
+  return *frame;
+}
+
+// Nothing if the frame is out of range, which is noted, or outside `range`, which names ignore.
+std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string& text,
+                                 const PairSide& side, const FrameRange& range) {
   const auto frame = parse_frame(text);
-  if (!frame) builder.fail(fmt::format("{} \"{}\" is not a frame number", what, text));
-  if (frame->in_range) return frame->value;
-  builder.note_out_of_range(what, text, side);
+  if (!frame) return find_name(builder, side, text);
+  if (frame->in_range) return frame_in_range(range, frame->value);
+  builder.note_out_of_range(side.what, text, side.frames);
   return std::nullopt;
 }
+
+/// Names of the query's frames, and of the frames of each training sequence.
+struct PairNames {
+  std::optional<FrameNames> query;
+  std::map<size_t, std::optional<FrameNames>> train;
+};
 
 PlaceLabel read_label(const GroundTruthBuilder& builder, const std::string& text) {
   if (text == "same" || text.empty()) return PlaceLabel::same;
@@ -56,20 +96,23 @@ PlaceLabel read_label(const GroundTruthBuilder& builder, const std::string& text
 
 // Whether the row's query frame is one of the range.
 bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const CsvRow& row,
-              size_t only_sequence, const FrameRange& range) {
+              size_t only_sequence, const FrameRange& range, PairNames& names) {
   builder.at("line", row.line);
   if (row.fields.size() != columns.count)
     builder.fail(fmt::format("expected {} columns, found {}", columns.count, row.fields.size()));
   const size_t sequence =
       columns.has_sequence ? builder.find_sequence(row.fields[1]) : only_sequence;
-  const auto query = read_index(builder, row.fields[0], builder.query(), "query");
-  const auto reference = read_index(builder, row.fields[columns.has_sequence ? 2 : 1],
-                                    builder.train(sequence), "reference");
+  const GroundTruthScope& scope = builder.scope();
+  const auto query = read_frame(builder, row.fields[0],
+                                {"query", builder.query(), scope.query_names, names.query}, range);
+  const auto reference = read_frame(builder, row.fields[columns.has_sequence ? 2 : 1],
+                                    {"reference", builder.train(sequence),
+                                     scope.sequences[sequence].names, names.train[sequence]},
+                                    {});
   const PlaceLabel label =
       columns.has_label ? read_label(builder, row.fields.back()) : PlaceLabel::same;
-  const auto frame = query ? frame_in_range(range, *query) : std::nullopt;
-  if (frame && reference) builder.add(*frame, sequence, *reference, *reference, label);
-  return frame.has_value();
+  if (query && reference) builder.add(*query, sequence, *reference, *reference, label);
+  return query.has_value();
 }
 
 void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) {
@@ -117,9 +160,10 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
       columns.has_sequence
           ? 0
           : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
+  PairNames names;
   size_t pairs = 0;
   for (size_t r = 1; r < rows.size(); ++r)
-    pairs += read_row(builder, columns, rows[r], only_sequence, source.range) ? 1 : 0;
+    pairs += read_row(builder, columns, rows[r], only_sequence, source.range, names) ? 1 : 0;
   if (builder.argument().format.empty()) warn_of_anchors(builder, columns, rows);
   const std::string text = "pairs: " + counted(pairs, "labelled pair");
   const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
@@ -131,6 +175,8 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
                      const Monitor& monitor) {
   const auto& sequences = ground_truth.scope.sequences;
   const GroundTruth& truth = ground_truth.truth;
+  const GroundTruthSummary summary = summarise(ground_truth, monitor);
+  require_writable(summary.same + summary.ignored, kMostLines, "pairs");
   const bool several = sequences.size() > 1;
   bool has_ignored = false;
   for (const auto& row : truth.pairs)

@@ -27,12 +27,30 @@ void lower_to(std::atomic<size_t>& lowest, size_t value) {
   }
 }
 
+// Features differ with the size of an image: usually a folder of mixed sources.
+void warn_of_sizes(const Sequence& sequence, const std::vector<cv::Size>& sizes,
+                   const Monitor& monitor) {
+  const auto is_decoded = [](const cv::Size& size) { return !size.empty(); };
+  const auto first = std::ranges::find_if(sizes, is_decoded);
+  if (first == sizes.end()) return;
+  const auto differs = [&](const cv::Size& size) { return is_decoded(size) && size != *first; };
+  const auto other = std::find_if(first, sizes.end(), differs);
+  if (other == sizes.end()) return;
+  const auto name = [&](auto at) { return sequence.files[at - sizes.begin()].filename().string(); };
+  warn(monitor,
+       fmt::format("{}: {} of {} are not {} x {} like {}; the first is {}, {} x {}",
+                   sequence.argument.path.string(), std::count_if(first, sizes.end(), differs),
+                   counted(sizes.size(), "image"), first->width, first->height, name(first),
+                   name(other), other->width, other->height));
+}
+
 FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor, const FrameBody& body) {
   const size_t count = sequence.files.size();
   const ItemRange own = sequence.own.value_or(ItemRange{0, count});
   std::atomic<size_t> lowest_failed{count};
   std::vector<std::optional<Error>> problems(count);
+  std::vector<cv::Size> sizes(count);
   StepCounter counter(monitor, "describe", own.count());
   parallel_for(own.count(), monitor, [&](size_t item) {
     const size_t i = own.first + item;
@@ -45,6 +63,7 @@ FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadabl
       const bool is_skipped = unreadable == Unreadable::skip && error.kind() == ErrorKind::input;
       if (!is_skipped) lower_to(lowest_failed, i);
     }
+    sizes[i] = image.size();
     if (!image.empty()) body(i, image);
     counter.add();
   });
@@ -54,6 +73,7 @@ FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadabl
     frames.names.push_back(sequence.files[i].filename().string());
     if (problems[i]) frames.unreadable.push_back(i);
   }
+  warn_of_sizes(sequence, sizes, monitor);
   return frames;
 }
 

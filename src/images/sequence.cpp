@@ -38,6 +38,17 @@ bool has_extension(const fs::path& path, const std::array<std::string_view, N>& 
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
 
+// "PATH@100", which is not a range.
+std::string range_question(const std::string& text) {
+  const size_t at = text.rfind('@');
+  std::error_code ignored;
+  if (at == std::string::npos || at + 1 == text.size() ||
+      text.find_first_not_of("0123456789:-", at + 1) != std::string::npos ||
+      !fs::exists(text.substr(0, at), ignored))
+    return "";
+  return fmt::format(". A range is FIRST:LAST[:STEP], as in {}@0:100", text.substr(0, at));
+}
+
 bool is_there(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
@@ -119,8 +130,9 @@ Sequence open_sequence(const SequenceArgument& argument) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
-    throw Error(ErrorKind::input, fmt::format("{}: no such {}", path.string(),
-                                              is_array(path) ? "file" : "folder, list or video"));
+    throw Error(ErrorKind::input, fmt::format("{}: no such {}{}", path.string(),
+                                              is_array(path) ? "file" : "folder, list or video",
+                                              range_question(path.string())));
   Sequence sequence{argument, SequenceKind::images, {}};
   std::vector<fs::path> files;
   if (fs::is_directory(status)) {

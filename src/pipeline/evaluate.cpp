@@ -1,23 +1,95 @@
 #include "pipeline/evaluate.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "base/counted.h"
 #include "base/error.h"
+#include "evaluation/localisation.h"
 #include "ground_truth/travelled.h"
 
 namespace vpr {
 namespace {
 
-GroundTruth truth_of(const JudgedBy& by, const GroundTruthScope& scope, const Monitor& monitor) {
-  return by.ground_truth ? read_ground_truth(*by.ground_truth, scope, monitor)
-                         : unknown_ground_truth(scope);
+GroundTruth truth_of(const JudgedBy& by, GroundTruthScope scope, const Monitor& monitor) {
+  if (!by.ground_truth) return unknown_ground_truth(scope);
+  scope.query_names = by.query_names;
+  for (size_t s = 0; s < std::min(by.train_names.size(), scope.sequences.size()); ++s)
+    scope.sequences[s].names = by.train_names[s];
+  return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
 std::vector<double> way_of(const JudgedBy& by, const GroundTruthScope& scope,
                            const Monitor& monitor) {
   if (by.poses.empty()) return {};
   return read_travelled(by.poses, scope.query_frames, monitor, scope.replay);
+}
+
+/// A query frame and the training frame that it is recognized as.
+struct Found {
+  size_t query = 0;
+  FrameMatch match;
+};
+
+// Recognitions of a result; without one, or where it has none, best matches.
+std::vector<Found> found_of(const Evaluation& evaluation) {
+  std::vector<Found> all;
+  if (evaluation.result) {
+    const Result& result = evaluation.result->result;
+    for (const Match* hit : fixing_hits(result))
+      if (hit != nullptr)
+        all.push_back({anchor_of(hit->query, result.window_length()),
+                       {hit->target, anchor_of(hit->train, result.window_length())}});
+  }
+  if (!all.empty()) return all;
+  for (const QueryOutcome& query : evaluation.judgement.outcomes.queries)
+    if (query.best && query.has_match) all.push_back({query.frame, *query.best});
+  return all;
+}
+
+size_t count_right(const GroundTruth& truth, const std::vector<Found>& all) {
+  return static_cast<size_t>(std::ranges::count_if(all, [&](const Found& one) {
+    return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::same;
+  }));
+}
+
+// The one training sequence that is searched has another length than the query.
+std::optional<std::string> other_length(const Evaluation& evaluation, const JudgedBy& by) {
+  constexpr double kSameLength = 0.1;
+  if (by.ground_truth->format != "aligned" || by.ground_truth->options.reference_step)
+    return std::nullopt;
+  const GroundTruthScope& scope = evaluation.judgement.layout.scope;
+  const auto train =
+      std::ranges::find_if(scope.sequences, [](const auto& sequence) { return sequence.searched; });
+  const size_t frames = scope.replay ? scope.replay->recorded_frames : scope.query_frames;
+  const size_t train_frames = train->kept ? train->kept->recorded_frames : train->frames;
+  const double step = static_cast<double>(train_frames) / static_cast<double>(frames);
+  if (std::abs(step - 1) <= kSameLength) return std::nullopt;
+  return fmt::format("the query has {} and the training sequence {}: --reference-step {:.3g}?",
+                     counted(frames, "frame"), train_frames, step);
+}
+
+// Most recognitions are wrong: facts that tell a ground truth that does not fit from a method that
+// fails.
+void warn_of_truth(const Evaluation& evaluation, const JudgedBy& by, const Monitor& monitor) {
+  constexpr int64_t kMostOff = 10;  // frames; farther off, a match is wrong by any tolerance
+  const GroundTruth& truth = evaluation.truth;
+  const std::vector<Found> all = found_of(evaluation);
+  if (!truth.is_known || !by.ground_truth || 2 * count_right(truth, all) >= all.size()) return;
+  const char* noun = evaluation.result ? "recognitions" : "best matches";
+  GroundTruth wider = truth;
+  while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff) {
+    const size_t right = count_right(wider, all);
+    if (10 * right < 9 * all.size()) continue;
+    const std::string share = right == all.size() ? fmt::format("all {}", right)
+                                                  : fmt::format("{} of {}", right, all.size());
+    return warn(monitor,
+                fmt::format("{} {} are within {} of the ground truth: --tolerance {}?", share, noun,
+                            counted(wider.tolerance_frames, "frame"), wider.tolerance_frames));
+  }
+  if (const auto lengths = other_length(evaluation, by)) warn(monitor, *lengths);
 }
 
 void set_replay(GroundTruthScope& scope, const Replay& replay) {
@@ -52,6 +124,7 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
   judged.result = std::move(result);
   evaluation.matrix = std::move(matrix);
+  warn_of_truth(evaluation, by, monitor);
   return evaluation;
 }
 
@@ -72,6 +145,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   evaluation.judgement.stretch_frames = by.stretch_frames;
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);
+  warn_of_truth(evaluation, by, monitor);
   return evaluation;
 }
 

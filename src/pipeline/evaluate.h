@@ -19,6 +19,8 @@ struct JudgedBy {
   Confidence confidence = Confidence::score;  ///< of best matches
   std::vector<size_t> recall_at = {};         ///< K of recall@K; none: kRecallAt
   size_t stretch_frames = kRouteStretch;      ///< of the recall achievement rate
+  NameReader query_names = {};                ///< for a ground truth that names frames
+  std::vector<NameReader> train_names = {};   ///< the same, by training sequence
 };
 
 /// What is known of a score matrix of another program.

@@ -49,10 +49,13 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& as
                             "describe both by the same",
                             name, asked.kind->name));
   if (trained.shape() != asked.shape())
-    throw Error(ErrorKind::data, fmt::format("descriptors of the database have {} {}, those of the "
-                                             "query {}; describe both by the same",
-                                             trained.shape().length, element_words(trained.shape()),
-                                             asked.shape().length));
+    throw Error(
+        ErrorKind::data,
+        fmt::format("descriptors of the database have {} {}, those of the query {}; {}",
+                    trained.shape().length, element_words(trained.shape()), asked.shape().length,
+                    asked.rows().size() == trained.shape().length
+                        ? "is the query's array transposed? Rows are frames"
+                        : "describe both by the same"));
   // Files hold sums over a window as signed numbers of 32 bits.
   const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape());
   if (window_length > longest)

@@ -70,6 +70,8 @@ struct StoredResult {
   std::string fingerprint;  ///< of everything but "machine" and "timing"
   /// Of the matrix that was saved with it; none in a result without, or of older date.
   std::optional<std::string> matrix_checksum = {};
+  /// Paths of the run by role, such as "query" and "database"; files may have moved since.
+  std::map<std::string, std::string> paths = {};
 };
 
 /// A result of any method, of this version or of version 1. Throws Error(input) if a file is

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/npy.h"
+#include "database/archive.h"
 #include "report/json_fields.h"
 #include "report/result_arrays.h"
 #include "report/result_file.h"
@@ -144,6 +145,11 @@ void read_clusters(const ResultSource& source, Result& result, const Monitor& mo
 
 Json read_result_json(const fs::path& path) {
   const std::string where = path.string();
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is a {}; give a result of vpr-query (.json)", where,
+                            fs::exists(path / kManifestName, ignored) ? "database" : "folder"));
   Json json = read_json(path, ErrorKind::data);
   require_schema(json, "result", where, ErrorKind::data, kVersion);
   const Fields fields(json, where);
@@ -185,6 +191,9 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   read_views(source, result);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");
+  if (const Json paths = json.value("machine", Json()); paths.contains("paths"))
+    for (const auto& [role, named] : paths["paths"].items())
+      if (named.is_string()) stored.paths[role] = named.get<std::string>();
   return stored;
 }
 

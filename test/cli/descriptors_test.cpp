@@ -356,9 +356,9 @@ TEST_CASE("descriptors without a database must fit each other") {
       evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "bits.npy"}));
   CHECK(bits["metrics"]["recall_at"]["1"] == 1.0);
   check_failure(evaluate({"--query-npy", db, "--reference-npy", out / "short.npy"}), 4,
-                "have 48 numbers, those of");
+                "has descriptors of length 48 (60 x 48), ");
   check_failure(evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "wide.npy"}), 4,
-                "have 16 bits, those of");
+                "is an array transposed?");
   check_failure(evaluate({"--query-npy", db, "--reference-npy", out / "bits.npy"}), 4, "type <f4");
   check_failure(evaluate({"--query-npy", db, "--reference-npy", test::world().walk("back")}), 4,
                 "is no .npy file of descriptors");

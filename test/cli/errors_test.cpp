@@ -326,7 +326,7 @@ TEST_CASE("libraries add no lines of their own about images") {
     fs::remove_all(out / "walk");
     fs::create_directory(out / "walk");
     for (int i = 0; i < 6; ++i)
-      test::write_image(out / "walk" / fmt::format("{}.png", i), static_cast<uint64_t>(i));
+      test::write_image(out / "walk" / fmt::format("{}.png", i), static_cast<uint64_t>(i), 64, 48);
     test::write_text(out / "walk" / ("6" + extension), bytes);
     return Bench::train({"--train", out / "walk", "--force", "-o", out / "x.vprdb"});
   };

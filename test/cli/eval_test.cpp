@@ -114,12 +114,12 @@ TEST_CASE("scores that can't be evaluated end with their exit code and one sente
   CHECK(code({}) == 2);
   CHECK(code({"--scores", scores}) == 2);
   CHECK(code({"--scores", scores, "--distance", "--similarity"}) == 2);
-  CHECK(code({"--scores", scores, "--distance", "--window", "0"}) == 2);
-  CHECK(code({"--scores", scores, "--distance", "--window", "18446744073709551615"}) == 2);
+  CHECK(code({"--scores", scores, "--distance", "--rows-are-windows-of", "0"}) == 2);
+  CHECK(code({"--scores", scores, "--distance", "--rows-are-windows-of", "18446744073709551615"}) == 2);
   CHECK(run_program("vpr-eval", {"r.json", "--protocol", "nordland-exact", "--html", "x.html"})
             .exit_code == 2);
   CHECK(code({"r.json", "--distance"}) == 2);
-  CHECK(code({"r.json", "--scores", scores, "--window", "3"}) == 2);
+  CHECK(code({"r.json", "--scores", scores, "--rows-are-windows-of", "3"}) == 2);
   CHECK(code({"--scores", folder / "none.npy", "--distance"}) == 3);
   CHECK(code({"--scores", folder / "text.npy", "--distance"}) == 4);
   CHECK(code({"--scores", scores, "--distance", "--poses", folder / "text.npy"}) == 4);

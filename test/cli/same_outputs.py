@@ -52,7 +52,7 @@ def corridor():
                f"--save-matrix {score}.npy -o {score}.json")
         yield (f"vpr-eval {score}.json {CORRIDOR_TRUTH} --html {score}.html --query {CORRIDOR}/query "
                f"--train {CORRIDOR}/ref -o {score}.report.json")
-        yield f"vpr-eval --scores {score}.npy --distance --window 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
+        yield f"vpr-eval --scores {score}.npy --distance --rows-are-windows-of 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
         yield (f"vpr-tune fastable raw.vprdb --query {CORRIDOR}/query {CORRIDOR_TRUTH} --score {score} "
                f"--save-config {score}.best.json -o {score}.sweep.json")
     yield f"vpr-query colour.vprdb --query {CORRIDOR}/query --c-l 20 -o colour.json"

@@ -26,7 +26,7 @@ trap 'rm -rf "$out"' EXIT
 "$bin/vpr-eval" "$out/r.json" --scores "$out/d.npy" --dataset "$out/building/dataset.json" -o "$out/em.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/corridor" --only-sequence corridor --c-l 5 --t-r 0.3 \
   --save-matrix "$out/s.npy" -o "$out/rs.json" --quiet
-"$bin/vpr-eval" --scores "$out/s.npy" --distance --window 5 --ground-truth aligned -o "$out/es.json" --quiet
+"$bin/vpr-eval" --scores "$out/s.npy" --distance --rows-are-windows-of 5 --ground-truth aligned -o "$out/es.json" --quiet
 "$bin/vpr-eval" "$out/r.json" "$out/r2.json" --dataset "$out/building/dataset.json" --name a --name b \
   -o "$out/several.json" --quiet
 "$bin/vpr-eval" "$out/r.json" --dataset "$out/building/dataset.json" --name mine -o "$out/en.json" --quiet
@@ -59,7 +59,7 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
   --validate "$out/building/hall@0:20" --validate-ground-truth aligned -o "$out/sf.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --warp varying -o "$out/rw.json" --quiet
 "$bin/vpr-eval" "$out/rw.json" --dataset "$out/building/dataset.json" -o "$out/ew.json" --quiet
-"$bin/vpr-eval" --scores "$out/s.npy" --distance --window 5 --warp reversed --query-frames 104 \
+"$bin/vpr-eval" --scores "$out/s.npy" --distance --rows-are-windows-of 5 --warp reversed --query-frames 104 \
   --ground-truth aligned -o "$out/esw.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 --t-r 0.3,auto \
   --warp stops -o "$out/sw.json" --quiet

@@ -126,12 +126,26 @@ TEST_CASE("frames without poses are warned of, with the median difference, or re
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("walk: 2 of 3 frames have no pose within 0.02 s") != std::string::npos);
   CHECK(warnings[0].find("of 0 to 6 s, and poses.txt is of 0 to 2 s") != std::string::npos);
-  CHECK(warnings[0].find("the median difference to the nearest pose is -3 s") != std::string::npos);
+  CHECK(warnings[0].find("the median difference to the nearest pose is 3 s") != std::string::npos);
   const auto apart = [&] {
     associate(trajectory, std::vector<int64_t>{5 * kSecond, 6 * kSecond}, {}, "walk", monitor);
   };
   CHECK(test::error_kind(apart) == ErrorKind::data);
-  CHECK(test::error_text(apart).find("(--offset)") != std::string::npos);
+  CHECK(test::error_text(apart).find("use --offset") != std::string::npos);
+}
+
+TEST_CASE("frames between poses that are far apart need a larger difference") {
+  const Trajectory trajectory = at({{0, 0}, {kSecond / 10, 1}, {kSecond / 5, 2}});
+  std::vector<std::string> warnings;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  // 25 ms before and after poses: a signed median would be near 0.
+  associate(trajectory, std::vector<int64_t>{0, 75'000'000, 125'000'000, 175'000'000}, {}, "walk",
+            monitor);
+  REQUIRE(warnings.size() == 1);
+  CHECK(
+      warnings[0].find("nearest pose is 0.025 s. Poses are 0.1 s apart: --max-difference 0.05?") !=
+      std::string::npos);
 }
 
 TEST_CASE("a trajectory of another rate than the images is ground truth by times") {

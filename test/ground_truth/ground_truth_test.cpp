@@ -1,6 +1,7 @@
 #include "ground_truth/ground_truth.h"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/output_transaction.h"
@@ -40,6 +41,59 @@ TEST_CASE("a tolerance widens pairs of the same place, not those to ignore") {
   CHECK(truth.label(1, 0, 5) == PlaceLabel::different);
   CHECK(truth.label(1, 0, 8) == PlaceLabel::ignore);
   CHECK(truth.label(1, 0, 9) == PlaceLabel::different);
+}
+
+TEST_CASE("pairs name frames where the scope knows names") {
+  GroundTruthScope scope = {3, {{"ref", 3}}};
+  scope.query_names = [] { return std::vector<std::string>{"a.png", "b.png", "7.png"}; };
+  scope.sequences[0].names = [] { return std::vector<std::string>{"x.jpg", "y.jpg", "y.png"}; };
+  const GroundTruth truth = read("query,reference\na.png,2\nb,x\n2,y.png\nc/7.png,1\n", scope);
+  CHECK(truth.label(0, 0, 2) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 0) == PlaceLabel::same);
+  CHECK(truth.label(2, 0, 2) == PlaceLabel::same);
+  CHECK(truth.label(2, 0, 1) == PlaceLabel::same);
+  const auto error = [&](const std::string& row) {
+    return test::error_text([&] { read("query,reference\n" + row + "\n", scope); });
+  };
+  CHECK(error("c.png,0").find("line 2: query \"c.png\" is neither") != std::string::npos);
+  CHECK(error("a.png,y").find("reference \"y\" is neither") != std::string::npos);  // two
+  scope.query_frames = 4;
+  CHECK(error("a.png,0").find("one of 3 names, and the result has 4 frames") != std::string::npos);
+  scope.query_names = nullptr;
+  CHECK(error("a.png,0").find("--query and --train") != std::string::npos);
+}
+
+TEST_CASE("frames that only a file names are bounded") {
+  const test::TemporaryFolder folder;
+  const auto error = [&](const std::string& format, const std::string& rows) {
+    test::write_text(folder / "g.csv", "query,sequence,reference\n" + rows);
+    return test::error_text([&] {
+      inspect_ground_truth({format, folder / "g.csv"}, {kUnknownFrames, {{"", kUnknownFrames}}});
+    });
+  };
+  std::string anchors;
+  std::string pairs;
+  for (int s = 0; s < 16; ++s) {
+    anchors += fmt::format("0,s{0},0\n4194303,s{0},4194303\n", s);
+    pairs += fmt::format("4194303,s{0},0\n", s);
+  }
+  CHECK(error("anchors", anchors).find("more than 16777216 runs") != std::string::npos);
+  CHECK(error("pairs", pairs).find("4194304 query frames and 16 training sequences") !=
+        std::string::npos);
+}
+
+TEST_CASE("poses that are all near each other are bounded before they are compared") {
+  const test::TemporaryFolder folder;
+  std::string poses = "frame,x,y\n";
+  for (int i = 0; i < 20000; ++i) poses += fmt::format("{},{},0\n", i, i % 2);
+  test::write_text(folder / "p.csv", poses);
+  const auto error = [&](double radius) {
+    GroundTruthArgument argument{"poses", folder / "p.csv"};
+    argument.options.reference = folder / "p.csv";
+    argument.options.radius_m = radius;
+    return test::error_text([&] { read_ground_truth(argument, {20000, {{"", 20000}}}); });
+  };
+  CHECK(error(1).find("more than 134217728 pairs of frames lie within 1 m") != std::string::npos);
 }
 
 TEST_CASE("a query whose pairs are all ignored has no match") {

@@ -26,12 +26,14 @@ class FrameNames {
   /// How many there are; nothing where they are called by numbers.
   std::optional<size_t> count() const;
   /// The frame of that name: the same path, or else the one whose last components (file name,
-  /// folder, ...) agree most. Nothing if no file name agrees, or several agree as much.
+  /// folder, ...) agree most; if no file name agrees, the only one that has this name without its
+  /// extension. Nothing if no name agrees, or several agree equally.
   std::optional<size_t> find(std::string_view path) const;
 
  private:
   std::vector<std::string> names_;
   std::map<std::string, std::vector<size_t>, std::less<>> by_file_name_;
+  std::map<std::string, std::vector<size_t>, std::less<>> by_stem_;
 };
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-#include "evaluation/frame_names.h"
+#include "images/frame_names.h"
 
 #include <algorithm>
 #include <array>
@@ -77,8 +77,11 @@ std::vector<std::string> frame_names(const SequenceArgument& argument) {
 }
 
 FrameNames::FrameNames(std::vector<std::string> names) : names_(std::move(names)) {
-  for (size_t i = 0; i < names_.size(); ++i)
-    by_file_name_[std::string(file_name(names_[i]))].push_back(i);
+  for (size_t i = 0; i < names_.size(); ++i) {
+    const std::string_view name = file_name(names_[i]);
+    by_file_name_[std::string(name)].push_back(i);
+    by_stem_[std::string(name.substr(0, name.rfind('.')))].push_back(i);
+  }
 }
 
 std::optional<size_t> FrameNames::count() const {
@@ -88,7 +91,11 @@ std::optional<size_t> FrameNames::count() const {
 std::optional<size_t> FrameNames::find(std::string_view path) const {
   if (names_.empty()) return parse_number(path);
   const auto found = by_file_name_.find(file_name(path));
-  if (found == by_file_name_.end()) return std::nullopt;
+  if (found == by_file_name_.end()) {
+    const auto stem = by_stem_.find(file_name(path));
+    if (stem == by_stem_.end() || stem->second.size() > 1) return std::nullopt;
+    return stem->second.front();
+  }
   if (found->second.size() == 1) return found->second.front();
   std::optional<size_t> best;
   size_t most = 0;
