@@ -12,7 +12,6 @@
 #include "base/npy.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/label_runs.h"
-#include "ground_truth/matrix_shape.h"
 #include "ground_truth/npy_stream.h"
 #include "ground_truth/writing.h"
 
@@ -39,6 +38,29 @@ void require_same_shape(const GroundTruthBuilder& builder, const NpyStream& hard
   if (hard.rows() != soft.rows() || hard.cols() != soft.cols() ||
       hard.is_transposed() != soft.is_transposed())
     builder.fail("the soft matrix has another shape or order than the hard one");
+}
+
+// Whether the rows are query frames: as the argument's matrix_rows says; else `usually`, unless
+// only the other way fits the numbers of frames. Throws Error(data) if the shape does not fit.
+bool require_matrix_shape(GroundTruthBuilder& builder, size_t sequence, size_t rows, size_t cols,
+                          bool usually) {
+  const FrameCount& query = builder.query();
+  const FrameCount& train = builder.train(sequence);
+  const auto fits = [](const FrameCount& side, size_t frames) {
+    return side.grows || side.frames == frames;
+  };
+  const bool fits_query = fits(query, rows) && fits(train, cols);
+  const bool fits_reference = fits(query, cols) && fits(train, rows);
+  const MatrixRows given = builder.argument().options.matrix_rows;
+  bool rows_are_query = usually ? fits_query || !fits_reference : fits_query && !fits_reference;
+  if (given != MatrixRows::automatic) rows_are_query = given == MatrixRows::query;
+  if (!(rows_are_query ? fits_query : fits_reference))
+    builder.fail(
+        fmt::format("is a matrix of {} x {}, and there are {} query and {} training frames", rows,
+                    cols, query.frames, train.frames));
+  builder.require_query_frames(rows_are_query ? rows : cols);
+  builder.require_train_frames(sequence, rows_are_query ? cols : rows);
+  return rows_are_query;
 }
 
 // `usually_query`: rows of such a file are query frames, if nothing else is said.

@@ -1,4 +1,4 @@
-// Where frames were taken, and the walls around them.
+// Where frames were taken, the distance travelled, and the walls around them.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "images/warp.h"
+
 namespace vpr {
+
+struct Monitor;
 
 /// Metres on the plan.
 struct RoutePoint {
@@ -45,5 +49,13 @@ std::vector<RoutePoint> read_place_positions(const std::filesystem::path& path);
 
 /// A CSV with columns x0, y0, x1, y1 and maybe floor. Throws like that.
 std::vector<WallLine> read_walls(const std::filesystem::path& path);
+
+/// Meters from the first frame to each of `frames` frames along the straight lines between their
+/// positions, which read_pose_csv reads. Warns and returns an empty vector where a frame has no
+/// pose. With a `replay` of `frames` frames, the file has the poses of the recording. Throws
+/// Error(data) where positions are too far apart for meters, and the errors of read_pose_csv.
+std::vector<double> read_travelled(const std::filesystem::path& path, size_t frames,
+                                   const Monitor& monitor,
+                                   const std::optional<Replay>& replay = {});
 
 }  // namespace vpr

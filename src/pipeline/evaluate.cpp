@@ -8,7 +8,7 @@
 #include "base/counted.h"
 #include "base/error.h"
 #include "evaluation/localisation.h"
-#include "ground_truth/travelled.h"
+#include "ground_truth/route.h"
 
 namespace vpr {
 namespace {

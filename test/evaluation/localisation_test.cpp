@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
-#include "ground_truth/travelled.h"
+#include "ground_truth/route.h"
 #include "support.h"
 
 using namespace vpr;

@@ -3,7 +3,6 @@
 #include "fuzz.h"
 #include "ground_truth/pose_csv.h"
 #include "ground_truth/route.h"
-#include "ground_truth/travelled.h"
 
 void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);

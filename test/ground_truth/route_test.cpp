@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
-#include "ground_truth/travelled.h"
 #include "support.h"
 
 using namespace vpr;
