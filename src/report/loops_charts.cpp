@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "report/metrics_report.h"
 #include "report/route_map.h"
 
@@ -12,6 +14,7 @@ namespace vpr {
 namespace {
 
 constexpr size_t kMostPoints = 1000;
+constexpr size_t kMostLines = 2000;  // librsvg takes minutes for 100 000 that cross each other
 
 /// The two coordinates with the largest extents, in their order: x and z of a camera that looks
 /// ahead, x and y of a map.
@@ -34,14 +37,21 @@ Series path_series(const Poses& poses, const std::array<size_t, 2>& axes) {
   return path;
 }
 
+// Of more than kMostLines loops, those at even distances in the list; the legend says so.
 Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes,
                    PlaceLabel label, const std::string& name) {
+  std::vector<const ListedLoop*> loops;
+  for (const JudgedLoop& judged : evaluation.judgement.loops)
+    if (judged.label == label) loops.push_back(&judged.loop);
   Series lines{name, {}, SeriesStyle::line, meaning_of(label)};
+  const size_t drawn = std::min(loops.size(), kMostLines);
+  if (drawn < loops.size() && !name.empty())
+    lines.name += fmt::format(" ({} of {})", drawn, loops.size());
   const Poses& poses = evaluation.trajectory.poses;
-  for (const JudgedLoop& judged : evaluation.judgement.loops) {
-    if (judged.label != label) continue;
-    lines.points.insert(lines.points.end(), {point_of(*poses[judged.loop.query], axes),
-                                             point_of(*poses[judged.loop.match], axes), kChartGap});
+  for (size_t i = 0; i < drawn; ++i) {
+    const ListedLoop& loop = *loops[i * loops.size() / drawn];
+    lines.points.insert(lines.points.end(), {point_of(*poses[loop.query], axes),
+                                             point_of(*poses[loop.match], axes), kChartGap});
   }
   return lines;
 }

@@ -10,6 +10,7 @@
 #include "report/chart_layout.h"
 #include "report/charts.h"
 #include "report/frame_axis.h"
+#include "report/loops_charts.h"
 #include "report/route_map.h"
 #include "report/score_picture.h"
 #include "report/scores_report.h"
@@ -315,4 +316,26 @@ TEST_CASE("risk against coverage, and what thresholds accept, are those counted 
   CHECK(threshold_steps(report, judgement, 100)[1].accepted == std::array<size_t, 3>{2, 1, 0});
   const auto thinned = threshold_steps(report, judgement, 1);
   CHECK(thinned.back().accepted == std::array<size_t, 3>{3, 1, 0});
+}
+
+TEST_CASE("of very many loops a map draws some, and says so") {
+  LoopsEvaluation evaluation;
+  for (int frame = 0; frame < 10'000; ++frame)
+    evaluation.trajectory.poses.push_back(Pose{{0.01 * frame, 0.0001 * frame, 0}, {}, {}});
+  evaluation.judgement.has_loop.resize(10'000);
+  evaluation.judgement.is_found.resize(10'000);
+  const auto wrong_lines = [&](size_t loops) {
+    evaluation.judgement.loops.clear();
+    for (size_t i = 0; i < loops; ++i) {
+      JudgedLoop judged;
+      judged.loop.query = 9'999 - i;
+      evaluation.judgement.loops.push_back(judged);
+    }
+    for (const Series& series : loops_map_chart(evaluation).series)
+      if (series.name.starts_with("wrong loop"))
+        return std::pair(series.name, series.points.size());
+    return std::pair(std::string(), size_t{0});
+  };
+  CHECK(wrong_lines(2000) == std::pair(std::string("wrong loop"), size_t{3 * 2000}));
+  CHECK(wrong_lines(5000) == std::pair(std::string("wrong loop (2000 of 5000)"), size_t{3 * 2000}));
 }
