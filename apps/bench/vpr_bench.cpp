@@ -64,7 +64,7 @@ void present(Session& session, const BenchResult& result, const Presentation& pr
   const Json json = bench_json(result, session.run);
   session.write_output(json);
   if (!presentation.plots.empty()) {
-    const OutputFolder& folder = session.outputs.folder(presentation.plots, is_marked_folder);
+    const Output& folder = session.outputs.folder(presentation.plots, is_marked_folder);
     for (const Chart& chart : result.charts)
       if (!chart.series.empty()) draw_chart(chart, folder.temporary());
   }

@@ -197,7 +197,7 @@ void Program::run_session(int argc, char** argv) {
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
   join_others();
-  OutputTransaction outputs(common_.existing());
+  Outputs outputs(common_.existing());
   // Without --force, nothing that exists is replaced anyway.
   if (common_.force)
     for (const std::filesystem::path& input : run_inputs(parser_.given())) outputs.protect(input);

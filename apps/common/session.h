@@ -6,7 +6,7 @@
 
 #include "base/json.h"
 #include "base/monitor.h"
-#include "base/output_transaction.h"
+#include "base/output.h"
 #include "base/share.h"
 #include "images/codec_scope.h"
 #include "matching/row_kernels.h"
@@ -46,7 +46,7 @@ struct Session {
   RunInfo run;
   RowKernels kernels;
   ProgressLine& progress;
-  OutputTransaction& outputs;
+  Outputs& outputs;
   Share share = {};  ///< where mpirun started several processes; the first one writes and prints
 
   /// Claims the file of --output, where it is given.

@@ -21,7 +21,7 @@ bool has_gaps(const QueryPlan& plan) {
 
 }  // namespace
 
-void claim_matrix(const QueryInputs& inputs, OutputTransaction& outputs) {
+void claim_matrix(const QueryInputs& inputs, Outputs& outputs) {
   if (asks_for_truth(inputs) && !inputs.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage,
                 "--ground-truth, and what goes with it, is for the picture of --save-matrix "

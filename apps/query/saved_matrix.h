@@ -20,7 +20,7 @@ struct SavedMatrix {
 
 /// Claims the file, if one is asked for. Throws Error(usage) for another ending than .npy or .png,
 /// and for a ground truth, which only a picture shows.
-void claim_matrix(const QueryInputs& inputs, OutputTransaction& outputs);
+void claim_matrix(const QueryInputs& inputs, Outputs& outputs);
 
 /// What takes the rows of a query; nothing without a path. `shape`: the result, of which nothing is
 /// found yet.

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
       throw vpr::Error(vpr::ErrorKind::usage, "give the folder to write, as in -o building");
     vpr::World world = vpr::read_world(world_path);
     if (program.command().is_given("--seed")) world.seed = session.options.seed;
-    const vpr::OutputFolder& folder =
+    const vpr::Output& folder =
         session.outputs.folder(session.options.output, vpr::is_recording_folder);
     const vpr::RecordingSize size =
         vpr::write_recording(world, folder.temporary(), session.monitor);

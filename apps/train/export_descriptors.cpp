@@ -100,7 +100,7 @@ void export_descriptors(const Session& session, const std::string& path, const s
   session.outputs.claim_file(file);
   const SequenceDatabase database = read_sequence_database(path);
   const ExportedRows layout = layout_of(database.descriptors.shape());
-  OutputFile& output = session.outputs.file(file);
+  Output& output = session.outputs.file(file);
   output.write(npy_header(layout.type, {database.descriptors.rows().size(), layout.numbers}));
   for (const DescriptorSpan& sequence : descriptor_spans(database)) {
     auto unreadable = sequence.unreadable.begin();

@@ -71,7 +71,7 @@ std::string result_text(const TuneInputs& inputs, const CommonOptions& options,
 }
 
 void draw_plots(Session& session, const TuneInputs& inputs, const std::vector<Sweep>& sweeps) {
-  const OutputFolder& folder = session.outputs.folder(inputs.plots, is_marked_folder);
+  const Output& folder = session.outputs.folder(inputs.plots, is_marked_folder);
   for (size_t s = 0; s < sweeps.size(); ++s) {
     Chart chart = sweep_chart(sweeps[s]);
     if (sweeps.size() > 1) chart.file += fmt::format("-{}", s + 1);

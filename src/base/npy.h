@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/mapped_file.h"
-#include "base/output_file.h"
+#include "base/output.h"
 
 namespace vpr {
 
@@ -111,7 +111,7 @@ class NpyArray {
 
 /// Writes header and values to an open file; the caller commits.
 template <class T>
-void write_npy(OutputFile& file, std::span<const T> values, const std::vector<size_t>& shape) {
+void write_npy(Output& file, std::span<const T> values, const std::vector<size_t>& shape) {
   file.write(npy_header(npy_type<T>(), shape));
   file.write(std::as_bytes(values));
 }

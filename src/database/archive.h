@@ -10,7 +10,7 @@
 
 #include "base/json.h"
 #include "base/npy.h"
-#include "base/output_file.h"
+#include "base/output.h"
 
 namespace vpr {
 
@@ -26,7 +26,7 @@ std::string sealed_manifest(const Json& manifest);
 /// Writes files into an output, then the manifest.
 class ArchiveWriter {
  public:
-  explicit ArchiveWriter(OutputFolder& folder) : folder_(folder) {}
+  explicit ArchiveWriter(Output& folder) : folder_(folder) {}
 
   template <class T>
   void add_array(const std::string& name, std::span<const T> values,
@@ -44,7 +44,7 @@ class ArchiveWriter {
  private:
   void add_entry(const std::string& name);
 
-  OutputFolder& folder_;
+  Output& folder_;
   Json files_ = Json::object();
 };
 

@@ -215,7 +215,7 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
 }
 
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
-                           OutputTransaction& outputs) {
+                           Outputs& outputs) {
   ArchiveWriter writer(outputs.folder(path, is_database_folder));
   const std::vector<size_t> shape = {static_cast<size_t>(database.vocabulary.rows),
                                      static_cast<size_t>(database.vocabulary.cols)};

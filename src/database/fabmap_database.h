@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/enum_names.h"
-#include "base/output_transaction.h"
+#include "base/output.h"
 #include "database/chow_liu.h"
 #include "database/word_index.h"
 #include "descriptors/local_features.h"
@@ -90,6 +90,6 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 
 /// Byte-identical for the same content. The caller commits.
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
-                           OutputTransaction& outputs);
+                           Outputs& outputs);
 
 }  // namespace vpr

@@ -261,7 +261,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
 }
 
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
-                             OutputTransaction& outputs) {
+                             Outputs& outputs) {
   const DescriptorRows rows = database.descriptors.rows();
   ArchiveWriter writer(outputs.folder(path, is_database_folder));
   writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});

@@ -11,7 +11,7 @@
 
 #include "base/monitor.h"
 #include "base/npy.h"
-#include "base/output_transaction.h"
+#include "base/output.h"
 #include "database/train_statistics.h"
 #include "descriptors/frame_descriptors.h"
 #include "images/warp.h"
@@ -70,7 +70,7 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path);
 /// Writes a folder that is byte-identical for the same content: no time, host or path in it. The
 /// caller commits.
 void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
-                             OutputTransaction& outputs);
+                             Outputs& outputs);
 
 /// The table for a window length, or null.
 const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables, size_t window_length);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/mapped_file.h"
-#include "base/output_file.h"
+#include "base/output.h"
 #include "ground_truth/ground_truth.h"
 
 namespace vpr {
@@ -44,8 +44,7 @@ struct GroundTruthFormat {
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol in words
   /// Null: can't be written. Throws Error(usage) for several training sequences, if it can't name
   /// them, and Error(output).
-  void (*write)(const InspectedGroundTruth& truth, OutputFile& file,
-                const Monitor& monitor) = nullptr;
+  void (*write)(const InspectedGroundTruth& truth, Output& file, const Monitor& monitor) = nullptr;
   std::string_view ignores_in = {};  ///< extension of files that hold ignored pairs; empty: all
 };
 

@@ -163,7 +163,7 @@ std::vector<uint8_t> label_codes(const GroundTruth& truth, size_t query, size_t 
   return codes;
 }
 
-void write_archive(const GroundTruth& truth, size_t sequence, size_t frames, OutputFile& file,
+void write_archive(const GroundTruth& truth, size_t sequence, size_t frames, Output& file,
                    const Monitor& monitor) {
   std::vector<std::vector<uint8_t>> columns;
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
@@ -192,7 +192,7 @@ std::string read_matrix_file(GroundTruthBuilder& builder) {
   return read_streams(builder, hard, &soft, true);
 }
 
-void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& file,
+void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
                        const Monitor& monitor) {
   const size_t sequence = only_written_sequence(ground_truth, "matrix");
   const size_t frames = ground_truth.scope.sequences[sequence].frames;

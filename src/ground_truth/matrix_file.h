@@ -19,7 +19,7 @@ bool is_matrix_file(const FileStart& start);
 
 /// Writes bool matrices: .npz (GThard and GTsoft, rows training frames; soft: same or ignored), or,
 /// by any other name, .npy (rows query frames; what is ignored becomes different).
-void write_matrix_file(const InspectedGroundTruth& ground_truth, OutputFile& file,
+void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
                        const Monitor& monitor);
 
 }  // namespace vpr

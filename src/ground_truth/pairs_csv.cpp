@@ -171,7 +171,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
   return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
 }
 
-void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
                      const Monitor& monitor) {
   const auto& sequences = ground_truth.scope.sequences;
   const GroundTruth& truth = ground_truth.truth;

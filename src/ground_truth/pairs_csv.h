@@ -16,7 +16,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder);
 bool is_pairs_csv(const FileStart& start);
 
 /// One line a pair, tolerance applied; columns sequence and label only where they say something.
-void write_pairs_csv(const InspectedGroundTruth& ground_truth, OutputFile& file,
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
                      const Monitor& monitor);
 
 }  // namespace vpr

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
-#include "base/output_file.h"
+#include "base/output.h"
 #include "ground_truth/ground_truth.h"
 
 namespace vpr {
@@ -37,7 +37,7 @@ void require_writable(uint64_t count, uint64_t most, std::string_view what) {
                             count, what, most));
 }
 
-void write_piece(OutputFile& file, std::string& text, const Monitor& monitor) {
+void write_piece(Output& file, std::string& text, const Monitor& monitor) {
   if (text.size() < kPieceBytes) return;
   check_stop(monitor);
   file.write(text);

@@ -8,7 +8,7 @@
 
 namespace vpr {
 
-class OutputFile;
+class Output;
 struct InspectedGroundTruth;
 struct Monitor;
 
@@ -21,6 +21,6 @@ void require_writable(uint64_t count, uint64_t most, std::string_view what);
 
 /// Writes `text` and empties it once it is long: a query may have a line for every reference.
 /// Throws Error(interrupted) on a stop.
-void write_piece(OutputFile& file, std::string& text, const Monitor& monitor);
+void write_piece(Output& file, std::string& text, const Monitor& monitor);
 
 }  // namespace vpr

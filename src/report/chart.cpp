@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "base/output_file.h"
+#include "base/output.h"
 #include "report/chart_svg.h"
 #include "report/png_file.h"
 #include "report/svg_raster.h"

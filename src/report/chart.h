@@ -103,7 +103,7 @@ struct Chart {
 /// is at least one.
 std::string chart_png(const std::vector<Chart>& charts, size_t columns = 1);
 
-/// Writes <file>.svg and <file>.png into the folder of an output (OutputFolder::temporary). Throws
+/// Writes <file>.svg and <file>.png into the folder of an output (Output::temporary). Throws
 /// Error(output).
 void draw_chart(const Chart& chart, const std::filesystem::path& folder);
 void draw_charts(const std::vector<Chart>& charts, size_t columns, const std::string& file,

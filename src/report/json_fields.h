@@ -57,7 +57,7 @@ inline NpyArray read_companion(const std::filesystem::path& path, const Fields& 
   NpyArray array(path);
   if (checksum(array.file_bytes()) != entry.text("checksum"))
     throw Error(ErrorKind::data,
-                fmt::format("{}: was not written together with its .json file, or is damaged; run "
+                fmt::format("{}: belongs to another run than its .json file, or is damaged; run "
                             "vpr-query again, with --force",
                             path.string()));
   return array;

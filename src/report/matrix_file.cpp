@@ -20,8 +20,7 @@ Json matrix_layout_json(const ScoreLayout& layout) {
   return {{"rows", row_count(layout)}, {"columns", column}, {"sequences", sequences}};
 }
 
-MatrixFile::MatrixFile(OutputFile& file, const Result& result, bool has_gaps,
-                       const Monitor& monitor)
+MatrixFile::MatrixFile(Output& file, const Result& result, bool has_gaps, const Monitor& monitor)
     : file_(file),
       layout_(layout_of(result)),
       score_offset_(result.score().offset(result.window_length())) {

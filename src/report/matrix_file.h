@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "base/json_fwd.h"
-#include "base/output_file.h"
+#include "base/output.h"
 #include "evaluation/score_layout.h"
 #include "matching/rows.h"
 #include "recognition/result.h"
@@ -20,14 +20,14 @@ Json matrix_layout_json(const ScoreLayout& layout);
 class MatrixFile {
  public:
   /// `has_gaps`: some window has an unreadable frame, so that not every cell will arrive.
-  MatrixFile(OutputFile& file, const Result& result, bool has_gaps, const Monitor& monitor);
+  MatrixFile(Output& file, const Result& result, bool has_gaps, const Monitor& monitor);
   /// Takes part of a row, from any thread.
   void operator()(const ScoreRow& row);
   /// Its object in a result: rows and checksum. Reads the whole file.
   Json entry(const Monitor& monitor) const;
 
  private:
-  OutputFile& file_;
+  Output& file_;
   ScoreLayout layout_;
   int64_t score_offset_;  // what is taken from the sums of rows
   size_t header_bytes_ = 0;

@@ -8,7 +8,7 @@
 
 namespace vpr {
 
-PosteriorFile::PosteriorFile(OutputFile& file, size_t frames, size_t views)
+PosteriorFile::PosteriorFile(Output& file, size_t frames, size_t views)
     : file_(file), frames_(frames), columns_(views + 1) {
   file_.write(npy_header(npy_type<double>(), {frames, columns_}));
 }

@@ -6,7 +6,7 @@
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
-#include "base/output_file.h"
+#include "base/output.h"
 
 namespace vpr {
 
@@ -14,14 +14,14 @@ namespace vpr {
 /// unreadable frame not a number.
 class PosteriorFile {
  public:
-  PosteriorFile(OutputFile& file, size_t frames, size_t views);
+  PosteriorFile(Output& file, size_t frames, size_t views);
   /// New place first; empty for an unreadable frame.
   void add(std::span<const double> posterior);
   /// What the result says of the file, when all rows are there.
   Json entry(const Monitor& monitor) const;
 
  private:
-  OutputFile& file_;
+  Output& file_;
   size_t frames_;
   size_t columns_;
 };

@@ -92,7 +92,7 @@ std::vector<int32_t> kept_rows(const Result& result) {
 /// Writes arrays beside a result, and notes them in its JSON.
 struct Companions {
   const fs::path& path;
-  OutputTransaction& outputs;
+  Outputs& outputs;
   Json& files;
 
   template <class T>
@@ -101,7 +101,7 @@ struct Companions {
     if (columns > 1) shape.push_back(columns);
     const std::string header = npy_header(npy_type<T>(), shape);
     const auto bytes = std::as_bytes(std::span(values));
-    OutputFile& file = outputs.file(companion_path(path, name + ".npy"));
+    Output& file = outputs.file(companion_path(path, name + ".npy"));
     ChecksumStream sum;
     sum.add(std::as_bytes(std::span(header)));
     sum.add(bytes);
@@ -182,12 +182,12 @@ fs::path companion_path(const fs::path& result, const std::string& kind) {
   return path += "." + kind;
 }
 
-void claim_result(const fs::path& path, OutputTransaction& outputs) {
+void claim_result(const fs::path& path, Outputs& outputs) {
   outputs.claim_file(path);
   for (const char* kind : kResultArrays) outputs.claim_file(companion_path(path, kind));
 }
 
-Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
+std::string file_checksum(const fs::path& path, const Monitor& monitor) {
   const MappedFile file(path);
   ChecksumStream sum;
   for (size_t at = 0; at < file.bytes().size(); at += kPieceBytes) {
@@ -196,7 +196,11 @@ Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
     sum.add(file.bytes().subspan(at, size));
     file.forget(at, size);
   }
-  return {{"rows", rows}, {"checksum", sum.text()}};
+  return sum.text();
+}
+
+Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
+  return {{"rows", rows}, {"checksum", file_checksum(path, monitor)}};
 }
 
 std::string result_checksum(Json json) {
@@ -234,8 +238,10 @@ Json result_json(const Result& result, const ResultContext& context) {
 }
 
 Json write_result(const fs::path& path, const Result& result, const ResultContext& context,
-                  OutputTransaction& outputs) {
+                  Outputs& outputs) {
   Json json = result_json(result, context);
+  for (const Output* file : outputs.files_beside(path))
+    json["companions"][file->path().filename().string()] = file_checksum(file->temporary());
   const Companions companions{path, outputs, json["files"]};
   const MatchColumns hits = hit_columns(result);
   companions.write("hits", hits.indices, hits.columns);

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/json.h"
-#include "base/output_transaction.h"
+#include "base/output.h"
 #include "recognition/result.h"
 #include "report/run_info.h"
 
@@ -46,7 +46,10 @@ inline constexpr std::array<const char*, 11> kResultArrays = {"hits.npy",
 std::filesystem::path companion_path(const std::filesystem::path& result, const std::string& kind);
 
 /// Claims the result and its companions.
-void claim_result(const std::filesystem::path& path, OutputTransaction& outputs);
+void claim_result(const std::filesystem::path& path, Outputs& outputs);
+
+/// The checksum of a whole file, which may be larger than memory.
+std::string file_checksum(const std::filesystem::path& path, const Monitor& monitor = {});
 
 /// The object of a whole file in the JSON.
 Json file_entry(const std::filesystem::path& path, size_t rows, const Monitor& monitor);
@@ -60,9 +63,10 @@ Json read_result_json(const std::filesystem::path& path);
 /// The JSON without its companions' checksums.
 Json result_json(const Result& result, const ResultContext& context);
 
-/// Writes the companions and the JSON, which it returns; the caller commits.
+/// Writes the arrays and the JSON, which it returns; the caller commits. Files that were requested
+/// before, in the folder of the result (a matrix, its image), are tied to it by their checksums.
 Json write_result(const std::filesystem::path& path, const Result& result,
-                  const ResultContext& context, OutputTransaction& outputs);
+                  const ResultContext& context, Outputs& outputs);
 
 /// A result file as it was read.
 struct StoredResult {
@@ -75,8 +79,8 @@ struct StoredResult {
 };
 
 /// A result of any method, of this version or of version 1. Throws Error(input) if a file is
-/// missing, Error(data) if one is damaged or of a newer version, if a companion is not the one that
-/// the JSON was written with, or an index is out of range.
+/// missing, Error(data) if one is damaged or of a newer version, if a companion belongs to another
+/// run, or an index is out of range.
 StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
 
 }  // namespace vpr

@@ -141,6 +141,22 @@ void read_clusters(const ResultSource& source, Result& result, const Monitor& mo
   if (result.clusters->all != claimed) source.fields.fail("its clusters are not those of its hits");
 }
 
+// Files beside the result, of names that its user chose. They may be gone, but not of another run.
+void check_companions(const ResultSource& source, const Json& companions, const Monitor& monitor) {
+  if (!companions.is_object()) source.fields.fail("\"companions\" is not an object");
+  for (const auto& [name, sum] : companions.items()) {
+    if (fs::path(name).filename() != name || !sum.is_string())
+      source.fields.fail("\"companions\" holds what is not a file name with a checksum");
+    const fs::path path = source.path.parent_path() / name;
+    std::error_code error;
+    if (fs::is_regular_file(path, error) && file_checksum(path, monitor) != sum)
+      throw Error(ErrorKind::data,
+                  fmt::format("{}: belongs to another run than {}; run vpr-query again, with "
+                              "--force, or remove this file",
+                              path.string(), source.where));
+  }
+}
+
 }  // namespace
 
 Json read_result_json(const fs::path& path) {
@@ -189,6 +205,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
     read_clusters(source, result, monitor);
   read_margins(source, result);
   read_views(source, result);
+  if (fields.has("companions")) check_companions(source, json["companions"], monitor);
   if (json["files"].contains("matrix"))
     stored.matrix_checksum = fields.object("files").object("matrix").text("checksum");
   if (const Json paths = json.value("machine", Json()); paths.contains("paths"))

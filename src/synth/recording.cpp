@@ -13,7 +13,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
-#include "base/output_file.h"
+#include "base/output.h"
 #include "base/parallel.h"
 #include "synth/recording_truth.h"
 #include "synth/renderer.h"

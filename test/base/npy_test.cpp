@@ -11,7 +11,7 @@ namespace {
 
 std::filesystem::path write_example(const test::TemporaryFolder& folder) {
   const std::vector<int32_t> values = {1, -2, 3, 4, 5, 6};
-  OutputFile file(folder / "a.npy", Existing::refuse);
+  Output file(folder / "a.npy", Existing::refuse);
   write_npy<int32_t>(file, values, {2, 3});
   file.commit();
   return folder / "a.npy";
@@ -41,7 +41,7 @@ TEST_CASE("an array that was written is read back") {
 
 TEST_CASE("an empty array is read back") {
   const test::TemporaryFolder folder;
-  OutputFile file(folder / "e.npy", Existing::refuse);
+  Output file(folder / "e.npy", Existing::refuse);
   write_npy<int32_t>(file, {}, {0, 4});
   file.commit();
   CHECK(NpyArray(folder / "e.npy").values<int32_t>(2).empty());

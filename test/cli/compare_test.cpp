@@ -25,7 +25,7 @@ bool has(const std::string& text, const std::string& part) {
 std::string report_of(const test::TemporaryFolder& folder, const std::string& name, size_t right) {
   std::vector<float> scores(100, 50);
   for (size_t q = 0; q < 10; ++q) scores[q < right ? 11 * q : 10 * q] = float(q + 1);
-  OutputFile file(folder / (name + ".npy"), Existing::replace);
+  Output file(folder / (name + ".npy"), Existing::replace);
   write_npy<float>(file, scores, {10, 10});
   file.commit();
   const std::string report = folder / (name + ".json");

@@ -22,7 +22,7 @@ std::string write_scores(const test::TemporaryFolder& folder, const std::string&
   scores[9 * 12] = float(4.5 * sign);
   scores[10 * 12] = float(10 * sign);
   scores[11 * 12] = float(11 * sign);
-  OutputFile file(folder / name, Existing::replace);
+  Output file(folder / name, Existing::replace);
   write_npy<float>(file, scores, {12, 12});
   file.commit();
   return folder / name;
@@ -115,7 +115,8 @@ TEST_CASE("scores that can't be evaluated end with their exit code and one sente
   CHECK(code({"--scores", scores}) == 2);
   CHECK(code({"--scores", scores, "--distance", "--similarity"}) == 2);
   CHECK(code({"--scores", scores, "--distance", "--rows-are-windows-of", "0"}) == 2);
-  CHECK(code({"--scores", scores, "--distance", "--rows-are-windows-of", "18446744073709551615"}) == 2);
+  CHECK(code({"--scores", scores, "--distance", "--rows-are-windows-of", "18446744073709551615"}) ==
+        2);
   CHECK(run_program("vpr-eval", {"r.json", "--protocol", "nordland-exact", "--html", "x.html"})
             .exit_code == 2);
   CHECK(code({"r.json", "--distance"}) == 2);
@@ -180,7 +181,7 @@ TEST_CASE("reports are compared query by query") {
   const test::TemporaryFolder folder;
   std::vector<float> worse(144, 20);
   for (size_t q = 0; q < 6; ++q) worse[13 * q] = float(q + 1);
-  OutputFile file(folder / "w.npy", Existing::replace);
+  Output file(folder / "w.npy", Existing::replace);
   write_npy<float>(file, worse, {12, 12});
   file.commit();
   for (const std::string& scores : {write_scores(folder), std::string(folder / "w.npy")})

@@ -27,7 +27,7 @@ SequenceDatabase example() {
 }
 
 void write(const fs::path& path, const SequenceDatabase& database, Existing existing) {
-  OutputTransaction outputs(existing);
+  Outputs outputs(existing);
   write_sequence_database(path, database, outputs);
   outputs.commit();
 }

@@ -33,7 +33,7 @@ std::filesystem::path write_raw(const test::TemporaryFolder& folder, const std::
 template <class T>
 std::filesystem::path write_matrix(const test::TemporaryFolder& folder,
                                    const std::vector<T>& values, size_t rows, size_t cols) {
-  OutputFile file(folder / "s.npy", Existing::replace);
+  Output file(folder / "s.npy", Existing::replace);
   write_npy<T>(file, values, {rows, cols});
   file.commit();
   return folder / "s.npy";

@@ -91,7 +91,7 @@ def result(name, also=()):
 PAIRS = "--ground-truth in/walks/back.ground_truth.csv"
 ALIGNED = "--ground-truth aligned --tolerance 2"  # of databases with one sequence
 SEQUENCE_RESULT = result("r", ("margins.npy", "views.npy"))
-FABMAP_RESULT = result("f", ("new_place.npy",))
+FABMAP_RESULT = result("f", ("new_place.npy", "explain.png")) + ("p.npy",)
 TRAIN = {"train": ("in/walks/one", "in/walks/two")}
 QUERY = {"query": ("in/walks/two", "in/walks/back")}
 INFO = (Reader(("d.vprdb",), "vpr-train info out/d.vprdb"),)
@@ -113,12 +113,12 @@ WRITERS = [
            (Reader(("x.npy",), "vpr-train descriptors --train out/x.npy -o read/d.vprdb"),)),
     Writer("query", "vpr-query in/s.vprdb --query {query} --c-l 3 --t-r 0.6 -o out/r.json "
            "--save-matrix out/m.npy", "r.json", QUERY,
-           (Reader(SEQUENCE_RESULT, f"vpr-eval out/r.json {PAIRS}"),
+           (Reader(SEQUENCE_RESULT + ("m.npy",), f"vpr-eval out/r.json {PAIRS}"),
             Reader(SEQUENCE_RESULT + ("m.npy",),
                    f"vpr-eval out/r.json --scores out/m.npy {PAIRS}"))),
     Writer("query, standardized", "vpr-query in/s.vprdb --query {query} --c-l 3 --score "
            "standardized --t-r=-1 -o out/r.json --save-matrix out/m.png", "r.json", QUERY,
-           (Reader(SEQUENCE_RESULT, f"vpr-eval out/r.json {PAIRS}"),)),
+           (Reader(SEQUENCE_RESULT + ("m.png",), f"vpr-eval out/r.json {PAIRS}"),)),
     Writer("query fabmap", "vpr-query {database} --query in/walks/back --t-p 0.3 -o out/f.json "
            "--save-posteriors out/p.npy --explain 3 --train-images {train}", "f.json",
            {"database": ("in/f2.vprdb", "in/f.vprdb"), "train": ("in/walks/two", "in/walks/one")},

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/output_transaction.h"
+#include "base/output.h"
 #include "ground_truth/formats.h"
 #include "support.h"
 
@@ -203,7 +203,7 @@ TEST_CASE("A replayed frame has the labels of the frame that it shows, in every 
   const GroundTruthScope scope = {60, {{"ref", 60}}};
   const InspectedGroundTruth truth =
       inspect_ground_truth({"pairs", folder / "pairs.csv", 0}, scope);
-  OutputTransaction outputs(Existing::refuse);
+  Outputs outputs(Existing::refuse);
   for (const char* name : {"matrix.npy", "matrix.npz"}) {
     outputs.claim_file(folder / name);
     find_format("matrix").write(truth, outputs.file(folder / name), {});

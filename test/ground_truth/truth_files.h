@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/npy.h"
-#include "base/output_file.h"
+#include "base/output.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/formats.h"
 #include "ground_truth/ground_truth.h"
@@ -52,7 +52,7 @@ struct Files {
   template <class T>
   void matrix(const std::string& name, const std::vector<T>& values, size_t rows, size_t cols,
               std::string_view type) const {
-    OutputFile file(folder / name, Existing::replace);
+    Output file(folder / name, Existing::replace);
     file.write(npy_header(type, {rows, cols}));
     file.write(std::as_bytes(std::span<const T>(values)));
     file.commit();
@@ -61,7 +61,7 @@ struct Files {
 
 inline void write_truth(const GroundTruthFormat& format, const InspectedGroundTruth& truth,
                         const std::filesystem::path& path) {
-  OutputFile file(path, Existing::replace);
+  Output file(path, Existing::replace);
   format.write(truth, file, {});
   file.commit();
 }

@@ -90,7 +90,7 @@ TEST_CASE("scores alone are judged by their best matches, and a saved matrix by 
                                        9, 6, 9, 9,  //
                                        7, 9, 8, 9,  //
                                        9, 9, 9, 9};
-  OutputFile file(folder / "s.npy", Existing::refuse);
+  Output file(folder / "s.npy", Existing::refuse);
   write_npy<int32_t>(file, scores, {4, 4});
   file.commit();
   ScoreSettings settings;

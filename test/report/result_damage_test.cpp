@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -35,10 +36,32 @@ TEST_CASE("companions of another run are refused") {
   changed.hits.pop_back();
   write(other / "r.json", changed, Existing::refuse);
   fs::copy_file(other / "r.hits.npy", folder / "r.hits.npy", fs::copy_options::overwrite_existing);
-  CHECK(test::error_text([&] { read_result(path); }).find("was not written together") !=
+  CHECK(test::error_text([&] { read_result(path); }).find("belongs to another run") !=
         std::string::npos);
   fs::remove(folder / "r.hits.npy");
   CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
+}
+
+TEST_CASE("a file of another run beside a result is refused, and may be removed") {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder / "r.json";
+  {
+    Outputs outputs(Existing::refuse);
+    outputs.file(folder / "m.png").write("image");
+    outputs.file(folder / "m.npy").write("matrix");
+    write_result(path, example_result(), {}, outputs);
+    outputs.commit();
+  }
+  read_result(path);
+  for (const char* name : {"m.png", "m.npy"}) {
+    test::write_text(folder / name, "of another run");
+    CHECK(test::error_text([&] { read_result(path); }) ==
+          fmt::format("{}: belongs to another run than {}; run vpr-query again, with --force, or "
+                      "remove this file",
+                      (folder / name).string(), path.string()));
+    fs::remove(folder / name);
+  }
+  read_result(path);
 }
 
 TEST_CASE("results that were tampered with are refused, never a crash") {
@@ -112,7 +135,7 @@ TEST_CASE("an existing result is refused as a whole") {
   const test::TemporaryFolder folder;
   write_example(folder);
   fs::remove(folder / "r.json");
-  OutputTransaction outputs(Existing::refuse);
+  Outputs outputs(Existing::refuse);
   CHECK(test::error_kind([&] { claim_result(folder / "r.json", outputs); }) == ErrorKind::usage);
   write_example(folder, Existing::replace);
 }

@@ -41,7 +41,7 @@ inline Result places_example() {
 }
 
 inline Json write(const std::filesystem::path& path, const Result& result, Existing existing) {
-  OutputTransaction outputs(existing);
+  Outputs outputs(existing);
   Json json = write_result(path, result, {}, outputs);
   outputs.commit();
   return json;

@@ -1,7 +1,8 @@
-#include "base/output_transaction.h"
+#include "base/output.h"
 
 #include <algorithm>
 #include <csignal>
+#include <thread>
 
 #include <catch2/catch.hpp>
 #include <sys/stat.h>
@@ -19,6 +20,12 @@ using Names = std::vector<std::string>;
 
 bool holds_note(const fs::path& folder) {
   return holds_only_files(folder, [](const std::string& name) { return name == "note"; });
+}
+
+void write_file(const fs::path& path, const std::string& text, Existing existing) {
+  Output file(path, existing);
+  file.write(text);
+  file.commit();
 }
 
 // Runs `work` in a process of its own; it kills itself.
@@ -39,7 +46,7 @@ void run_and_kill(Work&& work) {
 
 TEST_CASE("outputs of a run appear together, the main one last in its place") {
   const test::TemporaryFolder folder;
-  OutputTransaction outputs(Existing::refuse);
+  Outputs outputs(Existing::refuse);
   outputs.claim_file(folder / "main.json");
   outputs.claim_file(folder / "page.html");
   outputs.claim_file(folder / "never.png");
@@ -58,7 +65,7 @@ TEST_CASE("without a commit, everything is as it was") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "a", "old");
   {
-    OutputTransaction outputs(Existing::replace);
+    Outputs outputs(Existing::replace);
     outputs.file(folder / "a").write("new");
     outputs.file(folder / "b").write("new");
   }
@@ -66,32 +73,60 @@ TEST_CASE("without a commit, everything is as it was") {
   CHECK(test::read_text(folder / "a") == "old");
 }
 
-TEST_CASE("if one output can't be put in its place, all the old ones are back") {
+TEST_CASE("an existing file is refused, before the work and at its end") {
   const test::TemporaryFolder folder;
-  test::write_text(folder / "main", "old main");
-  test::write_text(folder / "companion", "old companion");
-  fs::create_directory(folder / "db");
-  test::write_text(folder / "db/note", "old note");
-  {
-    OutputTransaction outputs(Existing::replace);
-    OutputFile& main = outputs.file(folder / "main");
-    main.write("new main");
-    outputs.file(folder / "companion").write("new companion");
-    outputs.file(folder / "fresh").write("was not there");
-    write_part(outputs.folder(folder / "db", holds_note).temporary() / "note", "new note");
-    fs::remove(main.temporary());  // so that the last of all renames fails
-    CHECK(test::error_kind([&] { outputs.commit(); }) == ErrorKind::output);
-  }
-  CHECK(test::list_folder(folder.path()) == Names{"companion", "db", "main"});
-  CHECK(test::read_text(folder / "main") == "old main");
-  CHECK(test::read_text(folder / "companion") == "old companion");
-  CHECK(test::read_text(folder / "db/note") == "old note");
+  Output late(folder / "a", Existing::refuse);
+  test::write_text(folder / "a", "first");  // somebody else was faster
+  CHECK(test::error_kind([&] { late.commit(); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { write_file(folder / "a", "x", Existing::refuse); }) ==
+        ErrorKind::usage);
+  CHECK(test::read_text(folder / "a") == "first");
+  write_file(folder / "a", "second", Existing::replace);
+  CHECK(test::read_text(folder / "a") == "second");
 }
 
-TEST_CASE("a target that comes into being meanwhile stays, and so do all others") {
+TEST_CASE("a missing parent folder and a folder in the way are errors") {
+  const test::TemporaryFolder folder;
+  CHECK(test::error_kind([&] { Output(folder / "no/a", Existing::refuse); }) == ErrorKind::output);
+  CHECK(test::error_kind([&] { Output(folder.path(), Existing::replace); }) == ErrorKind::usage);
+}
+
+TEST_CASE("a folder is replaced in one step, and only one of ours") {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const std::string& text, Existing existing) {
+    Output output(folder / "db", existing, holds_note);
+    write_file(output.temporary() / "note", text, Existing::refuse);
+    output.commit();
+  };
+  write("one", Existing::refuse);
+  CHECK(test::error_kind([&] { write("two", Existing::refuse); }) == ErrorKind::usage);
+  write("two", Existing::replace);
+  CHECK(test::read_text(folder / "db/note") == "two");
+  CHECK(test::list_folder(folder.path()) == Names{"db"});
+  fs::create_directory(folder / "home");
+  test::write_text(folder / "home/letter", "dear");
+  CHECK(test::error_kind([&] { Output(folder / "home", Existing::replace, holds_note); }) ==
+        ErrorKind::usage);
+  CHECK(test::read_text(folder / "home/letter") == "dear");
+}
+
+TEST_CASE("a full disk is an output error") {
+  if (!fs::exists("/dev/full")) return;
+  Output file(fs::temp_directory_path() / "vpr-full-test", Existing::replace);
+  CHECK(test::error_kind([&] { file.reserve(uint64_t{1} << 60); }) == ErrorKind::output);
+}
+
+TEST_CASE("what is no regular file is not replaced") {
+  const test::TemporaryFolder folder;
+  fs::create_symlink("/dev/null", folder / "null");
+  CHECK(test::error_kind([&] { write_file(folder / "null", "x", Existing::replace); }) ==
+        ErrorKind::usage);
+}
+
+TEST_CASE("a target that another program made meanwhile stays") {
   const test::TemporaryFolder folder;
   {
-    OutputTransaction outputs(Existing::refuse);
+    Outputs outputs(Existing::refuse);
     outputs.file(folder / "main").write("mine");
     outputs.file(folder / "companion").write("mine");
     test::write_text(folder / "main", "another's");
@@ -101,9 +136,28 @@ TEST_CASE("a target that comes into being meanwhile stays, and so do all others"
   CHECK(test::read_text(folder / "main") == "another's");
 }
 
+TEST_CASE("two runs that replace the same outputs at once leave those of one of them") {
+  const test::TemporaryFolder folder;
+  const Names names = {"main", "page", "plot", "list"};
+  const auto run = [&](const std::string& text) {
+    Outputs outputs(Existing::replace);
+    for (const std::string& name : names) outputs.file(folder / name).write(text);
+    outputs.commit();
+  };
+  run("first");
+  for (int round = 0; round < 200; ++round) {
+    std::thread other([&] { run("a"); });
+    run("b");
+    other.join();
+    const std::string main = test::read_text(folder / "main");
+    for (const std::string& name : names) REQUIRE(test::read_text(folder / name) == main);
+  }
+  CHECK(test::list_folder(folder.path()).size() == names.size());
+}
+
 TEST_CASE("what can't be written is found out when it is claimed") {
   const test::TemporaryFolder folder;
-  OutputTransaction outputs(Existing::refuse);
+  Outputs outputs(Existing::refuse);
   const auto claim = [&](const std::string& name) {
     return test::error_kind([&] { outputs.claim_file(folder / name); });
   };
@@ -125,7 +179,7 @@ TEST_CASE("a folder that is not one's own is found out when an output in it is c
   const uid_t user = ::geteuid();
   if (user == 0) REQUIRE(::seteuid(65534) == 0);  // root may write everywhere
   const auto claim = [&](const std::string& name) {
-    OutputTransaction outputs(Existing::refuse);
+    Outputs outputs(Existing::refuse);
     return test::error_kind([&] { outputs.claim_file(folder / name); });
   };
   const auto open = claim("open/a");
@@ -138,7 +192,7 @@ TEST_CASE("a folder that is not one's own is found out when an output in it is c
 TEST_CASE("one path for two outputs is refused, whatever it is called") {
   const test::TemporaryFolder folder;
   fs::create_directory(folder / "sub");
-  OutputTransaction outputs(Existing::replace);
+  Outputs outputs(Existing::replace);
   outputs.claim_file(folder / "a");
   for (const char* name : {"a", "sub/../a", "./a"})
     CHECK(test::error_kind([&] { outputs.claim_file(folder / name); }) == ErrorKind::usage);
@@ -152,7 +206,7 @@ TEST_CASE("an input is no output, by any of its names, before or after it is cla
   const test::TemporaryFolder folder;
   test::write_text(folder / "gt.csv", "labels");
   fs::create_symlink("gt.csv", folder / "link.csv");
-  OutputTransaction outputs(Existing::replace);
+  Outputs outputs(Existing::replace);
   outputs.protect(folder / "link.csv");
   outputs.protect(folder / "none");
   CHECK(test::error_kind([&] { outputs.claim_file(folder / "gt.csv"); }) == ErrorKind::usage);
@@ -174,7 +228,7 @@ TEST_CASE("a folder that is extended in place is replaced with the other outputs
   fs::create_directory(folder / "db");
   test::write_text(folder / "db/note", "old");
   const auto extend = [&](const std::string& text, bool somebody_is_faster) {
-    OutputTransaction outputs(Existing::refuse);
+    Outputs outputs(Existing::refuse);
     outputs.protect(folder / "db");
     outputs.extend(folder / "db/");
     outputs.claim_file(folder / "list");
@@ -196,8 +250,8 @@ TEST_CASE("a folder that is extended in place is replaced with the other outputs
 
 TEST_CASE("temporaries can't be foreseen, and are made through no link") {
   const test::TemporaryFolder folder;
-  const OutputFile a(folder / "a", Existing::refuse);
-  const OutputFile same(folder / "a", Existing::refuse);
+  const Output a(folder / "a", Existing::refuse);
+  const Output same(folder / "a", Existing::refuse);
   CHECK(a.temporary() != same.temporary());
   CHECK(a.temporary().filename().string().size() < 60);
   test::write_text(folder / "victim", "mine");
@@ -210,18 +264,18 @@ TEST_CASE(
     "what a killed process left is removed by the next one, what a living one writes is not") {
   const test::TemporaryFolder folder;
   run_and_kill([&] {
-    OutputTransaction outputs(Existing::refuse);
+    Outputs outputs(Existing::refuse);
     outputs.file(folder / "a").write("half");
     write_part(outputs.folder(folder / "plots", is_marked_folder).temporary() / "p.png", "half");
     outputs.claim_file(folder / "other");
     ::raise(SIGKILL);
   });
   CHECK(test::list_folder(folder.path()).size() == 3);
-  OutputTransaction living(Existing::refuse);
+  Outputs living(Existing::refuse);
   living.file(folder / "a").write("mine");
   living.claim_folder(folder / "plots", is_marked_folder);
   CHECK(test::list_folder(folder.path()).size() == 3);  // two, and what was left of "other"
-  OutputTransaction second(Existing::refuse);
+  Outputs second(Existing::refuse);
   second.claim_file(folder / "a");
   second.claim_file(folder / "other");
   CHECK(test::list_folder(folder.path()).size() == 4);
@@ -232,7 +286,7 @@ TEST_CASE(
 TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
   const test::TemporaryFolder folder;
   const auto write = [&](const std::string& name) {
-    OutputFolder output(folder / "plots", Existing::replace, is_marked_folder);
+    Output output(folder / "plots", Existing::replace, is_marked_folder);
     write_part(output.temporary() / name, "x");
     output.commit();
   };
@@ -248,16 +302,15 @@ TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
   CHECK(fs::exists(folder / "plots/b.png/thesis"));
   fs::create_directory(folder / "frames");
   test::write_text(folder / "frames/0.png", "mine");
-  CHECK(test::error_kind([&] {
-          OutputFolder(folder / "frames", Existing::replace, is_marked_folder);
-        }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { Output(folder / "frames", Existing::replace, is_marked_folder); }) ==
+        ErrorKind::usage);
 }
 
 TEST_CASE("an error says the name of an output, not that under which it is being made") {
   const test::TemporaryFolder folder;
-  OutputTransaction outputs(Existing::refuse);
+  Outputs outputs(Existing::refuse);
   outputs.claim_file(folder / "main");
-  const OutputFolder& plots = outputs.folder(folder / "plots", is_marked_folder);
+  const Output& plots = outputs.folder(folder / "plots", is_marked_folder);
   const std::string sentence =
       test::error_text([&] { write_part(plots.temporary() / "none/a.png", "x"); });
   CHECK(sentence.find(".vpr-partial-") != std::string::npos);
@@ -275,14 +328,18 @@ TEST_CASE("folders that can't be made or read are errors of output") {
   CHECK(entries_of(folder.path()).size() == 1);
 }
 
-TEST_CASE("an old output that was set aside is put back, unless it was replaced") {
+TEST_CASE("an old folder that was set aside is put back, unless it was replaced") {
   const test::TemporaryFolder folder;
-  const fs::path temporary = OutputFile(folder / "a", Existing::refuse).temporary();
-  test::write_text(name_aside(temporary), "old");
-  clean_up(folder / "a");
-  CHECK(test::list_folder(folder.path()) == Names{"a"});
-  test::write_text(name_aside(temporary), "older");
-  clean_up(folder / "a");
-  CHECK(test::list_folder(folder.path()) == Names{"a"});
-  CHECK(test::read_text(folder / "a") == "old");
+  const fs::path temporary = Output(folder / "db", Existing::refuse, holds_note).temporary();
+  const fs::path aside = folder / (".vpr-old" + temporary.filename().string());
+  const auto set_aside = [&](const std::string& text) {
+    fs::create_directory(aside);
+    test::write_text(aside / "note", text);
+    const Output next(folder / "db", Existing::replace, holds_note);
+  };
+  set_aside("old");
+  CHECK(test::read_text(folder / "db/note") == "old");
+  set_aside("older");
+  CHECK(test::read_text(folder / "db/note") == "old");
+  CHECK(test::list_folder(folder.path()) == Names{"db"});
 }
