@@ -81,7 +81,7 @@ std::string note_of(const Json& comparison, const Json& report) {
   if (!report["paired"].get<bool>())
     notes.push_back(fmt::format("not paired, over {} of its own",
                                 counted(report["queries"].get<uint64_t>(), "query", "queries")));
-  if (report["oracle"].get<bool>()) notes.emplace_back("fixes: threshold from the ground truth");
+  if (report["oracle"].get<bool>()) notes.emplace_back("threshold from the ground truth");
   if (comparison["ground_truths"] != "same")
     notes.push_back(report["ground_truth"].get<std::string>());
   return fmt::format("{}", fmt::join(notes, "; "));

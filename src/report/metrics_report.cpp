@@ -164,12 +164,14 @@ void add_judgement(Json& report, const Judgement& judgement) {
 
 void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_result) {
   const bool has_ranks = judgement.outcomes.has_ranks;
-  protocol["single_best"] =
-      std::string(
-          "a threshold accepts best matches that score at least as good; recall is over "
-          "queries with a match; the best match of a query without one is incorrect; ") +
-      (has_ranks ? "references labelled ignore are passed over"
-                 : "a query whose best match is labelled ignore is left out");
+  protocol["single_best"] = fmt::format(
+      "a {}; recall is over queries with a match; the best match of a query without one is "
+      "incorrect; {}",
+      judgement.outcomes.confidence == Confidence::margin
+          ? "margin accepts best matches that have at least this margin"
+          : "threshold accepts best matches that score at least as good",
+      has_ranks ? "references labelled ignore are passed over"
+                : "a query whose best match is labelled ignore is left out");
   if (judgement.outcomes.has_margins)
     protocol["margin"] =
         "how much better the best match is than the best one elsewhere, in score a frame; a best "

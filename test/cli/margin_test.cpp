@@ -95,6 +95,7 @@ TEST_CASE("a query by margin recognises the revisit, and vpr-eval judges by eith
   CHECK(by_margin["metrics"]["single_best"] == by_score["metrics"]["by_margin"]);
   CHECK(by_margin["metrics"]["by_score"]["average_precision"] ==
         by_score["metrics"]["single_best"]["average_precision"]);
+  CHECK(by_margin["protocol"]["single_best"].get<std::string>().rfind("a margin accepts", 0) == 0);
   const std::string html = test::read_text(page);
   CHECK(has(html, "margin asked for"));
   CHECK(has(html, "What a margin recognizes"));
