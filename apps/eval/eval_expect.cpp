@@ -38,6 +38,10 @@ Json read_expected(const Session& session, const ExpectInputs& inputs) {
     if (!is_new) session.outputs.extend(inputs.expected);
     session.outputs.claim_file(inputs.expected);
   }
+  if (!inputs.update && !std::filesystem::exists(inputs.expected, error))
+    throw Error(ErrorKind::input, fmt::format("{}: no such file. With --update it is made from "
+                                              "this report",
+                                              inputs.expected));
   return is_new ? Json() : read_json(inputs.expected, ErrorKind::usage);
 }
 

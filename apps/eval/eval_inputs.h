@@ -32,7 +32,7 @@ struct EvalInputs {
   std::string protocols;
   ExpectInputs expect;
   TableFormat format = TableFormat::text;
-  Confidence confidence = Confidence::score;
+  std::optional<Confidence> confidence;
   CsvInputs csv;
   ScoreInputs scores;
   PairInputs pairs;

@@ -12,8 +12,23 @@
 namespace vpr {
 namespace {
 
-std::vector<Table> tables_of(const Json& report) {
-  std::vector<Table> tables = {summary_table(report)};
+// The first table, with best matches over all frames that have a match: results with windows of
+// different lengths are compared by that, as a frame without a window is not right.
+Table comparable_table(const Json& report) {
+  Table table = summary_table(report);
+  const Json& best = report["best_match"];
+  const uint64_t frames =
+      report["localisation"]["frames_with_match"].get<uint64_t>() - best["ignored"].get<uint64_t>();
+  table.columns.insert(table.columns.end(), {"of frames", "% of frames"});
+  table.rows[0].push_back(std::to_string(frames));
+  table.rows[0].push_back(
+      frames == 0 ? "-"
+                  : fmt::format("{:.1f}", 100 * best["correct"].get<double>() / double(frames)));
+  return table;
+}
+
+std::vector<Table> tables_of(const Json& report, bool is_one) {
+  std::vector<Table> tables = {is_one ? summary_table(report) : comparable_table(report)};
   if (report.contains("by_view")) tables.push_back(view_table(report));
   for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
   return tables;
@@ -21,7 +36,7 @@ std::vector<Table> tables_of(const Json& report) {
 
 // One row that says of what it is.
 Table csv_row(const Json& report) {
-  Table table = summary_table(report);
+  Table table = comparable_table(report);
   if (report.contains("by_view")) {
     const Table views = view_table(report);
     table.columns.insert(table.columns.end(), views.columns.begin(), views.columns.end());
@@ -45,10 +60,11 @@ Table csv_table(const std::vector<Json>& reports, const std::vector<std::string>
 std::string report_text(const std::vector<Json>& reports, const std::vector<std::string>& names,
                         TableFormat format) {
   if (format == TableFormat::csv) return render_table(csv_table(reports, names), format);
+  const bool is_one = reports.size() == 1;
   std::vector<std::vector<Table>> kinds;  // tables that are of one kind in all reports
   std::vector<std::vector<std::string>> named;
   for (size_t r = 0; r < reports.size(); ++r) {
-    std::vector<Table> tables = tables_of(reports[r]);
+    std::vector<Table> tables = tables_of(reports[r], is_one);
     kinds.resize(std::max(kinds.size(), tables.size()));
     named.resize(kinds.size());
     for (size_t t = 0; t < tables.size(); ++t) {
@@ -56,7 +72,6 @@ std::string report_text(const std::vector<Json>& reports, const std::vector<std:
       named[t].insert(named[t].end(), kinds[t].back().rows.size(), names[r]);
     }
   }
-  const bool is_one = reports.size() == 1;
   std::string text;
   for (size_t t = 0; t < kinds.size(); ++t) {
     const Table table = is_one ? kinds[t][0] : stack_tables(kinds[t], "name", named[t]);

@@ -18,9 +18,11 @@ void check_several(const EvalInputs& inputs) {
   if (inputs.scores.any() || inputs.expect.any() || !pictures.html.empty() ||
       !pictures.plots.empty() || !inputs.map.folder.empty() || !inputs.trajectory.file.empty() ||
       inputs.pairs.any())
-    throw Error(ErrorKind::usage,
-                "several results make one table; --scores, --expect, --html, --plot, --map, "
-                "--fixes-tum and --pairs take one result");
+    throw Error(
+        ErrorKind::usage,
+        "--scores, --expect, --html, --plot, --map, --fixes-tum and --pairs take one result. For "
+        "a page of several: vpr-eval report FOLDER --html FILE, or vpr-eval compare REPORT "
+        "REPORT --html FILE");
   check_score_inputs(inputs.scores, true);
 }
 

@@ -186,8 +186,9 @@ int main(int argc, char** argv) {
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--confidence", inputs.confidence,
-              "what best matches are accepted by, in curves, metrics and pictures: score (default) "
-              "or margin, how much better than the best one elsewhere; the other stands beside it");
+              "what best matches are accepted by, in curves, metrics, pictures and comparisons: "
+              "score, or margin, how much better than the best one elsewhere (default: what the "
+              "result decided by); the other is reported next to it");
   add_setting(app, "--stretch", inputs.scores.stretch_frames,
               fmt::format("frames of a stretch of the path, for the recall achievement rate "
                           "(default {})",

@@ -17,9 +17,8 @@ namespace {
 /// One method's common queries, ready to be counted with weights.
 struct Paired {
   std::vector<const QueryOutcome*> queries;  // by frame
-  std::vector<size_t> order;                 // best score first, those without one last
-  ScoreOrder kind = ScoreOrder::distance;
-  bool has_ranks = false;
+  std::vector<size_t> order;                 // most confident first, those without a score last
+  const Outcomes* outcomes = nullptr;
   bool is_paired = true;
 };
 
@@ -57,11 +56,14 @@ size_t first_dispute(const FrameOutcomes& outcomes) {
   return m;
 }
 
-void sort_by_score(Paired& method) {
+uint64_t key_of(const Paired& method, size_t query) {
+  return confidence_key(*method.queries[query], method.outcomes->confidence);
+}
+
+void sort_by_confidence(Paired& method) {
   for (size_t q = 0; q < method.queries.size(); ++q) method.order.push_back(q);
-  std::stable_sort(method.order.begin(), method.order.end(), [&](size_t a, size_t b) {
-    return method.queries[a]->key < method.queries[b]->key;
-  });
+  std::stable_sort(method.order.begin(), method.order.end(),
+                   [&](size_t a, size_t b) { return key_of(method, a) < key_of(method, b); });
 }
 
 // Indices of methods whose frames have partners.
@@ -79,7 +81,7 @@ std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& 
   std::vector<std::map<size_t, const QueryOutcome*>> frames;  // of partners
   for (size_t m = 0; m < methods.size(); ++m) {
     const Outcomes& outcomes = methods[m].outcomes;
-    paired[m] = {{}, {}, outcomes.kind, outcomes.has_ranks, methods[m].is_paired};
+    paired[m] = {{}, {}, &outcomes, methods[m].is_paired};
     auto judged = judged_by_frame(outcomes);
     comparison.own.push_back(judged.size());
     if (methods[m].is_paired)
@@ -102,7 +104,7 @@ std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& 
     }
     for (size_t i = 0; i < outcomes.size(); ++i) paired[partners[i]].queries.push_back(outcomes[i]);
   }
-  for (Paired& method : paired) sort_by_score(method);
+  for (Paired& method : paired) sort_by_confidence(method);
   return paired;
 }
 
@@ -116,7 +118,7 @@ std::vector<std::string> metric_keys(const std::vector<size_t>& ks) {
 
 std::optional<double> weighted_recall(const Paired& method, std::span<const uint32_t> weights,
                                       size_t k) {
-  if (k > 1 && !method.has_ranks) return std::nullopt;
+  if (k > 1 && !method.outcomes->has_ranks) return std::nullopt;
   uint64_t to_find = 0;
   uint64_t found = 0;
   for (size_t q = 0; q < weights.size(); ++q) {
@@ -138,10 +140,10 @@ std::vector<std::optional<double>> metric_values(const Paired& method,
   uint64_t to_find = 0;
   for (const size_t q : method.order) {
     const QueryOutcome& query = *method.queries[q];
-    items.push_back({query.key, query.verdict == Verdict::correct, weights[q]});
+    items.push_back({key_of(method, q), query.verdict == Verdict::correct, weights[q]});
     if (query.has_match) to_find += weights[q];
   }
-  const Curve curve = curve_of(items, to_find, method.kind);
+  const Curve curve = curve_of(items, to_find, confidence_order(*method.outcomes));
   for (const CurveMetric& metric : curve_metrics()) values.push_back(metric.compute(curve).value);
   return values;
 }

@@ -54,7 +54,8 @@ enum class Disputed { refuse, leave_out };
 
 /// Values and differences over the query frames that all paired methods judge (neither unreadable
 /// nor ignored, and within reach of every method's windows): recall@K, which methods without ranks
-/// know for K = 1 only (a K that none knows is left out), and every curve metric of best matches.
+/// know for K = 1 only (a K that none knows is left out), and every curve metric of best matches,
+/// each method's by its own confidence (Outcomes::confidence).
 /// Methods that are not paired have differences without intervals. Intervals are the central 95 %
 /// of `resamples` differences under the circular block bootstrap (Politis and Romano 1992):
 /// stretches of `block` neighbouring queries are drawn with replacement, the same for all methods

@@ -14,12 +14,17 @@ void take_matrix(Judgement& judgement, const ScoreMatrix& matrix, const GroundTr
       PairJudgement{pair_curve(matrix, truth, judgement.layout, scan, monitor), scan.ignored_pairs,
                     scan.same_without_score, scan.worst_correct};
   judgement.outcomes = std::move(scan.outcomes);
-  order_by(judgement, Confidence::score);
 }
 
 size_t column_of(const ScoreLayout& layout, uint32_t sequence, size_t window) {
   const ScoreLayout::Columns* columns = layout.columns_of(sequence);
   return columns == nullptr ? 0 : columns->first + window;
+}
+
+size_t count_with_match(const GroundTruth& truth) {
+  size_t count = 0;
+  for (size_t frame = 0; frame < truth.pairs.size(); ++frame) count += truth.has_match(frame);
+  return count;
 }
 
 }  // namespace
@@ -40,18 +45,18 @@ bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
 }
 
 void order_by(Judgement& judgement, Confidence confidence) {
-  const Outcomes& outcomes = judgement.outcomes;
+  Outcomes& outcomes = judgement.outcomes;
   if (confidence == Confidence::margin && !outcomes.has_margins)
     throw Error(ErrorKind::usage,
                 "there are no margins: FAB-MAP, lsh and score matrices have none, and results of "
                 "older date do not hold them; leave --confidence out, or run vpr-query again");
-  judgement.confidence = confidence;
-  judgement.single_best = single_best_curve(outcomes, confidence);
   judgement.other_best.reset();
-  if (!outcomes.has_margins) return;
-  const bool by_score = confidence == Confidence::score;
-  judgement.other_best =
-      single_best_curve(outcomes, by_score ? Confidence::margin : Confidence::score);
+  if (outcomes.has_margins) {
+    outcomes.confidence = confidence == Confidence::score ? Confidence::margin : Confidence::score;
+    judgement.other_best = single_best_curve(outcomes);
+  }
+  outcomes.confidence = confidence;
+  judgement.single_best = single_best_curve(outcomes);
 }
 
 Judgement judge(const Result& result, const GroundTruth& truth, std::span<const double> travelled_m,
@@ -59,11 +64,12 @@ Judgement judge(const Result& result, const GroundTruth& truth, std::span<const 
   Judgement judgement;
   judgement.layout = layout_of(result);
   judgement.outcomes = outcomes_of(result, truth);
-  order_by(judgement, Confidence::score);
+  order_by(judgement, judgement.outcomes.confidence);
   for (const Match& hit : result.hits) {
     check_stop(monitor);
     judgement.recognised.push_back({hit.query, column_of(judgement.layout, hit.target, hit.train)});
   }
+  judgement.frames_with_match = count_with_match(truth);
   judgement.fixes = fixes_of(result, truth);
   judgement.localisation = localise(judgement.fixes, travelled_m);
   return judgement;
@@ -75,6 +81,8 @@ Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Grou
   Judgement judgement;
   judgement.layout = layout;
   take_matrix(judgement, matrix, truth, monitor);
+  order_by(judgement, Confidence::score);
+  judgement.is_oracle = !threshold;
   judgement.threshold =
       threshold ? threshold : recall_at_full_precision(judgement.single_best).threshold;
   std::optional<uint64_t> accepted;
@@ -86,6 +94,7 @@ Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Grou
           {window, column_of(layout, query.best->sequence,
                              query.best->reference + 1 - layout.window_length)});
   }
+  judgement.frames_with_match = count_with_match(truth);
   judgement.fixes = fixes_of(judgement.outcomes, accepted);
   judgement.localisation = localise(judgement.fixes, travelled_m);
   return judgement;
@@ -98,7 +107,7 @@ Judgement judge(const Result& result, const ScoreMatrix& matrix, const GroundTru
   if (!truth.is_known) return judgement;
   take_matrix(judgement, matrix, truth, monitor);
   add_margins(judgement.outcomes, result);
-  order_by(judgement, Confidence::score);
+  order_by(judgement, judgement.outcomes.confidence);
   return judgement;
 }
 

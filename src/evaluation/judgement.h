@@ -30,12 +30,13 @@ struct RecognisedCell {
 struct Judgement {
   ScoreLayout layout;
   Outcomes outcomes;
-  Confidence confidence = Confidence::score;  ///< that best matches are ordered by
   Curve single_best;
   std::optional<Curve> other_best;  ///< the same by the other confidence, where margins are known
   std::optional<PairJudgement> all_pairs;  ///< where there is a matrix
   std::vector<RecognisedCell> recognised;  ///< hits of a result, accepted best matches of scores
   std::optional<double> threshold;         ///< of accepted best matches
+  bool is_oracle = false;                  ///< the threshold was chosen from the ground truth
+  size_t frames_with_match = 0;            ///< query frames that the ground truth has a match for
   std::vector<Fix> fixes;                  ///< one a query frame
   Localisation localisation;
   std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K of what is reported

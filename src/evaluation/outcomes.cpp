@@ -51,6 +51,9 @@ Outcomes outcomes_of(const Result& result, const GroundTruth& truth) {
 
 void add_margins(Outcomes& outcomes, const Result& result) {
   outcomes.has_margins = !result.margins.empty();
+  const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
+  if (outcomes.has_margins && settings != nullptr && settings->decision == Decision::margin)
+    outcomes.confidence = Confidence::margin;
   for (size_t window = 0; window < result.margins.size(); ++window) {
     QueryOutcome& query = outcomes.queries[window];
     const auto& best = result.best[window];
@@ -67,8 +70,8 @@ uint64_t confidence_key(const QueryOutcome& query, Confidence by) {
   return query.margin ? score_key(*query.margin, ScoreOrder::similarity) : kNoScore;
 }
 
-ScoreOrder confidence_order(const Outcomes& outcomes, Confidence by) {
-  return by == Confidence::score ? outcomes.kind : ScoreOrder::similarity;
+ScoreOrder confidence_order(const Outcomes& outcomes) {
+  return outcomes.confidence == Confidence::score ? outcomes.kind : ScoreOrder::similarity;
 }
 
 uint64_t judged_queries(const Outcomes& outcomes) {
@@ -100,13 +103,14 @@ BestMatchCounts best_match_counts(const Outcomes& outcomes) {
   return counts;
 }
 
-Curve single_best_curve(const Outcomes& outcomes, Confidence by) {
+Curve single_best_curve(const Outcomes& outcomes) {
   std::vector<ScoredItem> items;
   for (const QueryOutcome& query : outcomes.queries)
     if (is_judged(query))
-      items.push_back({confidence_key(query, by), query.verdict == Verdict::correct});
+      items.push_back(
+          {confidence_key(query, outcomes.confidence), query.verdict == Verdict::correct});
   sort_items(items);
-  return curve_of(items, judged_queries(outcomes), confidence_order(outcomes, by));
+  return curve_of(items, judged_queries(outcomes), confidence_order(outcomes));
 }
 
 }  // namespace vpr

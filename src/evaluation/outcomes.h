@@ -58,12 +58,15 @@ struct Outcomes {
   bool has_ranks = false;             ///< from a matrix
   std::vector<QueryOutcome> queries;  ///< by frame
   bool has_margins = false;           ///< from a result that holds them
+  /// Accepts best matches; of a result, the one that its hits were decided by.
+  Confidence confidence = Confidence::score;
 };
 
 /// Sets has_match and is_unreachable of the query whose frame is set.
 void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout);
 
-/// Gives best matches the margins that a result holds of the same ones.
+/// Gives best matches the margins that a result holds of the same ones, and the confidence that it
+/// was decided by.
 void add_margins(Outcomes& outcomes, const Result& result);
 
 /// Best matches of a result, judged at anchors; a best match that is labelled ignore is `ignored`
@@ -80,11 +83,12 @@ BestMatchCounts best_match_counts(const Outcomes& outcomes);
 
 /// Smaller keys are more confident; kNoScore where the best match has none: it is never accepted.
 uint64_t confidence_key(const QueryOutcome& query, Confidence by);
-ScoreOrder confidence_order(const Outcomes& outcomes, Confidence by);
+/// The order of the outcomes' confidence.
+ScoreOrder confidence_order(const Outcomes& outcomes);
 
 /// Whether a query's best match is accepted or not at each threshold of its score, or its margin:
 /// correct and incorrect best matches, those of queries without a match among the incorrect ones;
 /// unreadable and ignored ones left out. Recall is over judged_queries.
-Curve single_best_curve(const Outcomes& outcomes, Confidence by = Confidence::score);
+Curve single_best_curve(const Outcomes& outcomes);
 
 }  // namespace vpr

@@ -115,7 +115,7 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   const std::vector<double> travelled_m = way_of(by, scope, monitor);
   evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled_m, monitor)
                                 : judge(result, truth, travelled_m, monitor);
-  order_by(evaluation.judgement, by.confidence);
+  if (by.confidence) order_by(evaluation.judgement, *by.confidence);
   if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
   evaluation.judgement.stretch_frames = by.stretch_frames;
   JudgedResult& judged = evaluation.result.emplace();
@@ -140,7 +140,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   const std::vector<double> travelled_m = way_of(by, layout.scope, monitor);
   evaluation.judgement =
       judge(matrix, layout, evaluation.truth, settings.threshold, travelled_m, monitor);
-  order_by(evaluation.judgement, by.confidence);
+  if (by.confidence) order_by(evaluation.judgement, *by.confidence);
   if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
   evaluation.judgement.stretch_frames = by.stretch_frames;
   evaluation.fingerprint = matrix.fingerprint(monitor);

@@ -67,6 +67,7 @@ bool has_margin(const Result& result, size_t query_window) {
 }
 
 constexpr DecisionKind kThreshold = {.summary = "every window pair closer than t_r is a hit",
+                                     .hits = "window pairs with a {} below the threshold",
                                      .symbol = "t_r",
                                      .order = ScoreOrder::distance,
                                      .setting = &SequenceQuerySettings::distance_threshold,
@@ -75,6 +76,7 @@ constexpr DecisionKind kThreshold = {.summary = "every window pair closer than t
 
 constexpr DecisionKind kMargin = {
     .summary = "the best match of a window, if it is --margin better than the best one elsewhere",
+    .hits = "best matches with a {} better than the best one elsewhere by at least the margin",
     .symbol = "margin",
     .order = ScoreOrder::similarity,
     .setting = &SequenceQuerySettings::margin,

@@ -3,14 +3,10 @@
 #include <algorithm>
 
 #include "base/json.h"
+#include "report/json_fields.h"
 #include "report/scores_report.h"
 
 namespace vpr {
-namespace {
-
-Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
-
-}  // namespace
 
 Json comparison_json(const Comparison& comparison, const std::vector<StoredReport>& reports,
                      const std::vector<std::string>& names, size_t resamples, const RunInfo& run) {
@@ -28,7 +24,10 @@ Json comparison_json(const Comparison& comparison, const std::vector<StoredRepor
                                {"paired", is_same_walk(reports[m], reports.front())},
                                {"localisation",
                                 {{"share", or_null(reports[m].share)},
+                                 {"wrong", or_null(reports[m].wrong)},
                                  {"longest_gap_frames", or_null(reports[m].longest_gap)}}},
+                               {"oracle", reports[m].is_oracle},
+                               {"confidence", enum_name(reports[m].outcomes.confidence)},
                                {"fingerprint", reports[m].fingerprint}});
     if (!reports[m].walk.empty()) json["reports"].back()["walk"] = reports[m].walk;
     if (reports[m].ground_truth_fingerprint)
@@ -62,8 +61,12 @@ Json comparison_json(const Comparison& comparison, const std::vector<StoredRepor
        "every report's windows); a report of another walk, as of a replay, is not paired, and "
        "measured over its own"},
       {"localisation",
-       "share of all frames of the path with a right fix, and most frames in a row "
-       "without one, as the reports say"},
+       "share of all frames of the path with a right fix, frames with a wrong fix, and most frames "
+       "in a row without a right fix, as the reports say"},
+      {"oracle",
+       "fixes of a report with an oracle threshold are best matches up to a threshold that was "
+       "chosen from the ground truth"},
+      {"confidence", "what AP, R@100P, max F1 and curves accept best matches by"},
       {"disputed", "query frames left out, of which only some ground truths have a match"},
       {"metrics", "of best matches; those of queries without a match are incorrect where accepted"},
       {"interval",

@@ -37,6 +37,8 @@ struct PaperColumn {
   std::string key;  ///< of a metric, or of the path
   bool is_low_good = false;
   int digits = 4;
+  bool is_of_path = false;  ///< of fixes
+  bool has_best = true;
 };
 
 std::vector<PaperColumn> paper_columns() {
@@ -45,8 +47,9 @@ std::vector<PaperColumn> paper_columns() {
   for (const char* key : {"average_precision", "recall_at_100_precision", "max_f1"})
     columns.push_back(
         {std::string(std::ranges::find(curve_metrics(), key, &CurveMetric::key)->column), key});
-  columns.push_back({"share", "share"});
-  columns.push_back({"longest gap", "longest_gap_frames", true, 0});
+  columns.push_back({"share", "share", false, 4, true});
+  columns.push_back({"wrong", "wrong", true, 0, true, false});  // none are wrong of none
+  columns.push_back({"longest gap", "longest_gap_frames", true, 0, true});
   return columns;
 }
 
@@ -78,6 +81,7 @@ std::string note_of(const Json& comparison, const Json& report) {
   if (!report["paired"].get<bool>())
     notes.push_back(fmt::format("not paired, over {} of its own",
                                 counted(report["queries"].get<uint64_t>(), "query", "queries")));
+  if (report["oracle"].get<bool>()) notes.emplace_back("threshold from the ground truth");
   if (comparison["ground_truths"] != "same")
     notes.push_back(report["ground_truth"].get<std::string>());
   return fmt::format("{}", fmt::join(notes, "; "));
@@ -98,9 +102,12 @@ std::string common_queries(const Json& comparison) {
 
 Table paper_table(const Json& comparison) {
   Table table;
-  table.title = fmt::format("{}: over {}; share and longest gap (frames) over the whole path",
-                            comparison["query"].get<std::string>(), common_queries(comparison));
+  table.title =
+      fmt::format("{}: over {}; share, wrong and longest gap (frames) over the whole path",
+                  comparison["query"].get<std::string>(), common_queries(comparison));
   const Json& reports = comparison["reports"];
+  const bool all_oracle =
+      std::ranges::all_of(reports, [](const Json& report) { return report["oracle"].get<bool>(); });
   table.columns = {"method"};
   for (const Json& report : reports) table.rows.push_back({report["name"].get<std::string>()});
   for (const PaperColumn& column : paper_columns()) {
@@ -111,9 +118,12 @@ Table paper_table(const Json& comparison) {
       table.rows[values.size() - 1].push_back(
           value.is_null() ? "-" : fmt::format("{:.{}f}", value.get<double>(), column.digits));
     }
+    // Neither an easier walk nor the ground truth's own threshold makes a better method.
     for (size_t m = 0; m < reports.size(); ++m)
-      if (!reports[m]["paired"].get<bool>()) values[m] = {};  // an easier walk is no better method
-    mark_best(table, table.columns.size(), values, column.is_low_good);
+      if (!reports[m]["paired"].get<bool>() ||
+          (column.is_of_path && reports[m]["oracle"] != all_oracle))
+        values[m] = {};
+    if (column.has_best) mark_best(table, table.columns.size(), values, column.is_low_good);
     table.columns.push_back(column.name);
   }
   bool has_notes = false;

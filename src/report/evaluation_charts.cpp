@@ -89,7 +89,7 @@ Chart curve_chart(const Json& report, const Judgement& judgement) {
   chart.x.range = chart.y.range = {0, 1};
   if (judgement.all_pairs)
     chart.series.push_back(curve_series(Meaning::all_pairs, judgement.all_pairs->curve));
-  const bool by_score = judgement.confidence == Confidence::score;
+  const bool by_score = judgement.outcomes.confidence == Confidence::score;
   chart.series.push_back(
       curve_series(by_score ? Meaning::best_matches : Meaning::by_margin, judgement.single_best));
   if (judgement.other_best)
@@ -103,8 +103,8 @@ Chart risk_chart(const Json& report, const Judgement& judgement) {
   Chart chart{"risk-coverage", evaluation_title(report), {"coverage: best matches accepted"}};
   chart.y.label = "risk: share of mistakes among them";
   chart.x.range = chart.y.range = {0, 1};
-  Meaning meaning =
-      judgement.confidence == Confidence::score ? Meaning::best_matches : Meaning::by_margin;
+  Meaning meaning = judgement.outcomes.confidence == Confidence::score ? Meaning::best_matches
+                                                                       : Meaning::by_margin;
   for (const Curve* curve :
        {&judgement.single_best, judgement.other_best ? &*judgement.other_best : nullptr}) {
     if (curve == nullptr || curve->to_find == 0) continue;

@@ -5,6 +5,8 @@
 #include "base/counted.h"
 #include "base/json.h"
 #include "ground_truth/fingerprint.h"
+#include "matching/methods.h"
+#include "report/json_fields.h"
 #include "report/metrics_report.h"
 #include "report/scores_report.h"
 
@@ -38,9 +40,11 @@ Json recognitions_json(const Result& result, const std::vector<JudgedCluster>& j
   return json;
 }
 
-void add_window_protocol(Json& protocol, std::string_view measure) {
+void add_window_protocol(Json& protocol, const SequenceQuerySettings& settings) {
+  const std::string_view measure =
+      has_paths(settings.method) ? "path score" : score_kind(settings.score).measure;
   protocol["anchor"] = "a window is judged at its last frame";
-  protocol["hits"] = fmt::format("window pairs with a {} below the threshold", measure);
+  protocol["hits"] = fmt::format(fmt::runtime(decision_kind(settings.decision).hits), measure);
   protocol["places"] = "clusters of hits, judged at their mean";
   protocol["mixed_places"] = "correct places of whose hits some are incorrect";
   protocol["distinct"] = "correct places";
@@ -82,8 +86,7 @@ Json counts_by_view_json(const CountsByView& counts) {
                {"train_views", counts.train_views},
                {"hits", view_counts_json(counts.hits)},
                {"best_match", view_counts_json(counts.best_match)}};
-  const auto rate = counts.best_match_rate();
-  json["best_match"]["rate"] = rate ? Json(*rate) : Json();
+  json["best_match"]["rate"] = or_null(counts.best_match_rate());
   return json;
 }
 
@@ -130,13 +133,10 @@ Json counts_json(const Counts& counts) {
 }
 
 Json best_match_json(const BestMatchCounts& counts) {
-  return {{"queries", counts.queries},
-          {"correct", counts.correct},
-          {"ignored", counts.ignored},
-          {"without_match", counts.without_match},
-          {"unreachable", counts.unreachable},
-          {"unreadable", counts.unreadable},
-          {"rate", counts.rate() ? Json(*counts.rate()) : Json()}};
+  return {{"queries", counts.queries},         {"correct", counts.correct},
+          {"ignored", counts.ignored},         {"without_match", counts.without_match},
+          {"unreachable", counts.unreachable}, {"unreadable", counts.unreadable},
+          {"rate", or_null(counts.rate())}};
 }
 
 Json protocol_json(const GroundTruth& truth) {
@@ -165,7 +165,7 @@ Json result_report_json(const Evaluation& evaluation, const RunInfo& run, const 
   if (result.places)
     add_place_protocol(json["protocol"]);
   else
-    add_window_protocol(json["protocol"], result.score().measure);
+    add_window_protocol(json["protocol"], std::get<SequenceQuerySettings>(result.settings));
   if (result.path) json["protocol"]["places"] = "confirmed tracks, judged at their middle frame";
   if (by_view) json["protocol"]["by_view"] = kViewProtocol;
   add_metrics_protocol(json["protocol"], judgement, true);

@@ -52,7 +52,9 @@ std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const Ground
     for (size_t q = 0; q < queries.size(); ++q)
       if (queries[q].verdict == verdict && queries[q].best) order.push_back(q);
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-      return is_best_first ? queries[a].key < queries[b].key : queries[a].key > queries[b].key;
+      const uint64_t first = confidence_key(queries[a], judgement.outcomes.confidence);
+      const uint64_t second = confidence_key(queries[b], judgement.outcomes.confidence);
+      return is_best_first ? first < second : first > second;
     });
     const size_t begin = items.size();
     for (const size_t q : order) {

@@ -21,7 +21,7 @@ struct GalleryItem {
   std::optional<FrameMatch> truth;  ///< where it should have been, if that is known
 };
 
-/// The worst mistakes (incorrect best matches with the best scores), the best hits and the weakest
+/// The worst mistakes (the most confident incorrect best matches), the best hits and the weakest
 /// correct best matches: at most `most` of each, in this order; where the ground truth is not
 /// known, the best and the weakest of all best matches. Of queries less than a window (or
 /// five frames) apart the first by score is taken; ties go to the earlier query. A query stands for

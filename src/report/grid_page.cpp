@@ -17,24 +17,56 @@ namespace {
 
 using Value = std::optional<double>;
 
-/// A number of a report, found by its way through the JSON.
+/// A number per report: a share of frames, of all methods over the same frames.
 struct GridMetric {
   std::string_view key;
   std::string_view title;
-  std::string_view pointer;
+  std::string_view pointer;  ///< a count, or a share of the report's own queries
+  bool is_count = false;
+  bool is_of_path = false;  ///< of all frames; otherwise of those with a match
+  bool has_best = true;
 };
 
-constexpr std::array<GridMetric, 4> kMetrics = {
-    {{"recall_at_1", "R@1: share of queries with a right best match", "/metrics/recall_at/1"},
+constexpr std::array<GridMetric, 5> kMetrics = {
+    {{"recall_at_1", "R@1: frames with a right best match", "/best_match/correct", true},
      {"average_precision", "AP of best matches", "/metrics/single_best/average_precision"},
      {"recall_at_100_precision", "R@100P of best matches",
       "/metrics/single_best/recall_at_100_precision"},
-     {"share", "Share of the path with a right fix", "/localisation/share"}}};
+     {"share", "Share of the path with a right fix", "/localisation/right", true, true},
+     {"wrong", "Share of the path with a wrong fix", "/localisation/wrong", true, true, false}}};
+
+double number_at(const Json& report, std::string_view pointer) {
+  return report.value(Json::json_pointer(std::string(pointer)), 0.0);
+}
+
+/// Frames that a report's shares are of: all, or those with a match. Without a window, a frame is
+/// not right; one whose best match is to be ignored is left out.
+double frames_of(const Json& report, const GridMetric& metric) {
+  if (metric.is_of_path) return number_at(report, "/localisation/frames");
+  return number_at(report, "/localisation/frames_with_match") -
+         number_at(report, "/best_match/ignored");
+}
 
 Value value_of(const Json& report, const GridMetric& metric) {
   const Json::json_pointer pointer{std::string(metric.pointer)};
-  if (!report.contains(pointer) || !report[pointer].is_number()) return std::nullopt;
-  return report[pointer].get<double>();
+  const double frames = frames_of(report, metric);
+  if (!report.contains(pointer) || !report[pointer].is_number() || frames <= 0) return {};
+  const double own = metric.is_count ? 1 : number_at(report, "/metrics/single_best/to_find");
+  return report[pointer].get<double>() * own / frames;
+}
+
+bool is_oracle(const Json& report) { return report.contains("oracle"); }
+
+/// "0.9950 (199 of 200)".
+std::string cell_text(const Json& report, const GridMetric& metric) {
+  const Value value = value_of(report, metric);
+  if (!value) return "-";
+  std::string text = fmt::format("{:.4f}", *value);
+  if (metric.is_count)
+    text += fmt::format(" ({:.0f} of {:.0f}{})", number_at(report, metric.pointer),
+                        frames_of(report, metric),
+                        metric.is_of_path && is_oracle(report) ? ", oracle" : "");
+  return text;
 }
 
 /// Texts in the order in which they first occur.
@@ -46,11 +78,13 @@ std::vector<std::string> distinct(std::span<const GridReport> reports,
   return found;
 }
 
-Value cell_of(std::span<const GridReport> reports, const std::string& method,
-              const std::string& query, const GridMetric& metric) {
-  for (const GridReport& report : reports)
-    if (report.method == method && report.query == query) return value_of(report.report, metric);
-  return std::nullopt;
+/// None where the method was not run on the query.
+const Json* report_of(std::span<const GridReport> reports, const std::string& method,
+                      const std::string& query) {
+  const auto found = std::ranges::find_if(reports, [&](const GridReport& report) {
+    return report.method == method && report.query == query;
+  });
+  return found == reports.end() ? nullptr : &found->report;
 }
 
 // Of a method that has them all.
@@ -75,7 +109,14 @@ void mark_best(Table& table, const std::vector<std::vector<Value>>& rows) {
 
 Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) {
   Table table;
-  table.title = fmt::format("{} (over the queries that each report judges)", metric.title);
+  const bool all_oracle = std::ranges::all_of(
+      reports, [](const GridReport& report) { return is_oracle(report.report); });
+  const bool any_oracle = std::ranges::any_of(
+      reports, [](const GridReport& report) { return is_oracle(report.report); });
+  table.title = fmt::format(
+      "{} (over all frames of the query{}{})", metric.title,
+      metric.is_of_path ? "" : " that have a match",
+      metric.is_of_path && any_oracle ? "; oracle: threshold chosen from the ground truth" : "");
   const std::vector<std::string> queries = distinct(reports, &GridReport::query);
   table.columns = {"method"};
   table.columns.insert(table.columns.end(), queries.begin(), queries.end());
@@ -83,13 +124,23 @@ Table grid_table(std::span<const GridReport> reports, const GridMetric& metric) 
   std::vector<std::vector<Value>> rows;
   for (const std::string& method : distinct(reports, &GridReport::method)) {
     auto& values = rows.emplace_back();
-    for (const std::string& query : queries)
-      values.push_back(cell_of(reports, method, query, metric));
-    if (queries.size() > 1) values.push_back(mean_of(values));
     auto& cells = table.rows.emplace_back(std::vector{method});
-    for (const Value& value : values) cells.push_back(value ? fmt::format("{:.4f}", *value) : "-");
+    bool may_be_best = true;
+    for (const std::string& query : queries) {
+      const Json* report = report_of(reports, method, query);
+      values.push_back(report != nullptr ? value_of(*report, metric) : std::nullopt);
+      cells.push_back(report != nullptr ? cell_text(*report, metric) : "-");
+      // The ground truth's own threshold makes no better method.
+      if (report != nullptr && metric.is_of_path && is_oracle(*report) && !all_oracle)
+        may_be_best = false;
+    }
+    if (queries.size() > 1) {
+      values.push_back(mean_of(values));
+      cells.push_back(values.back() ? fmt::format("{:.4f}", *values.back()) : "-");
+    }
+    if (!may_be_best) values.assign(values.size(), std::nullopt);
   }
-  mark_best(table, rows);
+  if (metric.has_best) mark_best(table, rows);
   return table;
 }
 
@@ -114,11 +165,11 @@ std::string sentence_of(std::span<const GridReport> reports) {
   std::vector<std::string> best;
   for (const auto& [row, column] : table.best)
     if (column + 1 == table.columns.size())
-      best.push_back(fmt::format("{} ({}{})", table.rows[row][0],
+      best.push_back(fmt::format("{}, {}{}", table.rows[row][0],
                                  queries > 1 ? "a mean R@1 of " : "R@1 ", table.rows[row][column]));
   return fmt::format(
       "{} on {}{}.", counted(methods, "method"), counted(queries, "query", "queries"),
-      best.empty() ? "" : fmt::format("; the most best matches right: {}", fmt::join(best, ", ")));
+      best.empty() ? "" : fmt::format("; the most best matches right: {}", fmt::join(best, "; ")));
 }
 
 }  // namespace
@@ -144,12 +195,14 @@ std::vector<Table> grid_tables(std::span<const GridReport> reports) {
 }
 
 Table grid_rows(std::span<const GridReport> reports) {
-  Table table{"", {"method", "query", "metric", "value"}, {}};
+  Table table{"", {"method", "query", "metric", "value", "frames", "oracle"}, {}};
   for (const GridReport& report : reports)
     for (const GridMetric& metric : kMetrics) {
       const Value value = value_of(report.report, metric);
       table.rows.push_back({report.method, report.query, std::string(metric.key),
-                            value ? fmt::format("{}", *value) : ""});
+                            value ? fmt::format("{}", *value) : "",
+                            fmt::format("{}", frames_of(report.report, metric)),
+                            metric.is_of_path && is_oracle(report.report) ? "yes" : "no"});
     }
   return table;
 }

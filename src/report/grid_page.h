@@ -23,9 +23,11 @@ struct GridReport {
 /// length and score.
 std::string grid_name(const Json& report);
 
-/// For each of R@1, AP, R@100P and the share of the path with a right fix, a table with methods as
-/// rows and queries as columns, the best of each query in bold, and the mean over the queries that
-/// a method has all of. Numbers are over the queries that each report judges.
+/// For each of R@1, AP, R@100P and the shares of the path with a right and a wrong fix, a table
+/// with methods as rows and queries as columns, the best of each query in bold, and the mean over
+/// the queries that a method has all of. Numbers are over all frames of the query that have a match
+/// (of the path: over all frames), so that a method gains nothing by frames without a window. A
+/// share by a threshold from the ground truth is marked, and is the best of its like only.
 std::vector<Table> grid_tables(std::span<const GridReport> reports);
 
 /// The same as rows of a method, a query, a metric and its value in full, for data frames.

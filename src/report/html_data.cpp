@@ -9,6 +9,7 @@
 #include "report/evaluation_charts.h"
 #include "report/evaluation_report.h"
 #include "report/frame_axis.h"
+#include "report/json_fields.h"
 #include "report/metrics_report.h"
 
 namespace vpr {
@@ -59,6 +60,18 @@ Json curve_points(const Curve& curve) {
   return points;
 }
 
+// The margin that decided; null where none did, or each sequence has its own.
+Json asked_margin(const Outcomes& outcomes) {
+  std::optional<double> asked;
+  if (outcomes.confidence == Confidence::score) return {};
+  for (const QueryOutcome& query : outcomes.queries) {
+    if (!query.asked_margin) continue;
+    if (asked && *asked != *query.asked_margin) return {};
+    asked = query.asked_margin;
+  }
+  return or_null(asked);
+}
+
 Json steps_json(const Json& report, const Judgement& judgement) {
   Json steps = Json::array();
   for (const ThresholdStep& step : threshold_steps(report, judgement, kMostPoints))
@@ -99,6 +112,8 @@ Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
   data["to_find"] = judgement.single_best.to_find;
   data["curve"] = curve_points(judgement.single_best);
   data["steps"] = steps_json(report, judgement);
+  data["order"] = enum_name(confidence_order(judgement.outcomes));
+  data["asked"] = asked_margin(judgement.outcomes);
   return data;
 }
 

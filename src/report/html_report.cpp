@@ -32,6 +32,10 @@ constexpr std::string_view kDisagreements =
     "<button type=\"button\" id=\"next-disagreement\">next disagreement (n)</button>\n"
     "<button type=\"button\" id=\"save-disagreements\">save disagreements.csv</button>";
 
+bool by_margin(const Judgement& judgement) {
+  return judgement.outcomes.confidence == Confidence::margin;
+}
+
 /// Charts side by side, with their legends.
 std::string curves_html(const PageCharts& charts) {
   const auto figure = [](const Chart& chart, const std::string& title) {
@@ -53,10 +57,9 @@ std::string risk_areas(const Judgement& judgement) {
   };
   const std::string single = area(judgement.single_best);
   if (!judgement.other_best) return single;
-  const bool by_score = judgement.confidence == Confidence::score;
   const std::string other = area(*judgement.other_best);
-  return fmt::format("{} by score, {} by margin", by_score ? single : other,
-                     by_score ? other : single);
+  return fmt::format("{} by score, {} by margin", by_margin(judgement) ? other : single,
+                     by_margin(judgement) ? single : other);
 }
 
 PageCharts page_charts(const Json& report, const Judgement& judgement, const GroundTruth& truth,
@@ -68,7 +71,8 @@ PageCharts page_charts(const Json& report, const Judgement& judgement, const Gro
                    reference_word(report), score_words(report))};
   charts.curve.title = "Precision and recall";
   charts.risk.title = "Risk and coverage: area " + risk_areas(judgement);
-  charts.thresholds.title = "What a threshold recognises";
+  charts.thresholds.title =
+      by_margin(judgement) ? "What a margin recognizes" : "What a threshold recognizes";
   for (Chart* chart : {&charts.curve, &charts.risk, &charts.thresholds}) {
     chart->width = 650;
     chart->height = 450;
@@ -133,6 +137,7 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
        {"protocol", list_html(protocol)},
        {"provenance", list_html(made)},
        {"curves", curves_html(charts)},
+       {"threshold", by_margin(judgement) ? "Margin" : "Threshold"},
        {"timeline_legend", legend_html(meanings_of(charts.timeline))},
        {"timeline", page_svg(charts.timeline)},
        {"margins", margins_html(report, judgement)},

@@ -84,4 +84,7 @@ inline std::vector<size_t> read_frame_list(const Fields& fields, const std::stri
   return frames;
 }
 
+/// The value of an optional, or null.
+Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
+
 }  // namespace vpr

@@ -9,13 +9,12 @@
 #include "evaluation/metrics.h"
 #include "evaluation/precision_at.h"
 #include "evaluation/recall_at.h"
+#include "report/json_fields.h"
 
 namespace vpr {
 namespace {
 
 constexpr size_t kMostPoints = 100;  // of a curve in a report
-
-Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
 
 // JSON has no infinity.
 Json threshold_json(std::optional<double> threshold) {
@@ -41,7 +40,7 @@ Json metrics_json(const Judgement& judgement) {
   if (judgement.outcomes.has_ranks)
     json["single_best"]["tied_queries"] = tied_queries(judgement.outcomes);
   if (judgement.other_best)
-    json[other_key(judgement.confidence)] = curve_metrics_json(*judgement.other_best);
+    json[other_key(judgement.outcomes.confidence)] = curve_metrics_json(*judgement.other_best);
   if (judgement.all_pairs) {
     json["all_pairs"] = curve_metrics_json(judgement.all_pairs->curve);
     json["all_pairs"]["same_without_score"] = judgement.all_pairs->same_without_score;
@@ -62,8 +61,10 @@ Json metrics_json(const Judgement& judgement) {
   return json;
 }
 
-Json localisation_json(const Localisation& found) {
+Json localisation_json(const Judgement& judgement) {
+  const Localisation& found = judgement.localisation;
   return {{"frames", found.frames},
+          {"frames_with_match", judgement.frames_with_match},
           {"right", found.right},
           {"wrong", found.wrong},
           {"share", or_null(found.share())},
@@ -147,12 +148,13 @@ Json curve_json(const Curve& curve) {
 
 void add_judgement(Json& report, const Judgement& judgement) {
   report["metrics"] = metrics_json(judgement);
-  report["localisation"] = localisation_json(judgement.localisation);
-  if (judgement.confidence != Confidence::score)
-    report["confidence"] = enum_name(judgement.confidence);
+  report["localisation"] = localisation_json(judgement);
+  if (judgement.outcomes.confidence != Confidence::score)
+    report["confidence"] = enum_name(judgement.outcomes.confidence);
+  if (judgement.is_oracle) report["oracle"] = true;
   report["curves"] = {{"single_best", curve_json(judgement.single_best)}};
   if (judgement.other_best)
-    report["curves"][other_key(judgement.confidence)] = curve_json(*judgement.other_best);
+    report["curves"][other_key(judgement.outcomes.confidence)] = curve_json(*judgement.other_best);
   if (judgement.all_pairs) report["curves"]["all_pairs"] = curve_json(judgement.all_pairs->curve);
   report["outcomes"] = outcomes_json(judgement.outcomes);
   std::string fixes;
@@ -162,12 +164,14 @@ void add_judgement(Json& report, const Judgement& judgement) {
 
 void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_result) {
   const bool has_ranks = judgement.outcomes.has_ranks;
-  protocol["single_best"] =
-      std::string(
-          "a threshold accepts best matches that score at least as good; recall is over "
-          "queries with a match; the best match of a query without one is incorrect; ") +
-      (has_ranks ? "references labelled ignore are passed over"
-                 : "a query whose best match is labelled ignore is left out");
+  protocol["single_best"] = fmt::format(
+      "a {}; recall is over queries with a match; the best match of a query without one is "
+      "incorrect; {}",
+      judgement.outcomes.confidence == Confidence::margin
+          ? "margin accepts best matches that have at least this margin"
+          : "threshold accepts best matches that score at least as good",
+      has_ranks ? "references labelled ignore are passed over"
+                : "a query whose best match is labelled ignore is left out");
   if (judgement.outcomes.has_margins)
     protocol["margin"] =
         "how much better the best match is than the best one elsewhere, in score a frame; a best "
@@ -189,9 +193,10 @@ void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_re
       is_result ? "a frame's fix is its closest recognition"
                 : fmt::format(
                       "a frame's fix is its best match where it scores at least as good as "
-                      "{}",
+                      "{}{}",
                       judgement.threshold ? fmt::format("{:.6g}", *judgement.threshold)
-                                          : "any correct one before the first mistake");
+                                          : "any correct one before the first mistake",
+                      judgement.is_oracle ? ", a threshold chosen from the ground truth" : "");
 }
 
 }  // namespace vpr

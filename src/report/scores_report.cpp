@@ -5,19 +5,19 @@
 #include "base/json.h"
 #include "ground_truth/fingerprint.h"
 #include "report/evaluation_report.h"
+#include "report/json_fields.h"
 #include "report/metrics_report.h"
 
 namespace vpr {
 namespace {
 
 Json settings_json(const ScoreSettings& settings) {
-  const auto number = [](std::optional<double> value) { return value ? Json(*value) : Json(); };
   return {{"method", settings.method},
           {"scores", enum_name(settings.format.kind)},
           {"references_first", settings.format.references_first},
-          {"missing", number(settings.format.missing)},
+          {"missing", or_null(settings.format.missing)},
           {"window", settings.window_length},
-          {"threshold", number(settings.threshold)}};
+          {"threshold", or_null(settings.threshold)}};
 }
 
 // One row: the matrix and its best matches.

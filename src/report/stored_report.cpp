@@ -65,7 +65,13 @@ Outcomes read_outcomes(const Fields& fields) {
   outcomes.has_ranks = part.has("ranks");
   const std::string ranks_text = outcomes.has_ranks ? part.text("ranks") : "";
   const auto ranks = split_words(ranks_text);
-  if (scores.size() != letters.size() || (outcomes.has_ranks && ranks.size() != letters.size()))
+  outcomes.has_margins = part.has("margins");
+  const std::string margins_text = outcomes.has_margins ? part.text("margins") : "";
+  const auto margins = split_words(margins_text);
+  if (fields.has("confidence")) outcomes.confidence = Confidence::margin;
+  if (scores.size() != letters.size() || (outcomes.has_ranks && ranks.size() != letters.size()) ||
+      (outcomes.has_margins && margins.size() != letters.size()) ||
+      (outcomes.confidence == Confidence::margin && !outcomes.has_margins))
     fields.fail("its outcomes do not fit each other");
   for (size_t q = 0; q < letters.size(); ++q) {
     QueryOutcome& query = outcomes.queries.emplace_back();
@@ -79,6 +85,10 @@ Outcomes read_outcomes(const Fields& fields) {
     if (outcomes.has_ranks && ranks[q] != "-") {
       query.rank = number<size_t>(ranks[q]);
       if (!query.rank) fields.fail("a rank is no number");
+    }
+    if (outcomes.has_margins && margins[q] != "-") {
+      query.margin = number<double>(margins[q]);
+      if (!query.margin) fields.fail("a margin is not a number");
     }
   }
   outcomes.query_frames = first + letters.size();
@@ -114,6 +124,8 @@ void read_path(StoredReport& report, const Fields& fields) {
   if (!fields.has("localisation")) return;
   const Fields path = fields.object("localisation");
   if (path.has("share") && path["share"].is_number()) report.share = path["share"].get<double>();
+  if (path.has("wrong")) report.wrong = path.count("wrong", kMostFrames);
+  report.is_oracle = fields.has("oracle");
   if (path.has("longest_gap_frames"))
     report.longest_gap = path.count("longest_gap_frames", kMostFrames);
   const Fields outcomes = fields.object("outcomes");
@@ -127,7 +139,14 @@ void read_path(StoredReport& report, const Fields& fields) {
 }  // namespace
 
 StoredReport read_report(const std::filesystem::path& path) {
-  return stored_report(read_json(path, ErrorKind::data), path.string());
+  const Json json = read_json(path, ErrorKind::data);
+  if (json.is_object() && json.value("schema", Json()).is_string() &&
+      json["schema"].get<std::string>().starts_with("vpr.result/"))
+    throw Error(ErrorKind::usage,
+                fmt::format("{0}: is a result, and reports are compared. Make one first: vpr-eval "
+                            "{0} --ground-truth ... -o report.json",
+                            path.string()));
+  return stored_report(json, path.string());
 }
 
 StoredReport stored_report(const Json& json, const std::string& where) {

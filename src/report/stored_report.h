@@ -26,12 +26,14 @@ struct StoredReport {
   std::optional<std::string> name;      ///< that the user gave
   Outcomes outcomes;                    ///< without the references of best matches
   std::optional<double> share;          ///< of all frames of the path, those with a right fix
-  std::optional<uint64_t> longest_gap;  ///< frames in a row without one
+  std::optional<uint64_t> wrong;        ///< frames with a wrong fix
+  std::optional<uint64_t> longest_gap;  ///< frames in a row without a right one
+  bool is_oracle = false;               ///< fixes are by a threshold from the ground truth
   std::string fixes;                    ///< a letter a frame; reports of older versions have none
 };
 
-/// Reads a report for comparison. Throws Error(input) if the file can't be read, Error(data) if it
-/// is no report, or damaged.
+/// Reads a report for comparison. Throws Error(input) if the file can't be read, Error(usage) for a
+/// result, Error(data) if it is something else, or damaged.
 StoredReport read_report(const std::filesystem::path& path);
 /// The same of a report that was read; `where` is what messages call it.
 StoredReport stored_report(const Json& json, const std::string& where);

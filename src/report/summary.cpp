@@ -32,16 +32,40 @@ std::string first_of(const Judgement& judgement, bool is_judged,
                      time_of(frame, frames_per_second));
 }
 
+// "12 before the first mistake, at a threshold chosen from the ground truth"; empty where there is
+// no mistake, or all best matches score the same.
+std::string oracle_words(const Judgement& judgement) {
+  const auto& points = judgement.single_best.points;
+  if (points.size() < 2 || points.back().incorrect == 0) return "";
+  const size_t right = count_of(judgement, Fix::right);
+  return fmt::format("; {} before the first mistake, at a threshold chosen from the ground truth",
+                     right == 0 ? "none" : std::to_string(right));
+}
+
+// Of scores: "Best match right in 106 of 200 frames (53.0 %)".
+std::string best_match_words(const Judgement& judgement) {
+  const BestMatchCounts counts = best_match_counts(judgement.outcomes);
+  const std::string unit = judgement.layout.window_length > 1 ? "window" : "frame";
+  if (!counts.rate()) return fmt::format("No {} has a match in the ground truth", unit);
+  const bool all_match = counts.without_match + counts.unreachable == 0;
+  const std::string more = all_match ? "" : " with a match";
+  return fmt::format("Best match right in {} of {} ({:.1f} %)", counts.correct,
+                     counted(counts.queries - counts.ignored, unit + more, unit + "s" + more),
+                     100 * *counts.rate());
+}
+
 }  // namespace
 
 std::string summary_sentence(const Judgement& judgement, bool is_judged,
                              std::optional<double> frames_per_second) {
+  if (judgement.is_oracle) return best_match_words(judgement) + oracle_words(judgement) + ".";
   const size_t right = count_of(judgement, Fix::right);
   const size_t wrong = count_of(judgement, Fix::wrong);
   const size_t unjudged = count_of(judgement, Fix::unjudged);
   const size_t all = right + wrong + unjudged;
   const auto some = [](size_t count) { return count == 0 ? "none" : std::to_string(count); };
-  std::string text =
+  std::string text = judgement.threshold ? best_match_words(judgement) + ". " : "";
+  text +=
       fmt::format("Recognised in {} of {}", some(all), counted(judgement.fixes.size(), "frame"));
   if (all > 0 && is_judged) {
     text += fmt::format(", {} of them wrong", some(wrong));

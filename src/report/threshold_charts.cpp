@@ -20,7 +20,7 @@ struct ScoreAxis {
 
 /// Scores as thresholds are given: t_r as a mean frame distance or as mean z, t_p, or as they are.
 ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
-  if (judgement.confidence == Confidence::margin) return {"the margin, from the largest on", 1};
+  if (judgement.outcomes.confidence == Confidence::margin) return {"the margin per frame", 1};
   const auto length = static_cast<double>(judgement.layout.window_length);
   if (!report.contains("counts")) return {score_words(report), 1};
   if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
@@ -42,10 +42,10 @@ struct RankedMatch {
 
 std::vector<RankedMatch> strictest_first(const Judgement& judgement) {
   const Outcomes& outcomes = judgement.outcomes;
-  const ScoreOrder kind = confidence_order(outcomes, judgement.confidence);
+  const ScoreOrder kind = confidence_order(outcomes);
   std::vector<RankedMatch> order;
   for (const QueryOutcome& query : outcomes.queries) {
-    const double value = score_of_key(confidence_key(query, judgement.confidence), kind);
+    const double value = score_of_key(confidence_key(query, judgement.outcomes.confidence), kind);
     if (query.best && std::isfinite(value)) order.push_back({value, &query});
   }
   std::stable_sort(order.begin(), order.end(), [&](const RankedMatch& a, const RankedMatch& b) {
@@ -58,7 +58,10 @@ std::vector<RankedMatch> strictest_first(const Judgement& judgement) {
 
 Chart threshold_chart(const Json& report, const Judgement& judgement) {
   const ScoreAxis axis = score_axis(report, judgement);
-  Chart chart{"thresholds", evaluation_title(report), {"up to " + axis.label}};
+  const bool is_distance = confidence_order(judgement.outcomes) == ScoreOrder::distance;
+  Chart chart{"thresholds",
+              evaluation_title(report),
+              {is_distance ? "up to " + axis.label : axis.label + ", or more"}};
   chart.y.label = "best matches accepted";
   for (const Meaning meaning : kAccepted)
     chart.series.push_back(series_of(meaning, SeriesStyle::line));

@@ -54,7 +54,7 @@ TEST_CASE("the table of a paper has a row for each method, and the best in bold"
   CHECK(has(text, "ours & yours  0.8000*"));
   CHECK(has(text, "0.8889*"));
   CHECK(has(text, "theirs        0.4000 "));
-  CHECK(has(text, "share and longest gap (frames)"));
+  CHECK(has(text, "share, wrong and longest gap (frames)"));
   CHECK(has(table("latex"), "ours \\& yours & \\textbf{0.8000}"));
   CHECK(has(table("latex"), "\\label{tab:queries-over-10-common-queries"));
   CHECK(has(table("markdown"), "| theirs | 0.4000 |"));
@@ -73,7 +73,9 @@ TEST_CASE("curves and paths of all methods are on one page and in one plot") {
                    folder / "c.html", "--plot", folder / "plots"});
   REQUIRE(run.exit_code == 0);
   const std::string page = test::read_text(folder / "c.html");
-  CHECK(has(page, "Best matches are right in 80.0 % by &lt;good&gt;, 40.0 % by bad."));
+  CHECK(has(
+      page,
+      "Best matches of the 10 common queries are right in 80.0 % by &lt;good&gt;, 40.0 % by bad."));
   CHECK(has(page, "<b>0.8000</b>"));
   CHECK(has(page, "class=\"line series-1\""));
   CHECK(has(page, "<svg class=\"lanes\""));

@@ -73,6 +73,50 @@ TEST_CASE("similarities, and a threshold of one's own") {
                    "aligned"})["metrics"]["single_best"]["max_f1"]);
   CHECK(report["localisation"]["right"] == 5);
   CHECK(report["localisation"]["wrong"] == 1);
+  CHECK_FALSE(report.contains("oracle"));
+  const auto text = run_program("vpr-eval", {"--scores", turned, "--similarity", "--ground-truth",
+                                             "aligned", "--threshold", "-5"});
+  CHECK(text.out.rfind("Best match right in 9 of 12 frames (75.0 %). Recognised in 6 of 12 frames, "
+                       "1 of them wrong; the first right one at frame 0.\n",
+                       0) == 0);
+}
+
+TEST_CASE("an operating point from the ground truth is not compared as one that was chosen") {
+  const test::TemporaryFolder folder;
+  const std::string scores = write_scores(folder);
+  const auto report = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"--scores", scores, "--distance",
+                                      "--name",   name,   "--ground-truth",
+                                      "aligned",  "-o",   folder / (name + ".json"),
+                                      "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    REQUIRE(run_program("vpr-eval", words).exit_code == 0);
+    return std::string(folder / (name + ".json"));
+  };
+  // The fixed threshold has 7 of 12 right and the one at 4.5 wrong; the oracle's best is 4 of 12.
+  const std::string fixed = report("fixed", {"--threshold", "7"});
+  const std::string oracle = report("oracle", {});
+  const std::string late = report("late", {"--threshold", "2"});
+  const auto text = run_program("vpr-eval", {"compare", oracle, late, fixed}).out;
+  CHECK(text.find("threshold from the ground truth") != std::string::npos);
+  CHECK(text.find("0.5833*") != std::string::npos);
+  const std::string csv =
+      run_program("vpr-eval", {"compare", oracle, late, fixed, "--format", "csv"}).out;
+  CHECK(csv.find("queries,fixed,,same,wrong,1,") != std::string::npos);
+  // Beside a chosen threshold with less the oracle is not the best; beside another it may be.
+  const auto less = run_program("vpr-eval", {"compare", oracle, late, "--format", "markdown"}).out;
+  CHECK(less.find("| 0.3333 | 0 | 8 |") != std::string::npos);
+  const auto both = run_program("vpr-eval", {"compare", oracle, oracle, "--format", "markdown"});
+  CHECK(both.out.find("| **0.3333** | 0 | **8** |") != std::string::npos);
+}
+
+TEST_CASE("the headline of lists without a confidence is how many are right") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "pairs.txt", "0 0\n1 1\n2 5\n3 3\n");
+  const auto run =
+      run_program("vpr-eval", {"--predictions", folder / "pairs.txt", "--ground-truth", "aligned"});
+  INFO(run.err);
+  CHECK(run.out.rfind("Best match right in 3 of 4 frames (75.0 %).\n", 0) == 0);
 }
 
 TEST_CASE("positions give gaps in metres") {
@@ -166,10 +210,12 @@ TEST_CASE("pictures: a page with the frames of both sequences, and plots") {
                                  "precision-recall.svg", "recall-at.png", "recall-at.svg",
                                  "risk-coverage.png", "risk-coverage.svg", "timeline.png",
                                  "timeline.svg"});
-  CHECK(run.out.rfind("Recognised in 4 of 12 frames, none of them wrong; the first right one at "
-                      "frame 0.\n",
-                      0) == 0);
-  CHECK(page.find("Recognised in 4 of 12 frames") != std::string::npos);
+  CHECK(
+      run.out.rfind("Best match right in 9 of 12 frames (75.0 %); 4 before the first mistake, at a "
+                    "threshold chosen from the ground truth.\n",
+                    0) == 0);
+  CHECK(page.find("Best match right in 9 of 12 frames") != std::string::npos);
+  CHECK(page.find("Recognised in") == std::string::npos);
   CHECK(run_program("vpr-eval", words).exit_code == 2);  // the page exists
   auto other = words;
   other[8] = folder / "q/1.png";

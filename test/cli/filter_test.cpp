@@ -44,6 +44,10 @@ TEST_CASE("a walk is recognised by --method filter alone, at its pace and at twi
         run_program("vpr-eval", {path, "--ground-truth", world().truth("back"), "--json"}));
     CHECK(report["counts"]["hits"]["correct"] == json["totals"]["hits"]);
     CHECK(report["counts"]["hits"]["incorrect"] == 0);
+    CHECK(report["confidence"] == "margin");
+    CHECK(report["protocol"]["hits"] ==
+          "best matches with a path score better than the best one elsewhere by at least the "
+          "margin");
     // The last frame's rate: both walks have one pace.
     const NpyArray rows(folder / "r0.path.npy");
     const auto values = rows.values<double>(2);

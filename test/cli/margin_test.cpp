@@ -82,21 +82,30 @@ TEST_CASE("a query by margin recognises the revisit, and vpr-eval judges by eith
     REQUIRE(evaluated.exit_code == 0);
     return Json::parse(evaluated.out);
   };
-  const Json by_score = report({});
+  const Json by_score = report({"--confidence", "score"});
   CHECK(by_score["counts"]["hits"]["correct"] == 8);
   CHECK(by_score["counts"]["hits"]["incorrect"] == 0);
   CHECK(by_score["metrics"]["by_margin"]["recall_at_100_precision"] >= 0.8);
   CHECK_FALSE(by_score.contains("confidence"));
   const fs::path page = walks().folder / "page.html";
-  const Json by_margin = report({"--confidence", "margin", "--html", page, "--force"});
+  const Json by_margin = report({"--html", page, "--force"});  // as the result was decided
   CHECK(by_margin["confidence"] == "margin");
+  CHECK(by_margin["protocol"]["hits"] ==
+        "best matches with a distance better than the best one elsewhere by at least the margin");
   CHECK(by_margin["metrics"]["single_best"] == by_score["metrics"]["by_margin"]);
   CHECK(by_margin["metrics"]["by_score"]["average_precision"] ==
         by_score["metrics"]["single_best"]["average_precision"]);
-  CHECK(has(test::read_text(page), "margin asked for"));
+  CHECK(by_margin["protocol"]["single_best"].get<std::string>().rfind("a margin accepts", 0) == 0);
+  const std::string html = test::read_text(page);
+  CHECK(has(html, "margin asked for"));
+  CHECK(has(html, "What a margin recognizes"));
+  CHECK(has(html, "the margin per frame, or more"));
+  CHECK(has(html, "<label for=\"threshold\">Margin</label>"));
+  CHECK(has(html, "\"asked\":400.0"));
+  CHECK_FALSE(has(html, "below the threshold"));
   const auto table =
       run_program("vpr-eval", {result, "--ground-truth", walks().folder / "truth.csv"});
-  CHECK(has(table.out, "the same by margin"));
+  CHECK(has(table.out, "the same by score"));
 }
 
 TEST_CASE("margins that can't be, and settings that decide nothing, are refused with what to do") {

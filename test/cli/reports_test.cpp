@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/npy.h"
 #include "cli/world.h"
 #include "ground_truth/route.h"
 #include "support.h"
@@ -41,7 +42,7 @@ TEST_CASE("a baseline is made, met, missed and updated") {
   const test::TemporaryFolder out;
   const std::string result = query(out, "r");
   const std::string baseline = out / "baseline.json";
-  CHECK(evaluate(result, {"--expect", baseline}).exit_code == 3);
+  test::check_failure(evaluate(result, {"--expect", baseline}), 3, "With --update it is made");
   CHECK(evaluate(result, {"--update"}).exit_code == 2);
   CHECK(evaluate(result, {"--junit", out / "j.xml"}).exit_code == 2);
   REQUIRE(evaluate(result, {"--expect", baseline, "--update"}).exit_code == 0);
@@ -143,7 +144,7 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   const auto run = run_program("vpr-eval", page_words);
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
-  CHECK(has(run.out, "R@1: share of queries"));
+  CHECK(has(run.out, "R@1: frames with a right best match (over all"));
   CHECK(has(run.out, "\nmine "));  // a result that has its report is there once
   CHECK(has(run.out, "\nfastable, c_l 3"));
   const Json json = Json::parse(test::read_text(out / "all.json"));
@@ -155,8 +156,8 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   auto csv_words = words;
   csv_words.insert(csv_words.end(), {"--format", "csv"});
   const std::string csv = run_program("vpr-eval", csv_words).out;
-  CHECK(csv.rfind("method,query,metric,value\n", 0) == 0);
-  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 2 * 4);
+  CHECK(csv.rfind("method,query,metric,value,frames,oracle\n", 0) == 0);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 2 * 5);
   // Without a ground truth, reports alone.
   const auto alone = run_program("vpr-eval", {"report", out / "all"});
   CHECK(alone.exit_code == 0);
@@ -167,6 +168,73 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   const auto clash = run_program("vpr-eval", {"report", out / "all"});
   CHECK(clash.exit_code == 2);
   CHECK(has(clash.err, "are both of mine on"));
+}
+
+TEST_CASE("a method that answers few frames does not win by them") {
+  const test::TemporaryFolder out;
+  std::filesystem::create_directory(out / "all");
+  // Ten frames: windows of 6 end at 5 frames and are all right; frames alone are right in 9 of 10.
+  const auto report = [&](const std::string& name, size_t size, size_t mistakes,
+                          const std::string& window) {
+    std::vector<float> scores(size * size, 50);
+    for (size_t q = 0; q < size; ++q) scores[q * size + (q < mistakes ? size - 1 : q)] = float(q);
+    OutputFile file(out / (name + ".npy"), Existing::replace);
+    write_npy<float>(file, scores, {size, size});
+    file.commit();
+    REQUIRE(run_program("vpr-eval", {"--scores", out / (name + ".npy"), "--distance", "--window",
+                                     window, "--ground-truth", "aligned", "--name", name, "-o",
+                                     out / ("all/" + name + ".json"), "--quiet"})
+                .exit_code == 0);
+  };
+  report("frames", 10, 1, "1");
+  report("windows", 5, 0, "6");
+  const auto run =
+      run_program("vpr-eval", {"report", out / "all", "--html", out / "all.html", "--json"});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Json json = Json::parse(run.out);
+  CHECK(json["reports"][1]["report"]["metrics"]["recall_at"]["1"] == 1);
+  CHECK(json["reports"][1]["report"]["localisation"]["frames_with_match"] == 10);
+  const std::string text = run_program("vpr-eval", {"report", out / "all"}).out;
+  CHECK(has(text, "frames   0.9000 (9 of 10)*"));
+  CHECK(has(text, "windows  0.5000 (5 of 10)\n"));
+  CHECK(has(text, "over all frames of the query that have a match"));
+  CHECK(has(text, "0.5000 (5 of 10, oracle)"));
+  CHECK(has(test::read_text(out / "all.html"), "right: frames, R@1 0.9000 (9 of 10)."));
+}
+
+TEST_CASE("results of several window lengths are shown over the same frames") {
+  const test::TemporaryFolder out;
+  const auto run = run_program("vpr-eval", {query(out, "one"), query(out, "two", "9"), "--dataset",
+                                            world().dataset(), "--format", "csv"});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  std::vector<std::string> of_frames;
+  std::istringstream rows(run.out);
+  std::string line;
+  std::getline(rows, line);
+  std::vector<std::string> columns;
+  std::istringstream head(line);
+  for (std::string cell; std::getline(head, cell, ',');) columns.push_back(cell);
+  const auto at = std::find(columns.begin(), columns.end(), "of frames") - columns.begin();
+  while (std::getline(rows, line)) {
+    std::istringstream row(line);
+    std::string cell;
+    for (ptrdiff_t i = 0; i <= at; ++i) std::getline(row, cell, ',');
+    of_frames.push_back(cell);
+  }
+  REQUIRE(of_frames.size() == 2);
+  CHECK(of_frames[0] == of_frames[1]);
+}
+
+TEST_CASE("results where reports are wanted, and pages of several, are answered with what to do") {
+  const test::TemporaryFolder out;
+  const std::string result = query(out, "r");
+  test::check_failure(run_program("vpr-eval", {"compare", result, result}), 2,
+                      "Make one first: vpr-eval " + result);
+  test::check_failure(run_program("vpr-eval", {result, result, "--ground-truth", "aligned",
+                                               "--html", out / "p.html"}),
+                      2, "vpr-eval report FOLDER --html");
 }
 
 TEST_CASE("a folder's table replaces none of the reports and results it is made of") {

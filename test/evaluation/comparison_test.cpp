@@ -116,6 +116,21 @@ TEST_CASE("recall@K beyond 1 is known of methods with ranks, and compared where 
     CHECK(value.metric != "recall_at_5");
 }
 
+TEST_CASE("each method is compared by the confidence that it decided by") {
+  // By score the mistake comes first (R@100P 0), by margin last (2/3).
+  NamedOutcomes one = method("wcc");
+  one.outcomes.has_margins = true;
+  for (size_t q = 0; q < 3; ++q) one.outcomes.queries[q].margin = double(q);
+  CHECK(find(compare({one, one}), "recall_at_100_precision", 1).value == 0);
+  NamedOutcomes by_margin = one;
+  by_margin.outcomes.confidence = Confidence::margin;
+  const Comparison found = compare({one, by_margin});
+  CHECK(find(found, "recall_at_100_precision", 0).value == 0);
+  CHECK(*find(found, "recall_at_100_precision", 1).value == Approx(2 / 3.0));
+  by_margin.outcomes.queries[2].margin.reset();  // never accepted
+  CHECK(*find(compare({one, by_margin}), "recall_at_100_precision", 1).value == Approx(1 / 3.0));
+}
+
 TEST_CASE("another walk is measured over its own queries, without partners") {
   NamedOutcomes replay = method("ccwwwwwcn");  // twice as slow, and with a frame that has no match
   replay.is_paired = false;

@@ -104,13 +104,19 @@ TEST_CASE("a margin can be what best matches are accepted by, and one without it
   GroundTruth truth;
   for (uint32_t frame = 0; frame < 5; ++frame)
     truth.pairs.push_back({{0, frame, PlaceLabel::same}});
-  const Outcomes outcomes = outcomes_of(result, truth);
+  Outcomes outcomes = outcomes_of(result, truth);
   CHECK(outcomes.has_margins);
+  CHECK(outcomes.confidence == Confidence::score);
   CHECK(outcomes.queries[0].margin == 15);
   CHECK(outcomes.queries[0].asked_margin == 12);
   CHECK_FALSE(outcomes.queries[3].margin);
   CHECK(single_best_curve(outcomes).points.front().incorrect == 1);
-  const Curve curve = single_best_curve(outcomes, Confidence::margin);
+  settings.decision = Decision::margin;  // a result that was decided by margin is judged by it
+  result.settings = settings;
+  outcomes = outcomes_of(result, truth);
+  CHECK(outcomes.confidence == Confidence::margin);
+  CHECK(judge(result, truth, {}).single_best == single_best_curve(outcomes));
+  const Curve curve = single_best_curve(outcomes);
   CHECK(curve.kind == ScoreOrder::similarity);
   CHECK(curve.to_find == 4);
   REQUIRE(curve.points.size() == 3);

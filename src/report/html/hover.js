@@ -26,6 +26,7 @@
   const number = (value) => String(Number(value.toPrecision(6)));
   const counted = (right, wrong, unjudged) => data.judged
     ? `${right} right, ${wrong} wrong${unjudged ? `, ${unjudged} not judged` : ""}` : `${unjudged} not judged`;
+  const limit = (value) => data.order === "distance" ? `Up to ${number(value)}` : `From ${number(value)} on`;
   const texts = {
     timeline: (x, y) => {
       const i = Math.floor(x) - data.first_frame;
@@ -40,7 +41,7 @@
     },
     thresholds: (x) => {
       const step = nearest(data.steps, x, 0);
-      return step ? `up to ${number(step[0])}: ${counted(step[1], step[2], step[3])}` : "";
+      return step ? `${limit(step[0])}: ${counted(step[1], step[2], step[3])}` : "";
     },
     "precision-recall": (x) => {
       const point = nearest(data.curve, x, 0);
@@ -53,7 +54,8 @@
     svg?.addEventListener("pointerleave", () => show(null, ""));
   }
 
-  // The slider over thresholds, from the strictest on; it begins with the loosest without a mistake.
+  // The slider over thresholds, from the strictest on. It begins with the margin that decided, or
+  // with the loosest threshold without a mistake.
   if (!data.steps.length) return;
   const slider = byId("threshold");
   const pixel = ([from, to, begin, end], value) => begin + (value - from) / (to - from) * (end - begin);
@@ -66,7 +68,7 @@
     const precision = right + wrong ? right / (right + wrong) : 1;
     const recall = data.to_find ? right / data.to_find : 0;
     const rates = data.judged ? `; precision ${(100 * precision).toFixed(1)} %, recall ${(100 * recall).toFixed(1)} %` : "";
-    byId("accepted").textContent = `Up to ${number(threshold)}: ${counted(right, wrong, unjudged)}${rates}.`;
+    byId("accepted").textContent = `${limit(threshold)}: ${counted(right, wrong, unjudged)}${rates}.`;
     const [x, y] = [data.areas.thresholds.x, data.areas.thresholds.y];
     if (line) for (const [key, value] of [["x1", pixel(x, threshold)], ["x2", pixel(x, threshold)], ["y1", y[2]], ["y2", y[3]]]) line.setAttribute(key, value);
     const area = data.areas["precision-recall"];
@@ -74,7 +76,8 @@
   };
   slider.max = data.steps.length - 1;
   const clean = data.steps.filter((step) => step[2] === 0).length;
-  slider.value = data.judged && clean ? clean - 1 : data.steps.length - 1;
+  const asked = data.steps.filter((step) => step[0] >= data.asked).length;
+  slider.value = (data.asked !== null ? asked || 1 : data.judged && clean ? clean : data.steps.length) - 1;
   slider.addEventListener("input", accept);
   byId("cut").hidden = false;
   accept();
