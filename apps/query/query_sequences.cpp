@@ -126,7 +126,7 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   warn_of_automatic(settings, session.monitor);
   sides.query =
       replayed(describe_frames(open_sequence(sides.source.sequence.sequence), sides.database,
-                               settings.skip_unreadable, session.share, session.monitor),
+                               settings.skip_unreadable, session.monitor),
                inputs.warp, session.options.seed);
   if (session.share.is_first())
     warn_of_rates(sides.database, sides.query.frames.fps, settings, session.monitor);
@@ -134,6 +134,9 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   sides.context.query_fingerprint = query_fingerprint(sides.query);
   if (const FusedViews* fused = fused_views(sides.database))
     sides.context.fused_fingerprint = fused->fabmap.fingerprint;
+  check_same(session.share, "inputs or settings",
+             sides.context.database_fingerprint + sides.context.query_fingerprint +
+                 settings_in_force(settings).dump());
 }
 
 void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs) {
@@ -162,16 +165,14 @@ QueryResources resources_of(const Session& session, const QueryInputs& inputs) {
   return resources;
 }
 
-void check_sharing(const Session& session, const QueryInputs& inputs) {
+void check_sharing(const Session& session, const QueryInputs& inputs,
+                   const SequenceQuerySettings& settings) {
   if (session.share.is_alone()) return;
-  if (inputs.follow)
-    throw Error(ErrorKind::usage, "--follow is work for one process: leave mpirun out");
-  if (!inputs.matrix.empty())
-    throw Error(ErrorKind::usage, "--save-matrix is work for one process: leave mpirun out");
-  if (!inputs.scores.path.empty())
-    throw Error(ErrorKind::usage, "--scores is work for one process: leave mpirun out");
-  if (!inputs.fuse.empty())
-    throw Error(ErrorKind::usage, "--fuse is work for one process: leave mpirun out");
+  if (inputs.follow || settings.loop || inputs.verify_cells > 0 || !inputs.matrix.empty() ||
+      !inputs.scores.path.empty() || !inputs.fuse.empty())
+    throw Error(ErrorKind::usage,
+                "--follow, --loop, --verify, --save-matrix, --scores and --fuse are work for one "
+                "process; leave mpirun out");
 }
 
 // Before anything is read.
@@ -198,9 +199,9 @@ void check_and_claim(const Session& session, const QueryInputs& inputs,
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& asked) {
   SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
-  check_loop_inputs(inputs, settings, session.share);
+  check_loop_inputs(inputs, settings);
   check_scores(inputs, settings);
-  check_sharing(session, inputs);
+  check_sharing(session, inputs, settings);
   if (inputs.follow) return follow_query(session, inputs, asked);
   check_and_claim(session, inputs, settings);
   const QueryResources resources = resources_of(session, inputs);

@@ -100,8 +100,7 @@ LoopGap loop_gap_of(const SequenceQuerySettings& settings) {
   return {std::llround(settings.loop_gap_s * double{kSecond}), 0};
 }
 
-void check_loop(const SequenceQuerySettings& settings, const Share& share) {
-  refuse(!share.is_alone(), "--loop with sequences is work for one process: leave mpirun out");
+void check_loop(const SequenceQuerySettings& settings) {
   check_gap(settings);
   check_method(settings);
   check_scale(settings);

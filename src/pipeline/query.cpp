@@ -53,14 +53,9 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan,
   return wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
 }
 
-// Each of several processes checks a part of them; the first one says what is wrong.
 void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
-                 const std::optional<ScoreBasis>& basis, const Share& share,
-                 const Monitor& monitor) {
-  const ItemRange own = own_part(share, cells.size());
-  const std::vector<Cell> wrong =
-      collected(share, "wrong cells",
-                find_wrong(std::span(cells).subspan(own.first, own.count()), plan, basis, monitor));
+                 const std::optional<ScoreBasis>& basis, const Monitor& monitor) {
+  const std::vector<Cell> wrong = find_wrong(cells, plan, basis, monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
@@ -146,7 +141,7 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
     found.margins = decided_margins(plan, margins->result());
   }
   found.cells = method.is_exact
-                    ? joined_cells(share, cells.result())
+                    ? cells.result()
                     : choose_found(found.matches, resources.verify_cells, resources.seed);
   if (resources.verify_cells > 0 && found.cells.empty())
     warn(monitor, fmt::format("{} found no cell that could be verified", method.name));
@@ -192,7 +187,7 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
     timer.end_step("recall");
   }
   if (resources.verify_cells > 0) {
-    check_cells(found.cells, plan, basis, share, monitor);
+    check_cells(found.cells, plan, basis, monitor);
     run.verified_cells = found.cells.size();
     timer.end_step("verify");
   }

@@ -266,7 +266,7 @@ QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
                     const std::string& query_name, const SequenceQuerySettings& settings,
                     std::span<const int64_t> times_ns, const QueryResources& resources,
                     const Monitor& monitor) {
-  check_loop(settings, resources.share);
+  check_loop(settings);
   if (query.frames.replay)
     throw Error(ErrorKind::usage, "a query that is replayed (--warp) has no past of its own");
   QueryPlan plan = begin_plan(walk, query.descriptors, query.span(), query_name, settings);

@@ -28,14 +28,16 @@ std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
   return searched;
 }
 
-void check_sharing(const SequenceQuerySettings& settings, const Share& share) {
+// What several processes can share: windows of one rate, by distances or by scores of bits.
+void check_sharing(const QueryPlan& plan, const Share& share) {
   if (share.is_alone()) return;
-  if (!find_sequence_method(settings.method).is_exact)
+  const SequenceQuerySettings& settings = plan.settings;
+  const bool needs_sums = score_kind(settings.score).needs_statistics;
+  if (!find_sequence_method(settings.method).is_exact || !settings.rates.empty() ||
+      (needs_sums && plan.query.rows.shape.element != ElementType::bits))
     throw Error(ErrorKind::usage,
-                fmt::format("{} is work for one process: leave mpirun out", settings.method));
-  if (!settings.rates.empty())
-    throw Error(ErrorKind::usage,
-                "windows of several rates are work for one process: leave mpirun out");
+                "mpirun shares windows of one rate, by raw distances or by standardized scores of "
+                "binary descriptors; leave mpirun out");
 }
 
 }  // namespace
@@ -69,7 +71,7 @@ FrameDistances searched_distances(const QueryPlan& plan) {
 }
 
 OwnDistances own_distances(const QueryPlan& plan, size_t longest, const Share& share) {
-  check_sharing(plan.settings, share);
+  check_sharing(plan, share);
   const std::vector<DescriptorSpan> searched = searched_sequences(plan);
   TrainPart part = own_windows(searched, longest, share);
   FrameDistances frames = part_distances(searched, part, plan.query, plan.train, share);

@@ -152,7 +152,7 @@ std::vector<FrameChecksum> posteriors(const FabmapDatabase& database, const Sequ
                  if (!posterior.empty())
                    lines.push_back({query.names[frame], posterior_checksum(posterior)});
                },
-               {}, {});
+               {});
   return lines;
 }
 

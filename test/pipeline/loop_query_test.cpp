@@ -198,9 +198,6 @@ TEST_CASE("what would need later frames, or other training data, is refused") {
     INFO(i);
     CHECK_THROWS_AS(find_loops(make_query(two_laps()), all[i]), Error);
   }
-  Share two;
-  two.count = 2;
-  CHECK_THROWS_AS(check_loop(loop_settings(3, 12), two), Error);
   // Where there is a database, there is no loop.
   const DescriptorSet walk = make_query(two_laps());
   const SequenceDatabase database = own_walk(walk, "w");
