@@ -23,11 +23,6 @@ void check_calibration(const SequenceQuerySettings& settings, double precision) 
   if (!(precision > 0 && precision <= 1))
     throw Error(ErrorKind::usage,
                 fmt::format("precision must be above 0 and at most 1, found {}", precision));
-  if (!find_sequence_method(settings.method).is_exact && !has_paths(settings.method))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} does not see every window, and so not how close wrong ones come; "
-                            "calibrate fastable, whose t_r it takes",
-                            settings.method));
 }
 
 bool is_by_margin(const SequenceQuerySettings& settings) {

@@ -38,10 +38,6 @@ void check_method(const SequenceQuerySettings& settings) {
          fmt::format("{} would follow the path that is being walked: --loop is for fastable, "
                      "fastable-online and openable",
                      settings.method));
-  refuse(!method.is_exact,
-         fmt::format("{} does not see every window, and finds those that were just passed first: "
-                     "--loop is for fastable, fastable-online and openable",
-                     settings.method));
   refuse(!settings.rates.empty(),
          "windows of several rates (--rates) have no common past: leave them out with --loop");
   refuse(score_kind(settings.score).is_offline,

@@ -41,16 +41,6 @@ void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySe
                                                 name, fmt::join(names, ", ")));
 }
 
-// Of an approximate method, the largest distance is not known.
-void check_exactness(const SequenceQuerySettings& settings) {
-  if (find_sequence_method(settings.method).is_exact || has_paths(settings.method)) return;
-  if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} does not see every window, and so not max(D); give t_r as a "
-                            "mean frame distance, as in --t-r 200 --t-r-scale bits, or auto",
-                            settings.method));
-}
-
 void check_rates(const SequenceQuerySettings& settings) {
   parse_rates(settings.rates);
   if (!settings.rates.empty() && !find_sequence_method(settings.method).has_rates)
@@ -222,7 +212,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& as
                      const SequenceQuerySettings& given) {
   const SequenceQuerySettings settings = with_implied(given);
   check_settings(settings);
-  check_exactness(settings);
   check_rates(settings);
   check_names(database.sequences, settings);
   check_descriptors(database.descriptors, asked, settings.window_length);
@@ -241,8 +230,7 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryR
   const SequenceQuerySettings& settings = plan.settings;
   plan_sequences(plan, database.sequences, monitor);
   const bool has_widths = !(plan.query.given || settings.loop) || settings.margin_width;
-  if (has_widths && (find_sequence_method(settings.method).is_exact || has_paths(settings.method)))
-    plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
+  if (has_widths) plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
   plan_decision(plan, database, resources, monitor);
   if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)
     plan.statistics = {plan.learned->settings, plan.learned->typical_distance};

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "matching/views.h"
 
 namespace vpr {
 namespace {
@@ -33,7 +34,7 @@ void check_sharing(const QueryPlan& plan, const Share& share) {
   if (share.is_alone()) return;
   const SequenceQuerySettings& settings = plan.settings;
   const bool needs_sums = score_kind(settings.score).needs_statistics;
-  if (!find_sequence_method(settings.method).is_exact || !settings.rates.empty() ||
+  if (has_paths(settings.method) || !settings.rates.empty() ||
       (needs_sums && plan.query.rows.shape.element != ElementType::bits))
     throw Error(ErrorKind::usage,
                 "mpirun shares windows of one rate, by raw distances or by standardized scores of "
@@ -106,6 +107,15 @@ void set_mean_limits(Target& sequence, std::vector<double> window_means) {
 std::vector<std::optional<uint32_t>> decided_margins(const QueryPlan& plan,
                                                      const MarginScanResult& found) {
   return plan.settings.margin_support ? supported_margins(found) : found.margins;
+}
+
+std::optional<ResultViews> find_views(const QueryPlan& plan) {
+  if (plan.learned == nullptr || plan.query.given) return std::nullopt;
+  const double typical = plan.learned->typical_distance;
+  ResultViews views{view_starts(plan.query, typical), {}};
+  for (const DescriptorSpan& sequence : plan.train)
+    views.train.push_back(view_starts(sequence, typical));
+  return views;
 }
 
 HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {

@@ -36,10 +36,6 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
                 fmt::format("{} has neither c_l nor t_r, which a sweep is over; vpr-query --method "
                             "{} needs no tuning",
                             base.method, base.method));
-  if (!find_sequence_method(base.method).is_exact)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("a sweep is exact; {} is not, leave it out of the settings", base.method));
   if (base.threshold_share)
     throw Error(ErrorKind::usage,
                 "a sweep has no t_r_share, which goes with the one t_r that vpr-tune calibrate "
@@ -227,8 +223,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
         append_hits(hits[w * thresholds + t], frame, shown, windows[t], grid.windows[w], place_of);
     }
   };
-  const Result all =
-      query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
+  const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
   const auto result_of = [&](size_t cell) {
     Result result = all;
     FabmapQuerySettings settings = base;

@@ -13,6 +13,9 @@
 #include "ground_truth/times.h"
 #include "matching/plain.h"
 #include "pipeline/query.h"
+#include "pipeline/query_steps.h"
+#include "pipeline/verify.h"
+#include "reference/verified_query.h"
 #include "support.h"
 
 using namespace vpr;
@@ -43,11 +46,11 @@ Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settin
                   std::span<const int64_t> times = {}, const Monitor& monitor = {}) {
   QueryResources resources;
   resources.kernels = select_kernels();
-  resources.verify_cells = 60;
   const SequenceDatabase database = own_walk(walk, "w");
-  return run_query(plan_loop(database, walk, "w", settings, times, resources, monitor), resources,
-                   {}, monitor)
-      .result;
+  const QueryPlan plan = plan_loop(database, walk, "w", settings, times, resources, monitor);
+  const CellRuns runs{searched_runs(plan), readable_runs(plan.query), plan.past};
+  const size_t cells = choose_cells(runs, settings.window_length, 60, 1).size();  // or fewer
+  return test::run_verified(plan, resources, cells, monitor).result;
 }
 
 // Of each window the closest that ends at least `gap` frames before it does; of equals the first.
