@@ -10,6 +10,7 @@
 #include "matching/fabmap.h"
 #include "pipeline/fabmap_query.h"
 #include "recognition/fabmap_posterior.h"
+#include "reference/plain_words.h"
 #include "support.h"
 
 using namespace vpr;
