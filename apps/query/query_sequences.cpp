@@ -174,8 +174,7 @@ void check_sharing(const Session& session, const QueryInputs& inputs,
       !inputs.matrix.empty() || !inputs.scores.path.empty() || !inputs.fuse.empty())
     throw Error(ErrorKind::usage,
                 "--method lsh, --follow, --loop, --verify, --save-matrix, --scores and --fuse are "
-                "work for one "
-                "process; leave mpirun out");
+                "work for one process; leave mpirun out");
 }
 
 // Before anything is read.

@@ -20,6 +20,7 @@ namespace vpr {
 namespace {
 
 void check_settings(const SequenceQuerySettings& settings) {
+  find_sequence_method(settings.method);
   check_window_length(settings.window_length);
   if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
   if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
