@@ -8,10 +8,12 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -29,19 +31,34 @@ namespace {
 
 constexpr uint64_t kMostThreads = 1024;
 
-std::atomic<bool> stop_wanted{false};  // set by a signal handler: the only global
+std::atomic<bool> stop_wanted{false};  // set by a signal handler
 
 void on_signal(int number) {
   stop_wanted = true;
   std::signal(number, SIG_DFL);  // a second Ctrl-C ends the program at once
 }
 
+std::string joining_program;  // of the first process, while MPI_Init waits for the others
+
+// MPI_Init does not return when stop_wanted is set. Nothing has been written before its end.
+void end_while_joining(int) {
+  const auto say = [](std::string_view text) {
+    return ::write(STDERR_FILENO, text.data(), text.size()) >= 0;
+  };
+  if (!joining_program.empty() && say(joining_program)) say(": interrupted; nothing was written\n");
+  ::_exit(exit_code(ErrorKind::interrupted));
+}
+
+void on_stop_signals(void (*handler)(int)) {
+  std::signal(SIGINT, handler);
+  std::signal(SIGTERM, handler);
+}
+
 // Of several processes, the first one prints.
 bool is_first_process() { return launched_index().value_or(0) == 0; }
 
 void set_up_process() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  on_stop_signals(on_signal);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   cv::setNumThreads(1);        // frames are worked on in parallel, not parts of one
@@ -164,7 +181,10 @@ void Program::join_others() {
   if (!launched_index()) return;
   if (processes_ == Processes::one)
     throw Error(ErrorKind::usage, "this is work for one process: leave mpirun out");
+  if (is_first_process()) joining_program = name_;
+  on_stop_signals(end_while_joining);
   group_ = join_processes(stop_wanted);
+  on_stop_signals(on_signal);
 }
 
 // The others wait until the first process has written and printed all. Gives what each did.
@@ -206,6 +226,7 @@ void Program::run_session(int argc, char** argv) {
   if (!session.share.is_first()) outputs.leave_to_another();
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
+  check_same(session.share, "arguments", fmt::format("{}", fmt::join(argv + 1, argv + argc, "\n")));
   session.run.threads = thread_count();
   session.run.seed = common_.seed;
   logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
@@ -228,7 +249,7 @@ int Program::report(const Error& error) {
 int Program::main(int argc, char** argv) {
   set_up_process();
   const int code = run_reported(argc, argv);
-  if (group_) group_->close();
+  if (group_) group_->close(code);
   return code;
 }
 

@@ -49,7 +49,7 @@ FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& data
   query.path = source.sequence.sequence.path.string();
   query.images = {source.sequence.sequence.path, source.sequence.sequence.range};
   query.words = describe_words(open_sequence(source.sequence.sequence), database, skip_unreadable,
-                               session.share, session.monitor);
+                               session.monitor);
   return query;
 }
 
@@ -110,6 +110,8 @@ std::string summary(const Result& result) {
 void run_fabmap_query(Session& session, const QueryInputs& inputs,
                       const FabmapQuerySettings& settings) {
   const CommonOptions& options = session.options;
+  if (!session.share.is_alone())
+    throw Error(ErrorKind::usage, "FAB-MAP is work for one process; leave mpirun out");
   if (!options.output.empty()) claim_result(options.output, session.outputs);
   if (inputs.explained_frame && !options.output.empty())
     session.outputs.claim_file(explanation_picture_path(options.output));
@@ -128,7 +130,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
     throw Error(ErrorKind::usage, fmt::format("--explain {}: the query's frames are 0 to {}",
                                               *explained, frames - 1));
   std::optional<PosteriorFile> posteriors;
-  if (!inputs.posteriors.empty() && session.share.is_first())
+  if (!inputs.posteriors.empty())
     posteriors.emplace(session.outputs.file(inputs.posteriors), frames,
                        database.views.views() + (settings.loop ? frames : 0));
   std::vector<double> explained_posterior;
@@ -137,8 +139,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
     if (frame == explained) explained_posterior.assign(posterior.begin(), posterior.end());
   };
   FabmapRun run = query_fabmap(database, query.words, query.name, settings, options.seed, observe,
-                               session.share, session.monitor);
-  if (!session.share.is_first()) return;
+                               session.monitor);
   run.seconds["describe"] = describe_s;
   run.seconds["total"] = watch.elapsed_s();
   ResultContext context = context_of(session, inputs, query.path, run.seconds);

@@ -126,7 +126,8 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                      "camera (--query /dev/video0), a video, a list, or image paths on standard "
                      "input (--query -)"));
   group(add_setting(app, "--verify", inputs.verify_cells,
-                    "recompute so many random cells by definition; exit code 5 if any differs"));
+                    "recompute N random cells by definition (windows of one rate, raw or "
+                    "standardized); exit code 5 if any differs"));
   group(add_memory_flag(app, inputs.memory_limit,
                         "for rings and hits, as in 512M; more is computed twice instead"));
 }

@@ -49,8 +49,7 @@ std::vector<int64_t> times_of(const SequenceArgument& walk, const QueryInputs& i
 
 }  // namespace
 
-void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& settings,
-                       const Share& share) {
+void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& settings) {
   if (!settings.loop) {
     refuse(!inputs.loop.list.empty(), "--save-loops lists what --loop finds; give --loop, too");
     refuse(!inputs.loop.times.empty(), "--times are of a walk against itself; give --loop, too");
@@ -67,7 +66,7 @@ void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& s
   refuse(!inputs.warp.empty(), "a query that is replayed (--warp) has no past of its own");
   refuse(!inputs.loop.times.empty() && settings.loop_gap_s == 0,
          "--times are for a gap in seconds, as in --loop-gap 30s");
-  check_loop(settings, share);
+  check_loop(settings);
 }
 
 LoopWalk describe_loop(const SequenceArgument& walk, const QueryInputs& inputs,

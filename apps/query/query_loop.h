@@ -16,8 +16,7 @@ struct LoopWalk {
 
 /// Throws Error(usage) for flags that only --loop has, without it, and beside it for a database of
 /// sequences and what such a walk has no answer to.
-void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& settings,
-                       const Share& share);
+void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& settings);
 
 /// The walk, described; settings.descriptor gets its name. Throws what describe_frames throws, and
 /// Error(data) for times that are not as many as frames.

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "images/sequence.h"
+#include "matching/lsh.h"
 #include "matching/methods.h"
 #include "query_inputs.h"
 
@@ -26,7 +27,7 @@ void check_alone(const QueryScores& scores) {
 
 // Nothing is known of training frames among themselves.
 void check_settings(const SequenceQuerySettings& settings) {
-  if (has_paths(settings.method) || !find_sequence_method(settings.method).is_exact)
+  if (has_paths(settings.method) || settings.method == kLshMethod)
     throw Error(ErrorKind::usage,
                 fmt::format("--method {} needs descriptors; windows of --scores are compared by "
                             "fastable, fastable-online or openable",
@@ -86,8 +87,6 @@ void check_scores(const QueryInputs& inputs, const SequenceQuerySettings& settin
   refuse(!inputs.fuse.empty() || settings.fusion_weight, "--fuse", kBeside);
   refuse(settings.skip_unreadable, "--skip-unreadable",
          "does not go with --scores: frames without a score never match");
-  refuse(inputs.verify_cells > 0 && (settings.score != Score::raw || !settings.rates.empty()),
-         "--verify", "with --scores is for raw scores of one rate");
   check_settings(settings);
 }
 

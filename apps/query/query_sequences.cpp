@@ -11,14 +11,17 @@
 #include "base/stopwatch.h"
 #include "evaluation/counts.h"
 #include "images/sequence.h"
+#include "matching/lsh.h"
 #include "pipeline/advice.h"
 #include "pipeline/fuse.h"
 #include "pipeline/given_query.h"
+#include "pipeline/lsh_query.h"
 #include "pipeline/query.h"
 #include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
+#include "pipeline/verify.h"
 #include "query_inputs.h"
 #include "query_loop.h"
 #include "report/result_file.h"
@@ -124,16 +127,18 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
     ensure_statistics(sides.database, session.monitor);
   fuse_views(sides.database, settings, inputs.fuse);
   warn_of_automatic(settings, session.monitor);
-  sides.query =
-      replayed(describe_frames(open_sequence(sides.source.sequence.sequence), sides.database,
-                               settings.skip_unreadable, session.share, session.monitor),
-               inputs.warp, session.options.seed);
+  sides.query = replayed(describe_frames(open_sequence(sides.source.sequence.sequence),
+                                         sides.database, settings.skip_unreadable, session.monitor),
+                         inputs.warp, session.options.seed);
   if (session.share.is_first())
     warn_of_rates(sides.database, sides.query.frames.fps, settings, session.monitor);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);
   if (const FusedViews* fused = fused_views(sides.database))
     sides.context.fused_fingerprint = fused->fabmap.fingerprint;
+  check_same(session.share, "inputs or settings",
+             sides.context.database_fingerprint + sides.context.query_fingerprint +
+                 settings_in_force(settings).dump());
 }
 
 void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs) {
@@ -162,16 +167,14 @@ QueryResources resources_of(const Session& session, const QueryInputs& inputs) {
   return resources;
 }
 
-void check_sharing(const Session& session, const QueryInputs& inputs) {
+void check_sharing(const Session& session, const QueryInputs& inputs,
+                   const SequenceQuerySettings& settings) {
   if (session.share.is_alone()) return;
-  if (inputs.follow)
-    throw Error(ErrorKind::usage, "--follow is work for one process: leave mpirun out");
-  if (!inputs.matrix.empty())
-    throw Error(ErrorKind::usage, "--save-matrix is work for one process: leave mpirun out");
-  if (!inputs.scores.path.empty())
-    throw Error(ErrorKind::usage, "--scores is work for one process: leave mpirun out");
-  if (!inputs.fuse.empty())
-    throw Error(ErrorKind::usage, "--fuse is work for one process: leave mpirun out");
+  if (inputs.follow || settings.loop || settings.method == kLshMethod || inputs.verify_cells > 0 ||
+      !inputs.matrix.empty() || !inputs.scores.path.empty() || !inputs.fuse.empty())
+    throw Error(ErrorKind::usage,
+                "--method lsh, --follow, --loop, --verify, --save-matrix, --scores and --fuse are "
+                "work for one process; leave mpirun out");
 }
 
 // Before anything is read.
@@ -180,17 +183,9 @@ void check_and_claim(const Session& session, const QueryInputs& inputs,
   if (!session.options.output.empty()) claim_result(session.options.output, session.outputs);
   claim_matrix(inputs, session.outputs);
   if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
-  if (has_paths(settings.method) && inputs.verify_cells > 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("--verify recomputes windows, and {} has paths: verify its scores with "
-                            "--method fastable --c-l 1 --score standardized, and its values with "
-                            "vpr-bench matching --methods {}",
-                            settings.method, settings.method));
-  if (!find_sequence_method(settings.method).is_exact && !has_paths(settings.method) &&
-      !inputs.matrix.empty())
-    throw Error(ErrorKind::usage, fmt::format("{} does not see every window: there is no whole "
-                                              "matrix to save",
-                                              settings.method));
+  if (inputs.verify_cells > 0) check_verification(settings, !inputs.scores.path.empty());
+  if (settings.method == kLshMethod && !inputs.matrix.empty())
+    throw Error(ErrorKind::usage, "lsh does not compute the whole matrix; leave --save-matrix out");
 }
 
 }  // namespace
@@ -198,9 +193,9 @@ void check_and_claim(const Session& session, const QueryInputs& inputs,
 void run_sequence_query(Session& session, const QueryInputs& inputs,
                         const SequenceQuerySettings& asked) {
   SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
-  check_loop_inputs(inputs, settings, session.share);
+  check_loop_inputs(inputs, settings);
   check_scores(inputs, settings);
-  check_sharing(session, inputs);
+  check_sharing(session, inputs, settings);
   if (inputs.follow) return follow_query(session, inputs, asked);
   check_and_claim(session, inputs, settings);
   const QueryResources resources = resources_of(session, inputs);
@@ -214,24 +209,28 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const auto& [given, database, query, source, known, times_ns] = sides;
   const double describe_s = watch.elapsed_s();
   const std::string& name = source.sequence.name;
-  QueryPlan planned =
-      settings.loop
-          ? plan_loop(database, query, name, settings, times_ns, resources, session.monitor)
-          : plan_query(database, query, name, settings, resources, session.monitor);
-  const Result shape = make_result(planned);  // of which nothing is found yet
-  std::optional<GroundTruth> truth;
-  if (source.ground_truth && inputs.matrix.ends_with(".png")) {
-    GroundTruthScope scope = scope_of(shape);
-    scope.query_names = [&] { return query.frames.names; };
-    for (size_t s = 0; s < scope.sequences.size(); ++s)
-      scope.sequences[s].names = [&, s] { return database.sequences[s].frame_names; };
-    truth = read_ground_truth(*source.ground_truth, scope, session.monitor);
-  }
-
   SavedMatrix matrix;
-  const std::vector<RowConsumer> observers =
-      start_matrix(matrix, inputs.matrix, planned, shape, session);
-  QueryRun found = run_query(std::move(planned), resources, observers, session.monitor);
+  std::optional<GroundTruth> truth;
+  const auto search = [&] {
+    if (settings.method == kLshMethod)
+      return query_lsh(database, query, name, settings, resources, session.monitor);
+    QueryPlan planned =
+        settings.loop
+            ? plan_loop(database, query, name, settings, times_ns, resources, session.monitor)
+            : plan_query(database, query, name, settings, resources, session.monitor);
+    const Result shape = make_result(planned);  // without matches
+    if (source.ground_truth && inputs.matrix.ends_with(".png")) {
+      GroundTruthScope scope = scope_of(shape);
+      scope.query_names = [&] { return query.frames.names; };
+      for (size_t s = 0; s < scope.sequences.size(); ++s)
+        scope.sequences[s].names = [&, s] { return database.sequences[s].frame_names; };
+      truth = read_ground_truth(*source.ground_truth, scope, session.monitor);
+    }
+    const std::vector<RowConsumer> observers =
+        start_matrix(matrix, inputs.matrix, planned, shape, session);
+    return run_query(std::move(planned), resources, observers, session.monitor);
+  };
+  QueryRun found = search();
   if (!session.share.is_first()) return;
   found.seconds["describe"] = describe_s;
   found.seconds["total"] = watch.elapsed_s();

@@ -10,6 +10,7 @@
 #include "database/family.h"
 #include "images/warp.h"
 #include "matching/fabmap.h"
+#include "matching/lsh.h"
 #include "matching/methods.h"
 #include "query_flags.h"
 #include "query_inputs.h"
@@ -34,6 +35,7 @@ void visit_fields(GivenSettings& settings, Visitor&& visit) {
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
   for (const SequenceMethod& method : sequence_methods()) names.emplace_back(method.name);
+  names.emplace_back(kLshMethod);
   names.emplace_back(enum_name(DatabaseFamily::fabmap));
   return names;
 }
@@ -43,6 +45,7 @@ std::string method_help() {
   std::string text = "Methods:\n";
   for (const SequenceMethod& method : sequence_methods())
     text += fmt::format("  {:<17}{}\n", method.name, method.summary);
+  text += fmt::format("  {:<17}{}\n", kLshMethod, kLshSummary);
   text += "\nVariants of FAB-MAP:\n";
   for (const FabmapVariant& variant : fabmap_variants())
     text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
@@ -162,7 +165,7 @@ DatabaseFamily family_of(const QueryInputs& inputs, bool is_loop) {
 /// Throws Error(usage) for a method that there is not.
 DatabaseFamily family_of(const std::string& method) {
   if (method == enum_name(DatabaseFamily::fabmap)) return DatabaseFamily::fabmap;
-  find_sequence_method(method);
+  if (method != kLshMethod) find_sequence_method(method);
   return DatabaseFamily::sequences;
 }
 

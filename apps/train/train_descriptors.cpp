@@ -114,7 +114,7 @@ void train(Session& session, const DescriptorsCommand& given) {
   settings.descriptor_kind = kind_of(given);
   const std::vector<NamedArgument> sequences = find_sequences(given);
   SequenceDatabase database =
-      train_sequences(sequences, settings, session.kernels, {}, session.monitor);
+      train_sequences(sequences, settings, session.kernels, session.monitor);
   name_frames(database, sequences, given);
   store_sequences(session, database);
 }

@@ -46,8 +46,7 @@ FabmapDatabase train_fabmap_frames(const FabmapInputs& inputs, const FabmapTrain
   if (pretrain.empty())
     throw Error(ErrorKind::usage,
                 "give frames for the vocabulary that show other places, as in --pretrain FOLDER");
-  return train_fabmap(pretrain, groups, settings, session.options.seed, session.share,
-                      session.monitor);
+  return train_fabmap(pretrain, groups, settings, session.options.seed, session.monitor);
 }
 
 FabmapDatabase import_files(const FabmapInputs& inputs, const FabmapTrainSettings& settings) {
@@ -77,7 +76,6 @@ std::vector<GroupArgument> group_arguments(const TrainInputs& train,
 }
 
 void store_fabmap(const Session& session, const FabmapDatabase& database) {
-  if (!session.share.is_first()) return;
   write_fabmap_database(session.options.output, database, session.outputs);
   session.print_result(database_text(database, session.options.output),
                        database_json(database, session.run));
@@ -104,8 +102,7 @@ void add_fabmap_command(Program& program, FabmapCommand& command) {
                 ? import_files(fabmap_inputs, fabmap_settings)
                 : train_fabmap_frames(fabmap_inputs, fabmap_settings, session);
         store_fabmap(session, database);
-      },
-      Processes::several);
+      });
   program.add_config(fabmap, fabmap_settings);
   fabmap.add_list("--pretrain", fabmap_inputs.pretrain,
                   "sequence of other places, for the vocabulary and the tree; repeatable");

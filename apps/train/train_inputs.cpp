@@ -64,7 +64,6 @@ void print_database(const Session& session, const SequenceDatabase& database,
 }
 
 void store_sequences(const Session& session, const SequenceDatabase& database) {
-  if (!session.share.is_first()) return;
   write_sequence_database(session.options.output, database, session.outputs);
   print_database(session, database, session.options.output, "");
 }

@@ -28,7 +28,7 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
   store_sequences(
       session,
       add_sequences(database, rated_arguments(inputs.train, session.monitor, taken),
-                    inputs.skip_unreadable, session.kernels, session.share, session.monitor));
+                    inputs.skip_unreadable, session.kernels, session.monitor));
 }
 
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
@@ -41,7 +41,7 @@ void add_to_fabmap(Session& session, const std::string& path, const AddInputs& i
   std::vector<std::string> taken;
   for (const ViewGroup& group : database.groups) taken.push_back(group.name);
   add_views(database, group_arguments(inputs.train, inputs.places, taken), inputs.skip_unreadable,
-            session.share, session.monitor);
+            session.monitor);
   store_fabmap(session, database);
 }
 
@@ -75,9 +75,8 @@ void add_fastable_command(Program& program, FastableCommand& given) {
         claim_database(session);
         store_sequences(
             session, train_sequences(rated_arguments(given.inputs, session.monitor), given.settings,
-                                     session.kernels, session.share, session.monitor));
-      },
-      Processes::several);
+                                     session.kernels, session.monitor));
+      });
   program.add_config(fastable, given.settings);
   add_inputs(fastable, given.inputs);
   add_rate_flags(fastable, given.inputs.rate, "training sequences");
@@ -136,8 +135,7 @@ void add_add_command(Program& program, DatabaseCommands& given) {
           add_to_fabmap(session, given.path, given.added);
         else
           add_to_sequences(session, given.path, given.added);
-      },
-      Processes::several);
+      });
   program.add_config(add, given.settings);
   add.add_option("DB", given.path, "database to start from").required();
   add_inputs(add, given.added.train);

@@ -16,15 +16,14 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
     const SequenceWords query =
         replayed(describe_words(open_sequence(source.sequence.sequence), database,
-                                command.settings.skip_unreadable, session.share, monitor),
+                                command.settings.skip_unreadable, monitor),
                  inputs.warp, session.options.seed);
     return sweep_fabmap(database, query, source.sequence.name, command.settings,
                         grid != nullptr ? *grid : fabmap_grid(inputs.grid), reader,
-                        session.options.seed, session.share, monitor);
+                        session.options.seed, monitor);
   };
   const std::vector<Sweep> sweeps = sweep_all(sources, inputs.database, sweep, monitor);
-  if (session.share.is_first())
-    present(session, inputs, DatabaseFamily::fabmap, command.settings, sweeps, watch.elapsed_s());
+  present(session, inputs, DatabaseFamily::fabmap, command.settings, sweeps, watch.elapsed_s());
 }
 
 }  // namespace
@@ -34,7 +33,7 @@ void add_fabmap(Program& program, FabmapTune& tune) {
       "fabmap", "All windows and thresholds of FAB-MAP from one pass of posteriors.",
       "  vpr-tune fabmap places.vprdb --query walk --ground-truth places.csv --c-w 1,3,5,8 "
       "--t-p 0.6,0.9,0.99 --save-config best.json -o sweep.json",
-      [&tune](Session& session) { tune_fabmap(session, tune); }, Processes::several);
+      [&tune](Session& session) { tune_fabmap(session, tune); });
   program.add_config(command, tune.settings);
   add_tune_inputs(command, tune.inputs);
   command.add_option("--c-w", tune.inputs.grid.windows, fabmap_window_help());

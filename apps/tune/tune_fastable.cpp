@@ -31,29 +31,26 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const TuneInputs& inputs = command.inputs;
   const SequenceQuerySettings settings = with_implied(with_fusion(command.settings, inputs.fuse));
   const Monitor& monitor = session.monitor;
-  if (!inputs.fuse.empty() && !session.share.is_alone())
-    throw Error(ErrorKind::usage, "--fuse is work for one process: leave mpirun out");
   claim_outputs(inputs, session);
   const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
   ensure_places(database, session.kernels, monitor);
   fuse_views(database, settings, inputs.fuse);
-  const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed,
-                                 session.share};
+  const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
   session.run.memory_limit = command.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
     const DescriptorSet query =
         replayed(describe_frames(open_sequence(source.sequence.sequence), database,
-                                 settings.skip_unreadable, session.share, monitor),
+                                 settings.skip_unreadable, monitor),
                  inputs.warp, session.options.seed);
-    if (session.share.is_first()) warn_of_rates(database, query.frames.fps, settings, monitor);
+    warn_of_rates(database, query.frames.fps, settings, monitor);
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,
         resources, monitor);
-    if (settings.decision == Decision::threshold && session.share.is_first())
+    if (settings.decision == Decision::threshold)
       explain_automatic(found.cells, database, session);
     if (!found.recommendation.cell && session.share.is_first()) {
       ensure_statistics(database, monitor);
@@ -62,8 +59,7 @@ void tune_fastable(Session& session, const FastableTune& command) {
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(sources, inputs.database, sweep, monitor);
-  if (session.share.is_first())
-    present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
+  present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
 }
 
 }  // namespace
@@ -76,7 +72,7 @@ void add_fastable(Program& program, FastableTune& tune) {
       "--c-l 2,5,10,20,40 --t-r 0.2:0.7:0.05 --save-config best.json -o sweep.json\n"
       "  vpr-tune fastable corridor.vprdb --query corridor/query --ground-truth pairs.csv "
       "--score standardized --decide margin --margin 0.2:1:0.1",
-      [&tune](Session& session) { tune_fastable(session, tune); }, Processes::several);
+      [&tune](Session& session) { tune_fastable(session, tune); });
   program.add_config(command, tune.settings);
   add_tune_inputs(command, tune.inputs);
   command.add_option("--c-l", tune.inputs.grid.windows, window_length_help());

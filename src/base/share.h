@@ -1,14 +1,18 @@
 // Work that several processes do together: which part is this one's, and how parts come together.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
+
+#include "base/error.h"
 
 namespace vpr {
 
@@ -85,6 +89,17 @@ template <class Make>
 auto made_by_first(const Share& share, std::string_view what, Make&& make) {
   using Made = decltype(make());
   return spread(share, what, share.is_first() ? make() : Made{});
+}
+
+/// Ends all processes with an Error(usage) unless all of them have the same text. A step.
+inline void check_same(const Share& share, std::string_view what, const std::string& own) {
+  if (share.is_alone()) return;
+  const auto mine = std::as_bytes(std::span(own));
+  for (const Bytes& other : share.collect(what, mine))
+    if (!std::equal(mine.begin(), mine.end(), other.begin(), other.end()))
+      throw Error(ErrorKind::usage,
+                  "the processes that mpirun started have different " + std::string(what) +
+                      "; start all of them with one command line, and with the same files");
 }
 
 /// Sums over all processes, in each of them.

@@ -223,8 +223,6 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
   if (std::find(methods.begin(), methods.end(), "standardized") != methods.end() &&
       has_room_for_scores(example))
     check_scores(example, monitor);
-  if (std::find(methods.begin(), methods.end(), "filter") != methods.end())
-    check_filter_values(example, score_basis(example), monitor);
 }
 
 }  // namespace vpr

@@ -1,9 +1,11 @@
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <sys/prctl.h>
 
 #include "cluster/process_group.h"
 
@@ -33,6 +35,9 @@ std::unique_ptr<ProcessGroup> join_processes(const std::atomic<bool>& stop) {
     throw Error(ErrorKind::usage,
                 "started by mpirun, but built without MPI: install libopenmpi-dev and build "
                 "again, or leave mpirun out");
+  // Processes do not outlive mpirun: not even a stopped one, which can't handle SIGTERM. The first
+  // one removes its unfinished outputs.
+  ::prctl(PR_SET_PDEATHSIG, launched_index().value_or(0) == 0 ? SIGTERM : SIGKILL);
   void* library = ::dlopen(module.c_str(), RTLD_NOW | RTLD_GLOBAL);
   void* open = library == nullptr ? nullptr : ::dlsym(library, kOpenGroup);
   if (open == nullptr) throw Error(ErrorKind::input, fmt::format("can't load {}", ::dlerror()));

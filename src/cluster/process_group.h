@@ -36,8 +36,9 @@ class ProcessGroup {
   /// report, the lowest one's of several. One that was interrupted asks nobody.
   virtual Error fail(const Error& own) = 0;
 
-  /// Behind end() or fail(), once all that is to be said was said: waits for the others.
-  virtual void close() = 0;
+  /// After end() or fail() and all output: waits for the others. Exits at once with this code if
+  /// the process was interrupted, because destructors would race with the threads of MPI.
+  virtual void close(int exit_code) = 0;
 };
 
 /// Connects with the others, by a module that is loaded by processes that mpirun started only.

@@ -131,32 +131,4 @@ ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const 
   return orient(edges, counts, columns, frames.size());
 }
 
-ChowLiuTree plain_chow_liu(std::span<const WordSet> frames, size_t words) {
-  const std::vector<uint32_t> counts = count_words(frames, words);
-  const WordColumns columns = make_word_columns(frames, words);
-  const MutualInformation information(frames.size());
-  std::vector<Edge> all;
-  for (size_t a = 0; a < words; ++a) {
-    for (size_t b = a + 1; b < words; ++b) {
-      size_t both = 0;
-      for (const WordSet& frame : frames)
-        both += std::binary_search(frame.begin(), frame.end(), a) &&
-                std::binary_search(frame.begin(), frame.end(), b);
-      all.push_back(make_edge(information(counts[a], counts[b], both), a, b));
-    }
-  }
-  std::sort(all.begin(), all.end(), better);
-  std::vector<size_t> component(words);
-  std::iota(component.begin(), component.end(), size_t{0});
-  std::vector<Edge> edges;
-  for (const Edge& edge : all) {
-    const size_t from = component[edge.a];
-    const size_t to = component[edge.b];
-    if (from == to) continue;
-    edges.push_back(edge);
-    std::replace(component.begin(), component.end(), from, to);
-  }
-  return orient(edges, counts, columns, frames.size());
-}
-
 }  // namespace vpr

@@ -42,7 +42,4 @@ class MutualInformation {
 /// O(words + words frames / 8). At least one word and one frame.
 ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const Monitor& monitor);
 
-/// The same by the obvious way: all pairs, sorted, joined one by one (Kruskal). The oracle.
-ChowLiuTree plain_chow_liu(std::span<const WordSet> frames, size_t words);
-
 }  // namespace vpr

@@ -80,29 +80,4 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
   return centre_means(descriptors, rows_of(descriptors, centres), monitor);
 }
 
-cv::Mat plain_radius_words(const cv::Mat& descriptors, double radius) {
-  const double limit = squared_radius(descriptors, radius);
-  std::vector<size_t> centres;
-  const auto nearest_of = [&](size_t i) {
-    size_t best = centres.size();
-    double least = std::numeric_limits<double>::infinity();
-    for (size_t c = 0; c < centres.size(); ++c) {
-      const double distance = squared_distance(descriptors, i, descriptors, centres[c]);
-      if (distance >= least) continue;
-      least = distance;
-      best = c;
-    }
-    return std::pair(best, least);
-  };
-  const auto n = static_cast<size_t>(descriptors.rows);
-  for (size_t i = 0; i < n; ++i)
-    if (centres.empty() || nearest_of(i).second > limit) centres.push_back(i);
-  std::vector<NearestCentre> assigned;
-  for (size_t i = 0; i < n; ++i)
-    assigned.push_back({0, static_cast<uint32_t>(nearest_of(i).first)});
-  cv::Mat words = rows_of(descriptors, centres);
-  move_centres(descriptors, assigned, words, {});
-  return words;
-}
-
 }  // namespace vpr

@@ -17,7 +17,4 @@ namespace vpr {
 cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_words,
                      const Monitor& monitor);
 
-/// The same by comparing every row with every centre, one by one. The oracle.
-cv::Mat plain_radius_words(const cv::Mat& descriptors, double radius);
-
 }  // namespace vpr

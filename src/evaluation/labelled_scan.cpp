@@ -74,8 +74,6 @@ void LabelledScan::operator()(const ScoreRow& row) {
   keep_smaller(window.wrong, seen.wrong);
 }
 
-void LabelledScan::join(const Share& share) { untrained_.join(share); }
-
 std::vector<LabelledWindow> LabelledScan::result() const {
   std::vector<LabelledWindow> found = windows_->found;
   const MarginScanResult all = untrained_.result();

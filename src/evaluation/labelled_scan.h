@@ -29,9 +29,6 @@ class LabelledScan {
                size_t query_windows, const RowKernels& kernels, bool needs_support = false);
   ~LabelledScan();
   void operator()(const ScoreRow& row);
-  /// Of processes that share training windows: what all have of margins without the place. Right
-  /// and wrong ones stay the own.
-  void join(const Share& share);
   std::vector<LabelledWindow> result() const;
 
  private:

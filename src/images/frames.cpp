@@ -47,13 +47,11 @@ void warn_of_sizes(const Sequence& sequence, const std::vector<cv::Size>& sizes,
 FrameList for_each_image(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor, const FrameBody& body) {
   const size_t count = sequence.files.size();
-  const ItemRange own = sequence.own.value_or(ItemRange{0, count});
   std::atomic<size_t> lowest_failed{count};
   std::vector<std::optional<Error>> problems(count);
   std::vector<cv::Size> sizes(count);
-  StepCounter counter(monitor, "describe", own.count());
-  parallel_for(own.count(), monitor, [&](size_t item) {
-    const size_t i = own.first + item;
+  StepCounter counter(monitor, "describe", count);
+  parallel_for(count, monitor, [&](size_t i) {
     if (i > lowest_failed.load()) return;
     cv::Mat image;
     try {
@@ -140,15 +138,11 @@ FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadabl
                          ? for_each_video_frame(sequence, format, unreadable, monitor, body)
                          : for_each_image(sequence, format, unreadable, monitor, body);
   note_kept(frames, sequence.argument);
-  if (!sequence.own) check_any_decoded(frames, sequence);
-  return frames;
-}
-
-void check_any_decoded(const FrameList& frames, const Sequence& sequence) {
   if (frames.unreadable.size() == frames.count())
     throw Error(ErrorKind::input,
                 fmt::format("{}: none of its {} can be decoded", sequence.argument.path.string(),
                             counted(frames.count(), "frame")));
+  return frames;
 }
 
 }  // namespace vpr

@@ -40,16 +40,12 @@ FrameList replayed(const FrameList& recorded, Replay replay);
 /// With Unreadable::fail the first (lowest) frame that can't be decoded throws Error(input);
 /// with skip, a sequence without any readable frame does. A frame that is larger than the
 /// MegapixelLimit throws Error(usage) with either, a video's before one is decoded. A sequence of
-/// descriptors throws Error(data). Of a sequence that several processes work on, the body sees this
-/// one's frames, and nothing is known of the others but their names.
+/// descriptors throws Error(data).
 FrameList for_each_frame(const Sequence& sequence, PixelFormat format, Unreadable unreadable,
                          const Monitor& monitor,
                          const std::function<void(size_t index, const cv::Mat& image)>& body);
 
 /// Notes which frames of a recording the argument keeps, and their rate.
 void note_kept(FrameList& frames, const SequenceArgument& argument);
-
-/// Throws Error(input) where no frame could be decoded.
-void check_any_decoded(const FrameList& frames, const Sequence& sequence);
 
 }  // namespace vpr

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "base/share.h"
 #include "images/sequence_argument.h"
 
 namespace cv {
@@ -27,8 +26,6 @@ struct Sequence {
   std::vector<std::filesystem::path> files;
   /// A frame that is decoded already, in blue, green and red or in grey: then it is the only one.
   const cv::Mat* picture = nullptr;
-  /// Of images: those that this process works on, where others work on the rest.
-  std::optional<ItemRange> own = {};
 
   /// Whether its only file has a row a frame.
   bool is_one_array() const {

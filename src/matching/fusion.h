@@ -72,11 +72,4 @@ struct FusionState {
 FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
                      std::shared_ptr<FusionState> state = nullptr);
 
-/// How far the oracle may be from a fused score by the same weight, in 1/1024 deviation.
-double fusion_tolerance(const FusionBasis& basis);
-
-/// The oracle: the same in double precision, from the likelihoods of the definition (fabmap1) and
-/// without re-use.
-FusionRow plain_fusion_row(const FusionBasis& basis, const WordSet& words, double weight);
-
 }  // namespace vpr

@@ -3,11 +3,17 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "matching/rows.h"
 
 namespace vpr {
+
+/// The name of the method and its line in help texts.
+inline constexpr std::string_view kLshMethod = "lsh";
+inline constexpr std::string_view kLshSummary =
+    "hashing, approximate: near windows only, and not all of them";
 
 /// A training window that shares a bucket with a query window.
 struct LshCandidate {

@@ -12,24 +12,21 @@
 #include "base/named_table.h"
 #include "matching/fastable_batch.h"
 #include "matching/fastable_online.h"
-#include "matching/lsh.h"
 #include "matching/match_filter.h"
 #include "matching/openable.h"
 
 namespace vpr {
 namespace {
 
-constexpr std::array<SequenceMethod, 5> kMethods = {{
-    {"fastable", "distances re-used from row to row, the whole query at once", true, true, true,
-     false, match_fastable},
-    {"fastable-online", "the same, one query frame after the other as on a phone", true, true, true,
+constexpr std::array<SequenceMethod, 4> kMethods = {{
+    {"fastable", "distances re-used from row to row, the whole query at once", true, true, false,
+     match_fastable},
+    {"fastable-online", "the same, one query frame after the other as on a phone", true, true,
      false, match_fastable_online},
-    {"openable", "every window distance by its definition (slow)", true, false, false, false,
+    {"openable", "every window distance by its definition (slow)", false, false, false,
      match_openable},
-    {"lsh", "hashing, approximate: near windows only, and not all of them", false, false, false,
-     false, match_lsh},
-    {"filter", "a path through frames at any pace, believed once it was followed for a while",
-     false, true, false, true, match_filter},
+    {"filter", "a path through frames at any pace, believed once it was followed for a while", true,
+     false, true, match_filter},
 }};
 
 }  // namespace

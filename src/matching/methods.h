@@ -8,12 +8,10 @@
 
 namespace vpr {
 
-/// A way to compute the matrix of sequence distances. All exact methods give the same cells; the
-/// others give some of them.
+/// A way to compute the matrix of sequence distances. All but those with paths give the same cells.
 struct SequenceMethod {
   std::string_view name;
   std::string_view summary;
-  bool is_exact;
   bool has_scores;  ///< also takes distances that come in order, as standardized ones
   bool has_rates;   ///< also takes windows of several rates
   bool has_paths;  ///< takes only these; windows are of one frame, and cells what is believed of it

@@ -133,8 +133,8 @@ std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
   return scores;
 }
 
-double score_tolerance(size_t window_length, const FusionBasis& fusion) {
-  return static_cast<double>(window_length) * (1 + fusion_tolerance(fusion)) / kScoreUnit;
+double score_tolerance(size_t window_length) {
+  return static_cast<double>(window_length) / kScoreUnit;
 }
 
 }  // namespace vpr

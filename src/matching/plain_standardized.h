@@ -33,8 +33,7 @@ std::vector<double> plain_frame_scores(DescriptorRow train, size_t frame,
                                        const ScoreBasis& basis);
 
 /// The largest difference of a window's score in fixed point from that in double precision: half a
-/// unit a frame is rounded away, and single-precision statistics may cost as much again; what
-/// FAB-MAP takes from scores has its own.
-double score_tolerance(size_t window_length, const FusionBasis& fusion = {});
+/// unit per frame is rounded away, and single-precision statistics may cost as much again.
+double score_tolerance(size_t window_length);
 
 }  // namespace vpr

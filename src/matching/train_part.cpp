@@ -107,10 +107,4 @@ RowConsumer own_rows(const TrainPart& part, RowConsumer consume) {
   };
 }
 
-LengthRowConsumer own_length_rows(const TrainPart& part, LengthRowConsumer consume) {
-  return [own = part.own, consume = std::move(consume)](size_t index, const ScoreRow& row) {
-    if (const auto cut = cut_to(own[row.sequence], row)) consume(index, *cut);
-  };
-}
-
 }  // namespace vpr

@@ -30,7 +30,5 @@ FrameDistances part_distances(std::span<const DescriptorSpan> train, const Train
 /// Hands on the cells of windows that begin at the process's frames: shorter windows than the
 /// longest are also found where they begin behind them.
 RowConsumer own_rows(const TrainPart& part, RowConsumer consume);
-/// The same of several lengths at once.
-LengthRowConsumer own_length_rows(const TrainPart& part, LengthRowConsumer consume);
 
 }  // namespace vpr

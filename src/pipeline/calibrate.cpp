@@ -19,15 +19,10 @@ constexpr double kNothing = -60;   // a mean z that no window has
 // Of the windows that the best length recognises. Chosen on rendered buildings (docs/methods.md).
 constexpr double kEnough = 0.7;
 
-void check_calibration(const SequenceQuerySettings& settings, double precision) {
+void check_precision(double precision) {
   if (!(precision > 0 && precision <= 1))
     throw Error(ErrorKind::usage,
                 fmt::format("precision must be above 0 and at most 1, found {}", precision));
-  if (!find_sequence_method(settings.method).is_exact && !has_paths(settings.method))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} does not see every window, and so not how close wrong ones come; "
-                            "calibrate fastable, whose t_r it takes",
-                            settings.method));
 }
 
 bool is_by_margin(const SequenceQuerySettings& settings) {
@@ -228,7 +223,7 @@ CalibratedWalk calibrate_walk(const SequenceDatabase& database, const Descriptor
                               std::vector<uint64_t> lengths, double precision,
                               const TruthReader& read_truth, const QueryResources& resources,
                               const Monitor& monitor) {
-  check_calibration(base, precision);
+  check_precision(precision);
   if (has_paths(base.method)) lengths = {1};
   std::sort(lengths.begin(), lengths.end());
   CalibratedWalk walk;

@@ -28,52 +28,24 @@ ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySetti
   return sample;
 }
 
-// Words of the views of one process; those of a single one stay where they are.
-ViewPart view_part(const FabmapDatabase& database, size_t words, const Share& share) {
-  ViewPart part{own_part(share, database.views.views()), {}, {}, {}};
-  for (const size_t view : database.unreadable_views())
-    if (part.range.contains(view)) part.unreadable.push_back(view - part.range.first);
-  if (share.is_alone()) return part;
-  for (size_t view = part.range.first; view < part.range.last; ++view)
-    part.views.add(database.views.view(view));
-  part.lists = make_word_index(part.views, words);
-  return part;
-}
-
-// Fixed point is taken for all views or for none.
-bool all_fit_fixed(bool own, const Share& share) {
-  uint64_t unfit = own ? 0 : 1;
-  add_up(share, "index", {&unfit, 1});
-  return unfit == 0;
-}
-
 }  // namespace
 
-FabmapMatcher::FabmapMatcher(const FabmapDatabase& db, const FabmapQuerySettings& s, uint64_t seed,
-                             const Share& share)
+FabmapMatcher::FabmapMatcher(const FabmapDatabase& db, const FabmapQuerySettings& s, uint64_t seed)
     : model(make_fabmap_model(db.tree, {s.p_seen_if_there, s.p_seen_if_not}, s.word_model)),
-      own(view_part(db, model.words(), share)),
-      index(share.is_alone() ? make_fabmap_index(model, db.views, db.index)
-                             : make_fabmap_index(model, own.views, own.lists)),
+      index(make_fabmap_index(model, db.views, db.index)),
       samples(new_place_views(db, s, seed)),
       sample_lists(make_word_index(samples, model.words())),
       sample_index(make_fabmap_index(model, samples, sample_lists)),
+      unreadable(db.unreadable_views()),
       database(db),
-      settings(s),
-      is_alone(share.is_alone()) {
-  if (!is_alone && !find_fabmap_variant(s.variant).is_by_view)
-    throw Error(ErrorKind::usage,
-                fmt::format("the variant {} is work for one process: leave mpirun out", s.variant));
-  index.fits_fixed = all_fit_fixed(index.fits_fixed, share);
-}
+      settings(s) {}
 
 std::vector<double> FabmapMatcher::views(const WordSet& words, size_t known_views) const {
-  const size_t known = std::clamp(known_views, own.range.first, own.range.last) - own.range.first;
   std::vector<double> logs =
       find_fabmap_variant(settings.variant)
-          .log_likelihoods({model, is_alone ? database.views : own.views, index, words, known,
-                            static_cast<int>(settings.lut_digits), own.unreadable});
-  for (const size_t view : own.unreadable)
+          .log_likelihoods({model, database.views, index, words, known_views,
+                            static_cast<int>(settings.lut_digits), unreadable});
+  for (const size_t view : unreadable)
     if (view < logs.size()) logs[view] = -std::numeric_limits<double>::infinity();
   return logs;
 }

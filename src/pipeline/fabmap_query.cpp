@@ -73,36 +73,6 @@ std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
   return place_of;
 }
 
-/// Frames of a query in a row, and what is likely there.
-struct FrameBatch {
-  size_t begin = 0;
-  std::vector<std::vector<double>> views;  ///< by frame, of all views that are known
-  std::vector<double> new_place;
-};
-
-// What several processes found of a batch, in the first one: each has its own views of all frames,
-// and the new place of its own frames. `known`: views by frame.
-FrameBatch joined_batch(FrameBatch own, const std::vector<size_t>& known, size_t all_views,
-                        const Share& share) {
-  if (share.is_alone()) return own;
-  std::vector<double> values;
-  for (const std::vector<double>& views : own.views)
-    values.insert(values.end(), views.begin(), views.end());
-  const std::vector<double> all = collected(share, "likelihoods of views", values);
-  FrameBatch batch{own.begin, std::vector<std::vector<double>>(known.size()),
-                   collected(share, "likelihoods of the new place", own.new_place)};
-  auto at = all.begin();
-  for (Share of = share; at != all.end() && of.index < of.count; ++of.index) {
-    const ItemRange part = own_part(of, all_views);
-    for (size_t i = 0; i < known.size(); ++i) {
-      const auto end = at + ptrdiff_t(std::clamp(known[i], part.first, part.last) - part.first);
-      batch.views[i].insert(batch.views[i].end(), at, end);
-      at = end;
-    }
-  }
-  return batch;
-}
-
 bool is_unreadable(const SequenceWords& query, size_t frame) {
   return std::binary_search(query.unreadable.begin(), query.unreadable.end(), frame);
 }
@@ -153,8 +123,7 @@ FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& q
 
 FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                        const std::string& query_name, const FabmapQuerySettings& settings,
-                       uint64_t seed, const PosteriorObserver& observe, const Share& share,
-                       const Monitor& monitor) {
+                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
   check_query_settings(settings);
   if (settings.loop && query.replay)
     throw Error(ErrorKind::usage,
@@ -168,7 +137,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   FabmapRun run{make_result(searched, query, query_name, settings), {}};
   Result& result = run.result;
   Stopwatch watch;
-  const FabmapMatcher matcher(searched, settings, seed, share);
+  const FabmapMatcher matcher(searched, settings, seed);
   run.seconds["index"] = watch.elapsed_s();
   watch = {};
   StepCounter counter(monitor, "match", frames);
@@ -200,20 +169,16 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   const size_t at_once = frames_at_once(place_of.size());
   for (size_t begin = 0; begin < frames; begin += at_once) {
     const size_t count = std::min(at_once, frames - begin);
-    const ItemRange own = own_part(share, count);
-    FrameBatch batch{begin, std::vector<std::vector<double>>(count),
-                     std::vector<double>(own.count())};
-    std::vector<size_t> known(count);
+    std::vector<std::vector<double>> views(count);
+    std::vector<double> new_place(count);
     parallel_for(count, monitor, [&](size_t i) {
       const size_t frame = begin + i;
-      known[i] = known_views(searched, frames, frame, settings);
-      batch.views[i] = matcher.views(query.frames[frame], known[i]);
-      if (own.contains(i)) batch.new_place[i - own.first] = matcher.new_place(query.frames[frame]);
+      views[i] =
+          matcher.views(query.frames[frame], known_views(searched, frames, frame, settings));
+      new_place[i] = matcher.new_place(query.frames[frame]);
       counter.add();
     });
-    batch = joined_batch(std::move(batch), known, place_of.size(), share);
-    for (size_t i = 0; share.is_first() && i < count; ++i)
-      fold(begin + i, batch.views[i], batch.new_place[i]);
+    for (size_t i = 0; i < count; ++i) fold(begin + i, views[i], new_place[i]);
   }
   run.seconds["match"] = watch.elapsed_s();
   return run;

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "base/monitor.h"
-#include "base/share.h"
 #include "pipeline/fabmap_train.h"
 #include "recognition/result.h"
 
@@ -41,10 +40,9 @@ FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& q
 /// Recognizes every frame of the query in order. An unreadable frame and a frame without words have
 /// no best match and no hit, and break a window of c_w frames. The same for any number of threads.
 /// Throws Error(usage) for settings out of range, or a database without places unless `loop`.
-/// Several processes share the views; the first one observes, and has the result.
+///
 FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                        const std::string& query_name, const FabmapQuerySettings& settings,
-                       uint64_t seed, const PosteriorObserver& observe, const Share& share,
-                       const Monitor& monitor);
+                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);
 
 }  // namespace vpr

@@ -1,8 +1,6 @@
 #include "pipeline/fabmap_train.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cstring>
 #include <mutex>
 
 #include <fmt/format.h>
@@ -18,7 +16,6 @@
 #include "images/frames.h"
 #include "images/sequence.h"
 #include "images/thinning.h"
-#include "pipeline/shared_frames.h"
 
 namespace vpr {
 namespace {
@@ -32,74 +29,21 @@ cv::Mat no_descriptors(const FeatureSettings& settings) {
   return cv::Mat(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
 }
 
-std::span<const std::byte> bytes_of(const WordSet& words) {
-  return std::as_bytes(std::span(words));
-}
-std::span<const std::byte> bytes_of(const cv::Mat& descriptors) {
-  assert(descriptors.empty() || descriptors.isContinuous());
-  return {reinterpret_cast<const std::byte*>(descriptors.data),
-          descriptors.total() * descriptors.elemSize()};
-}
-
-void from_bytes(std::span<const std::byte> bytes, const FeatureSettings&, WordSet& words) {
-  words = values_of<uint32_t>(bytes);
-}
-void from_bytes(std::span<const std::byte> bytes, const FeatureSettings& settings,
-                cv::Mat& descriptors) {
-  descriptors = no_descriptors(settings);
-  if (bytes.empty()) return;
-  descriptors.create(static_cast<int>(bytes.size() / (descriptors.elemSize() * descriptors.cols)),
-                     descriptors.cols, descriptors.type());
-  std::memcpy(descriptors.data, bytes.data(), bytes.size());
-}
-
-// Of frames that several processes describe: this one's have come.
-template <class T>
-void join_kept(std::vector<T>& kept, const Sequence& sequence, const FeatureSettings& settings,
-               NeededBy needed, const Share& share) {
-  std::vector<uint64_t> sizes;
-  std::vector<std::byte> bytes;
-  for (size_t frame = sequence.own->first; frame < sequence.own->last; ++frame) {
-    const auto more = bytes_of(kept[frame]);
-    sizes.push_back(more.size());
-    bytes.insert(bytes.end(), more.begin(), more.end());
-  }
-  sizes = joined(share, needed, std::move(sizes));
-  bytes = joined(share, needed, std::move(bytes));
-  size_t first = 0;
-  for (size_t frame = 0; frame < sizes.size(); first += sizes[frame++])
-    from_bytes(std::span(bytes).subspan(first, sizes[frame]), settings, kept[frame]);
-}
-
-/// Which frames are described, by whom, and how.
-struct Description {
-  const Sequence& sequence;
-  const FeatureSettings& settings;
-  Unreadable unreadable;
-  NeededBy needed;
-  const Share& share;
-};
-
 // Descriptors by frame; `make` turns them into what is kept.
 template <class T, class Make>
-std::vector<T> for_each_descriptors(const Description& description, const Monitor& monitor,
-                                    FrameList& frames, Make&& make) {
-  const auto& [given, settings, unreadable, needed, share] = description;
-  const Sequence sequence = own_frames(given, share);
+std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSettings& settings,
+                                    bool skip_unreadable, const Monitor& monitor, FrameList& frames,
+                                    Make&& make) {
   std::vector<T> kept(sequence.files.size());
   std::mutex mutex;  // a video's length is not known before its end
-  frames = for_each_frame(sequence, PixelFormat::grey, unreadable, monitor,
-                          [&, &of = settings](size_t index, const cv::Mat& image) {
-                            T made = make(find_features(image, of).descriptors);
+  frames = for_each_frame(sequence, PixelFormat::grey, on_unreadable(skip_unreadable), monitor,
+                          [&](size_t index, const cv::Mat& image) {
+                            T made = make(find_features(image, settings).descriptors);
                             const std::lock_guard lock(mutex);
                             if (index >= kept.size()) kept.resize(index + 1);
                             kept[index] = std::move(made);
                           });
   kept.resize(frames.count());
-  if (is_in_parts(sequence)) {
-    join_kept(kept, sequence, settings, needed, share);
-    join_unreadable(frames, sequence, share);
-  }
   return kept;
 }
 
@@ -117,15 +61,13 @@ void warn_featureless(const std::string& frames_of, size_t featureless, size_t f
 
 // Of the frames that can be decoded: what can't says nothing of how often words are seen.
 std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& pretrain,
-                                          const FabmapTrainSettings& settings, const Share& share,
+                                          const FabmapTrainSettings& settings,
                                           const Monitor& monitor) {
   std::vector<cv::Mat> all;
   for (size_t p = 0; p < pretrain.size(); ++p) {
     FrameList frames;
-    const Sequence sequence = open_sequence(pretrain[p]);
     const std::vector<cv::Mat> found = for_each_descriptors<cv::Mat>(
-        {sequence, settings.features, on_unreadable(settings.skip_unreadable), NeededBy::first,
-         share},
+        open_sequence(pretrain[p]), settings.features, settings.skip_unreadable,
         part_of(monitor, "pretraining", p, pretrain.size()), frames,
         [](const cv::Mat& descriptors) { return descriptors; });
     for (size_t f = 0; f < found.size(); ++f)
@@ -184,36 +126,6 @@ void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descripto
   database.tree = train_chow_liu(frames, words, monitor);
 }
 
-// The others need the vocabulary to describe views by its words.
-void spread_words(FabmapDatabase& database, const Share& share) {
-  if (share.is_alone()) return;
-  const auto own = bytes_of(database.vocabulary);
-  const std::vector<std::byte> bytes =
-      spread(share, "vocabulary", std::vector<std::byte>(own.begin(), own.end()));
-  if (!share.is_first()) from_bytes(bytes, database.settings.features, database.vocabulary);
-}
-
-// The words of a sequence's frames.
-SequenceWords describe_together(const Sequence& sequence, const FabmapDatabase& database,
-                                bool skip_unreadable, NeededBy needed, const Share& share,
-                                const Monitor& monitor) {
-  const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
-  FrameList frames;
-  SequenceWords words;
-  words.frames = for_each_descriptors<WordSet>(
-      {sequence, database.settings.features, on_unreadable(skip_unreadable), needed, share},
-      monitor, frames,
-      [&](const cv::Mat& descriptors) { return quantise(vocabulary, descriptors); });
-  words.names = std::move(frames.names);
-  words.unreadable = std::move(frames.unreadable);
-  words.replay = std::move(frames.replay);
-  words.fps = frames.fps;
-  warn_featureless(sequence.argument.path.string() + range_text(sequence.argument.range),
-                   featureless_frames(words), words.frames.size(), database.settings.features.kind,
-                   monitor);
-  return words;
-}
-
 }  // namespace
 
 SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed) {
@@ -247,33 +159,45 @@ std::string words_fingerprint(const SequenceWords& words) {
 
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
-                            const FabmapTrainSettings& settings, uint64_t seed, const Share& share,
+                            const FabmapTrainSettings& settings, uint64_t seed,
                             const Monitor& monitor) {
   check_train_settings(settings);
   FabmapDatabase database;
   database.settings = settings;
   database.seed = seed;
-  const std::vector<cv::Mat> descriptors = pretrain_descriptors(pretrain, settings, share, monitor);
-  if (share.is_first()) learn_words(database, descriptors, monitor);
-  spread_words(database, share);
-  add_views(database, train, settings.skip_unreadable, share, monitor);
+  learn_words(database, pretrain_descriptors(pretrain, settings, monitor), monitor);
+  add_views(database, train, settings.skip_unreadable, monitor);
   return database;
 }
 
 void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
-               bool skip_unreadable, const Share& share, const Monitor& monitor) {
+               bool skip_unreadable, const Monitor& monitor) {
   for (size_t g = 0; g < groups.size(); ++g) {
     const GroupArgument& group = groups[g];
     const SequenceWords words =
-        describe_together(open_sequence(group.sequence), database, skip_unreadable, NeededBy::first,
-                          share, part_of(monitor, group.name, g, groups.size()));
+        describe_words(open_sequence(group.sequence), database, skip_unreadable,
+                       part_of(monitor, group.name, g, groups.size()));
     add_group(database, {group.name, group.is_place, words.names, words.unreadable}, words.frames);
   }
-  if (share.is_first()) index_views(database);
+  index_views(database);
 }
 
 SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
-                             bool skip_unreadable, const Share& share, const Monitor& monitor) {
-  return describe_together(sequence, database, skip_unreadable, NeededBy::all, share, monitor);
+                             bool skip_unreadable, const Monitor& monitor) {
+  const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
+  FrameList frames;
+  SequenceWords words;
+  words.frames = for_each_descriptors<WordSet>(
+      sequence, database.settings.features, skip_unreadable, monitor, frames,
+      [&](const cv::Mat& descriptors) { return quantise(vocabulary, descriptors); });
+  words.names = std::move(frames.names);
+  words.unreadable = std::move(frames.unreadable);
+  words.replay = std::move(frames.replay);
+  words.fps = frames.fps;
+  warn_featureless(sequence.argument.path.string() + range_text(sequence.argument.range),
+                   featureless_frames(words), words.frames.size(), database.settings.features.kind,
+                   monitor);
+  return words;
 }
+
 }  // namespace vpr

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "base/share.h"
 #include "database/fabmap_database.h"
 #include "images/sequence.h"
 #include "images/warp.h"
@@ -41,20 +40,19 @@ std::string words_fingerprint(const SequenceWords& words);
 /// Local features of the pretraining frames become a vocabulary and a Chow-Liu tree; training
 /// frames become views. Throws Error(usage) for settings out of range, pretraining frames without
 /// any feature, or more words than descriptors, and what for_each_frame throws. Warns where a tenth
-/// of the frames or more have no features. Several processes share the frames; the first one has
-/// the database then.
+/// of the frames or more have no features.
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
-                            const FabmapTrainSettings& settings, uint64_t seed, const Share& share,
+                            const FabmapTrainSettings& settings, uint64_t seed,
                             const Monitor& monitor);
 
 /// Frames become views of new groups; nothing that the database holds is described again.
 void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
-               bool skip_unreadable, const Share& share, const Monitor& monitor);
+               bool skip_unreadable, const Monitor& monitor);
 
 /// The words that a sequence shows, in the database's vocabulary. Warns where a tenth of its frames
-/// or more have no features. Several processes share the frames, and all have the words.
+/// or more have no features.
 SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
-                             bool skip_unreadable, const Share& share, const Monitor& monitor);
+                             bool skip_unreadable, const Monitor& monitor);
 
 }  // namespace vpr

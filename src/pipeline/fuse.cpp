@@ -114,7 +114,7 @@ DescriptorSet describe_both(const Sequence& sequence, const SequenceDatabase& da
   if (database.descriptor.illumination_invariant) {
     DescriptorSet set = kind.describe(sequence, database.descriptor, unreadable, monitor);
     set.words =
-        describe_words(sequence, fused.fabmap, unreadable == Unreadable::skip, {}, monitor).frames;
+        describe_words(sequence, fused.fabmap, unreadable == Unreadable::skip, monitor).frames;
     return set;
   }
   WordCollector words(features, fused.vocabulary);

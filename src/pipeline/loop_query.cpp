@@ -38,10 +38,6 @@ void check_method(const SequenceQuerySettings& settings) {
          fmt::format("{} would follow the path that is being walked: --loop is for fastable, "
                      "fastable-online and openable",
                      settings.method));
-  refuse(!method.is_exact,
-         fmt::format("{} does not see every window, and finds those that were just passed first: "
-                     "--loop is for fastable, fastable-online and openable",
-                     settings.method));
   refuse(!settings.rates.empty(),
          "windows of several rates (--rates) have no common past: leave them out with --loop");
   refuse(score_kind(settings.score).is_offline,
@@ -100,8 +96,7 @@ LoopGap loop_gap_of(const SequenceQuerySettings& settings) {
   return {std::llround(settings.loop_gap_s * double{kSecond}), 0};
 }
 
-void check_loop(const SequenceQuerySettings& settings, const Share& share) {
-  refuse(!share.is_alone(), "--loop with sequences is work for one process: leave mpirun out");
+void check_loop(const SequenceQuerySettings& settings) {
   check_gap(settings);
   check_method(settings);
   check_scale(settings);

@@ -1,7 +1,6 @@
 // A walk against its own past: what takes the place of a database, and what it is asked for.
 #pragma once
 
-#include "base/share.h"
 #include "database/sequence_database.h"
 #include "ground_truth/loop_gap.h"
 #include "recognition/query_settings.h"
@@ -21,7 +20,7 @@ LoopGap loop_gap_of(const SequenceQuerySettings& settings);
 
 /// Throws Error(usage) for settings by which what is said of a frame would depend on later ones,
 /// for methods that do not see every window by itself, and where several processes work.
-void check_loop(const SequenceQuerySettings& settings, const Share& share);
+void check_loop(const SequenceQuerySettings& settings);
 
 /// Throws Error(usage) for a walk against its own past, where there is a database.
 void refuse_loop(const SequenceQuerySettings& settings);

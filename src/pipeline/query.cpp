@@ -6,9 +6,7 @@
 #include "base/error.h"
 #include "base/step_parts.h"
 #include "base/stopwatch.h"
-#include "matching/fastable_batch.h"
 #include "matching/rates.h"
-#include "matching/views.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/verify.h"
@@ -17,50 +15,17 @@
 namespace vpr {
 namespace {
 
-// Compares with an exact search of everything.
-SearchRecall measure_recall(const QueryPlan& plan, const HitScanResult& approximate,
-                            const FrameDistances& distances, const MatchSettings& match,
-                            const QueryResources& resources, const Monitor& monitor) {
-  HitScan scan(scan_settings(plan, resources));
-  match_fastable(distances, match, monitor, std::ref(scan));
-  const HitScanResult exact = scan.result();
-  SearchRecall recall;
-  recall.hits = exact.hits.size();
-  for (size_t window = 0; window < exact.best.size(); ++window) {
-    if (!exact.best[window]) continue;
-    ++recall.windows;
-    const auto& found = approximate.best[window];
-    if (found && found->score == exact.best[window]->score) ++recall.found_best;
-  }
-  return recall;
-}
-
 std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan,
                              const std::optional<ScoreBasis>& basis, const Monitor& monitor) {
   if (cells.empty()) return {};
   const size_t length = plan.settings.window_length;
-  const RatedWindows windows{length, parse_rates(plan.settings.rates)};
-  if (plan.query.given) return wrong_given_cells(cells, plan.train, plan.query, length, monitor);
-  std::optional<ScoreBasis> scored_by = basis;
-  if (basis) scored_by->fusion = searched_basis(*basis, plan).fusion;
-  if (!windows.rates.empty())
-    return wrong_rated_cells(cells, windows, plan.train, plan.query,
-                             scored_by ? &*scored_by : nullptr, monitor);
-  if (plan.settings.loop && plan.settings.score != Score::raw)
-    return wrong_past_scores(cells, plan.query, plan.past, length, plan.settings.standardization,
-                             monitor);
-  if (scored_by) return wrong_scores(cells, plan.train, plan.query, length, *scored_by, monitor);
+  if (basis) return wrong_scores(cells, plan.train, plan.query, length, *basis, monitor);
   return wrong_cells(cells, plan.train, plan.query.rows, length, monitor);
 }
 
-// Each of several processes checks a part of them; the first one says what is wrong.
 void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
-                 const std::optional<ScoreBasis>& basis, const Share& share,
-                 const Monitor& monitor) {
-  const ItemRange own = own_part(share, cells.size());
-  const std::vector<Cell> wrong =
-      collected(share, "wrong cells",
-                find_wrong(std::span(cells).subspan(own.first, own.count()), plan, basis, monitor));
+                 const std::optional<ScoreBasis>& basis, const Monitor& monitor) {
+  const std::vector<Cell> wrong = find_wrong(cells, plan, basis, monitor);
   if (wrong.empty()) return;
   const Cell& first = wrong.front();
   throw Error(ErrorKind::expectation,
@@ -69,15 +34,6 @@ void check_cells(const std::vector<Cell>& cells, const QueryPlan& plan,
                           counted(cells.size(), "cell"), counted(wrong.size(), "difference"),
                           first.query_window, plan.sequences[first.sequence].name,
                           first.train_window, first.score));
-}
-
-std::optional<ResultViews> find_views(const QueryPlan& plan) {
-  if (plan.learned == nullptr || plan.query.given) return std::nullopt;
-  const double typical = plan.learned->typical_distance;
-  ResultViews views{view_starts(plan.query, typical), {}};
-  for (const DescriptorSpan& sequence : plan.train)
-    views.train.push_back(view_starts(sequence, typical));
-  return views;
 }
 
 /// How long each step takes, one after the other.
@@ -128,8 +84,7 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
   if (plan.elsewhere && !method.has_paths)
     margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
   CellScan cells(choose_cells({searched_runs(plan), distances.query_runs, plan.past},
-                              match.window_length, method.is_exact ? resources.verify_cells : 0,
-                              resources.seed));
+                              match.window_length, resources.verify_cells, resources.seed));
   const auto take = [&](const ScoreRow& row) {
     const uint32_t least = resources.kernels.minimum(row.scores.data(), row.scores.size());
     scan.take(row, least);
@@ -145,11 +100,7 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
     margins->join(share);
     found.margins = decided_margins(plan, margins->result());
   }
-  found.cells = method.is_exact
-                    ? joined_cells(share, cells.result())
-                    : choose_found(found.matches, resources.verify_cells, resources.seed);
-  if (resources.verify_cells > 0 && found.cells.empty())
-    warn(monitor, fmt::format("{} found no cell that could be verified", method.name));
+  found.cells = cells.result();
   return found;
 }
 
@@ -157,12 +108,12 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
 
 QueryRun run_query(QueryPlan plan, const QueryResources& resources,
                    const std::vector<RowConsumer>& observers, const Monitor& monitor) {
+  if (resources.verify_cells > 0) check_verification(plan.settings, plan.query.given != nullptr);
   QueryRun run;
   const SequenceMethod& method = find_sequence_method(plan.settings.method);
   MatchSettings match{
-      plan.settings.window_length, resources.memory_limit, resources.kernels,
-      plan.settings.lsh,           resources.seed,         parse_rates(plan.settings.rates),
-      plan.settings.filter};
+      plan.settings.window_length,      resources.memory_limit, resources.kernels, {}, {},
+      parse_rates(plan.settings.rates), plan.settings.filter};
   if (plan.elsewhere) match.shared_places = plan.elsewhere->shared;
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
   const Share& share = resources.share;
@@ -187,12 +138,8 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   run.result.path = std::move(found.path);
   timer.end_step("match");
 
-  if (!method.is_exact && !method.has_paths) {
-    run.result.recall = measure_recall(plan, found.matches, distances, match, resources, monitor);
-    timer.end_step("recall");
-  }
   if (resources.verify_cells > 0) {
-    check_cells(found.cells, plan, basis, share, monitor);
+    check_cells(found.cells, plan, basis, monitor);
     run.verified_cells = found.cells.size();
     timer.end_step("verify");
   }

@@ -20,6 +20,7 @@ namespace vpr {
 namespace {
 
 void check_settings(const SequenceQuerySettings& settings) {
+  find_sequence_method(settings.method);
   check_window_length(settings.window_length);
   if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
   if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
@@ -39,16 +40,6 @@ void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySe
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
                                                 name, fmt::join(names, ", ")));
-}
-
-// Of an approximate method, the largest distance is not known.
-void check_exactness(const SequenceQuerySettings& settings) {
-  if (find_sequence_method(settings.method).is_exact || has_paths(settings.method)) return;
-  if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} does not see every window, and so not max(D); give t_r as a "
-                            "mean frame distance, as in --t-r 200 --t-r-scale bits, or auto",
-                            settings.method));
 }
 
 void check_rates(const SequenceQuerySettings& settings) {
@@ -222,7 +213,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& as
                      const SequenceQuerySettings& given) {
   const SequenceQuerySettings settings = with_implied(given);
   check_settings(settings);
-  check_exactness(settings);
   check_rates(settings);
   check_names(database.sequences, settings);
   check_descriptors(database.descriptors, asked, settings.window_length);
@@ -241,8 +231,7 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryR
   const SequenceQuerySettings& settings = plan.settings;
   plan_sequences(plan, database.sequences, monitor);
   const bool has_widths = !(plan.query.given || settings.loop) || settings.margin_width;
-  if (has_widths && (find_sequence_method(settings.method).is_exact || has_paths(settings.method)))
-    plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
+  if (has_widths) plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
   plan_decision(plan, database, resources, monitor);
   if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)
     plan.statistics = {plan.learned->settings, plan.learned->typical_distance};
@@ -266,7 +255,7 @@ QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
                     const std::string& query_name, const SequenceQuerySettings& settings,
                     std::span<const int64_t> times_ns, const QueryResources& resources,
                     const Monitor& monitor) {
-  check_loop(settings, resources.share);
+  check_loop(settings);
   if (query.frames.replay)
     throw Error(ErrorKind::usage, "a query that is replayed (--warp) has no past of its own");
   QueryPlan plan = begin_plan(walk, query.descriptors, query.span(), query_name, settings);

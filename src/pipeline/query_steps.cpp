@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "matching/views.h"
 
 namespace vpr {
 namespace {
@@ -28,14 +29,16 @@ std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
   return searched;
 }
 
-void check_sharing(const SequenceQuerySettings& settings, const Share& share) {
+// What several processes can share: windows of one rate, by distances or by scores of bits.
+void check_sharing(const QueryPlan& plan, const Share& share) {
   if (share.is_alone()) return;
-  if (!find_sequence_method(settings.method).is_exact)
+  const SequenceQuerySettings& settings = plan.settings;
+  const bool needs_sums = score_kind(settings.score).needs_statistics;
+  if (has_paths(settings.method) || !settings.rates.empty() ||
+      (needs_sums && plan.query.rows.shape.element != ElementType::bits))
     throw Error(ErrorKind::usage,
-                fmt::format("{} is work for one process: leave mpirun out", settings.method));
-  if (!settings.rates.empty())
-    throw Error(ErrorKind::usage,
-                "windows of several rates are work for one process: leave mpirun out");
+                "mpirun shares windows of one rate, by raw distances or by standardized scores of "
+                "binary descriptors; leave mpirun out");
 }
 
 }  // namespace
@@ -69,7 +72,7 @@ FrameDistances searched_distances(const QueryPlan& plan) {
 }
 
 OwnDistances own_distances(const QueryPlan& plan, size_t longest, const Share& share) {
-  check_sharing(plan.settings, share);
+  check_sharing(plan, share);
   const std::vector<DescriptorSpan> searched = searched_sequences(plan);
   TrainPart part = own_windows(searched, longest, share);
   FrameDistances frames = part_distances(searched, part, plan.query, plan.train, share);
@@ -104,6 +107,15 @@ void set_mean_limits(Target& sequence, std::vector<double> window_means) {
 std::vector<std::optional<uint32_t>> decided_margins(const QueryPlan& plan,
                                                      const MarginScanResult& found) {
   return plan.settings.margin_support ? supported_margins(found) : found.margins;
+}
+
+std::optional<ResultViews> find_views(const QueryPlan& plan) {
+  if (plan.learned == nullptr || plan.query.given) return std::nullopt;
+  const double typical = plan.learned->typical_distance;
+  ResultViews views{view_starts(plan.query, typical), {}};
+  for (const DescriptorSpan& sequence : plan.train)
+    views.train.push_back(view_starts(sequence, typical));
+  return views;
 }
 
 HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {

@@ -44,6 +44,10 @@ void set_mean_limits(Target& sequence, std::vector<double> window_means);
 std::vector<std::optional<uint32_t>> decided_margins(const QueryPlan& plan,
                                                      const MarginScanResult& found);
 
+/// Stretches of similar frames in the query and the training sequences; none without a typical
+/// distance.
+std::optional<ResultViews> find_views(const QueryPlan& plan);
+
 /// A scan for hits below the result's limits.
 HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources);
 

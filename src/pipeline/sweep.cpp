@@ -13,7 +13,6 @@
 #include "matching/rates.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
-#include "recognition/joined_scans.h"
 
 namespace vpr {
 namespace {
@@ -37,10 +36,6 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
                 fmt::format("{} has neither c_l nor t_r, which a sweep is over; vpr-query --method "
                             "{} needs no tuning",
                             base.method, base.method));
-  if (!find_sequence_method(base.method).is_exact)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("a sweep is exact; {} is not, leave it out of the settings", base.method));
   if (base.threshold_share)
     throw Error(ErrorKind::usage,
                 "a sweep has no t_r_share, which goes with the one t_r that vpr-tune calibrate "
@@ -104,15 +99,13 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   std::vector<size_t> windows;
   for (const LengthSweep& length : lengths)
     windows.push_back(length.planned.front().settings.window_length);
-  const Share& share = resources.share;
   const OwnDistances own =
-      own_distances(first, *std::max_element(windows.begin(), windows.end()), share);
+      own_distances(first, *std::max_element(windows.begin(), windows.end()), {});
   MatchSettings match{1, resources.memory_limit, resources.kernels};
   match.rates = parse_rates(first.settings.rates);
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
     match_fastable_lengths(scored(own.frames, basis, first, own.part.held, monitor), windows, match,
-                           monitor,
-                           share.is_alone() ? consume : own_length_rows(own.part, consume));
+                           monitor, consume);
   };
   if (any_relative(lengths)) {
     std::deque<MaximumScan> maxima;
@@ -120,19 +113,16 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
       maxima.emplace_back(first.sequences.size(), resources.kernels);
     match_lengths([&](size_t l, const ScoreRow& row) { maxima[l](row); });
     for (size_t l = 0; l < lengths.size(); ++l) {
-      const std::vector<uint32_t> found = joined_maxima(share, maxima[l].result());
+      const std::vector<uint32_t> found = maxima[l].result();
       for (QueryPlan& plan : lengths[l].planned)
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
   std::deque<HitScan> hits;
-  std::vector<size_t> most_hits;
   std::deque<MarginScan> margins;
   std::deque<LabelledScan> labelled;
   for (const LengthSweep& length : lengths) {
-    const HitScanSettings limits = widest_scan(length, share_of(resources, lengths.size()));
-    hits.emplace_back(limits);
-    most_hits.push_back(limits.max_hits);
+    hits.emplace_back(widest_scan(length, share_of(resources, lengths.size())));
     if (decision_kind(first.settings.decision).accepts == nullptr) continue;
     const QueryPlan& plan = length.planned.front();
     margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels);
@@ -145,11 +135,9 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     if (!labelled.empty()) labelled[l](row);
   });
   for (size_t l = 0; l < lengths.size(); ++l) {
-    lengths[l].found = joined_hits(share, hits[l].result(), most_hits[l]);
+    lengths[l].found = hits[l].result();
     if (margins.empty()) continue;
-    margins[l].join(share);
     lengths[l].margins = decided_margins(first, margins[l].result());
-    labelled[l].join(share);
     lengths[l].labelled = labelled[l].result();
   }
 }
@@ -214,14 +202,12 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
     const LengthSweep& length = lengths[cell / thresholds];
     return untrained_windows(length, length.planned[cell % thresholds]);
   };
-  return count_cells(shape, grid, result_of, truth, resources.seed, resources.share, monitor,
-                     untrained_of);
+  return count_cells(shape, grid, result_of, truth, resources.seed, monitor, untrained_of);
 }
 
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
-                   const TruthReader& read_truth, uint64_t seed, const Share& share,
-                   const Monitor& monitor) {
+                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor) {
   check_grid(grid, base);
   const std::vector<uint32_t> place_of = database.places();
   const size_t thresholds = grid.thresholds.size();
@@ -237,8 +223,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
         append_hits(hits[w * thresholds + t], frame, shown, windows[t], grid.windows[w], place_of);
     }
   };
-  const Result all =
-      query_fabmap(database, query, query_name, base, seed, observe, share, monitor).result;
+  const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
   const auto result_of = [&](size_t cell) {
     Result result = all;
     FabmapQuerySettings settings = base;
@@ -248,7 +233,7 @@ Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
     result.hits = hits[cell];
     return result;
   };
-  return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, share, monitor);
+  return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, monitor);
 }
 
 }  // namespace vpr

@@ -18,7 +18,6 @@ using TruthReader = std::function<GroundTruth(const GroundTruthScope&)>;
 /// distance): windows of all lengths come from the same pass, thresholds of one length from its
 /// hits at the largest. `base`: the other settings. Each warning is said once. Throws as plan_query
 /// does, and Error(usage) where the hits of all lengths do not fit into the memory together.
-/// Several processes share the training windows; all are told the counts.
 Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
                       const std::string& query_name, const SequenceQuerySettings& base,
                       const Grid& grid, const TruthReader& read_truth,
@@ -28,7 +27,7 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
 /// range, an automatic threshold, and the loop mode.
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
-                   const TruthReader& read_truth, uint64_t seed, const Share& share,
+                   const TruthReader& read_truth, uint64_t seed,
                    const Monitor& monitor);
 
 }  // namespace vpr

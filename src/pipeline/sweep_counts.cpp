@@ -71,7 +71,7 @@ Grid grid_of(std::span<const CellCounts> cells) {
 
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Share& share, const Monitor& monitor,
+                  uint64_t seed, const Monitor& monitor,
                   const UntrainedWindows& untrained_of) {
   Sweep sweep;
   sweep.query_name = shape.query_name;
@@ -79,11 +79,9 @@ Sweep count_cells(const Result& shape, const Grid& grid,
   sweep.score = &shape.score();
   name_threshold(sweep, shape.settings);
   sweep.protocol = truth.protocol;
-  sweep.cells = made_by_first(share, "counts", [&] {
-    return counted_cells(grid, result_of, truth, untrained_of, monitor);
-  });
+  sweep.cells = counted_cells(grid, result_of, truth, untrained_of, monitor);
   sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
-  if (!sweep.recommendation.cell || !share.is_first()) return sweep;
+  if (!sweep.recommendation.cell) return sweep;
   const Result recommended = result_of(*sweep.recommendation.cell);
   sweep.recommended_settings = recommended.settings;
   sweep.intervals = count_intervals(recommended, truth, seed);

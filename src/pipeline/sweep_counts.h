@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "base/share.h"
 #include "evaluation/sweep.h"
 #include "ground_truth/ground_truth.h"
 #include "recognition/result.h"
@@ -32,7 +31,7 @@ using UntrainedWindows = std::function<std::optional<uint64_t>(size_t cell)>;
 /// counts and the choice.
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Share& share, const Monitor& monitor,
+                  uint64_t seed, const Monitor& monitor,
                   const UntrainedWindows& untrained_of = {});
 
 /// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:

@@ -13,7 +13,6 @@
 #include "matching/distance_statistics.h"
 #include "pipeline/fuse.h"
 #include "pipeline/margin_plan.h"
-#include "pipeline/shared_frames.h"
 #include "pipeline/thresholds.h"
 
 namespace vpr {
@@ -27,30 +26,10 @@ namespace {
                                            element_words(found), expected.length));
 }
 
-// Of a sequence that several processes describe, each has the rows of its part, and zeros.
-void join_rows(DescriptorSet& set, const Sequence& sequence, NeededBy needed, const Share& share) {
-  const ItemRange own = *sequence.own;
-  std::vector<uint8_t>& rows = set.descriptors.owned;
-  const size_t row_bytes = set.descriptors.shape().row_bytes();
-  const auto at = [&](size_t frame) { return rows.begin() + ptrdiff_t(frame * row_bytes); };
-  rows = joined(share, needed, std::vector<uint8_t>(at(own.first), at(own.last)));
-  join_unreadable(set.frames, sequence, share);
-}
-
-DescriptorSet describe_together(const Sequence& given, const SequenceDatabase& database,
-                                bool skip_unreadable, NeededBy needed, const Share& share,
-                                const Monitor& monitor) {
-  const Sequence sequence = own_frames(given, share);
-  DescriptorSet set = describe_frames(sequence, database, skip_unreadable, monitor);
-  if (is_in_parts(sequence)) join_rows(set, sequence, needed, share);
-  return set;
-}
-
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
-                     bool skip_unreadable, const Share& share, const Monitor& monitor) {
-  DescriptorSet described = describe_together(open_sequence(argument.sequence), database,
-                                              skip_unreadable, NeededBy::first, share, monitor);
-  if (!share.is_first()) return;
+                     bool skip_unreadable, const Monitor& monitor) {
+  DescriptorSet described =
+      describe_frames(open_sequence(argument.sequence), database, skip_unreadable, monitor);
   if (!described.frames.unreadable.empty())
     warn(monitor, fmt::format("{}: {} of {} can't be decoded and will never match", argument.name,
                               described.frames.unreadable.size(),
@@ -68,9 +47,9 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
 }
 
 void append_sequences(SequenceDatabase& database, const std::vector<NamedArgument>& sequences,
-                      bool skip_unreadable, const Share& share, const Monitor& monitor) {
+                      bool skip_unreadable, const Monitor& monitor) {
   for (size_t s = 0; s < sequences.size(); ++s)
-    append_sequence(database, sequences[s], skip_unreadable, share,
+    append_sequence(database, sequences[s], skip_unreadable,
                     part_of(monitor, sequences[s].name, s, sequences.size()));
 }
 
@@ -193,14 +172,9 @@ DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& 
   return kind.describe(sequence, settings, unreadable, monitor);
 }
 
-DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
-                              bool skip_unreadable, const Share& share, const Monitor& monitor) {
-  return describe_together(sequence, database, skip_unreadable, NeededBy::all, share, monitor);
-}
-
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const RowKernels& kernels,
-                                 const Share& share, const Monitor& monitor) {
+                                 const Monitor& monitor) {
   check_window_length(settings.window_length);
   check_safety_factor(settings.safety_factor);
   SequenceDatabase database;
@@ -209,8 +183,7 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   if (database.descriptors.kind->shape.element == ElementType::coordinates)
     database.descriptors.unit =
         coordinate_unit(settings.descriptor_kind, opened(sequences), monitor);
-  append_sequences(database, sequences, settings.skip_unreadable, share, monitor);
-  if (!share.is_first()) return database;
+  append_sequences(database, sequences, settings.skip_unreadable, monitor);
   warn_of_short_sequences(database, settings.window_length, monitor);
   warn_of_near_frames(database, monitor);
   add_typical_distances(database, monitor);
@@ -222,16 +195,14 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
 
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
-                               const RowKernels& kernels, const Share& share,
-                               const Monitor& monitor) {
+                               const RowKernels& kernels, const Monitor& monitor) {
   SequenceDatabase extended;
   extended.descriptor = database.descriptor;
   extended.sequences = database.sequences;
   extended.descriptors.kind = database.descriptors.kind;
   extended.descriptors.unit = database.descriptors.unit;
   extended.descriptors.append(database.descriptors.rows());
-  append_sequences(extended, sequences, skip_unreadable, share, monitor);
-  if (!share.is_first()) return extended;
+  append_sequences(extended, sequences, skip_unreadable, monitor);
   add_typical_distances(extended, monitor);
   ensure_places(extended, kernels, monitor);
   for (const ThresholdTable& table : database.thresholds) {

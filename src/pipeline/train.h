@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "base/share.h"
 #include "database/sequence_database.h"
 #include "descriptors/descriptor_rows.h"
 #include "images/sequence_argument.h"
@@ -42,28 +41,23 @@ struct NamedArgument {
 /// Describes each sequence and computes the thresholds for settings.window_length (unless
 /// is_left_to_queries, which is said) and the training statistics. Names must differ. Throws
 /// Error(usage) for settings out of range, and what DescriptorKind::describe throws. Warns of
-/// overlapping sequences, and of those shorter than a window. Several processes share the frames;
-/// the first one has the database then.
+/// overlapping sequences, and of those shorter than a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const RowKernels& kernels,
-                                 const Share& share, const Monitor& monitor);
+                                 const Monitor& monitor);
 
 /// The database with more sequences; what it has is not described again. Thresholds are computed
 /// again for every window length that it has them for, and statistics with the settings that it
 /// has. Descriptors are of the database's kind.
 SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
-                               const RowKernels& kernels, const Share& share,
-                               const Monitor& monitor);
+                               const RowKernels& kernels, const Monitor& monitor);
 
 /// The frames of a sequence, described as the database's are; with the words that they show, where
 /// it is fused with FAB-MAP's (pipeline/fuse.h). Throws what DescriptorKind::describe throws, and
 /// Error(data) for images where descriptors are imported, or the other way round.
 DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
                               bool skip_unreadable, const Monitor& monitor);
-/// The same by several processes together, in all of them.
-DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& database,
-                              bool skip_unreadable, const Share& share, const Monitor& monitor);
 
 /// Descriptors and unreadable frames of every sequence, as the matchers take them. They point into
 /// the database.

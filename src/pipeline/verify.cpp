@@ -5,13 +5,13 @@
 #include <functional>
 #include <unordered_set>
 
+#include "base/error.h"
 #include "base/parallel.h"
-#include "matching/given_distances.h"
+#include "matching/lsh.h"
+#include "matching/methods.h"
 #include "matching/plain.h"
-#include "matching/plain_past.h"
 #include "matching/plain_standardized.h"
 #include "matching/score_kernels.h"
-#include "pipeline/verify_fusion.h"
 #include "recognition/threshold.h"
 
 namespace vpr {
@@ -117,38 +117,12 @@ std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_
   return cells;
 }
 
-std::vector<Cell> choose_found(const HitScanResult& found, size_t count, uint64_t seed) {
-  if (count == 0) return {};
-  std::vector<Cell> all = found.hits;
-  for (const auto& best : found.best)
-    if (best) all.push_back(*best);
-  std::sort(all.begin(), all.end(), by_position);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  std::vector<Cell> chosen;
-  for (const uint64_t index : choose_indices(all.size(), count, seed)) chosen.push_back(all[index]);
-  std::sort(chosen.begin(), chosen.end(), by_position);
-  return chosen;
-}
-
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
                               const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor) {
   return wrong_sums(cells, monitor, [&](const Cell& cell) {
     return plain_window_distance(train[cell.sequence].rows, cell.train_window, query,
                                  cell.query_window, window_length);
-  });
-}
-
-std::vector<Cell> wrong_given_cells(std::span<const Cell> cells,
-                                    std::span<const DescriptorSpan> train,
-                                    const DescriptorSpan& query, size_t window_length,
-                                    const Monitor& monitor) {
-  return wrong_sums(cells, monitor, [&](const Cell& cell) {
-    uint32_t sum = 0;
-    for (size_t k = 0; k < window_length; ++k)
-      sum += query.given->distance(frame_number(query.rows[cell.query_window + k]),
-                                   frame_number(train[cell.sequence].rows[cell.train_window + k]));
-    return sum;
   });
 }
 
@@ -162,7 +136,6 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
     first_frame.push_back(frames);
     frames += sequence.rows.size();
   }
-  const PlainFusion fusion(train, query, basis, cells, window_length, monitor);
   std::vector<double> right(cells.size(), 0);
   parallel_for(cells.size(), monitor, [&](size_t c) {
     const Cell& cell = cells[c];
@@ -171,30 +144,20 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
     for (size_t k = 0; k < window_length; ++k) {
       const size_t i = cell.train_window + k;
       const size_t frame = first_frame[cell.sequence] + i;
-      const double z =
-          plain_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known), updates,
-                             basis)[cell.query_window + k];
-      right[c] += fusion(z, cell.sequence, i, cell.query_window + k);
-    }
-  });
-  return wrong_beyond_tolerance(cells, right, window_length,
-                                score_tolerance(window_length, basis.fusion));
-}
-
-std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescriptorSpan& walk,
-                                    std::span<const uint32_t> past, size_t window_length,
-                                    const StandardizationSettings& settings,
-                                    const Monitor& monitor) {
-  const PlainPast shared = plain_past(walk, past, settings, monitor);
-  std::vector<double> right(cells.size(), 0);
-  parallel_for(cells.size(), monitor, [&](size_t c) {
-    for (size_t k = 0; k < window_length; ++k) {
-      const size_t frame = cells[c].query_window + k;
-      right[c] +=
-          plain_past_scores(walk, past, settings, shared, cells[c].train_window + k, frame)[frame];
+      right[c] += plain_frame_scores(train[cell.sequence].rows[i], frame, query.rows.first(known),
+                                     updates, basis)[cell.query_window + k];
     }
   });
   return wrong_beyond_tolerance(cells, right, window_length, score_tolerance(window_length));
+}
+
+void check_verification(const SequenceQuerySettings& settings, bool has_matrix) {
+  if (has_paths(settings.method) || settings.method == kLshMethod || !settings.rates.empty() ||
+      settings.fusion_weight || settings.loop || has_matrix)
+    throw Error(
+        ErrorKind::usage,
+        "--verify recomputes windows of one rate, by raw distances or standardized scores; "
+        "leave it out with --method filter, --method lsh, --rates, --fuse, --loop and --scores");
 }
 
 }  // namespace vpr

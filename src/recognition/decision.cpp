@@ -28,20 +28,9 @@ void check_threshold(const SequenceQuerySettings& settings) {
   if (!(*settings.threshold_share >= 0 && *settings.threshold_share <= 1))
     throw Error(ErrorKind::usage,
                 fmt::format("t_r_share must be from 0 to 1, found {}", *settings.threshold_share));
-  if (!find_sequence_method(settings.method).is_exact)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} does not see every window, and so not what is elsewhere, which "
-                            "t_r_share needs; take fastable, or leave it out",
-                            settings.method));
 }
 
 void check_margin(const SequenceQuerySettings& settings) {
-  const SequenceMethod& method = find_sequence_method(settings.method);
-  if (!method.is_exact && !method.has_paths)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} does not see every window, and so not the best one elsewhere, "
-                            "which a margin needs; take fastable, or --decide threshold",
-                            settings.method));
   if (settings.distance_threshold || settings.threshold_scale || settings.safety_factor ||
       settings.safety_margin != 0 || settings.threshold_share)
     throw Error(ErrorKind::usage,
@@ -81,7 +70,6 @@ constexpr DecisionKind kMargin = {
     .order = ScoreOrder::similarity,
     .setting = &SequenceQuerySettings::margin,
     .settings = kMarginSettings,
-    .needs_exact = true,
     .check = check_margin,
     .accepts = has_margin};
 

@@ -30,7 +30,6 @@ struct DecisionKind {
   /// Its setting; none: automatic.
   std::optional<double> SequenceQuerySettings::*setting = nullptr;
   std::span<const std::string_view> settings = {};  ///< keys of settings that only it has
-  bool needs_exact = {};  ///< it needs every cell, which approximate methods do not see
 
   /// Throws Error(usage) for settings out of range, and those of another decision.
   void (*check)(const SequenceQuerySettings& settings) = nullptr;

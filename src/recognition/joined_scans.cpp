@@ -35,12 +35,4 @@ HitScanResult joined_hits(const Share& share, HitScanResult own, size_t max_hits
   return all;
 }
 
-std::vector<Cell> joined_cells(const Share& share, std::vector<Cell> own) {
-  std::vector<uint64_t> scores;
-  for (const Cell& cell : own) scores.push_back(cell.score);
-  add_up(share, "cells to verify", scores);
-  for (size_t i = 0; i < own.size(); ++i) own[i].score = static_cast<uint32_t>(scores[i]);
-  return own;
-}
-
 }  // namespace vpr

@@ -17,7 +17,4 @@ std::vector<uint32_t> joined_maxima(const Share& share, const std::vector<uint32
 /// where the hits are more than max_hits.
 HitScanResult joined_hits(const Share& share, HitScanResult own, size_t max_hits);
 
-/// The scores of cells, each of which one process has found; 0 in the others.
-std::vector<Cell> joined_cells(const Share& share, std::vector<Cell> own);
-
 }  // namespace vpr

@@ -79,7 +79,7 @@ TEST_CASE("what the filter implies can't be asked for otherwise") {
            {{"--decide", "threshold"}, "--decide"},
            {{"--margin-width", "4"}, "filter.near_views"},
            {{"--t-r", "-1"}, "t_r"},
-           {{"--verify", "3"}, "vpr-bench matching --methods filter"}}) {
+           {{"--verify", "3"}, "leave it out with --method filter"}}) {
     std::vector<std::string> all = {back};
     all.insert(all.end(), words.begin(), words.end());
     test::check_failure(query(all), 2, named);

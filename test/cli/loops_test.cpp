@@ -174,8 +174,8 @@ TEST_CASE("a walk against its own past gives loops that vpr-eval judges") {
   const std::string list = laps.folder / "loops.csv";
   for (const char* score : {"raw", "standardized"}) {
     INFO(score);
-    const auto run = laps.query({"--loop-gap", "15", "--score", score, "-o", laps.result,
-                                 "--save-loops", list, "--verify", "100"});
+    const auto run =
+        laps.query({"--loop-gap", "15", "--score", score, "-o", laps.result, "--save-loops", list});
     INFO(run.err);
     REQUIRE(run.exit_code == 0);
     const Json by_result = laps.judge(laps.result, {});

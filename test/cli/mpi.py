@@ -24,7 +24,8 @@ for missing, why in ((not shutil.which("mpirun"), "mpirun is not installed"),
 folder = pathlib.Path(tempfile.mkdtemp())
 # More processes than cores, and root, are fine here.
 environment = {**os.environ, "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "TMPDIR": "/tmp"}
+               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "TMPDIR": "/tmp",
+               "OMPI_MCA_odls_base_sigkill_timeout": "20"}
 # Of programs with AddressSanitizer: Open MPI ends without giving back what its components took, which
 # it has unloaded by then, so that no suppression can name them. Without mpirun leaks are looked for.
 beside_mpi = {**environment,
@@ -95,15 +96,6 @@ def remove(name):
         shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
-def write_walks(train, query):
-    """90 vectors of 8 numbers, and 50 of them nearly, behind which are others."""
-    draw = numpy.random.default_rng(7)
-    walk = draw.normal(size=(90, 8))
-    again = walk[20:70] + draw.normal(0, 0.1, (50, 8))
-    numpy.save(train, walk)
-    numpy.save(query, numpy.concatenate([again, draw.normal(size=(20, 8))]))
-
-
 def compare_runs():
     run(0, f"vpr-synth {source}/test/golden/world.json -o data --quiet")
     walks = json.loads((folder / "data/dataset.json").read_text())["train"]
@@ -111,52 +103,54 @@ def compare_runs():
         (folder / "data" / walks[0]["sequence"]).glob("*.png"))
     frames[len(frames) // 3].write_bytes(b"no image")  # ends a run of windows
     data = "--dataset data/dataset.json --skip-unreadable"
-    same_bytes(f"vpr-train fastable {data} --c-l 6", ".vprdb", (1, 2, 7))
-    train = " ".join(f"--pretrain data/{walk['sequence']}" for walk in walks)
-    train = f"vpr-train fabmap {data} {train} --features orb --words 40"
-    same_bytes(train, ".vprdb", (3,))
     run(0, f"vpr-train fastable {data} --c-l 6 -o walks.vprdb --quiet")
-    run(0, f"{train} -o places.vprdb --quiet")
-    query = f"walks.vprdb {data}"
-    every = range(1, 8)
-    same_bytes(f"vpr-query {query} --c-l 6 --verify 30", ".json", (1, 4))
-    same_bytes(f"vpr-query {query} --c-l 5 --score standardized --decide margin --verify 30", ".json",
-               every)
-    write_walks(folder / "v.npy", folder / "q.npy")
-    run(0, "vpr-train descriptors --npy v.npy --c-l 20 -o vectors.vprdb --quiet")
-    same_bytes("vpr-query vectors.vprdb --query-npy q.npy --c-l 20 --score standardized "
-               "--decide margin --margin-support", ".json", (2, 3))
-    same_bytes(f"vpr-query {query} --c-l 4 --margin 0.1 --decide margin", ".json", (2, 5))
-    same_bytes(f"vpr-query {query} --c-l 4 --t-r 0.6 --method fastable-online", ".json", (3,))
-    same_bytes(f"vpr-query {query} --c-l 4 --t-r 0.7 --t-r-scale mean --method openable", ".json", (4,))
-    same_bytes(f"vpr-query {query} --c-l 3 --score standardized-offline --verify 9", ".json", (2, 6))
-    same_bytes(f"vpr-tune fastable {query} --c-l 3,6 --t-r 0.3,0.6,auto", ".json", (3, 7))
-    same_bytes(f"vpr-tune fastable {query} --c-l 3,6 --score standardized --decide margin", ".json", (2,))
-    places = f"places.vprdb {data}"
-    same_bytes(f"vpr-query {places} --t-p 0.3 --save-posteriors NAME.posteriors.npy", ".json", (2, 7))
-    same_bytes(f"vpr-query {places} --t-p 0.3 --variant fabmap2-fixed --loop", ".json", (3,))
-    same_bytes("vpr-tune fabmap places.vprdb --query data/back --ground-truth aligned --tolerance 3 "
-               "--c-w 1,2 --t-p 0.3,0.9", ".json", (5,))
+    query = f"vpr-query walks.vprdb {data}"
+    same_bytes(f"{query} --c-l 6", ".json", (1, 4))
+    same_bytes(f"{query} --c-l 5 --score standardized --decide margin", ".json", range(1, 8))
+    same_bytes(f"{query} --c-l 4 --margin 0.1 --decide margin", ".json", (2, 5))
+    same_bytes(f"{query} --c-l 4 --t-r 0.6 --method fastable-online", ".json", (3,))
+    same_bytes(f"{query} --c-l 4 --t-r 300 --t-r-scale bits --method openable", ".json", (4,))
+    same_bytes(f"{query} --c-l 3 --score standardized-offline --t-r -1", ".json", (2, 6))
+
+
+def refused(start, what):
+    """One sentence, exit code 2, and nothing is written."""
+    done = subprocess.run(start, cwd=folder, env=beside_mpi, capture_output=True, text=True, timeout=60)
+    said = [line for line in done.stderr.splitlines() if line.startswith("vpr-")]
+    check(done.returncode == 2 and len(said) == 1, f"{what}: code {done.returncode}\n{done.stderr}")
+    return said[0]
 
 
 def compare_failures():
-    """One sentence, and the exit code of one process."""
     data = "--dataset data/dataset.json"
-    alone = run(0, f"vpr-train fastable {data} -o failed.vprdb", code=3)
-    shared = run(3, f"vpr-train fastable {data} -o failed.vprdb", code=3)
-    check(sentences(shared, "vpr-train") == sentences(alone, "vpr-train") != [],
-          f"a frame that one process can't read: {shared.stderr}")
-    for words in (f"vpr-query walks.vprdb {data} --skip-unreadable --method lsh --t-r 0.5",
-                  f"vpr-query walks.vprdb {data} --skip-unreadable --rates 1/2,1 --t-r 0.5",
-                  f"vpr-query walks.vprdb {data} --skip-unreadable --save-matrix failed.npy --t-r 0.5",
-                  f"vpr-query walks.vprdb {data} --skip-unreadable --fuse places.vprdb --t-r -2",
-                  "vpr-tune fastable walks.vprdb --query data/back --ground-truth aligned "
-                  "--fuse places.vprdb",
-                  f"vpr-query places.vprdb {data} --skip-unreadable --variant fbo",
-                  "vpr-eval failed.json", "vpr-train info walks.vprdb", "vpr-query --no-such-flag"):
-        said = run(2, words, code=2)
-        check(len(sentences(said, words.split()[0])) == 1, f"{words}: {said.stderr}")
+    alone = run(0, f"vpr-query walks.vprdb --query data/{broken()} -o failed.json", code=3)
+    shared = run(3, f"vpr-query walks.vprdb --query data/{broken()} -o failed.json", code=3)
+    check(sentences(shared, "vpr-query") == sentences(alone, "vpr-query") != [],
+          f"a frame that can't be read: {shared.stderr}")
+    query = f"vpr-query walks.vprdb {data} --skip-unreadable"
+    run(0, f"vpr-train fabmap --pretrain data/back --features orb --words 20 --train data/back "
+        "-o places.vprdb --quiet")
+    numpy.save(folder / "v.npy", numpy.random.default_rng(7).normal(size=(90, 8)))
+    run(0, "vpr-train descriptors --npy v.npy --c-l 20 -o vectors.vprdb --quiet")
+    for words in (f"{query} --method filter", f"{query} --rates 1/2,1 --t-r 0.5",
+                  f"{query} --save-matrix failed.npy --t-r 0.5", f"{query} --verify 5",
+                  "vpr-query vectors.vprdb --query-npy v.npy --c-l 20 --score standardized --t-r -1",
+                  "vpr-query places.vprdb --query data/back",
+                  "vpr-query --loop --loop-gap 20 --query data/back --t-r 0.3",
+                  f"vpr-train fastable {data} -o failed.vprdb", "vpr-train info walks.vprdb",
+                  "vpr-tune fastable walks.vprdb --query data/back --ground-truth aligned",
+                  "vpr-eval failed.json", "vpr-query --no-such-flag"):
+        said = refused(command(2, words), words)
+        check("mpirun" in said or "no-such-flag" in said, f"{words}: {said}")
+    different = [*command(1, f"{query} --c-l 4 -o failed.json"), ":",
+                 *command(1, f"{query} --c-l 5 -o failed.json")[1:]]
+    check("different arguments" in refused(different, "another --c-l"), "another --c-l is named")
     check(not list(folder.glob("failed*")) and not list(folder.glob(".failed*")), "something was written")
+
+
+def broken():
+    """The training sequence with a frame that can't be decoded."""
+    return json.loads((folder / "data/dataset.json").read_text())["train"][0]["sequence"]
 
 
 def processes_of(parent):
@@ -199,15 +193,38 @@ def interrupted(end, leaves_parts=False):
     return [line for line in said.splitlines() if line.startswith("vpr-query: ")]
 
 
+def stop_one_and_kill_mpirun(mpirun, started):
+    os.kill(started[1], signal.SIGSTOP)
+    os.kill(mpirun, signal.SIGKILL)
+
+
+def interrupt_at_start():
+    """Once the first process has installed its handler, a run that is interrupted says so."""
+    words = "vpr-query long.vprdb --query-npy long.npy --method openable --c-l 900 --t-r 0.3 -o long.json"
+    for wait in (0, 0.05, 0.1, 0.2):
+        mpirun = subprocess.Popen(command(3, words), cwd=folder, env=beside_mpi, text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        while len(processes_of(mpirun.pid)) < 3:
+            check(mpirun.poll() is None, "the processes did not start")
+        time.sleep(wait)
+        os.kill(mpirun.pid, signal.SIGINT)
+        _, said = mpirun.communicate(timeout=60)
+        check("vpr-query: interrupted; nothing was written" in said, f"{wait} s after the start: {said}")
+
+
 def compare_ends():
     codes = numpy.random.default_rng(1).integers(0, 256, (20000, 8), dtype=numpy.uint8)
     numpy.save(folder / "long.npy", codes)
     run(0, "vpr-train descriptors --npy long.npy --bits --c-l 10 -o long.vprdb --quiet")
     sentence = ["vpr-query: interrupted; nothing was written"]
+    interrupt_at_start()
     said = interrupted(lambda mpirun, started: os.kill(started[1], signal.SIGKILL))
     check(said == sentence, f"a process is killed: {said}")
     said = interrupted(lambda mpirun, started: os.kill(mpirun, signal.SIGINT))
     check(said == sentence, f"mpirun is interrupted: {said}")
+    said = interrupted(lambda mpirun, started: os.kill(mpirun, signal.SIGTERM))
+    check(said == sentence, f"mpirun is terminated: {said}")
+    interrupted(stop_one_and_kill_mpirun)
     said = interrupted(lambda mpirun, started: os.kill(started[0], signal.SIGKILL), leaves_parts=True)
     check(said == [], f"the first process is killed, and mpirun alone says so: {said}")
 

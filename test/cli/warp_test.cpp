@@ -191,10 +191,8 @@ TEST_CASE(
   const std::vector<std::string> rates = {"--rates", "1/2,2/3,1,3/2,2"};
   for (const char* score : {"raw", "standardized"}) {
     INFO(score);
-    const auto outcome = run(
-        "r.json", joined(rates, {"--score", score, "--warp", "2", "--verify", "300", "--force"}));
+    const auto outcome = run("r.json", joined(rates, {"--score", score, "--warp", "2", "--force"}));
     REQUIRE(outcome.exit_code == 0);
-    CHECK(outcome.out.find("300 cells, 0 differences") != std::string::npos);
   }
   const NpyArray array(out / "r.best_rates.npy");
   const auto found = array.values<double>(1);

@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "base/simd.h"
+#include "reference/plain_words.h"
 
 using namespace vpr;
 

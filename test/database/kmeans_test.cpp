@@ -11,6 +11,7 @@
 #include "base/simd.h"
 #include "database/radius_clustering.h"
 #include "descriptors/vocabulary.h"
+#include "reference/plain_words.h"
 #include "support.h"
 
 using namespace vpr;

@@ -55,7 +55,7 @@ void query_places(const std::filesystem::path& folder) {
   for (size_t v = 0; v < std::min(kQueryFrames, database.views.views()); ++v)
     query.frames.emplace_back(database.views.view(v).begin(), database.views.view(v).end());
   query.names.resize(query.frames.size());
-  query_fabmap(database, query, "q", {}, 1, [](size_t, std::span<const double>) {}, {}, {});
+  query_fabmap(database, query, "q", {}, 1, [](size_t, std::span<const double>) {}, {});
 }
 
 }  // namespace

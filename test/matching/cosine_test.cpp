@@ -14,6 +14,7 @@
 #include "matching/components.h"
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
+#include "matching/lsh.h"
 #include "matching/methods.h"
 #include "matching/plain.h"
 #include "matching/plain_standardized.h"
@@ -243,15 +244,12 @@ TEST_CASE("windows of vectors are compared by every exact method as the definiti
       const MatchSettings settings{length, size_t{1} << 30, select_kernels()};
       Cells cells;
       std::mutex mutex;
-      const auto match = [&] { method.match(distances, settings, {}, collecting(cells, mutex)); };
-      if (method.is_exact) {
-        match();
-        CHECK(cells == expected);
-      } else {
-        CHECK(test::error_text(match) ==
-              "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
-      }
+      method.match(distances, settings, {}, collecting(cells, mutex));
+      CHECK(cells == expected);
     }
+    const MatchSettings hashed{length, size_t{1} << 30, select_kernels()};
+    CHECK(test::error_text([&] { match_lsh(distances, hashed, {}, [](const ScoreRow&) {}); }) ==
+          "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
   }
 }
 

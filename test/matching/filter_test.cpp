@@ -9,8 +9,8 @@
 #include "base/random.h"
 #include "base/simd.h"
 #include "examples.h"
-#include "matching/plain_filter.h"
 #include "matching/score_kernels.h"
+#include "reference/plain_filter.h"
 #include "support.h"
 
 using namespace vpr;

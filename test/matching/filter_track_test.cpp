@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "matching/plain_filter.h"
 #include "matching/score_kernels.h"
+#include "reference/plain_filter.h"
 
 using namespace vpr;
 

@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "matching/view_evidence.h"
+#include "reference/plain_fusion.h"
 
 using namespace vpr;
 

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "matching/fastable_batch.h"
+#include "matching/lsh.h"
 #include "matching/plain.h"
 #include "support.h"
 
@@ -57,10 +58,14 @@ Cells by_method(const Example& example, const SequenceMethod& method,
   return cells;
 }
 
+Cells by_lsh(const Example& example, const MatchSettings& settings) {
+  return by_method(example, {"lsh", "", false, false, false, match_lsh}, settings);
+}
+
 void check_all_methods(const Example& example, size_t length, const RowKernels& kernels) {
   const Cells expected = by_definition(example, length);
   for (const SequenceMethod& method : sequence_methods()) {
-    if (!method.is_exact) continue;
+    if (method.has_paths) continue;
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       INFO(method.name << ", " << kernels.target << ", c_l " << length << ", memory " << memory);
       REQUIRE(by_method(example, method, {length, memory, kernels}) == expected);
@@ -127,7 +132,7 @@ TEST_CASE("sets larger than a chunk, a strip and a tile give the definition, on 
       const ThreadLimit limit(threads);
       for (const SequenceMethod& method : sequence_methods())
         for (const size_t memory : {size_t{1} << 30, size_t{0}})
-          if (method.is_exact)
+          if (!method.has_paths)
             REQUIRE(by_method(example, method, {length, memory, select_kernels()}) == expected);
     }
   }
@@ -187,25 +192,24 @@ TEST_CASE("hashing finds cells of the definition, each once, the same on any thr
   example.query_unreadable = {20};
   // Windows that are there exactly share every bucket, and must be found.
   std::copy_n(example.train[2].begin() + 100, 12, example.query.begin());
-  const SequenceMethod& lsh = find_sequence_method("lsh");
   for (const size_t length : {1, 4, 12}) {
     const Cells expected = by_definition(example, length);
     MatchSettings settings{length, size_t{1} << 30, select_kernels()};
     settings.lsh = {4, 6, 1};
-    const Cells found = by_method(example, lsh, settings);
+    const Cells found = by_lsh(example, settings);
     CHECK(found.size() < expected.size());
     for (const auto& [cell, distance] : found) REQUIRE(expected.at(cell) == distance);
     for (size_t window = 0; window + length <= 12; ++window)
       CHECK(found.contains({window, 2, 100 + window}));
     for (const size_t threads : {1, 5}) {
       const ThreadLimit limit(threads);
-      CHECK(by_method(example, lsh, settings) == found);
+      CHECK(by_lsh(example, settings) == found);
     }
     settings.seed = 2;
-    if (length > 1) CHECK(by_method(example, lsh, settings) != found);
+    if (length > 1) CHECK(by_lsh(example, settings) != found);
     // With as many probes as bits, every window is in a bucket that is looked up.
     settings.lsh = {1, 3, 3};
-    CHECK(by_method(example, lsh, settings) == expected);
+    CHECK(by_lsh(example, settings) == expected);
   }
 }
 
@@ -215,8 +219,7 @@ TEST_CASE("settings of hashing out of range are refused") {
                                  LshSettings{1, 29, 1}, LshSettings{1, 6, 5}}) {
     MatchSettings settings{2, size_t{1} << 30, select_kernels()};
     settings.lsh = lsh;
-    CHECK(test::error_kind([&] { by_method(example, find_sequence_method("lsh"), settings); }) ==
-          ErrorKind::usage);
+    CHECK(test::error_kind([&] { by_lsh(example, settings); }) == ErrorKind::usage);
   }
 }
 

@@ -16,8 +16,8 @@
 #include "matching/methods.h"
 #include "matching/past_scores.h"
 #include "matching/plain.h"
-#include "matching/plain_past.h"
 #include "matching/score_kernels.h"
+#include "reference/plain_past.h"
 #include "support.h"
 
 using namespace vpr;
@@ -96,7 +96,7 @@ FrameDistances distances_of(const Walk& walk) {
 void check_methods(const Walk& walk, size_t length) {
   const Cells expected = by_definition(walk, length);
   for (const SequenceMethod& method : sequence_methods()) {
-    if (!method.is_exact) continue;
+    if (method.has_paths) continue;
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       INFO(method.name << ", " << walk.codes.size() << " frames, c_l " << length << ", memory "
                        << memory);

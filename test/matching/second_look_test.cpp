@@ -9,10 +9,10 @@
 #include "base/random.h"
 #include "examples.h"
 #include "matching/distance_statistics.h"
-#include "matching/plain_filter.h"
 #include "matching/plain_standardized.h"
 #include "matching/score_kernels.h"
 #include "matching/standardized_frames.h"
+#include "reference/plain_filter.h"
 #include "support.h"
 
 using namespace vpr;

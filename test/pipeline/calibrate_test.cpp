@@ -154,7 +154,7 @@ TEST_CASE("a calibration is refused where it can say nothing") {
   for (const double precision : {0.0, 1.01, -1.0})
     CHECK_THROWS_WITH(calibrate(walks.truth(), precision), Catch::Contains("precision"));
   settings.method = "lsh";
-  CHECK_THROWS_WITH(calibrate(walks.truth(), 1), Catch::Contains("does not see every window"));
+  CHECK_THROWS_WITH(calibrate(walks.truth(), 1), Catch::Contains("unknown method"));
   settings.method = "fastable";
   // Where the truth is of another walk, what is called right is not, and the rest comes closer.
   const CalibratedWalk walk = calibrate(walks.truth(60), 1);

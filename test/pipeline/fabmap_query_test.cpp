@@ -98,7 +98,7 @@ TEST_CASE("A replayed query of FAB-MAP shows the words of the recording again") 
   FabmapQuerySettings settings;
   settings.posterior.motion_model = false;  // so that a frame does not depend on those before it
   const auto best_of = [&](const SequenceWords& words) {
-    return query_fabmap(database, words, "q", settings, 1, {}, {}, {}).result;
+    return query_fabmap(database, words, "q", settings, 1, {}, {}).result;
   };
   const Result plain = best_of(recording);
   for (const WarpRule& rule : warp_rules()) {

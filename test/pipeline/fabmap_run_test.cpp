@@ -52,7 +52,7 @@ SequenceWords query_words() { return {{{0}, {0}, {}, {0}, {1}, {}, {0}}, {}, {2}
 
 Result run(const FabmapDatabase& database, const FabmapQuerySettings& settings,
            const PosteriorObserver& observe = {}) {
-  return query_fabmap(database, query_words(), "q", settings, 1, observe, {}, {}).result;
+  return query_fabmap(database, query_words(), "q", settings, 1, observe, {}).result;
 }
 
 std::vector<std::pair<uint32_t, uint32_t>> frames_and_views(const std::vector<Match>& hits) {

@@ -13,6 +13,7 @@
 #include "pipeline/query.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
+#include "reference/verified_query.h"
 #include "support.h"
 
 using namespace vpr;
@@ -61,11 +62,8 @@ void check_row(const std::vector<uint16_t>& fused, const std::vector<uint16_t>& 
 Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size_t verify = 200) {
   QueryResources resources;
   resources.kernels = select_kernels();
-  resources.verify_cells = verify;
-  const QueryRun run = run_query(
-      plan_query(walks.database, walks.query, "q", settings, resources, {}), resources, {}, {});
-  CHECK(run.verified_cells == verify);
-  return run.result;
+  const QueryPlan plan = plan_query(walks.database, walks.query, "q", settings, resources, {});
+  return test::run_verified(plan, resources, verify).result;
 }
 
 }  // namespace

@@ -13,6 +13,9 @@
 #include "ground_truth/times.h"
 #include "matching/plain.h"
 #include "pipeline/query.h"
+#include "pipeline/query_steps.h"
+#include "pipeline/verify.h"
+#include "reference/verified_query.h"
 #include "support.h"
 
 using namespace vpr;
@@ -43,11 +46,11 @@ Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settin
                   std::span<const int64_t> times = {}, const Monitor& monitor = {}) {
   QueryResources resources;
   resources.kernels = select_kernels();
-  resources.verify_cells = 60;
   const SequenceDatabase database = own_walk(walk, "w");
-  return run_query(plan_loop(database, walk, "w", settings, times, resources, monitor), resources,
-                   {}, monitor)
-      .result;
+  const QueryPlan plan = plan_loop(database, walk, "w", settings, times, resources, monitor);
+  const CellRuns runs{searched_runs(plan), readable_runs(plan.query), plan.past};
+  const size_t cells = choose_cells(runs, settings.window_length, 60, 1).size();  // or fewer
+  return test::run_verified(plan, resources, cells, monitor).result;
 }
 
 // Of each window the closest that ends at least `gap` frames before it does; of equals the first.
@@ -198,9 +201,6 @@ TEST_CASE("what would need later frames, or other training data, is refused") {
     INFO(i);
     CHECK_THROWS_AS(find_loops(make_query(two_laps()), all[i]), Error);
   }
-  Share two;
-  two.count = 2;
-  CHECK_THROWS_AS(check_loop(loop_settings(3, 12), two), Error);
   // Where there is a database, there is no loop.
   const DescriptorSet walk = make_query(two_laps());
   const SequenceDatabase database = own_walk(walk, "w");

@@ -84,10 +84,6 @@ TEST_CASE("every exact method gives each query window its margin, whatever decid
       }
     }
   }
-  SequenceQuerySettings lsh;
-  lsh.method = "lsh";
-  lsh.window_length = 6;
-  CHECK(query_by(database, query, lsh).margins.empty());
 }
 
 TEST_CASE("by margin, a place that is seen again is recognised, and nothing else") {

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "matching/plain.h"
+#include "pipeline/lsh_query.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
@@ -286,23 +287,54 @@ TEST_CASE("a wrong cell is found") {
   CHECK(wrong[0].score == plain_window_distance(train, 4, query, 2, 4));
 }
 
-TEST_CASE("of an approximate method the cells that it found are verified") {
+TEST_CASE("LSH gives some of the hits and best matches of an exact search, and its recall") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   const SequenceDatabase database = make_database(train, 5);
+  const DescriptorSet query = make_query(train[0]);
   SequenceQuerySettings settings;
-  settings.method = "lsh";
   settings.window_length = 5;
   settings.distance_threshold = 100;
   settings.threshold_scale = ThresholdScale::bits;
-  const QueryRun run = query_all(database, make_query(train[0]), settings);
-  REQUIRE(run.result.hits.size() >= 50);
-  CHECK(run.verified_cells == 50);
-  const HitScanResult found{{{0, 0, 1, 7}, {2, 0, 1, 9}}, {Cell{0, 0, 1, 7}, {}, Cell{2, 1, 0, 8}}};
-  CHECK(choose_found(found, 9, 1) == std::vector<Cell>{{0, 0, 1, 7}, {2, 0, 1, 9}, {2, 1, 0, 8}});
-  CHECK(choose_found(found, 2, 1).size() == 2);
-  CHECK(choose_found(found, 0, 1).empty());
-  CHECK(choose_found({{}, {std::nullopt}}, 5, 1).empty());
+  const Result exact = query_all(database, query, settings).result;
+  settings.method = "lsh";
+  const auto by_lsh = [&] {
+    return query_lsh(database, query, "q", settings, resources(), {}).result;
+  };
+  const Result some = by_lsh();
+  CHECK(std::get<SequenceQuerySettings>(some.settings).method == "lsh");
+  CHECK(std::includes(exact.hits.begin(), exact.hits.end(), some.hits.begin(), some.hits.end(),
+                      [](const Match& a, const Match& b) {
+                        return std::tie(a.query, a.target, a.train) <
+                               std::tie(b.query, b.target, b.train);
+                      }));
+  CHECK(some.hits.size() >= 50);
+  CHECK(some.margins.empty());
+  REQUIRE(some.clusters);
+  REQUIRE(some.recall);
+  CHECK(some.recall->windows == 56);
+  CHECK(some.recall->hits == exact.hits.size());
+  size_t same = 0;
+  for (size_t window = 0; window < 56; ++window)
+    same += some.best[window] && some.best[window]->score == exact.best[window]->score;
+  CHECK(some.recall->found_best == same);
+  CHECK_FALSE(exact.recall);
+  const SequenceQuerySettings fine = settings;
+  const auto is_refused = [&] { return test::error_kind(by_lsh) == ErrorKind::usage; };
+  settings.threshold_scale = ThresholdScale::relative;
+  settings.distance_threshold = 0.5;
+  CHECK(is_refused());
+  settings = fine;
+  settings.rates = {"1/2"};
+  CHECK(is_refused());
+  settings = fine;
+  settings.decision = Decision::margin;
+  CHECK(is_refused());
+  settings = fine;
+  settings.score = Score::standardized;
+  CHECK(is_refused());
+  // Drivers of exact methods do not know it.
+  CHECK(test::error_kind([&] { query_all(database, query, fine); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a query that is described otherwise than the database is refused in one sentence") {

@@ -13,6 +13,7 @@
 #include "pipeline/train.h"
 #include "pipeline/verify.h"
 #include "recognition/automatic_threshold.h"
+#include "reference/verified_query.h"
 #include "support.h"
 
 using namespace vpr;
@@ -61,6 +62,30 @@ TEST_CASE("standardized scores find a revisit, and every method gives the same")
   CHECK(result.best[18]->train == 13);
   settings.method = "fastable-online";
   CHECK(query_all(database, make_query(query), settings).result.hits == result.hits);
+}
+
+TEST_CASE("windows of several rates are those of the definition, by distances and by scores") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  SequenceDatabase database = make_database(train);
+  database.sequences[0].unreadable = {17};
+  const DescriptorSet query = make_query(test::walk_codes(50, 3));
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  for (const Score score : {Score::raw, Score::standardized, Score::standardized_offline}) {
+    SequenceQuerySettings settings = scored_settings(6);
+    settings.score = score;
+    settings.rates = {"1/2", "2/3", "1", "2"};
+    settings.distance_threshold = score == Score::raw ? 0.4 : -1;
+    const QueryPlan plan = plan_query(database, query, "q", settings, resources, {});
+    test::run_verified(plan, resources, 200);
+    const auto refused = [&] {
+      QueryResources verifying = resources;
+      verifying.verify_cells = 5;
+      run_query(plan, verifying, {}, {});
+    };
+    CHECK(test::error_kind(refused) == ErrorKind::usage);
+  }
 }
 
 TEST_CASE("automatic thresholds of scores are those of training sequences as queries") {

@@ -79,14 +79,14 @@ TEST_CASE("a sweep of FAB-MAP gives what single queries give, cell by cell") {
   const FabmapDatabase database = make_database(engine);
   const SequenceWords query = make_query(database, engine);
   const Grid grid{{1, 2, 4}, {0.99, 0.9, 0.5, 0.01}};
-  const auto cells = sweep_fabmap(database, query, "q", {}, grid, same_frames, 1, {}, {}).cells;
+  const auto cells = sweep_fabmap(database, query, "q", {}, grid, same_frames, 1, {}).cells;
   REQUIRE(cells.size() == 12);
   std::set<uint64_t> different;
   for (size_t c = 0; c < cells.size(); ++c) {
     FabmapQuerySettings settings;
     settings.window = grid.windows[c / 4];
     settings.place_threshold = *grid.thresholds[c % 4];
-    const Result result = query_fabmap(database, query, "q", settings, 1, {}, {}, {}).result;
+    const Result result = query_fabmap(database, query, "q", settings, 1, {}, {}).result;
     const Counts alone = count_recognitions(result, same_frames(scope_of(result)));
     INFO("c_w " << settings.window << ", t_p " << settings.place_threshold);
     CHECK(cells[c].window == settings.window);

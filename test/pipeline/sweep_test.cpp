@@ -179,10 +179,10 @@ TEST_CASE("intervals of counts that are the same everywhere are the counts") {
 TEST_CASE("a threshold of FAB-MAP is a number") {
   FabmapDatabase database;
   CHECK(test::error_kind([&] {
-          sweep_fabmap(database, {}, "q", {}, {{1}, {std::nullopt}}, make_truth, 1, {}, {});
+          sweep_fabmap(database, {}, "q", {}, {{1}, {std::nullopt}}, make_truth, 1, {});
         }) == ErrorKind::usage);
   CHECK(test::error_kind([&] {
-          sweep_fabmap(database, {}, "q", {}, {{1}, {1.5}}, make_truth, 1, {}, {});
+          sweep_fabmap(database, {}, "q", {}, {{1}, {1.5}}, make_truth, 1, {});
         }) == ErrorKind::usage);
 }
 

@@ -78,9 +78,6 @@ TEST_CASE("settings of the other decision are refused, as is a method that does 
   settings = by_margin();
   settings.safety_margin = 0.5;
   CHECK(is_refused(settings));
-  settings = by_margin();
-  settings.method = "lsh";
-  CHECK(is_refused(settings));
 }
 
 TEST_CASE("by margin, the hits are the best matches that are enough better than elsewhere") {

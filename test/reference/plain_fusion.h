@@ -1,4 +1,4 @@
-// What FAB-MAP makes of the scores of cells, by its definition.
+// Scores fused with FAB-MAP by their definition: the reference of matching/fusion.h.
 #pragma once
 
 #include <map>
@@ -6,10 +6,17 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "matching/fusion.h"
 #include "matching/standardization.h"
 #include "recognition/row_scan.h"
 
 namespace vpr {
+
+/// How far the reference may be from a fused score by the same weight, in 1/1024 deviation.
+double fusion_tolerance(const FusionBasis& basis);
+
+/// fusion_row in double precision, from the likelihoods of the definition (fabmap1).
+FusionRow plain_fusion_row(const FusionBasis& basis, const WordSet& words, double weight);
 
 /// The oracle's rows of all query frames that cells' windows hold, each computed once. Their
 /// weights, which depend on all frames before, are those of scores in whole numbers, so that what

@@ -1,4 +1,4 @@
-#include "matching/plain_filter.h"
+#include "reference/plain_filter.h"
 
 #include <algorithm>
 #include <cmath>

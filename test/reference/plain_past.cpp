@@ -1,4 +1,4 @@
-#include "matching/plain_past.h"
+#include "reference/plain_past.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,22 +1,37 @@
-// Cells of windows of several rates by their definition.
+#include "reference/verified_query.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <optional>
+
+#include <catch2/catch.hpp>
 
 #include "base/parallel.h"
 #include "matching/plain.h"
 #include "matching/plain_standardized.h"
 #include "matching/rates.h"
 #include "matching/score_kernels.h"
+#include "pipeline/query_steps.h"
+#include "pipeline/score_basis.h"
 #include "pipeline/verify.h"
-#include "pipeline/verify_fusion.h"
 #include "recognition/threshold.h"
+#include "reference/plain_fusion.h"
+#include "reference/plain_past.h"
 
-namespace vpr {
+namespace vpr::test {
 namespace {
+
+struct RatedWindows {
+  size_t length = 1;
+  std::vector<Rate> rates;  ///< at least one
+};
+
+// In units of scores.
+double tolerance_of(size_t window_length, const ScoreBasis& basis) {
+  return static_cast<double>(window_length) * (1 + fusion_tolerance(basis.fusion));
+}
 
 /// What sums are of: of training frame i of a sequence and query frame j.
 using PairValue = std::function<double(size_t sequence, size_t i, size_t j)>;
@@ -75,8 +90,8 @@ class PlainScores {
   std::map<size_t, std::vector<double>> known_;  // by training frame of the one sequence asked for
 };
 
-}  // namespace
-
+// Of windows of several rates, or of one, that are fused or not; with a basis, of scores. A cell
+// that no window of any rate fits is not wrong.
 std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWindows& windows,
                                     std::span<const DescriptorSpan> train,
                                     const DescriptorSpan& query, const ScoreBasis* basis,
@@ -102,8 +117,7 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
     if (right[c])
       *right[c] = *right[c] * kScoreUnit + static_cast<double>(score_offset(windows.length));
   });
-  const double tolerance =
-      basis == nullptr ? 0 : score_tolerance(windows.length, basis->fusion) * kScoreUnit;
+  const double tolerance = basis == nullptr ? 0 : tolerance_of(windows.length, *basis);
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
     if (!right[c] || std::abs(cells[c].score - *right[c]) <= tolerance) continue;
@@ -113,4 +127,45 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
   return wrong;
 }
 
-}  // namespace vpr
+std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const DescriptorSpan& walk,
+                                    std::span<const uint32_t> past, size_t window_length,
+                                    const StandardizationSettings& settings) {
+  const PlainPast shared = plain_past(walk, past, settings, {});
+  std::vector<Cell> wrong;
+  for (const Cell& cell : cells) {
+    double right = 0;
+    for (size_t k = 0; k < window_length; ++k) {
+      const size_t frame = cell.query_window + k;
+      right += plain_past_scores(walk, past, settings, shared, cell.train_window + k, frame)[frame];
+    }
+    const auto found = static_cast<double>(cell.score - score_offset(window_length));
+    if (std::abs(found - right * kScoreUnit) > static_cast<double>(window_length))
+      wrong.push_back(cell);
+  }
+  return wrong;
+}
+
+std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan) {
+  const size_t length = plan.settings.window_length;
+  if (plan.settings.loop && plan.settings.score != Score::raw)
+    return wrong_past_scores(cells, plan.query, plan.past, length, plan.settings.standardization);
+  std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
+  if (basis) basis->fusion = searched_basis(*basis, plan).fusion;
+  RatedWindows windows{length, parse_rates(plan.settings.rates)};
+  if (windows.rates.empty()) windows.rates = {{1, 1}};
+  return wrong_rated_cells(cells, windows, plan.train, plan.query, basis ? &*basis : nullptr, {});
+}
+
+}  // namespace
+
+QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, size_t cells,
+                      const Monitor& monitor) {
+  CellScan scan(choose_cells({searched_runs(plan), readable_runs(plan.query), plan.past},
+                             plan.settings.window_length, cells, resources.seed));
+  QueryRun run = run_query(plan, resources, {std::ref(scan)}, monitor);
+  CHECK(scan.result().size() == cells);
+  CHECK(find_wrong(scan.result(), plan) == std::vector<Cell>{});
+  return run;
+}
+
+}  // namespace vpr::test
