@@ -178,7 +178,7 @@ TEST_CASE("a method that answers few frames does not win by them") {
                           const std::string& window) {
     std::vector<float> scores(size * size, 50);
     for (size_t q = 0; q < size; ++q) scores[q * size + (q < mistakes ? size - 1 : q)] = float(q);
-    OutputFile file(out / (name + ".npy"), Existing::replace);
+    Output file(out / (name + ".npy"), Existing::replace);
     write_npy<float>(file, scores, {size, size});
     file.commit();
     REQUIRE(run_program("vpr-eval", {"--scores", out / (name + ".npy"), "--distance", "--window",
