@@ -60,7 +60,7 @@ JudgedBy judged_by(const Session& session, const EvalInputs& inputs,
 /// that was saved with the result.
 std::optional<ScoreMatrix> open_matrix_of(const Session& session, const StoredResult& stored,
                                           const EvalInputs& inputs) {
-  if (inputs.scores.path.empty()) return std::nullopt;
+  if (inputs.scores.matrix.path.empty()) return std::nullopt;
   if (stored.result.places)
     throw Error(ErrorKind::usage,
                 "a FAB-MAP result takes no --scores; evaluate the matrix without the result");
@@ -69,12 +69,12 @@ std::optional<ScoreMatrix> open_matrix_of(const Session& session, const StoredRe
     warn(session.monitor,
          fmt::format("{}: names no matrix, as vpr-query --save-matrix makes it do; whether {} is "
                      "its own can't be known",
-                     inputs.result, inputs.scores.path));
+                     inputs.result, inputs.scores.matrix.path));
   else if (matrix.fingerprint(session.monitor) != *stored.matrix_checksum)
     throw Error(ErrorKind::data,
                 fmt::format("{}: is not the matrix that {} was written with; run vpr-query again "
                             "with --save-matrix, or evaluate the matrix without the result",
-                            inputs.scores.path, inputs.result));
+                            inputs.scores.matrix.path, inputs.result));
   return matrix;
 }
 
@@ -119,7 +119,7 @@ void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& eval
   check_rows(inputs.scores, opened.matrix->queries(),
              inputs.scores.window_length > 1 ? query_frames(inputs) : std::nullopt);
   ScoreSettings settings = settings_of(inputs.scores, session.options.seed);
-  settings.format.kind = opened.matrix->kind();
+  settings.format.is_similarity = opened.matrix->kind() == ScoreOrder::similarity;
   evaluated.evaluation = evaluate_scores(std::move(*opened.matrix), settings, query_name(inputs),
                                          evaluated.by, session.monitor);
   warn_reversed(session.monitor, inputs.scores, evaluated.evaluation.judgement);

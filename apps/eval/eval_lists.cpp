@@ -131,8 +131,7 @@ void check_lists(const Session& session, const EvalInputs& inputs) {
 
 ScoreMatrix open_predictions(const EvalInputs& inputs) {
   std::optional<ScoreOrder> kind;
-  if (inputs.scores.is_distance) kind = ScoreOrder::distance;
-  if (inputs.scores.is_similarity) kind = ScoreOrder::similarity;
+  if (inputs.scores.matrix.has_order()) kind = inputs.scores.matrix.order();
   std::vector<std::string> references;
   for (const auto& names : train_names(inputs))
     references.insert(references.end(), names.begin(), names.end());

@@ -33,7 +33,7 @@ LoopRules rules_of(const EvalInputs& inputs) {
                 "--loops needs --gap, how long ago a place must have been left before it can be "
                 "closed as a loop: in seconds (--gap 30s) or in frames (--gap 300)");
   return {*inputs.flags.options.radius_m, parse_loop_gap(inputs.loops.gap, "--gap"),
-          inputs.scores.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
+          inputs.scores.matrix.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
 }
 
 // Whether a flag of ground truth is given that loops have no use for.
@@ -57,12 +57,12 @@ void refuse_others(const EvalInputs& inputs) {
                 "--loops judges a list by its trajectory alone: give --poses, --radius, --gap, "
                 "and maybe --times, --max-difference, --html, --plot, -o and --name");
   ScoreInputs rest = inputs.scores;
-  rest.is_distance = rest.is_similarity = false;  // of the list
+  rest.matrix.is_distance = rest.matrix.is_similarity = false;  // of the list
   check_score_inputs(rest, false);
 }
 
 void require_order(const EvalInputs& inputs, const LoopList& list) {
-  if (!list.has_scores || inputs.scores.is_distance || inputs.scores.is_similarity) return;
+  if (!list.has_scores || inputs.scores.matrix.has_order()) return;
   throw Error(ErrorKind::usage,
               fmt::format("{}: has scores; say which are good, --similarity (large ones) or "
                           "--distance (small ones)",

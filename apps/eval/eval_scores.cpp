@@ -37,11 +37,11 @@ void check_frames(const ScoreInputs& inputs) {
 
 void add_score_options(const Command& app, ScoreInputs& inputs) {
   const std::string group = "Scores";
-  app.add_option("--scores", inputs.path,
-                 "query x reference matrix of any program (.npy); with RESULT: the matrix that was "
-                 "saved with it")
-      .group(group)
-      .type_name("FILE");
+  add_score_flags(
+      app, inputs.matrix,
+      "query x reference matrix of any program (.npy); with RESULT: the matrix that was "
+      "saved with it",
+      group);
   app.add_option("--query-npy", inputs.query_npy,
                  "descriptors of the query (n x d numbers, .npy) instead of scores: 1 - cos in "
                  "float64 to all of --reference-npy, of uint8 and bool the bits that differ")
@@ -57,16 +57,6 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
       .group(group)
       .comma_separated()
       .type_name("K");
-  const Flag distance =
-      app.add_flag("--distance", inputs.is_distance, "small scores are good").group(group);
-  app.add_flag("--similarity", inputs.is_similarity, "large scores are good")
-      .group(group)
-      .excludes(distance);
-  app.add_flag("--references-first", inputs.references_first,
-               "rows of the matrix are references, columns are queries")
-      .group(group);
-  add_setting(app, "--missing", inputs.missing, "this value is no score (NaN never is)")
-      .group(group);
   add_setting(
       app, kWindowFlag, inputs.window_length,
       "rows and columns of --scores are windows of N frames, not frames; a window is judged "
@@ -113,44 +103,36 @@ size_t stretch_of(const ScoreInputs& inputs) {
 }
 
 void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
-  const auto refuse = [](bool is_given, const std::string& flag, const std::string& why) {
-    if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
-  };
   const std::string without = "describes a matrix; give it with --scores";
   const std::string beside = "does not go with a result, whose matrix and thresholds are known";
   const bool has_scores = inputs.any();
   if (inputs.query_npy.empty() != inputs.reference_npy.empty())
     throw Error(ErrorKind::usage, "--query-npy and --reference-npy go together");
   if (!inputs.predictions.empty()) {
-    if (!inputs.path.empty() || !inputs.query_npy.empty() || has_result)
+    if (!inputs.matrix.path.empty() || !inputs.query_npy.empty() || has_result)
       throw Error(ErrorKind::usage,
                   "--predictions are evaluated by themselves, without a result and other scores");
-    for (const auto& [is_given, flag] : {std::pair(inputs.references_first, "--references-first"),
-                                         std::pair(inputs.missing.has_value(), "--missing"),
-                                         std::pair(inputs.window_length != 1, kWindowFlag)})
+    for (const auto& [is_given, flag] :
+         {std::pair(inputs.matrix.references_first, "--references-first"),
+          std::pair(inputs.matrix.missing.has_value(), "--missing"),
+          std::pair(inputs.window_length != 1, kWindowFlag)})
       refuse(is_given, flag, "is for --scores; pairs that --predictions do not list have none");
   }
   if (!inputs.query_npy.empty()) {
-    if (!inputs.path.empty() || has_result)
+    if (!inputs.matrix.path.empty() || has_result)
       throw Error(ErrorKind::usage,
                   "descriptors (--query-npy) are evaluated by themselves, without a result and "
                   "without --scores");
-    for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
-                                         std::pair(inputs.references_first, "--references-first"),
-                                         std::pair(inputs.missing.has_value(), "--missing")})
-      refuse(is_given, flag, "is for --scores; distances of descriptors are computed");
+    refuse_format(inputs.matrix, "is for --scores; distances of descriptors are computed");
     refuse(
         inputs.window_length != 1, kWindowFlag,
         "is for --scores; rows of descriptors are frames. For windows of N frames, use vpr-train "
         "descriptors and vpr-query --query-npy --c-l N");
   }
-  for (const auto& [is_given, flag] : {std::pair(inputs.is_distance, "--distance"),
-                                       std::pair(inputs.references_first, "--references-first"),
-                                       std::pair(inputs.missing.has_value(), "--missing")})
-    refuse(is_given && !has_scores, flag, without);
+  if (!has_scores && !has_result) refuse_format(inputs.matrix, without);
   refuse(inputs.metric != DescriptorMetric::cosine && inputs.query_npy.empty(), "--metric",
          "compares descriptors; give it with --query-npy");
-  for (const auto& [is_given, flag] : {std::pair(inputs.is_similarity, "--similarity"),
+  for (const auto& [is_given, flag] : {std::pair(inputs.matrix.is_similarity, "--similarity"),
                                        std::pair(inputs.threshold.has_value(), "--threshold"),
                                        std::pair(!inputs.warp.empty(), "--warp"),
                                        std::pair(inputs.query_frames.has_value(), "--query-frames"),
@@ -162,24 +144,13 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
   check_frames(inputs);
 }
 
-namespace {
-
-ScoreFormat format_of(const ScoreInputs& inputs) {
-  return {inputs.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance,
-          inputs.references_first, inputs.missing};
-}
-
-}  // namespace
-
 ScoreMatrix open_scores(const ScoreInputs& inputs) {
   if (!inputs.query_npy.empty())
     return descriptor_scores(open_sequence(parse_sequence_argument(inputs.query_npy)),
                              open_sequence(parse_sequence_argument(inputs.reference_npy)),
                              inputs.metric);
-  if (!inputs.is_distance && !inputs.is_similarity)
-    throw Error(ErrorKind::usage,
-                "say what the scores are: --distance (small is good) or --similarity (large is)");
-  return {inputs.path, format_of(inputs)};
+  require_order(inputs.matrix);
+  return {inputs.matrix.path, inputs.matrix.format()};
 }
 
 std::vector<size_t> recall_at_of(const ScoreInputs& inputs) {
@@ -197,8 +168,8 @@ std::vector<size_t> recall_at_of(const ScoreInputs& inputs) {
 }
 
 ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
-  return {inputs.path,
-          {ScoreOrder::distance, inputs.references_first, inputs.missing.value_or(missing)}};
+  return {inputs.matrix.path,
+          {false, inputs.matrix.references_first, inputs.matrix.missing.value_or(missing)}};
 }
 
 void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames) {
@@ -222,7 +193,7 @@ void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> qu
 ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
   const std::string name =
       inputs.name.empty() ? std::filesystem::path(inputs.source()).stem().string() : inputs.name;
-  ScoreSettings settings{name, format_of(inputs), inputs.window_length, inputs.threshold};
+  ScoreSettings settings{name, inputs.matrix.format(), inputs.window_length, inputs.threshold};
   if (!inputs.warp.empty()) settings.replay = replay(inputs.warp, *inputs.query_frames, seed);
   return settings;
 }
@@ -230,19 +201,23 @@ ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
 void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
   const uint64_t queries = judged_queries(judgement.outcomes);
   const auto found = recall_at(judgement.outcomes, 1);
-  if (!found || !judgement.all_pairs || inputs.is_distance == inputs.is_similarity) return;
+  if (!found || !judgement.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
+    return;
   const double other =
       static_cast<double>(judgement.all_pairs->worst_correct) / static_cast<double>(queries);
   constexpr double kClear = 0.05;  // of the queries: more than chance
   if (other < 2 * *found || other < *found + kClear) return;
-  warn(monitor, fmt::format("{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(),
-                            100 * *found, inputs.is_distance ? "--distance" : "--similarity",
-                            100 * other, inputs.is_distance ? "--similarity" : "--distance"));
+  warn(monitor,
+       fmt::format("{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(),
+                   100 * *found, inputs.matrix.is_distance ? "--distance" : "--similarity",
+                   100 * other, inputs.matrix.is_distance ? "--similarity" : "--distance"));
 }
 
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
   const auto& points = judgement.single_best.points;
-  if (inputs.is_similarity || inputs.missing || inputs.path.empty() || points.empty()) return;
+  if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.matrix.path.empty() ||
+      points.empty())
+    return;
   const double best = judgement.single_best.threshold(points.front());
   const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
   const auto kinds = score_kinds();

@@ -6,23 +6,20 @@
 #include <vector>
 
 #include "common/command.h"
+#include "common/score_flags.h"
 #include "descriptors/imported.h"
 #include "pipeline/evaluate.h"
 
 namespace vpr {
 
 struct ScoreInputs {
-  std::string path;           ///< empty: none
+  ScoreFlags matrix;
   std::string query_npy;      ///< descriptors that scores are computed of; empty: none
   std::string reference_npy;  ///< of the references
   DescriptorMetric metric = DescriptorMetric::cosine;
   std::string predictions;  ///< lists of what a program found; empty: none
   std::vector<uint64_t> recall_at;
   uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
-  bool is_distance = false;
-  bool is_similarity = false;
-  bool references_first = false;
-  std::optional<double> missing;
   std::optional<double> threshold;
   uint64_t window_length = 1;            ///< frames per row of --scores
   std::string warp;                      ///< how the query was replayed; empty: it was not
@@ -34,7 +31,7 @@ struct ScoreInputs {
   bool any() const { return !source().empty(); }
   /// Where they come from.
   const std::string& source() const {
-    if (!path.empty()) return path;
+    if (!matrix.path.empty()) return matrix.path;
     return query_npy.empty() ? predictions : query_npy;
   }
 };

@@ -57,7 +57,7 @@ std::string tables(const Evaluated& evaluated, const std::string& summary,
 void add_run(Evaluated& evaluated, const EvalInputs& inputs, RunInfo run, double seconds) {
   const auto& truth = evaluated.by.ground_truth;
   for (const auto& [role, path] :
-       {std::pair("result", inputs.result), std::pair("scores", inputs.scores.path),
+       {std::pair("result", inputs.result), std::pair("scores", inputs.scores.matrix.path),
         std::pair("query", inputs.scores.query_npy),
         std::pair("reference", inputs.scores.reference_npy),
         std::pair("predictions", inputs.scores.predictions),

@@ -16,23 +16,16 @@ std::vector<std::string> variant_names() {
   return names;
 }
 
-void add_score_flags(const Command& app, QueryScores& scores) {
-  const auto group = [](Flag flag) { return flag.group(kScoreGroup); };
-  group(app.add_option("--scores", scores.path,
-                       "windows of a matrix that any program computed (.npy, query frames x "
-                       "training frames), instead of DB and --query (which only names the query)"));
-  const Flag distance =
-      group(app.add_flag("--distance", scores.is_distance, "small scores are good"));
-  group(app.add_flag("--similarity", scores.format.is_similarity, "large scores are good"))
-      .excludes(distance);
-  group(app.add_flag("--references-first", scores.format.references_first,
-                     "rows of the matrix are training frames, columns are query frames"));
-  group(add_setting(app, "--missing", scores.format.missing,
-                    "this value is no score (NaN never is)"));
-  group(app.add_list("--train-sequence", scores.train_sequences,
-                     "NAME=FIRST:LAST: these training frames of the matrix are a sequence, which "
-                     "windows do not cross (from 0, without LAST); repeatable (default: all are "
-                     "one)"));
+void add_matrix_flags(const Command& app, QueryScores& scores) {
+  add_score_flags(app, scores.matrix,
+                  "windows of a matrix that any program computed (.npy, query frames x training "
+                  "frames), instead of DB and --query (which only names the query)",
+                  kScoreGroup);
+  app.add_list("--train-sequence", scores.train_sequences,
+               "NAME=FIRST:LAST: these training frames of the matrix are a sequence, which "
+               "windows do not cross (from 0, without LAST); repeatable (default: all are "
+               "one)")
+      .group(kScoreGroup);
 }
 
 // Both families have a gap in frames, and only sequences one in seconds.
@@ -66,7 +59,7 @@ void add_inputs(const Command& app, QueryInputs& inputs) {
   app.add_option("--dataset", inputs.dataset, "data set description that holds the query");
   add_warp_flag(app, inputs.warp);
   add_rate_flags(app, inputs.rate, "the query");
-  add_score_flags(app, inputs.scores);
+  add_matrix_flags(app, inputs.scores);
 }
 
 void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySettings& settings) {

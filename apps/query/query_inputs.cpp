@@ -69,12 +69,12 @@ ResultContext context_of(const Session& session, const QueryInputs& inputs,
   ResultContext context;
   context.run = session.run;
   context.run.simd_target = session.kernels.target;
-  if (inputs.scores.path.empty() && inputs.database.empty())
+  if (inputs.scores.matrix.path.empty() && inputs.database.empty())
     context.run.paths = {{"query", query_path}};
-  else if (inputs.scores.path.empty())
+  else if (inputs.scores.matrix.path.empty())
     context.run.paths = {{"database", inputs.database}, {"query", query_path}};
   else
-    context.run.paths = {{"scores", inputs.scores.path}};
+    context.run.paths = {{"scores", inputs.scores.matrix.path}};
   if (!inputs.fuse.empty()) context.run.paths["fuse"] = inputs.fuse;
   context.seconds = seconds;
   return context;

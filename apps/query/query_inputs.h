@@ -8,8 +8,8 @@
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "common/rate_flags.h"
+#include "common/score_flags.h"
 #include "ground_truth/dataset.h"
-#include "matching/given_distances.h"
 #include "pipeline/train.h"
 #include "recognition/query_settings.h"
 #include "report/result_file.h"
@@ -18,9 +18,7 @@ namespace vpr {
 
 /// A matrix of scores of any program, instead of a database and a query.
 struct QueryScores {
-  std::string path;  ///< empty: none
-  bool is_distance = false;
-  GivenFormat format;
+  ScoreFlags matrix;
   std::vector<std::string> train_sequences;  ///< NAME=FIRST:LAST
 };
 

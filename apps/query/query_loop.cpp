@@ -60,7 +60,7 @@ void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& s
   refuse(!inputs.database.empty(),
          "--loop compares a walk with itself: leave the database out, as in vpr-query --loop "
          "--loop-gap 300 --query FOLDER");
-  refuse(!inputs.scores.path.empty(), "--loop describes frames itself: leave --scores out");
+  refuse(!inputs.scores.matrix.path.empty(), "--loop describes frames itself: leave --scores out");
   refuse(inputs.follow,
          "--follow compares with a database that does not grow: leave --loop out, or --follow");
   refuse(!inputs.warp.empty(), "a query that is replayed (--warp) has no past of its own");

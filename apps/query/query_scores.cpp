@@ -12,16 +12,9 @@
 namespace vpr {
 namespace {
 
-void refuse(bool is_given, const char* flag, const char* why) {
-  if (is_given) throw Error(ErrorKind::usage, fmt::format("{} {}", flag, why));
-}
-
 void check_alone(const QueryScores& scores) {
   constexpr const char* kWithout = "describes a matrix; give it with --scores";
-  refuse(scores.is_distance, "--distance", kWithout);
-  refuse(scores.format.is_similarity, "--similarity", kWithout);
-  refuse(scores.format.references_first, "--references-first", kWithout);
-  refuse(scores.format.missing.has_value(), "--missing", kWithout);
+  refuse_format(scores.matrix, kWithout);
   refuse(!scores.train_sequences.empty(), "--train-sequence", kWithout);
 }
 
@@ -46,7 +39,7 @@ void check_settings(const SequenceQuerySettings& settings) {
 QuerySource find_scored_query(const QueryInputs& inputs) {
   QuerySource source;
   source.sequence.name =
-      inputs.query.value_or(std::filesystem::path(inputs.scores.path).stem().string());
+      inputs.query.value_or(std::filesystem::path(inputs.scores.matrix.path).stem().string());
   if (!inputs.ground_truth.empty())
     source.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
   return source;
@@ -71,13 +64,11 @@ std::vector<NamedArgument> scored_sequences(const QueryScores& scores) {
 
 void check_scores(const QueryInputs& inputs, const SequenceQuerySettings& settings) {
   const QueryScores& scores = inputs.scores;
-  if (scores.path.empty()) return check_alone(scores);
+  if (scores.matrix.path.empty()) return check_alone(scores);
   if (!inputs.database.empty())
     throw Error(ErrorKind::usage,
                 "--scores holds what a database would be compared for: give one of them");
-  if (scores.is_distance == scores.format.is_similarity)
-    throw Error(ErrorKind::usage,
-                "say what the scores are: --distance (small is good) or --similarity (large is)");
+  require_order(scores.matrix);
   constexpr const char* kBeside = "does not go with --scores, which has the query's distances";
   refuse(!inputs.query_npy.empty(), "--query-npy", kBeside);
   refuse(!inputs.dataset.empty(), "--dataset", kBeside);

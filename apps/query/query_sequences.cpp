@@ -143,13 +143,13 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
 
 void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs) {
   sides.source = find_scored_query(inputs);
-  const GivenDistances& given =
-      sides.given.emplace(inputs.scores.path, inputs.scores.format, session.monitor);
+  const GivenDistances& given = sides.given.emplace(inputs.scores.matrix.path,
+                                                    inputs.scores.matrix.format(), session.monitor);
   GivenQuery made = given_query(given, scored_sequences(inputs.scores));
   sides.database = std::move(made.database);
   sides.query = replayed(std::move(made.query), inputs.warp, session.options.seed);
   const GivenUnits& units = given.units();
-  sides.context.scores = {{"kind", inputs.scores.format.is_similarity ? "similarity" : "distance"},
+  sides.context.scores = {{"kind", enum_name(inputs.scores.matrix.order())},
                           {"best", units.best},
                           {"unit", units.unit},
                           {"is_exact", units.is_exact}};
@@ -171,7 +171,7 @@ void check_sharing(const Session& session, const QueryInputs& inputs,
                    const SequenceQuerySettings& settings) {
   if (session.share.is_alone()) return;
   if (inputs.follow || settings.loop || settings.method == kLshMethod || inputs.verify_cells > 0 ||
-      !inputs.matrix.empty() || !inputs.scores.path.empty() || !inputs.fuse.empty())
+      !inputs.matrix.empty() || !inputs.scores.matrix.path.empty() || !inputs.fuse.empty())
     throw Error(ErrorKind::usage,
                 "--method lsh, --follow, --loop, --verify, --save-matrix, --scores and --fuse are "
                 "work for one process; leave mpirun out");
@@ -183,7 +183,7 @@ void check_and_claim(const Session& session, const QueryInputs& inputs,
   if (!session.options.output.empty()) claim_result(session.options.output, session.outputs);
   claim_matrix(inputs, session.outputs);
   if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
-  if (inputs.verify_cells > 0) check_verification(settings, !inputs.scores.path.empty());
+  if (inputs.verify_cells > 0) check_verification(settings, !inputs.scores.matrix.path.empty());
   if (settings.method == kLshMethod && !inputs.matrix.empty())
     throw Error(ErrorKind::usage, "lsh does not compute the whole matrix; leave --save-matrix out");
 }
@@ -202,7 +202,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
 
   const Stopwatch watch;
   Sides sides;
-  const bool has_scores = !inputs.scores.path.empty();
+  const bool has_scores = !inputs.scores.matrix.path.empty();
   has_scores      ? take_scores(sides, session, inputs)
   : settings.loop ? describe_own(sides, session, inputs, settings)
                   : describe(sides, session, inputs, settings);

@@ -152,7 +152,7 @@ void refuse_other_than_implied(const Command& app, const CommonOptions& options,
 
 /// A matrix of scores is one of frames of sequences, and so is a walk without a database.
 DatabaseFamily family_of(const QueryInputs& inputs, bool is_loop) {
-  if (!inputs.scores.path.empty()) return DatabaseFamily::sequences;
+  if (!inputs.scores.matrix.path.empty()) return DatabaseFamily::sequences;
   if (is_loop && inputs.database.empty()) return DatabaseFamily::sequences;
   if (inputs.database.empty())
     throw Error(

@@ -9,18 +9,10 @@
 #include <string>
 
 #include "base/monitor.h"
-#include "base/npy.h"
-#include "base/npy_numbers.h"
+#include "matching/score_file.h"
 #include "recognition/score_order.h"
 
 namespace vpr {
-
-/// What the numbers of a matrix of scores mean.
-struct ScoreFormat {
-  ScoreOrder kind = ScoreOrder::distance;
-  bool references_first = false;  ///< rows of the file are references, columns are queries
-  std::optional<double> missing;  ///< this value is no score either
-};
 
 /// Scores that are computed when they are asked for.
 struct ComputedScores {
@@ -34,18 +26,17 @@ struct ComputedScores {
   std::function<std::string(const Monitor& monitor)> fingerprint;  ///< of what they are made of
 };
 
-/// float16, float32, float64, bool, and integers of 8 to 64 bits, little-endian, C or Fortran
-/// order. NaN is no score.
+/// A file of scores, or computed ones. NaN is not a score.
 class ScoreMatrix {
  public:
-  /// Throws Error(input) if the file can't be read, Error(data) if it is no such matrix.
+  /// Throws as ScoreFile does.
   ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format);
 
   explicit ScoreMatrix(ComputedScores computed);
 
   size_t queries() const { return queries_; }
   size_t references() const { return references_; }
-  ScoreOrder kind() const { return format_.kind; }
+  ScoreOrder kind() const { return kind_; }
 
   /// Keys (score_key) of all references of one query; they live while the call lasts.
   using RowBody = std::function<void(size_t worker, size_t query, std::span<const uint64_t> keys)>;
@@ -61,14 +52,10 @@ class ScoreMatrix {
  private:
   void compute_block(size_t first, size_t count, std::span<uint64_t> keys) const;
   void read_block(size_t first, size_t count, std::span<uint64_t> keys) const;
-  void forget_block(size_t first, size_t count) const;
 
-  std::string name_;
-  ScoreFormat format_;
-  NpyArray array_;
-  ComputedScores computed_;           ///< instead of the array, where it has queries
-  const NumberType* type_ = nullptr;  ///< of the array
-  bool query_major_ = true;           // the scores of one query lie side by side
+  std::optional<ScoreFile> file_;  ///< none: computed
+  ComputedScores computed_;
+  ScoreOrder kind_ = ScoreOrder::distance;
   size_t queries_ = 0;
   size_t references_ = 0;
 };

@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "base/checksum.h"
 #include "base/error.h"
 #include "base/parallel.h"
 
@@ -110,60 +109,45 @@ uint64_t sum_of(const GivenDistances& given, size_t query, const std::vector<Str
 
 }  // namespace
 
-GivenDistances::GivenDistances(const std::filesystem::path& path, const GivenFormat& format,
+GivenDistances::GivenDistances(const std::filesystem::path& path, const ScoreFormat& format,
                                const Monitor& monitor)
-    : name_(path.string()), format_(format), array_(path) {
-  type_ = find_number_type(array_.type());
-  if (type_ == nullptr || array_.shape().size() != 2 || array_.value_bytes().empty())
-    throw Error(ErrorKind::data,
-                fmt::format("{}: expected a matrix (2 dimensions) of numbers, queries x "
-                            "references; found {} dimensions of type {}",
-                            name_, array_.shape().size(), array_.type()));
-  queries_ = array_.shape()[format.references_first ? 1 : 0];
-  references_ = array_.shape()[format.references_first ? 0 : 1];
-  is_query_major_ = array_.is_column_major() == format.references_first;
-  if (std::max(queries_, references_) > std::numeric_limits<int32_t>::max())
-    throw Error(ErrorKind::data, fmt::format("{}: has more than 2^31 rows or columns", name_));
+    : file_(path, format) {
   scan(monitor);
 }
 
-const std::byte* GivenDistances::value(size_t query, size_t reference) const {
-  const size_t index =
-      is_query_major_ ? query * references_ + reference : reference * queries_ + query;
-  return array_.value_bytes().data() + index * type_->bytes;
-}
-
+// NaN also for an infinite score on the bad side.
 double GivenDistances::score_of(double number) const {
-  const bool is_none = (format_.missing && number == *format_.missing) ||
-                       (std::isinf(number) && (number > 0) != format_.is_similarity);
-  return is_none ? kNone : number;
+  return std::isinf(number) && (number > 0) != is_similarity() ? kNone : number;
 }
 
 // Lines are what lies side by side in the file.
 void GivenDistances::scan(const Monitor& monitor) {
-  const size_t lines = is_query_major_ ? queries_ : references_;
-  const size_t length = is_query_major_ ? references_ : queries_;
+  const bool by_query = file_.is_query_major();
+  const size_t lines = by_query ? queries() : references();
+  const size_t length = by_query ? references() : queries();
   std::vector<Extent> extents(lines);
   std::vector<std::atomic<uint8_t>> has_score(length);  // across lines
   StepCounter counter(monitor, "scores", lines);
   parallel_for((lines + kScanned - 1) / kScanned, monitor, [&](size_t task) {
     std::vector<double> numbers(length);
     for (size_t line = task * kScanned; line < std::min(lines, (task + 1) * kScanned); ++line) {
-      const size_t at = line * length * type_->bytes;
-      type_->read(array_.value_bytes().data() + at, type_->bytes, length, numbers.data(), 1);
+      if (by_query)
+        file_.read_query(line, 0, length, numbers.data());
+      else
+        file_.read_reference(line, 0, length, numbers.data());
       for (size_t i = 0; i < length; ++i) {
         const double score = score_of(numbers[i]);
         if (std::isnan(score)) continue;
         extents[line].add(score);
         has_score[i].store(1, std::memory_order_relaxed);
       }
-      array_.forget_values(at, length * type_->bytes);
+      file_.forget(line, 1);
       counter.add();
     }
   });
   Extent all;
-  std::vector<size_t>& empty_lines = is_query_major_ ? empty_queries_ : empty_references_;
-  std::vector<size_t>& empty_across = is_query_major_ ? empty_references_ : empty_queries_;
+  std::vector<size_t>& empty_lines = by_query ? empty_queries_ : empty_references_;
+  std::vector<size_t>& empty_across = by_query ? empty_references_ : empty_queries_;
   for (size_t line = 0; line < lines; ++line) {
     if (extents[line].least > extents[line].most)
       empty_lines.push_back(line);
@@ -172,49 +156,38 @@ void GivenDistances::scan(const Monitor& monitor) {
   }
   for (size_t i = 0; i < length; ++i)
     if (has_score[i].load(std::memory_order_relaxed) == 0) empty_across.push_back(i);
-  if (all.least > all.most) throw Error(ErrorKind::data, fmt::format("{}: has no score", name_));
+  if (all.least > all.most)
+    throw Error(ErrorKind::data, fmt::format("{}: has no score", file_.name()));
   if (std::isinf(all.least) || std::isinf(all.most))
     throw Error(ErrorKind::data,
                 fmt::format("{}: has an infinite {}, better than all others; say with --missing "
                             "what is no score",
-                            name_, format_.is_similarity ? "similarity" : "distance"));
+                            file_.name(), is_similarity() ? "similarity" : "distance"));
   if (std::isinf(all.most - all.least))
     throw Error(ErrorKind::data, fmt::format("{}: has scores from {} to {}, too far apart to be "
                                              "compared; say with --missing what is no score",
-                                             name_, all.least, all.most));
-  units_ = units_of(all, format_.is_similarity, type_->is_whole);
+                                             file_.name(), all.least, all.most));
+  units_ = units_of(all, is_similarity(), file_.is_whole());
 }
 
 void GivenDistances::read(size_t query, size_t first, size_t count, uint16_t* out) const {
-  assert(query < queries_ && first + count <= references_);
-  const size_t stride = (is_query_major_ ? 1 : queries_) * type_->bytes;
+  assert(query < queries() && first + count <= references());
   std::array<double, kPiece> numbers;
   for (size_t done = 0; done < count; done += kPiece) {
     const size_t piece = std::min(kPiece, count - done);
-    type_->read(value(query, first + done), stride, piece, numbers.data(), 1);
+    file_.read_query(query, first + done, piece, numbers.data());
     for (size_t i = 0; i < piece; ++i)
-      out[done + i] = quantised(score_of(numbers[i]), units_, format_.is_similarity);
+      out[done + i] = quantised(score_of(numbers[i]), units_, is_similarity());
   }
 }
 
 uint32_t GivenDistances::distance(size_t query, size_t reference) const {
   double number = 0;
-  type_->read(value(query, reference), type_->bytes, 1, &number, 1);
+  file_.read_query(query, reference, 1, &number);
   const double score = score_of(number);
   if (std::isnan(score)) return units_.largest;
   const double away = std::abs(score - units_.best) / units_.unit;
   return std::min(static_cast<uint32_t>(std::floor(away + 0.5)), uint32_t{units_.largest});
-}
-
-std::string GivenDistances::fingerprint(const Monitor& monitor) const {
-  constexpr size_t kPieceBytes = size_t{16} << 20;
-  ChecksumStream sum;
-  const auto bytes = array_.file_bytes();
-  for (size_t at = 0; at < bytes.size(); at += kPieceBytes) {
-    check_stop(monitor);
-    sum.add(bytes.subspan(at, std::min(kPieceBytes, bytes.size() - at)));
-  }
-  return sum.text();
 }
 
 void append_frame_numbers(std::vector<uint8_t>& rows, size_t first, size_t count) {

@@ -3,24 +3,15 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/monitor.h"
-#include "base/npy.h"
-#include "base/npy_numbers.h"
 #include "matching/frame_distances.h"
+#include "matching/score_file.h"
 
 namespace vpr {
-
-/// What the numbers of a matrix mean.
-struct GivenFormat {
-  bool is_similarity = false;     ///< large is good
-  bool references_first = false;  ///< rows of the file are references, columns are queries
-  std::optional<double> missing;  ///< this value is no score, as NaN never is
-};
 
 /// What whole numbers stand for: the distance k is of the score best + k * unit, or, of
 /// similarities, best - k * unit, to the nearest.
@@ -42,11 +33,11 @@ class GivenDistances {
   /// Reads the whole file once. Throws Error(input) if it can't be read; Error(data) if it is no
   /// such matrix, has no score, or an infinite one that is better than all; and
   /// Error(interrupted).
-  GivenDistances(const std::filesystem::path& path, const GivenFormat& format,
+  GivenDistances(const std::filesystem::path& path, const ScoreFormat& format,
                  const Monitor& monitor);
 
-  size_t queries() const { return queries_; }
-  size_t references() const { return references_; }
+  size_t queries() const { return file_.queries(); }
+  size_t references() const { return file_.references(); }
   const GivenUnits& units() const { return units_; }
   /// Queries, and references, without any score; rising.
   const std::vector<size_t>& empty_queries() const { return empty_queries_; }
@@ -58,21 +49,15 @@ class GivenDistances {
   /// One of them, by the definition of units: what read is compared with.
   uint32_t distance(size_t query, size_t reference) const;
 
-  /// Of the whole file, as provenance has it.
-  std::string fingerprint(const Monitor& monitor) const;
+  /// The checksum of the file.
+  std::string fingerprint(const Monitor& monitor) const { return file_.fingerprint(monitor); }
 
  private:
   void scan(const Monitor& monitor);
-  const std::byte* value(size_t query, size_t reference) const;
   double score_of(double number) const;
+  bool is_similarity() const { return file_.format().is_similarity; }
 
-  std::string name_;
-  GivenFormat format_;
-  NpyArray array_;
-  const NumberType* type_ = nullptr;
-  bool is_query_major_ = true;  ///< the scores of one query lie side by side
-  size_t queries_ = 0;
-  size_t references_ = 0;
+  ScoreFile file_;
   GivenUnits units_;
   std::vector<size_t> empty_queries_;
   std::vector<size_t> empty_references_;

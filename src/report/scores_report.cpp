@@ -13,7 +13,7 @@ namespace {
 
 Json settings_json(const ScoreSettings& settings) {
   return {{"method", settings.method},
-          {"scores", enum_name(settings.format.kind)},
+          {"scores", settings.format.is_similarity ? "similarity" : "distance"},
           {"references_first", settings.format.references_first},
           {"missing", or_null(settings.format.missing)},
           {"window", settings.window_length},

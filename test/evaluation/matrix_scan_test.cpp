@@ -250,7 +250,8 @@ TEST_CASE("the curve over all pairs is that of sorting them all") {
           pairs.push_back({0, reference,
                            uniform_below(engine, 4) == 0 ? PlaceLabel::ignore : PlaceLabel::same});
     for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
-      const ScoreMatrix matrix(write_matrix(folder, scores, rows, cols), {kind, false, {}});
+      const ScoreMatrix matrix(write_matrix(folder, scores, rows, cols),
+                               {kind == ScoreOrder::similarity, false, {}});
       const ScoreLayout layout = layout_of(matrix, 1);
       MatrixScan found = scan_matrix(matrix, truth, layout, {});
       const Curve curve = pair_curve(matrix, truth, layout, found, {});

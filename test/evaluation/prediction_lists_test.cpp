@@ -149,7 +149,7 @@ TEST_CASE("the best pairs are those of sorted rows") {
   const test::TemporaryFolder folder;
   test::write_array(folder / "s.npy", scores, {kRows, kColumns});
   for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
-    const ScoreMatrix matrix(folder / "s.npy", {kind, false, {}});
+    const ScoreMatrix matrix(folder / "s.npy", {kind == ScoreOrder::similarity, false, {}});
     const ScoreLayout layout = layout_of(matrix, 3);
     const std::vector<BestPair> pairs = best_pairs(matrix, layout, 5, {});
     REQUIRE(pairs.size() == 6 * 5 + 1);

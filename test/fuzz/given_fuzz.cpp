@@ -22,7 +22,7 @@ void match(const GivenDistances& given, const FrameDistances& distances, size_t 
   });
 }
 
-void read_matrix(const std::filesystem::path& path, const GivenFormat& format) {
+void read_matrix(const std::filesystem::path& path, const ScoreFormat& format) {
   const GivenDistances given(path, format, {});
   given.fingerprint({});
   if (given.queries() * given.references() > kMostPairs) return;

@@ -27,7 +27,7 @@ std::vector<uint32_t> row_of(const GivenDistances& given, size_t query) {
 }
 
 GivenDistances of(const std::vector<double>& values, const std::vector<size_t>& shape,
-                  const GivenFormat& format = {}) {
+                  const ScoreFormat& format = {}) {
   const test::TemporaryFolder folder;
   test::write_array(folder / "s.npy", values, shape);
   return {folder / "s.npy", format, {}};
@@ -95,7 +95,7 @@ TEST_CASE("what has no score is as far away as the worst") {
 
 TEST_CASE("matrices that are none are refused") {
   const auto kind = [](const std::vector<double>& values, const std::vector<size_t>& shape,
-                       const GivenFormat& format = {}) {
+                       const ScoreFormat& format = {}) {
     return test::error_kind([&] { of(values, shape, format); });
   };
   CHECK(kind({kNan, kNan}, {1, 2}) == ErrorKind::data);
