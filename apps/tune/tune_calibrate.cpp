@@ -25,7 +25,6 @@ CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const S
     throw Error(ErrorKind::usage,
                 "vpr-tune calibrate has no --fuse: remove fuse_beta from the configuration.");
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
-  ensure_places(database, session.kernels, monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
   const DescriptorSet query = replayed(describe_frames(open_sequence(source.sequence.sequence),
                                                        database, settings.skip_unreadable, monitor),

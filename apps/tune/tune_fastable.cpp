@@ -35,7 +35,6 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
-  ensure_places(database, session.kernels, monitor);
   fuse_views(database, settings, inputs.fuse);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
   session.run.memory_limit = command.memory_limit;

@@ -38,20 +38,19 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
   return *std::move(json);
 }
 
-int require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
-                   ErrorKind error_kind, int newest) {
-  const std::string wanted = fmt::format("vpr.{}/{}", schema_kind, newest);
+void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
+                    ErrorKind error_kind, int version) {
+  const std::string wanted = fmt::format("vpr.{}/{}", schema_kind, version);
   const auto found = json.is_object() ? json.find("schema") : json.end();
   if (!json.is_object() || found == json.end() || !found->is_string())
     throw Error(error_kind,
                 fmt::format("{}: expected a JSON object with \"schema\": \"{}\"", where, wanted));
   const std::string schema = found->get<std::string>();
-  const std::string prefix = fmt::format("vpr.{}/", schema_kind);
-  for (int version = 1; version <= newest; ++version)
-    if (schema == prefix + std::to_string(version)) return version;
-  if (schema.starts_with(prefix))
+  if (schema == wanted) return;
+  if (schema.starts_with(fmt::format("vpr.{}/", schema_kind)))
     throw Error(error_kind,
-                fmt::format("{}: has schema {}, and this program reads {}; use a newer version",
+                fmt::format("{}: has schema {}, made by another version of the program (this one "
+                            "reads {}). Run the command that made it again",
                             where, schema, wanted));
   throw Error(error_kind, fmt::format("{}: expected schema {}, found {}", where, wanted, schema));
 }

@@ -33,10 +33,10 @@ std::optional<Json> parse_json(std::string_view text);
 /// Reads a whole file. Throws Error(input) if it can't be read, Error(kind) if it is not JSON.
 Json read_json(const std::filesystem::path& path, ErrorKind kind);
 
-/// Checks `"schema": "vpr.<kind>/1"`, or up to the version `newest`, and gives the version: another
-/// kind, and a newer version, are said. Throws Error(error_kind).
-int require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
-                   ErrorKind error_kind, int newest = 1);
+/// Checks `"schema": "vpr.<kind>/<version>"`. Throws Error(error_kind) for anything else, which
+/// says whether the kind or the version differs.
+void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
+                    ErrorKind error_kind, int version = 1);
 
 /// Two spaces of indentation and a final line feed; bytes that are not UTF-8 are replaced.
 std::string to_text(const Json& json);

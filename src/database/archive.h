@@ -49,7 +49,7 @@ class ArchiveWriter {
 };
 
 /// An opened folder whose manifest is intact. Throws Error(input) if it is missing, Error(data),
-/// naming the file, if it is damaged, of another kind or of a newer version.
+/// naming the file, if it is damaged, of another kind or of another version.
 class Archive {
  public:
   explicit Archive(std::filesystem::path path);

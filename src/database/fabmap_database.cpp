@@ -66,9 +66,7 @@ ViewWords read_words(const Archive& archive, const std::string& name, size_t wor
   return read;
 }
 
-// Databases of older date have none: it is made of the views.
 WordIndex read_index(const Archive& archive, const ViewWords& views, size_t words) {
-  if (!archive.has("index.npy")) return make_word_index(views, words);
   const NpyArray lists = archive.array("index.npy");
   const NpyArray offsets = archive.array("index_offsets.npy");
   const auto list_span = lists.values<uint16_t>(1);
@@ -104,9 +102,7 @@ cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
   return words.clone();
 }
 
-// Databases of older date do not say which frames could not be decoded.
 std::vector<size_t> read_unreadable(const Archive& archive, const Json& group, size_t frames) {
-  if (!group.contains("unreadable")) return {};
   std::vector<size_t> unreadable;
   for (const Json& frame : manifest_list(archive, group, "unreadable")) {
     if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= frames)

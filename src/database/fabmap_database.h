@@ -83,9 +83,8 @@ void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const
 /// Makes the index of all views anew.
 void index_views(FabmapDatabase& database);
 
-/// Every file is verified. The index is loaded, and made only for a database of older date, which
-/// has none. Throws Error(input) if it is missing,
-/// Error(data) if it is damaged, of another method or of a newer version.
+/// Every file is verified. Throws Error(input) if it is missing,
+/// Error(data) if it is damaged, of another method or of another version.
 FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 
 /// Byte-identical for the same content. The caller commits.

@@ -108,9 +108,8 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
     for (size_t s = 0; s + 1 < sequences.size(); ++s)
       if (sequences[s].name == sequence.name) archive.fail("two sequences have the same name");
     sequence.unreadable = read_unreadable(archive, json, count);
-    if (json.contains("typical_distance"))
-      sequence.typical_distance = read_typical_distance(archive, json, shape);
-    if (json.contains("half_width")) sequence.half_width = read_half_width(archive, json, count);
+    sequence.typical_distance = read_typical_distance(archive, json, shape);
+    sequence.half_width = read_half_width(archive, json, count);
     sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
                                 frame_names.begin() + ptrdiff_t(first + count));
     first += count;
@@ -160,7 +159,6 @@ std::vector<ThresholdTable> read_thresholds(const Archive& archive,
 }
 
 const DescriptorKind& read_kind(const Archive& archive) {
-  if (!archive.manifest().contains("descriptor")) return descriptor_kinds().front();
   const std::string name = manifest_text(archive, archive.manifest(), "descriptor");
   const DescriptorKind* kind = find_descriptor_kind(name);
   if (kind == nullptr)
@@ -213,11 +211,11 @@ std::vector<float> statistics_rows(const TrainStatistics& statistics) {
   return values;
 }
 
-std::optional<TrainStatistics> read_statistics(const Archive& archive, size_t frame_count,
-                                               const DescriptorShape& shape) {
+TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
+                                const DescriptorShape& shape) {
   const auto found = archive.manifest().find("statistics");
-  if (found == archive.manifest().end()) return std::nullopt;
-  if (!found->is_object()) archive.fail("\"statistics\" is no object");
+  if (found == archive.manifest().end() || !found->is_object())
+    archive.fail("\"statistics\" is not an object");
   Json json = *found;
   TrainStatistics statistics;
   statistics.typical_distance = read_typical_distance(archive, json, shape);

@@ -23,10 +23,9 @@ struct TrainSequence {
   std::string name;
   std::vector<std::string> frame_names;
   std::vector<size_t> unreadable;  ///< rising
-  /// Mean frame distance of its frames that are no neighbours; none in databases of
-  /// older date.
+  /// Mean frame distance of its frames that are not neighbors; none before training sets it.
   std::optional<double> typical_distance = std::nullopt;
-  /// After how many frames it shows another place; none in databases of older date.
+  /// After how many frames it shows another place; none before training sets it.
   std::optional<size_t> half_width = std::nullopt;
   std::optional<double> fps = std::nullopt;   ///< frames a second, where known
   std::optional<Replay> kept = std::nullopt;  ///< where they are kept ones of a recording
@@ -57,14 +56,14 @@ struct SequenceDatabase {
   std::vector<TrainSequence> sequences;
   DescriptorStore descriptors;  ///< of all sequences, one after the other
   std::vector<ThresholdTable> thresholds;
-  std::optional<TrainStatistics> statistics;  ///< none in databases of older date
-  /// Pairs of sequences that show the same place, a < b, rising; none in databases of older date.
+  std::optional<TrainStatistics> statistics;  ///< none before training sets them
+  /// Pairs of sequences that show the same place, a < b, rising; none before training finds them.
   std::optional<std::vector<std::pair<size_t, size_t>>> shared_places;
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 
 /// Every file is verified. Throws Error(input) if it is missing, Error(data) if it is damaged, of
-/// another method, of unknown descriptors or of a newer version.
+/// another method, of unknown descriptors or of another version.
 SequenceDatabase read_sequence_database(const std::filesystem::path& path);
 
 /// Writes a folder that is byte-identical for the same content: no time, host or path in it. The

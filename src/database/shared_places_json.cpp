@@ -10,8 +10,7 @@ Json shared_places_to_json(const SharedPlaces& pairs) {
   return json;
 }
 
-std::optional<SharedPlaces> read_shared_places(const Archive& archive, size_t sequences) {
-  if (!archive.manifest().contains("shared_places")) return std::nullopt;
+SharedPlaces read_shared_places(const Archive& archive, size_t sequences) {
   SharedPlaces pairs;
   for (const Json& item : manifest_list(archive, archive.manifest(), "shared_places")) {
     if (!item.is_array() || item.size() != 2 || !item[0].is_number_unsigned() ||

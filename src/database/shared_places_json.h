@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,7 +15,7 @@ using SharedPlaces = std::vector<std::pair<size_t, size_t>>;
 
 Json shared_places_to_json(const SharedPlaces& pairs);
 
-/// None where the manifest has none. Throws Error(data) for pairs out of range or order.
-std::optional<SharedPlaces> read_shared_places(const Archive& archive, size_t sequences);
+/// Throws Error(data) for pairs out of range or order, or where the manifest has none.
+SharedPlaces read_shared_places(const Archive& archive, size_t sequences);
 
 }  // namespace vpr

@@ -144,18 +144,6 @@ void update(Json& expected, const Json& found, bool is_condition) {
   }
 }
 
-// What a report of older date says of its ground truth, in today's words.
-std::string todays_words(std::string words) {
-  static const std::vector<std::pair<std::string_view, std::string_view>> kSaidOtherwise = {
-      {", references within 0 frames of one count", ""},
-      {": 1 labelled pairs", ": 1 labelled pair"},
-      {"within 1 frames", "within 1 frame"}};
-  for (const auto& [before, now] : kSaidOtherwise)
-    if (const size_t at = words.find(before); at != std::string::npos)
-      words.replace(at, before.size(), now);
-  return words;
-}
-
 // What an earlier report was made under, of what must not change.
 Json conditions_of(const Json& report) {
   Json conditions = Json::object();
@@ -168,11 +156,7 @@ Json conditions_of(const Json& report) {
   if (is_of_scores) conditions["settings"].erase("method");  // a name for tables
   keep("protocol", "tolerance_frames");
   keep("provenance", "ground_truth");
-  if (conditions.contains("provenance")) return conditions;
-  keep("protocol", "ground_truth");
-  const Json words = conditions.value("protocol", Json::object()).value("ground_truth", Json());
-  if (words.is_string())
-    conditions["protocol"]["ground_truth"] = todays_words(words.get<std::string>());
+  if (!conditions.contains("provenance")) keep("protocol", "ground_truth");
   return conditions;
 }
 

@@ -47,9 +47,9 @@ bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
 void order_by(Judgement& judgement, Confidence confidence) {
   Outcomes& outcomes = judgement.outcomes;
   if (confidence == Confidence::margin && !outcomes.has_margins)
-    throw Error(ErrorKind::usage,
-                "there are no margins: FAB-MAP, lsh and score matrices have none, and results of "
-                "older date do not hold them; leave --confidence out, or run vpr-query again");
+    throw Error(
+        ErrorKind::usage,
+        "there are no margins: FAB-MAP, lsh and score matrices have none. Omit --confidence");
   judgement.other_best.reset();
   if (outcomes.has_margins) {
     outcomes.confidence = confidence == Confidence::score ? Confidence::margin : Confidence::score;

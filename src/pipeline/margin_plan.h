@@ -11,8 +11,7 @@ void add_half_widths(SequenceDatabase& database, const Monitor& monitor);
 void add_shared_places(SequenceDatabase& database, const RowKernels& kernels,
                        const Monitor& monitor);
 
-/// Gives a database of older date both, without a word: a query computes them, too, but for each
-/// plan again.
+/// Adds both.
 void ensure_places(SequenceDatabase& database, const RowKernels& kernels, const Monitor& monitor);
 
 /// By the settings margin_width and same_place, else by what the database holds, else computed.

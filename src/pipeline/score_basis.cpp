@@ -12,12 +12,8 @@
 namespace vpr {
 
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor) {
-  if (!database.statistics) {
-    warn(monitor,
-         "the database has no training statistics, which standardized scores start from: computing "
-         "them; a database that is trained again holds them");
+  if (!database.statistics)
     database.statistics = compute_statistics(descriptor_spans(database), {}, monitor);
-  }
   if (!database.statistics->components)
     database.statistics->components = compute_components(
         descriptor_spans(database), database.statistics->typical_distance, monitor);

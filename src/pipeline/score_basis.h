@@ -8,8 +8,8 @@
 namespace vpr {
 
 /// Gives a database what standardized scores start from: the components of its training frames,
-/// which are not stored, and, with a warning and default settings, the statistics that one of older
-/// date lacks. Throws Error(interrupted) once the user wants to stop.
+/// which are not stored, and statistics by default settings where it has none. Throws
+/// Error(interrupted) once the user wants to stop.
 void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 
 /// For all sequences of a database; none for a score that needs no statistics, and for a walk

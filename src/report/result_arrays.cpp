@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/npy.h"
 #include "report/result_file.h"
-#include "report/result_versions.h"
 
 namespace vpr {
 namespace {
@@ -41,34 +40,25 @@ bool is_inside(const Match& match, const Result& result) {
 std::vector<std::optional<Match>> read_rows(const ResultSource& source, const std::string& name,
                                             const std::string& scores_name, const Result& result) {
   const Fields files = source.fields.object("files");
-  const MatchLayout layout = match_layout(source.version, result.places.has_value());
   const fs::path path = companion_path(source.path, name + ".npy");
   const NpyArray array = read_companion(path, files.object(name));
   const auto values = array.values<int32_t>(2);
-  if (array.shape()[1] != layout.columns)
-    files.fail(path.filename().string() + " has other columns");
-  std::optional<NpyArray> score_array;
-  std::span<const double> scores;
-  if (layout.score == MatchLayout::kNone) {
-    score_array.emplace(read_companion(companion_path(source.path, scores_name + ".npy"),
-                                       files.object(scores_name)));
-    scores = score_array->values<double>(1);
-    if (scores.size() != array.shape()[0]) files.fail(name + ".npy and its scores do not fit");
-  }
+  const size_t columns = result.places ? 4 : 3;  // query, target, train, and the view of a place
+  if (array.shape()[1] != columns) files.fail(path.filename().string() + " has other columns");
+  const NpyArray score_array =
+      read_companion(companion_path(source.path, scores_name + ".npy"), files.object(scores_name));
+  const auto scores = score_array.values<double>(1);
+  if (scores.size() != array.shape()[0]) files.fail(name + ".npy and its scores do not fit");
   std::vector<std::optional<Match>> matches;
   for (size_t i = 0; i < array.shape()[0]; ++i) {
-    const int32_t* row = values.data() + i * layout.columns;
-    // A negative index becomes one that is out of range.
-    const auto at = [&](size_t column) {
-      return column == MatchLayout::kNone ? 0 : static_cast<uint32_t>(row[column]);
-    };
-    if (row[layout.train] == -1) {
+    const int32_t* row = values.data() + i * columns;
+    if (row[2] == -1) {
       matches.emplace_back();
       continue;
     }
-    const double score =
-        layout.score == MatchLayout::kNone ? scores[i] : static_cast<double>(row[layout.score]);
-    const Match match{at(0), at(layout.target), at(layout.train), at(layout.view), score};
+    // A negative index becomes one that is out of range.
+    const auto at = [&](size_t column) { return static_cast<uint32_t>(row[column]); };
+    const Match match{at(0), at(1), at(2), result.places ? at(3) : 0, scores[i]};
     if (!is_inside(match, result))
       throw Error(ErrorKind::data,
                   fmt::format("{}: an index or a score is out of range; run vpr-query again",
@@ -132,7 +122,6 @@ void read_rates(const ResultSource& source, Result& result) {
   result.best_rates.assign(rates.begin(), rates.end());
 }
 
-// Results of older date have none.
 void read_margins(const ResultSource& source, Result& result) {
   const Fields files = source.fields.object("files");
   if (!files.has("margins")) return;
@@ -174,7 +163,6 @@ void read_path(const ResultSource& source, Result& result) {
   }
 }
 
-// Results of older versions have none.
 void read_views(const ResultSource& source, Result& result) {
   const Fields files = source.fields.object("files");
   if (!files.has("views")) return;

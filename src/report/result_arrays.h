@@ -10,12 +10,11 @@
 
 namespace vpr {
 
-/// A result file that is being read: its keys as version 2 has them, its arrays as `version` has.
+/// A result file that is being read.
 struct ResultSource {
   const std::filesystem::path& path;
   const std::string& where;
   const Fields& fields;
-  int version = 2;
 };
 
 /// What a sum over a window, as rows of matchers hold it, is above the score that files hold; 0
@@ -27,9 +26,9 @@ uint64_t window_count(uint64_t frames, uint64_t window_length);
 
 /// Each of these reads into the result, whose query and targets are known, and throws Error(data)
 /// for an array that is another one, damaged or out of range: hits and best matches, rates of best
-/// matches where there are several, their margins and where views begin (results of older date have
-/// none), what the filter says of query frames, probabilities of a new place, and the frames that a
-/// replay shows, or that are kept of training sequences.
+/// matches where there are several, their margins and where views begin (where known), what the
+/// filter says of query frames, probabilities of a new place, and the frames that a replay shows,
+/// or that are kept of training sequences.
 void read_matches(const ResultSource& source, Result& result);
 void read_rates(const ResultSource& source, Result& result);
 void read_margins(const ResultSource& source, Result& result);

@@ -72,15 +72,15 @@ Json write_result(const std::filesystem::path& path, const Result& result,
 struct StoredResult {
   Result result;
   std::string fingerprint;  ///< of everything but "machine" and "timing"
-  /// Of the matrix that was saved with it; none in a result without, or of older date.
+  /// Of the matrix that was saved with it; none in a result without.
   std::optional<std::string> matrix_checksum = {};
   /// Paths of the run by role, such as "query" and "database"; files may have moved since.
   std::map<std::string, std::string> paths = {};
 };
 
-/// A result of any method, of this version or of version 1. Throws Error(input) if a file is
-/// missing, Error(data) if one is damaged or of a newer version, if a companion belongs to another
-/// run, or an index is out of range.
+/// A result of any method. Throws Error(input) if a file is missing, Error(data) if one is damaged
+/// or of another version, if a companion is not the one that the JSON was written with, or an index
+/// is out of range.
 StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
 
 }  // namespace vpr

@@ -14,7 +14,6 @@
 #include "report/json_fields.h"
 #include "report/result_arrays.h"
 #include "report/result_file.h"
-#include "report/result_versions.h"
 
 namespace vpr {
 namespace {
@@ -169,22 +168,15 @@ Json read_result_json(const fs::path& path) {
   Json json = read_json(path, ErrorKind::data);
   require_schema(json, "result", where, ErrorKind::data, kVersion);
   const Fields fields(json, where);
-  if (!fields.has("checksum"))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has no checksum, as results of the first layout, so that nobody "
-                            "can tell whether it is whole; run vpr-query again",
-                            where));
   if (fields.text("checksum") != result_checksum(json)) fields.fail("its checksum does not fit");
   return json;
 }
 
 StoredResult read_result(const fs::path& path, const Monitor& monitor) {
   const std::string where = path.string();
-  Json json = read_result_json(path);
+  const Json json = read_result_json(path);
   const Fields fields(json, where);
-  const ResultSource source{path, where, fields,
-                            require_schema(json, "result", where, ErrorKind::data, kVersion)};
-  if (source.version == 1) upgrade_result(json, fields);
+  const ResultSource source{path, where, fields};
   StoredResult stored;
   stored.fingerprint = fields.text("checksum");
   Result& result = stored.result;

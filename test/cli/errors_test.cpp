@@ -133,7 +133,7 @@ TEST_CASE("databases that are missing, none, damaged or newer") {
                 "manifest");
   check_refused(damaged("manifest.json",
                         [](std::string& t) { t.replace(t.find("database/1"), 10, "database/7"); }),
-                4, "newer version");
+                4, "another version");
   check_refused(
       damaged("manifest.json",
               [](std::string& t) { t.replace(t.find("vpr.database"), 12, "vpr.resultss"); }),

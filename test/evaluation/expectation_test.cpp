@@ -66,22 +66,10 @@ TEST_CASE("settings and ground truth of an earlier report are expected, too") {
                                  "protocol.tolerance_frames: expected 7, found 3",
                                  "provenance.ground_truth: expected \"xxh3:b\", found \"xxh3:a\""});
   baseline = report;
-  baseline.erase("provenance");  // of an older version
+  baseline.erase("provenance");
   CHECK(unmet_of(baseline).empty());
   baseline["protocol"]["ground_truth"] = "pairs";
   CHECK(unmet_of(baseline).size() == 1);
-  const auto words = [&](const std::string& then, const std::string& now) {
-    Json judged = baseline;
-    baseline["protocol"]["ground_truth"] = then;
-    judged["protocol"]["ground_truth"] = now;
-    return unmet_expectations(check_expectations(judged, baseline, "e")).empty();
-  };
-  CHECK(words("pairs: 21 labelled pairs, references within 0 frames of one count",
-              "pairs: 21 labelled pairs"));
-  CHECK(words("pairs: 1 labelled pairs, references within 1 frames of one count",
-              "pairs: 1 labelled pair, references within 1 frame of one count"));
-  CHECK_FALSE(words("pairs: 21 labelled pairs, references within 0 frames of one count",
-                    "pairs: 22 labelled pairs"));
   CHECK(unmet_of(Json::parse(R"({"schema": "vpr.expected/1", "counts": {"distinct": 3},
                                  "settings": {"c_l": 11}})"))
             .size() == 1);
