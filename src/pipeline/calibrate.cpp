@@ -18,7 +18,7 @@ constexpr size_t kPathBlock = 40;  // query frames that a path of the filter hol
 // Of the windows that the best length recognises. Chosen on rendered buildings (docs/methods.md).
 constexpr double kEnough = 0.7;
 
-void check_precision(double precision) {
+void check_calibration(const SequenceQuerySettings& settings, double precision) {
   if (!(precision > 0 && precision <= 1))
     throw Error(ErrorKind::usage,
                 fmt::format("precision must be above 0 and at most 1, found {}", precision));
@@ -141,7 +141,7 @@ CalibratedWalk calibrate_walk(const SequenceDatabase& database, const Descriptor
                               std::vector<uint64_t> lengths, double precision,
                               const TruthReader& read_truth, const QueryResources& resources,
                               const Monitor& monitor) {
-  check_precision(precision);
+  check_calibration(base, precision);
   if (has_paths(base.method)) lengths = {1};
   std::sort(lengths.begin(), lengths.end());
   CalibratedWalk walk;
