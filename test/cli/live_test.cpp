@@ -79,8 +79,8 @@ TEST_CASE("a recording followed to its end says what the whole query says, byte 
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"--c-l", "10"},
            {"--c-l", "10", "--method", "fastable-online", "--decide", "margin"},
-           {"--c-l", "5", "--t-r", "0.6", "--t-r-scale", "mean"},
-           {"--c-l", "5", "--score", "standardized"},
+           {"--c-l", "5", "--t-r", "150", "--t-r-scale", "bits"},
+           {"--c-l", "5", "--score", "standardized", "--t-r", "-1.5"},
            {"--c-l", "5", "--score", "standardized", "--decide", "margin", "--threads", "3"},
            {"--method", "filter"}}) {
     INFO(words.back());
