@@ -8,7 +8,7 @@ using namespace vpr;
 
 namespace {
 
-const JudgedBy kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}};
+const JudgedBy kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}, {}};
 
 /// Four frames, of which the first two are recognised where they are, the third elsewhere, and the
 /// last nowhere.
