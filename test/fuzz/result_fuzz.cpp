@@ -31,7 +31,7 @@ void report(const Result& result) {
   size_t frames = result.query_frames;
   for (const auto& sequence : result.targets) frames += sequence.frames;
   if (frames > kMostFrames) return;
-  report_json(evaluate_result(result, {}, {GroundTruthArgument{"aligned", {}, 1}, {}}, {}), {});
+  report_json(evaluate_result(result, {}, {GroundTruthArgument{"aligned", {}, 1}, {}, {}}, {}), {});
 }
 
 }  // namespace
