@@ -27,8 +27,6 @@ options = parser.parse_args()
 out = options.work or pathlib.Path(tempfile.mkdtemp())
 
 DECISIONS = {
-    "threshold, raw": ["--score", "raw", "--decide", "threshold"],
-    "threshold, z-scores": ["--score", "standardized", "--decide", "threshold"],
     "margin, raw": ["--score", "raw", "--decide", "margin"],
     "margin, z-scores": ["--score", "standardized", "--decide", "margin"],
     "filter": ["--method", "filter"],

@@ -80,8 +80,8 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
             .type_name("P/Q"));
   group(
       add_setting(app, "--t-r", settings.distance_threshold,
-                  "threshold t_r: a number, or auto (default): from how close different places of "
-                  "the training sequences come"));
+                  "threshold t_r: a number, or auto, from how close two or more training sequences "
+                  "come to each other (default: auto)"));
   group(add_setting(app, "--score", settings.score,
                     "raw (distances, default), standardized (less the bias of frames that are "
                     "close to everything) or standardized-offline (from the whole query)"));
@@ -92,13 +92,10 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
                     "by so many deviations a nat (default 0.2), more or less as it proves right"));
   group(add_setting(
       app, "--t-r-scale", settings.threshold_scale,
-      "of a number: relative (D / max D, default), mean (D / what the window differs by "
-      "on average) or bits (D / c_l); of standardized scores mean-z (deviations, "
-      "mostly negative)"));
+      "scale of t_r: relative (D / max D) or bits (D / c_l); of standardized scores mean-z "
+      "(default: relative, mean-z)"));
   group(add_setting(app, "--safety-factor", settings.safety_factor,
                     "multiplies the automatic t_r (default: the database's)"));
-  group(add_setting(app, "--safety-margin", settings.safety_margin,
-                    "taken from the automatic t_r of standardized scores (default 0)"));
   group(add_setting(app, "--decide", settings.decision,
                     "what is a hit: threshold (default) or margin; see Decisions below"));
   group(add_setting(app, "--margin", settings.margin,
@@ -108,9 +105,6 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
   group(add_setting(app, "--margin-width", settings.margin_width,
                     "elsewhere is more than so many frames before or behind the best match "
                     "(default: after how many a training sequence shows another place)"));
-  group(app.add_flag("--margin-support", settings.margin_support,
-                     "with --decide margin, the last frames of a window must support its match, "
-                     "too (standardized scores, c_l 20 or more)"));
   group(app.add_list("--same-place", settings.same_place,
                      "A=B: these training sequences show the same place, so that neither is "
                      "elsewhere for the other; repeatable; none: all differ (default: as found)"));

@@ -15,6 +15,7 @@
 #include "pipeline/live_query.h"
 #include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
+#include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "query_inputs.h"
 #include "report/live_line.h"
@@ -157,6 +158,7 @@ void follow_query(Session& session, const QueryInputs& inputs, const SequenceQue
                             "be described so",
                             inputs.database));
   check_score(settings);
+  check_automatic(database, settings);
   if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
   fuse_views(database, settings, inputs.fuse);
   warn_of_automatic(settings, session.monitor);

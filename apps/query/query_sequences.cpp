@@ -123,6 +123,7 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   sides.source = find_query(inputs, session.monitor);
   sides.database = read_sequence_database(inputs.database);
   check_score(settings);
+  check_automatic(sides.database, settings);
   if (score_kind(settings.score).needs_statistics)
     ensure_statistics(sides.database, session.monitor);
   fuse_views(sides.database, settings, inputs.fuse);
@@ -248,9 +249,6 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   finish_matrix(matrix, inputs.matrix, found.result, truth, context, session);
   const Json json = keep_result(session, found.result, context);
   write_loops(inputs, found.result, session);
-  if (found.result.hits.empty() && !settings.loop && settings.decision == Decision::threshold &&
-      !settings.distance_threshold && !has_scores)
-    explain_no_hits(database, settings.window_length, session.kernels, session.monitor);
   session.print_result(summary(found) + advice_text(sides, found.result, resources, session), json);
 }
 

@@ -1,4 +1,4 @@
-// vpr-tune calibrate: a threshold from a labelled walk, for walks without labels.
+// vpr-tune calibrate: a margin from a labelled walk, for walks without labels.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -50,7 +50,7 @@ void tune_calibrate(Session& session, const CalibrateTune& command) {
       calibrate(session, command, sources.queries.front(), request.precision);
   if (!walk.chosen)
     throw Error(ErrorKind::expectation,
-                fmt::format("{}: no threshold: {}", walk.query_name, calibration_failure(walk)));
+                fmt::format("{}: no margin: {}", walk.query_name, calibration_failure(walk)));
   session.run.simd_target = session.kernels.target;
   session.run.memory_limit = command.memory_limit;
   session.run.paths = {{"database", command.inputs.database}};
@@ -85,8 +85,6 @@ void add_settings(const Command& command, SequenceQuerySettings& settings) {
               "fastable (default), filter, or another exact one of vpr-query");
   add_setting(command, "--score", settings.score,
               "raw, standardized (default) or standardized-offline");
-  add_setting(command, "--decide", settings.decision,
-              "what is a hit: margin (default), or threshold, of which no choice holds as often");
   add_setting(command, "--margin-width", settings.margin_width,
               "elsewhere is more than so many frames before or behind the best match (default: "
               "after how many a training sequence shows another place)");
@@ -111,7 +109,7 @@ CalibrateTune::CalibrateTune() {
 
 void add_calibrate(Program& program, CalibrateTune& tune) {
   const Command command = program.add_command(
-      "calibrate", "A threshold from a short labelled walk, for vpr-query --config on others.",
+      "calibrate", "A margin from a short labelled walk, for vpr-query --config on others.",
       "  vpr-tune calibrate corridor.vprdb --query corridor/query --ground-truth aligned "
       "--tolerance 3 --fps 2 -o calibrated.json\n"
       "  vpr-query corridor.vprdb --query another/walk --config calibrated.json -o result.json\n"

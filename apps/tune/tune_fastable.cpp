@@ -1,6 +1,4 @@
 // vpr-tune fastable: c_l and t_r.
-#include <algorithm>
-
 #include "base/stopwatch.h"
 #include "images/sequence.h"
 #include "pipeline/advice.h"
@@ -8,24 +6,11 @@
 #include "pipeline/margin_plan.h"
 #include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
-#include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "tune_inputs.h"
 
 namespace vpr {
 namespace {
-
-// Of several windows whose automatic threshold gives no hits, the longest tells most.
-void explain_automatic(const std::vector<CellCounts>& cells, const SequenceDatabase& database,
-                       const Session& session) {
-  uint64_t longest = 0;
-  for (const CellCounts& cell : cells) {
-    const LabelCounts& hits = cell.counts.hits;
-    if (!cell.threshold && hits.correct + hits.incorrect + hits.ignored == 0)
-      longest = std::max(longest, cell.window);
-  }
-  if (longest > 0) explain_no_hits(database, longest, session.kernels, session.monitor);
-}
 
 void tune_fastable(Session& session, const FastableTune& command) {
   const TuneInputs& inputs = command.inputs;
@@ -50,8 +35,6 @@ void tune_fastable(Session& session, const FastableTune& command) {
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,
         resources, monitor);
-    if (settings.decision == Decision::threshold)
-      explain_automatic(found.cells, database, session);
     if (!found.recommendation.cell && session.share.is_first()) {
       ensure_statistics(database, monitor);
       warn(monitor, filter_finding(database, query, settings, resources, monitor));
@@ -83,9 +66,6 @@ void add_fastable(Program& program, FastableTune& tune) {
   add_setting(command, "--margin-width", tune.settings.margin_width,
               "elsewhere is more than so many frames before or behind the best match (default: "
               "after how many a training sequence shows another place)");
-  command.add_flag("--margin-support", tune.settings.margin_support,
-                   "the last frames of a window must support its match, too (standardized scores, "
-                   "c_l 20 or more)");
   command.add_list("--same-place", tune.settings.same_place,
                    "A=B: these training sequences show the same place; repeatable; none: all "
                    "differ (default: as found)");
@@ -96,15 +76,13 @@ void add_fastable(Program& program, FastableTune& tune) {
   add_setting(command, "--fuse-beta", tune.settings.fusion_weight,
               "deviations a nat of what it says (default 0.2)");
   add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
-              "of the numbers: relative (default), mean or bits, as vpr-query takes them; of "
-              "standardized scores mean-z");
+              "scale of the numbers: relative or bits, of standardized scores mean-z "
+              "(default: relative, mean-z)");
   command
       .add_list("--rates", tune.settings.rates,
                 "windows of these rates, as vpr-query takes them (default 1)")
       .comma_separated()
       .type_name("P/Q");
-  add_setting(command, "--safety-margin", tune.settings.safety_margin,
-              "taken from the automatic t_r of standardized scores (default 0)");
   command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,
                    "frames that can't be decoded keep their index and never match");
   add_memory_flag(command, tune.memory_limit, "for rings and hits of all c_l, as in 512M");

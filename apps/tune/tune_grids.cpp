@@ -17,9 +17,9 @@ constexpr const char* kCalibratedLengths = "10,20,40";
 constexpr const char* kFabmapWindows = "1,2,3,5,8";
 constexpr const char* kPlaceThresholds = "0.3:0.9:0.1,0.95,0.99,0.999";
 
-// By ThresholdScale: relative, bits, mean-z, mean.
-constexpr std::array<const char*, 4> kDistanceThresholds = {"0.3:0.9:0.025", "100:490:15",
-                                                            "-4:-0.5:0.125", "0.4:0.98:0.02"};
+// By ThresholdScale: relative, bits, mean-z.
+constexpr std::array<const char*, 3> kDistanceThresholds = {"0.3:0.9:0.025", "100:490:15",
+                                                            "-4:-0.5:0.125"};
 
 // Of raw distances, and of standardized scores.
 constexpr const char* kDistanceMargins = "4:80:4,auto";
@@ -96,9 +96,8 @@ std::string calibrated_lengths_help() {
 std::string distance_threshold_help() {
   return fmt::format(
       "thresholds, as in 0.2:0.6:0.05 or --t-r=-3:-1:0.25; the word auto may be one "
-      "of them (default: {}; in bits {}; of the mean {}; of standardized scores {})",
-      kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[3],
-      kDistanceThresholds[2]);
+      "of them, of raw distances (default: {}; in bits {}; of standardized scores {})",
+      kDistanceThresholds[0], kDistanceThresholds[1], kDistanceThresholds[2]);
 }
 
 std::string margin_help() {

@@ -108,20 +108,13 @@ struct ThresholdTune {
   std::string database;
   std::string windows = "40";
   double safety_factor = 1;
-  Score score = Score::raw;
-  double safety_margin = 0;  ///< of standardized scores
-  StandardizationSettings standardization;
   bool write = false;
-  size_t memory_limit = kDefaultMemoryLimit;
   TableFormat format = TableFormat::text;
 };
 
 template <class Visitor>
 void visit_fields(ThresholdTune& settings, Visitor&& visit) {
   visit("safety_factor", settings.safety_factor);
-  visit("score", settings.score);
-  visit("safety_margin", settings.safety_margin);
-  visit("standardization", settings.standardization);
 }
 
 void add_threshold(Program& program, ThresholdTune& tune);

@@ -29,10 +29,8 @@ std::vector<std::string> setting_flags(const QuerySettings& recommended) {
       const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
       flags.push_back(fmt::format("{}{}{}", flag, text.starts_with('-') ? "=" : " ", text));
     }
-  const std::string scale = settings.value("t_r_scale", "");
-  if (scale == enum_name(ThresholdScale::bits) || scale == enum_name(ThresholdScale::mean))
-    flags.push_back("--t-r-scale " + scale);
-  if (settings.value("margin_support", false)) flags.emplace_back("--margin-support");
+  if (settings.value("t_r_scale", "") == enum_name(ThresholdScale::bits))
+    flags.emplace_back("--t-r-scale bits");
   if (settings.value("skip_unreadable", false)) flags.emplace_back("--skip-unreadable");
   return flags;
 }

@@ -5,7 +5,6 @@
 #include "base/json.h"
 #include "database/archive.h"
 #include "number_lists.h"
-#include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "report/thresholds_report.h"
@@ -14,23 +13,8 @@
 namespace vpr {
 namespace {
 
-// What a query with such thresholds would be set to.
-SequenceQuerySettings query_settings(const ThresholdTune& command) {
-  SequenceQuerySettings settings;
-  settings.score = command.score;
-  if (command.safety_factor != 1) settings.safety_factor = command.safety_factor;
-  settings.safety_margin = command.safety_margin;
-  settings.standardization = command.standardization;
-  return settings;
-}
-
 void check_command(const Session& session, const ThresholdTune& command) {
   check_safety_factor(command.safety_factor);
-  check_score(query_settings(command));
-  if (!score_kind(command.score).is_stored && command.write)
-    throw Error(ErrorKind::usage,
-                "a database keeps thresholds of raw distances only: those of standardized scores "
-                "depend on the settings of each query; leave --write out");
   session.claim_output();
   if (!command.write) return;
   session.outputs.extend(command.database);
@@ -51,26 +35,24 @@ void keep_thresholds(const Session& session, const std::string& path, SequenceDa
 
 void tune_threshold(Session& session, const ThresholdTune& command) {
   check_command(session, command);
-  const ScoreKind& kind = score_kind(command.score);
-  SequenceQuerySettings settings = query_settings(command);
   SequenceDatabase database = read_sequence_database(command.database);
-  if (kind.needs_statistics) ensure_statistics(database, session.monitor);
+  check_automatic(database, {});
   std::vector<AutomaticThresholds> all;
   for (const uint64_t length : parse_counts(command.windows, "--c-l")) {
-    settings.window_length = length;
-    check_score(settings);
-    const MatchSettings match{length, command.memory_limit, session.kernels};
-    ThresholdTable table = closest_windows(database, settings, match, session.monitor);
-    if (kind.is_stored) warn_of_overlaps(database, table, session.monitor);
-    all.push_back(automatic_thresholds(database, std::move(table), settings, session.monitor));
+    check_window_length(length);
+    ThresholdTable table =
+        compute_thresholds(descriptor_spans(database), length, command.safety_factor,
+                           session.kernels, session.monitor);
+    warn_of_overlaps(database, table, session.monitor);
+    all.push_back(automatic_thresholds(database, std::move(table), session.monitor));
   }
   if (command.write) keep_thresholds(session, command.database, database, all);
-  const Json json = thresholds_json(database.sequences, all, settings, session.run);
+  const Json json = thresholds_json(database.sequences, all, command.safety_factor, session.run);
   session.write_output(json);
-  session.print_result(
-      render_table(thresholds_table(database.sequences, all, settings, command.database),
-                   command.format),
-      json);
+  session.print_result(render_table(thresholds_table(database.sequences, all, command.safety_factor,
+                                                     command.database),
+                                    command.format),
+                       json);
 }
 
 }  // namespace
@@ -85,12 +67,7 @@ void add_threshold(Program& program, ThresholdTune& tune) {
   command.add_option("DB", tune.database, "database of sequences").required();
   command.add_option("--c-l", tune.windows, "window lengths, as in 20,40 (default 40)");
   add_setting(command, "--safety-factor", tune.safety_factor, "multiplies t_r (default 1)");
-  add_setting(command, "--score", tune.score,
-              "raw (default), standardized or standardized-offline");
-  add_setting(command, "--safety-margin", tune.safety_margin,
-              "taken from t_r of standardized scores (default 0)");
   command.add_flag("--write", tune.write, "keep them in the database");
-  add_memory_flag(command, tune.memory_limit, "for the ring of standardized scores, as in 512M");
   add_setting(command, "--format", tune.format,
               "of the table: text (default), csv, markdown or latex");
 }

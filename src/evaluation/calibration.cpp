@@ -33,13 +33,12 @@ bool is_right(const CalibrationWindow& window, int64_t strength) {
 }
 
 // Just above whatever is wrong.
-std::optional<int64_t> above_all(std::span<const CalibrationWindow> windows, const Gap& gap,
-                                 std::optional<int64_t> least) {
-  std::optional<int64_t> strength = least;
+int64_t above_all(std::span<const CalibrationWindow> windows, const Gap& gap, int64_t least) {
+  int64_t strength = least;
   for (size_t w = 0; w < windows.size(); ++w) {
     if (gap.holds(w)) continue;
     for (const auto& reached : {windows[w].wrong, windows[w].untrained})
-      if (reached && (!strength || *reached >= *strength)) strength = *reached + 1;
+      if (reached && *reached >= strength) strength = *reached + 1;
   }
   return strength;
 }
@@ -62,11 +61,11 @@ Changes changes_of(std::span<const CalibrationWindow> windows, const Gap& gap) {
 }
 
 std::optional<int64_t> reaching(std::span<const CalibrationWindow> windows, const Gap& gap,
-                                double precision, std::optional<int64_t> least) {
+                                double precision, int64_t least) {
   std::optional<int64_t> chosen;
   Recognised sum;
   for (const auto& [strength, change] : changes_of(windows, gap)) {
-    if (least && strength < *least) break;
+    if (strength < least) break;
     sum.right += change.right;
     sum.wrong += change.wrong;
     if (sum.right > 0 &&
@@ -78,8 +77,8 @@ std::optional<int64_t> reaching(std::span<const CalibrationWindow> windows, cons
 
 std::optional<int64_t> choose(std::span<const CalibrationWindow> windows, const Gap& gap,
                               const CalibrationSettings& settings) {
-  return settings.precision < 1 ? reaching(windows, gap, settings.precision, settings.least)
-                                : above_all(windows, gap, settings.least);
+  if (settings.precision == 1) return above_all(windows, gap, settings.least);
+  return reaching(windows, gap, settings.precision, settings.least);
 }
 
 // Which windows are wrong by the threshold that all but their fold, and a block around it, lead to.
@@ -116,7 +115,7 @@ FalseRecognitions expect(std::span<const CalibrationWindow> windows,
 CalibrationAdvice missing_advice(std::span<const CalibrationWindow> windows,
                                  const CalibrationSettings& settings) {
   const bool any = std::any_of(windows.begin(), windows.end(), [&](const CalibrationWindow& w) {
-    return w.right && (!settings.least || *w.right >= *settings.least);
+    return w.right && *w.right >= settings.least;
   });
   return any ? CalibrationAdvice::none_is_safe : CalibrationAdvice::no_right_hit;
 }
@@ -128,7 +127,6 @@ Calibration calibrate(std::span<const CalibrationWindow> windows,
   assert(settings.precision > 0 && settings.precision <= 1 && settings.block > 0);
   Calibration found;
   const std::optional<int64_t> strength = choose(windows, {}, settings);
-  if (!strength && settings.precision == 1) return found;
   for (const CalibrationWindow& window : windows) {
     if (!strength) break;
     found.right += is_right(window, *strength) ? 1 : 0;

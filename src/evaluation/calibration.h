@@ -13,9 +13,8 @@
 
 namespace vpr {
 
-/// What a query window tells of every threshold there is. Strengths are whole numbers: what is
-/// asked for is at least some strength, so that a larger one is stricter. Of margins it is the
-/// margin, of scores (where less is better) the score times -1, both summed over the window.
+/// What a query window tells of every threshold there is. Strengths are margins,
+/// summed over the window.
 struct CalibrationWindow {
   std::optional<int64_t> right;  ///< it has a right hit where no more than this is asked
   std::optional<int64_t> wrong;  ///< the same of a wrong hit
@@ -27,19 +26,18 @@ struct CalibrationWindow {
 enum class CalibrationAdvice {
   calibrated,
   no_right_hit,  ///< there is none at the least strength either
-  none_is_safe,  ///< where a right hit is left, the precision is not reached
-  nothing_wrong  ///< no window shows how strong a wrong match gets, and no least strength is known
+  none_is_safe   ///< where a right hit is left, the precision is not reached
 };
 template <>
-inline constexpr std::array<std::string_view, 4> kEnumNames<CalibrationAdvice> = {
-    "calibrated", "no_right_hit", "none_is_safe", "nothing_wrong"};
+inline constexpr std::array<std::string_view, 3> kEnumNames<CalibrationAdvice> = {
+    "calibrated", "no_right_hit", "none_is_safe"};
 
 struct CalibrationSettings {
   /// Of the recognised windows, the share that is right: above 0, at most 1.
   double precision = 1;
-  std::optional<int64_t> least;  ///< no smaller strength is chosen
-  size_t block = 1;              ///< windows in a row that share frames: at least 1
-  uint64_t seed = 1;             ///< of the bootstrap
+  int64_t least = 1;  ///< no smaller strength is chosen
+  size_t block = 1;   ///< windows in a row that share frames: at least 1
+  uint64_t seed = 1;  ///< of the bootstrap
 };
 
 /// False recognitions, each a run of windows in a row that are recognised wrongly, in a walk as
@@ -50,7 +48,7 @@ struct FalseRecognitions {
 };
 
 struct Calibration {
-  CalibrationAdvice advice = CalibrationAdvice::nothing_wrong;
+  CalibrationAdvice advice = CalibrationAdvice::no_right_hit;
   std::optional<int64_t> strength;  ///< of the advice `calibrated`
   uint64_t right = 0;               ///< windows recognised at this strength, without a wrong hit
   uint64_t wrong = 0;               ///< windows with a wrong hit

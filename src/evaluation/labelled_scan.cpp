@@ -1,18 +1,10 @@
 #include "evaluation/labelled_scan.h"
 
 #include <algorithm>
-#include <array>
-#include <mutex>
 #include <utility>
 
 namespace vpr {
 namespace {
-
-constexpr size_t kLocks = 256;
-
-void keep_smaller(std::optional<uint32_t>& kept, const std::optional<uint32_t>& value) {
-  if (value && (!kept || *value < *kept)) kept = value;
-}
 
 // Whether frames are labelled same or ignore, or at most `width` before or behind one that is.
 std::vector<uint8_t> near_place(const std::vector<PlaceLabel>& labels, size_t width) {
@@ -30,22 +22,12 @@ std::vector<uint8_t> near_place(const std::vector<PlaceLabel>& labels, size_t wi
 
 }  // namespace
 
-struct LabelledScan::Windows {
-  explicit Windows(size_t count) : found(count) {}
-  std::vector<LabelledWindow> found;
-  std::array<std::mutex, kLocks> locks;
-};
-
 LabelledScan::LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
-                           size_t query_windows, const RowKernels& kernels, bool needs_support)
+                           size_t query_windows, const RowKernels& kernels)
     : truth_(truth),
       widths_(elsewhere.widths),
       window_length_(window_length),
-      untrained_(std::move(elsewhere), query_windows, kernels),
-      needs_support_(needs_support),
-      windows_(std::make_unique<Windows>(query_windows)) {}
-
-LabelledScan::~LabelledScan() = default;
+      untrained_(std::move(elsewhere), query_windows, kernels) {}
 
 void LabelledScan::operator()(const ScoreRow& row) {
   const size_t count = row.scores.size();
@@ -55,12 +37,6 @@ void LabelledScan::operator()(const ScoreRow& row) {
   truth_.label_row(row.query_window + anchor, row.sequence, labels);
   const std::vector<uint8_t> near = near_place(labels, width);
   const size_t first = row.train_window + anchor;
-  LabelledWindow seen;
-  for (size_t cell = 0; cell < count; ++cell) {
-    const PlaceLabel label = labels[first + cell];
-    if (label == PlaceLabel::same) keep_smaller(seen.right, row.scores[cell]);
-    if (label == PlaceLabel::different) keep_smaller(seen.wrong, row.scores[cell]);
-  }
   for (size_t begin = 0; begin < count; ++begin) {
     if (near[first + begin] != 0) continue;
     size_t end = begin;
@@ -68,19 +44,10 @@ void LabelledScan::operator()(const ScoreRow& row) {
     untrained_(part_of_row(row, begin, end - begin));
     begin = end;
   }
-  const std::lock_guard lock(windows_->locks[row.query_window % kLocks]);
-  LabelledWindow& window = windows_->found[row.query_window];
-  keep_smaller(window.right, seen.right);
-  keep_smaller(window.wrong, seen.wrong);
 }
 
-std::vector<LabelledWindow> LabelledScan::result() const {
-  std::vector<LabelledWindow> found = windows_->found;
-  const MarginScanResult all = untrained_.result();
-  const auto untrained = needs_support_ ? supported_margins(all) : all.margins;
-  for (size_t window = 0; window < found.size(); ++window)
-    found[window].untrained_margin = untrained[window];
-  return found;
+std::vector<std::optional<uint32_t>> LabelledScan::result() const {
+  return untrained_.result().margins;
 }
 
 }  // namespace vpr

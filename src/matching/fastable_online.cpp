@@ -207,14 +207,6 @@ std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDist
   return advance_started(state, distances, kernels, static_cast<uint32_t>(query_frame));
 }
 
-LastScores last_scores(const FastableState& state, const FrameDistances& distances) {
-  if (!distances.is_in_order() || state.window_length <= 2 || state.frames_seen < 2) return {};
-  const auto row = [&](size_t frame) {
-    return state.ring.get() + frame % (state.window_length + 1) * state.ring_stride;
-  };
-  return {row(state.frames_seen - 1), row(state.frames_seen - 2)};
-}
-
 void match_in_order(const FrameDistances& distances, std::span<const size_t> window_lengths,
                     const MatchSettings& settings, const Monitor& monitor,
                     const LengthRowConsumer& consume) {
@@ -234,9 +226,8 @@ void match_in_order(const FrameDistances& distances, std::span<const size_t> win
                                  : advance_started(states[l], distances, settings.kernels,
                                                    static_cast<uint32_t>(frame));
       if (ends_window(distances, window_lengths[l], frame))
-        emit_row(
-            distances, window_lengths[l], frame, 0, sums,
-            [&](const ScoreRow& row) { consume(l, row); }, last_scores(states[l], distances));
+        emit_row(distances, window_lengths[l], frame, 0, sums,
+                 [&](const ScoreRow& row) { consume(l, row); });
     }
     counter.add();
   }

@@ -43,10 +43,6 @@ FastableState start_fastable(const FrameDistances& distances, const MatchSetting
 std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDistances& distances,
                                            const RowKernels& kernels, size_t query_frame);
 
-/// What entered with the last two query frames, of standardized scores and windows of more than two
-/// frames.
-LastScores last_scores(const FastableState& state, const FrameDistances& distances);
-
 /// A whole query, row after row, for windows of several lengths at once: frame distances are
 /// computed once, and rows arrive in order, from the calling thread. Takes distances of any kind;
 /// throws what start_fastable throws. Windows of settings.rates go to match_rates.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -137,22 +136,6 @@ double row_mean(const FrameDistances& distances, size_t query) {
   if (distances.centred_frames == 0) return 0;
   return static_cast<double>(distances.row_total(query)) /
          static_cast<double>(distances.centred_frames);
-}
-
-std::vector<double> mean_window_distances(const FrameDistances& distances, size_t window_length) {
-  if (distances.query_frames < window_length) return {};
-  std::vector<double> means(distances.query_frames - window_length + 1, 0);
-  if (distances.centred_frames == 0) return means;
-  std::vector<uint64_t> totals(distances.query_frames);
-  for (size_t frame = 0; frame < totals.size(); ++frame) totals[frame] = distances.row_total(frame);
-  uint64_t sum = std::accumulate(
-      totals.begin(), totals.begin() + static_cast<ptrdiff_t>(window_length - 1), uint64_t{0});
-  for (size_t window = 0; window < means.size(); ++window) {
-    sum += totals[window + window_length - 1];
-    means[window] = static_cast<double>(sum) / static_cast<double>(distances.centred_frames);
-    sum -= totals[window];
-  }
-  return means;
 }
 
 double mean_distance_between(const FrameDistances& distances) {

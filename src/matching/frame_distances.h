@@ -176,11 +176,6 @@ uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b);
 /// once. 0 where there are none.
 double row_mean(const FrameDistances& distances, size_t query);
 
-/// For every window of the query, named by its first frame: the row means of its frames, summed. A
-/// frame that can't be read counts like any other. Zeros where rows are centred over no frame;
-/// empty where the query is shorter than a window.
-std::vector<double> mean_window_distances(const FrameDistances& distances, size_t window_length);
-
 /// Mean distance of a readable query frame to the frames that rows are centred over, over all
 /// pairs. 0 where either is empty.
 double mean_distance_between(const FrameDistances& distances);

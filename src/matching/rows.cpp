@@ -18,15 +18,11 @@ ScoreRow part_of_row(const ScoreRow& row, size_t first, size_t count) {
   part.train_window += first;
   part.scores = row.scores.subspan(first, count);
   if (!row.rates.empty()) part.rates = row.rates.subspan(first, count);
-  if (row.last.empty()) return part;
-  part.last = row.last.subspan(first, count);
-  part.last_but_one = row.last_but_one.subspan(first, count);
   return part;
 }
 
 void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
-              std::span<const uint32_t> sums, const RowConsumer& consume,
-              const LastScores& scores) {
+              std::span<const uint32_t> sums, const RowConsumer& consume) {
   const size_t known = frames.past.empty() ? frames.train_frames : frames.past[query_end];
   const size_t end = std::min(first + sums.size(), known);
   for (auto run = run_from(frames.train_runs, first);
@@ -34,15 +30,9 @@ void emit_row(const FrameDistances& frames, size_t window_length, size_t query_e
     const size_t from = std::max(first, run->first + window_length - 1);
     const size_t to = std::min(end, run->first + run->count);
     if (from >= to) continue;
-    ScoreRow row{query_end + 1 - window_length, run->sequence,
-                 run->first_in_sequence + (from + 1 - window_length - run->first),
-                 sums.subspan(from - first, to - from)};
-    if (scores.last != nullptr) {
-      row.last = {scores.last + from, to - from};
-      row.last_but_one = {scores.before + from - 1, to - from};
-      row.window_length = window_length;
-    }
-    consume(row);
+    consume({query_end + 1 - window_length, run->sequence,
+             run->first_in_sequence + (from + 1 - window_length - run->first),
+             sums.subspan(from - first, to - from)});
   }
 }
 

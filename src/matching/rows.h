@@ -26,21 +26,10 @@ struct ScoreRow {
   size_t train_window = 0;
   std::span<const uint32_t> scores;
   std::span<const uint8_t> rates = {};  ///< of windows of several rates: which of them each has
-  /// Of standardized scores, and windows of one rate that are longer: those of the last and of the
-  /// last but one pair of frames. Else empty.
-  std::span<const uint16_t> last = {};
-  std::span<const uint16_t> last_but_one = {};
-  size_t window_length = 0;  ///< where they are known
 };
 
 /// Cells [first, first + count) of a row.
 ScoreRow part_of_row(const ScoreRow& row, size_t first, size_t count);
-
-/// Scores of the last two query frames to train frames 0, 1, ...; null where they are not known.
-struct LastScores {
-  const uint16_t* last = nullptr;
-  const uint16_t* before = nullptr;
-};
 
 /// Where there is no cell; no sum is as large.
 inline constexpr uint32_t kNoCell = std::numeric_limits<uint32_t>::max();
@@ -109,8 +98,7 @@ inline constexpr size_t kMaxWindowLength = 1'000'000;
 /// the runs, and at the end of the past, and hands the valid ones on. `query_end` is the query
 /// window's last frame.
 void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
-              std::span<const uint32_t> sums, const RowConsumer& consume,
-              const LastScores& scores = {});
+              std::span<const uint32_t> sums, const RowConsumer& consume);
 
 /// How many frames of a query lie at least between a frame and the past that it may match: of
 /// diagonals (train frame - query frame) only those up to -least_lag hold cells. Nothing where all

@@ -14,70 +14,52 @@ namespace vpr {
 namespace {
 
 constexpr size_t kPathBlock = 40;  // query frames that a path of the filter holds together
-constexpr double kNothing = -60;   // a mean z that no window has
 
 // Of the windows that the best length recognises. Chosen on rendered buildings (docs/methods.md).
 constexpr double kEnough = 0.7;
 
-void check_precision(double precision) {
+void check_calibration(const SequenceQuerySettings& settings, double precision) {
   if (!(precision > 0 && precision <= 1))
     throw Error(ErrorKind::usage,
                 fmt::format("precision must be above 0 and at most 1, found {}", precision));
+  if (settings.decision != Decision::margin)
+    throw Error(ErrorKind::usage,
+                "vpr-tune calibrate chooses margins: remove decide from the configuration.");
 }
 
-bool is_by_margin(const SequenceQuerySettings& settings) {
-  return decision_kind(settings.decision).accepts != nullptr;
-}
-
-// Of margins all are accepted, and looked at; of thresholds nothing is.
+// All best matches are accepted.
 SequenceQuerySettings open_settings(const SequenceQuerySettings& base, uint64_t length) {
   SequenceQuerySettings settings = with_implied(base);
   if (!has_paths(settings.method)) settings.window_length = length;
-  settings.distance_threshold.reset();
-  settings.threshold_scale.reset();
-  settings.threshold_share.reset();
-  settings.margin.reset();
-  if (is_by_margin(settings)) {
-    settings.margin = 0;
-    settings.margin_support = can_ask_last_frames(settings);
-    return settings;
-  }
-  const bool is_raw = !score_kind(settings.score).needs_statistics;
-  settings.safety_factor.reset();
-  settings.safety_margin = 0;
-  settings.distance_threshold = is_raw ? 0 : kNothing;
-  settings.threshold_scale = is_raw ? ThresholdScale::bits : ThresholdScale::mean_z;
+  settings.margin = 0;
   return settings;
 }
 
 /// What a query with open settings found.
 struct Labelled {
   Result result;
-  std::vector<LabelledWindow> windows;
-  int64_t score_offset = 0;
+  std::vector<std::optional<uint32_t>> untrained;
 };
 
 Labelled label_walk(QueryPlan plan, const GroundTruth& truth, const QueryResources& resources,
                     const Monitor& monitor) {
   Labelled labelled;
-  labelled.score_offset = plan.score_offset();
   const size_t windows = plan.query_windows;
-  LabelledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows, resources.kernels,
-                    plan.settings.margin_support);
+  LabelledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows,
+                    resources.kernels);
   const bool has_rows = !has_paths(plan.settings.method);
   const std::vector<RowConsumer> observers =
       has_rows ? std::vector<RowConsumer>{std::ref(scan)} : std::vector<RowConsumer>{};
   labelled.result = run_query(std::move(plan), resources, observers, monitor).result;
-  labelled.windows = scan.result();
+  labelled.untrained = scan.result();
   return labelled;
 }
 
 // A margin of the filter is 0 where no path is believed: nothing is recognised there.
-CalibrationWindow by_margin(const Labelled& labelled, const GroundTruth& truth, size_t window) {
+CalibrationWindow evidence_at(const Labelled& labelled, const GroundTruth& truth, size_t window) {
   const Result& result = labelled.result;
   CalibrationWindow evidence;
-  if (const auto& untrained = labelled.windows[window].untrained_margin)
-    evidence.untrained = *untrained;
+  if (const auto& untrained = labelled.untrained[window]) evidence.untrained = *untrained;
   if (!result.best[window] || !result.margins[window]) return evidence;
   const auto margin = static_cast<int64_t>(*result.margins[window]);
   if (result.path && margin == 0) return evidence;
@@ -87,49 +69,11 @@ CalibrationWindow by_margin(const Labelled& labelled, const GroundTruth& truth, 
   return evidence;
 }
 
-CalibrationWindow by_score(const LabelledWindow& window) {
-  CalibrationWindow evidence;
-  if (window.right) evidence.right = -static_cast<int64_t>(*window.right);
-  if (window.wrong) evidence.wrong = -static_cast<int64_t>(*window.wrong);
-  return evidence;
-}
-
 std::vector<CalibrationWindow> evidence_of(const Labelled& labelled, const GroundTruth& truth) {
   std::vector<CalibrationWindow> evidence;
   for (size_t window = 0; window < labelled.result.query_windows; ++window)
-    evidence.push_back(is_by_margin(std::get<SequenceQuerySettings>(labelled.result.settings))
-                           ? by_margin(labelled, truth, window)
-                           : by_score(labelled.windows[window]));
+    evidence.push_back(evidence_at(labelled, truth, window));
   return evidence;
-}
-
-// Of the windows that have something elsewhere, the share where it is closer than the limit.
-double share_below(const Result& result, double limit) {
-  size_t windows = 0;
-  size_t below = 0;
-  for (size_t window = 0; window < result.best.size(); ++window) {
-    if (!result.best[window] || !result.margins[window]) continue;
-    ++windows;
-    if (result.best[window]->score + *result.margins[window] < limit) ++below;
-  }
-  return windows == 0 ? 1 : static_cast<double>(below) / static_cast<double>(windows);
-}
-
-// The strength as the number that a query takes.
-void set_threshold(SequenceQuerySettings& settings, const Labelled& labelled, int64_t strength) {
-  const ScoreKind& kind = score_kind(settings.score);
-  const size_t length = settings.window_length;
-  if (is_by_margin(settings)) {
-    settings.threshold_scale.reset();  // a plan names it
-    settings.margin = kind.frame_value(static_cast<double>(strength), length);
-    return;
-  }
-  // What is accepted is strictly below the limit.
-  const auto limit = static_cast<double>(1 - strength - labelled.score_offset);
-  settings.distance_threshold = kind.frame_value(limit, length);
-  if (kind.needs_statistics)
-    settings.distance_threshold = std::min(0.0, *settings.distance_threshold);
-  settings.threshold_share = share_below(labelled.result, limit);
 }
 
 size_t block_of(const SequenceQuerySettings& settings, size_t windows) {
@@ -138,26 +82,9 @@ size_t block_of(const SequenceQuerySettings& settings, size_t windows) {
 }
 
 // The least margin there is; of the filter, its default.
-std::optional<int64_t> least_strength(const SequenceQuerySettings& settings) {
-  if (!is_by_margin(settings)) return std::nullopt;
+int64_t least_strength(const SequenceQuerySettings& settings) {
   if (!has_paths(settings.method)) return 1;
   return static_cast<int64_t>(kFilterMargin / score_kind(settings.score).frame_value(1, 1));
-}
-
-// Windows recognised with the settings that were found.
-void count_windows(Calibration& calibration, const Result& result, const GroundTruth& truth) {
-  std::vector<uint8_t> right(result.query_windows, 0);
-  std::vector<uint8_t> wrong(result.query_windows, 0);
-  for (const Match& hit : result.hits) {
-    const PlaceLabel label = label_of(truth, hit, result.window_length());
-    if (label == PlaceLabel::same) right[hit.query] = 1;
-    if (label == PlaceLabel::different) wrong[hit.query] = 1;
-  }
-  calibration.right = calibration.wrong = 0;
-  for (size_t window = 0; window < right.size(); ++window) {
-    calibration.right += right[window] != 0 && wrong[window] == 0 ? 1 : 0;
-    calibration.wrong += wrong[window];
-  }
 }
 
 size_t known_windows(const GroundTruth& truth, const Result& result) {
@@ -188,31 +115,22 @@ CalibratedLength calibrate_length(QueryPlan plan, const LabelledQuery& walk, dou
                                         walk.resources.seed};
   length.calibration = calibrate(evidence_of(labelled, walk.truth), settings);
   if (!length.calibration.strength) return length;
-  set_threshold(length.settings, labelled, *length.calibration.strength);
-  const Result again = run_query(plan_query(walk.database, walk.query, walk.name, length.settings,
-                                            walk.resources, monitor),
-                                 walk.resources, {}, monitor)
-                           .result;
-  count_windows(length.calibration, again, walk.truth);
+  length.settings.threshold_scale.reset();  // a plan sets it
+  length.settings.margin = score_kind(length.settings.score)
+                               .frame_value(static_cast<double>(*length.calibration.strength),
+                                            length.settings.window_length);
   return length;
 }
 
-// A shorter window says sooner where one is, and sooner that one is elsewhere. Where last frames
-// are asked, the most are taken: they say sooner, too, that one is elsewhere.
+// A shorter window answers earlier.
 std::optional<size_t> choose_length(const std::vector<CalibratedLength>& lengths) {
-  const auto found = [](const CalibratedLength& length) {
+  const auto right = [](const CalibratedLength& length) {
     return length.calibration.strength ? static_cast<double>(length.calibration.right) : 0;
-  };
-  const bool has_supported = std::any_of(lengths.begin(), lengths.end(), [&](const auto& length) {
-    return length.settings.margin_support && found(length) > 0;
-  });
-  const auto right = [&](const CalibratedLength& length) {
-    return has_supported && !length.settings.margin_support ? 0 : found(length);
   };
   double most = 0;
   for (const CalibratedLength& length : lengths) most = std::max(most, right(length));
   for (size_t l = 0; most > 0 && l < lengths.size(); ++l)
-    if (right(lengths[l]) >= (has_supported ? 1 : kEnough) * most) return l;
+    if (right(lengths[l]) >= kEnough * most) return l;
   return std::nullopt;
 }
 
@@ -223,7 +141,7 @@ CalibratedWalk calibrate_walk(const SequenceDatabase& database, const Descriptor
                               std::vector<uint64_t> lengths, double precision,
                               const TruthReader& read_truth, const QueryResources& resources,
                               const Monitor& monitor) {
-  check_precision(precision);
+  check_calibration(base, precision);
   if (has_paths(base.method)) lengths = {1};
   std::sort(lengths.begin(), lengths.end());
   CalibratedWalk walk;

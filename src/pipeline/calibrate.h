@@ -26,17 +26,15 @@ struct CalibratedWalk {
   std::optional<Replay> replay;
   std::string protocol;                   ///< of the ground truth, in words
   std::vector<CalibratedLength> lengths;  ///< rising
-  /// The shortest that recognises rightly at least 0.7 of the windows that any does; by margins of
-  /// standardized scores, of those of 20 frames or more that recognises rightly most, where one
-  /// recognises any.
+  /// The shortest that recognizes correctly at least 0.7 of the windows that any does.
   std::optional<size_t> chosen;
 };
 
 /// `base`: the settings but c_l and the number that the decision asks for. `lengths`: c_l; of the
-/// filter, which has windows of one frame, none. Thresholds of scores are on the scales bits and
-/// mean-z, and have a t_r_share, by which they are carried over. Throws Error(usage) for a
-/// precision that is not above 0 and at most 1, methods that are not exact, and where the ground
-/// truth shows no query window at a trained place; and what plan_query and run_query throw.
+/// filter, which has windows of one frame, none. Throws Error(usage) for a precision
+/// that is not above 0 and at most 1, decisions by threshold, methods that are not exact, and if
+/// the ground truth shows no query window at a trained place; and what plan_query and run_query
+/// throw.
 CalibratedWalk calibrate_walk(const SequenceDatabase& database, const DescriptorSet& query,
                               const std::string& query_name, const SequenceQuerySettings& base,
                               std::vector<uint64_t> lengths, double precision,

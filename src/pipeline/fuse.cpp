@@ -94,12 +94,11 @@ void fuse_views(SequenceDatabase& database, const SequenceQuerySettings& setting
 
 void warn_of_automatic(const SequenceQuerySettings& settings, const Monitor& monitor) {
   const bool is_margin = decision_kind(settings.decision).accepts != nullptr;
-  if (!settings.fusion_weight || (is_margin ? settings.margin : settings.distance_threshold))
-    return;
-  warn(monitor, fmt::format("the automatic {} was made for scores that are not fused: with --fuse "
-                            "it lets in more wrong places where places look alike; give a number, "
-                            "as vpr-tune fastable --fuse finds it on a walk with ground truth",
-                            is_margin ? "margin" : "t_r"));
+  if (!settings.fusion_weight || !is_margin || settings.margin) return;
+  warn(monitor,
+       "the automatic margin was made for scores that are not fused: with --fuse it accepts more "
+       "wrong places where places look alike; set a number, as vpr-tune fastable --fuse finds it "
+       "on a sequence with ground truth");
 }
 
 const FusedViews* fused_views(const SequenceDatabase& database) {

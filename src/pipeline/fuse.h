@@ -23,8 +23,7 @@ void fuse_views(SequenceDatabase& database, FabmapDatabase fabmap, const std::st
 void fuse_views(SequenceDatabase& database, const SequenceQuerySettings& settings,
                 const std::string& path);
 
-/// Says that automatic thresholds and margins let in more wrong places where scores are fused, if
-/// they are and one is asked for.
+/// Warns that automatic margins accept more wrong places if scores are fused.
 void warn_of_automatic(const SequenceQuerySettings& settings, const Monitor& monitor);
 
 /// What the database is fused with, or null.

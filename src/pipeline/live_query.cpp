@@ -1,7 +1,5 @@
 #include "pipeline/live_query.h"
 
-#include <numeric>
-
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -49,16 +47,11 @@ void check_live(const SequenceQuerySettings& settings) {
   if (!settings.rates.empty())
     throw Error(ErrorKind::usage,
                 "windows of several rates are not followed; --method filter follows any pace");
-  if (settings.threshold_share)
-    throw Error(
-        ErrorKind::usage,
-        "t_r_share, which a threshold of vpr-tune calibrate has, is not followed; calibrate "
-        "with --decide margin or --method filter, or give --t-r alone");
   if (decision_kind(settings.decision).accepts == nullptr && settings.distance_threshold &&
       scale_of(settings) == ThresholdScale::relative)
     throw Error(ErrorKind::usage,
                 "a relative t_r is a share of the largest distance of the whole query, which is "
-                "not known while frames come; give --t-r-scale bits or mean, or leave --t-r out");
+                "not known while frames come; give --t-r-scale bits");
 }
 
 /// What is found of one window.
@@ -75,12 +68,6 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
       plan_(checked_plan(database, query_name, settings, resources, monitor)),
       frames_(live_frames(plan_)) {
   const MatchSettings match = match_settings(plan_, resources);
-  for (size_t s = 0; s < plan_.sequences.size(); ++s) {
-    const Target& target = plan_.sequences[s];
-    means_.emplace_back();
-    if (target.searched && target.threshold && target.scale == ThresholdScale::mean)
-      means_.back() = RowMeans{frame_distances({&plan_.train[s], 1}, plan_.query), {}};
-  }
   if (has_paths(plan_.settings.method)) {
     filtered_ = start_filtered(frames_.distances, match);
     return;
@@ -93,32 +80,12 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
                             match.window_length, frames_.distances.train_frames));
 }
 
-// As mean_window_distances has them for the whole query.
-void LiveQuery::take_means(DescriptorRow row) {
-  const size_t length = plan_.settings.window_length;
-  for (size_t s = 0; s < means_.size(); ++s) {
-    if (!means_[s]) continue;
-    auto& [distances, totals] = *means_[s];
-    if (distances.centred_frames == 0) {
-      set_mean_limits(plan_.sequences[s], {0});
-      continue;
-    }
-    const DescriptorSpan frame{{plan_.query.rows.shape, row}, {}};
-    totals.push_back(distances.of_query(frame).row_total(0));
-    if (totals.size() > length) totals.pop_front();
-    const uint64_t sum = std::accumulate(totals.begin(), totals.end(), uint64_t{0});
-    set_mean_limits(plan_.sequences[s],
-                    {static_cast<double>(sum) / static_cast<double>(distances.centred_frames)});
-  }
-}
-
 void LiveQuery::match_window(const RowConsumer& consume) {
   const size_t length = plan_.settings.window_length;
   const auto sums =
       advance_fastable(sums_, frames_.distances, resources_.kernels, frames_.last_row());
   if (in_a_row_ >= length)
-    emit_row(frames_.distances, length, frames_.frames - 1, 0, sums, consume,
-             last_scores(sums_, frames_.distances));
+    emit_row(frames_.distances, length, frames_.frames - 1, 0, sums, consume);
 }
 
 void LiveQuery::match_path(Found& found, const RowConsumer& consume) {
@@ -139,7 +106,6 @@ void LiveQuery::match_path(Found& found, const RowConsumer& consume) {
 std::optional<Result> LiveQuery::take(const FrameRow& frame) {
   add_frame(frames_, frame, filtered_ ? &filtered_->view : nullptr);
   in_a_row_ = frame.is_readable ? in_a_row_ + 1 : 0;
-  take_means(frame.descriptor);
   Found found;
   HitScan scan(scan_settings(plan_, resources_));
   std::optional<MarginScan> margins;
@@ -156,7 +122,7 @@ std::optional<Result> LiveQuery::take(const FrameRow& frame) {
     match_window(consume);
   if (in_a_row_ < plan_.settings.window_length) return std::nullopt;
   found.matches = scan.result();
-  if (margins) found.margins = decided_margins(plan_, margins->result());
+  if (margins) found.margins = margins->result().margins;
   Result result = make_result(plan_, found.matches, found.margins);
   result.path = std::move(found.path);
   return result;

@@ -1,8 +1,6 @@
 // A query whose frames come one after the other.
 #pragma once
 
-#include <deque>
-
 #include "matching/fastable_online.h"
 #include "matching/live_frames.h"
 #include "matching/match_filter.h"
@@ -32,20 +30,12 @@ class LiveQuery {
 
  private:
   struct Found;
-  void take_means(DescriptorRow row);
   void match_window(const RowConsumer& consume);
   void match_path(Found& found, const RowConsumer& consume);
-
-  /// What a threshold on the scale mean asks of a training sequence.
-  struct RowMeans {
-    FrameDistances distances;     ///< of a query without frames
-    std::deque<uint64_t> totals;  ///< of the last frames, at most c_l
-  };
 
   QueryResources resources_;
   QueryPlan plan_;
   LiveFrames frames_;
-  std::vector<std::optional<RowMeans>> means_;  ///< by sequence
   FastableState sums_;
   std::optional<FilteredQuery> filtered_;
   size_t in_a_row_ = 0;  ///< readable frames that came last

@@ -48,12 +48,10 @@ void check_method(const SequenceQuerySettings& settings) {
 }
 
 void check_scale(const SequenceQuerySettings& settings) {
-  const ThresholdScale scale = scale_of(settings);
   refuse(
-      scale == ThresholdScale::relative || scale == ThresholdScale::mean,
-      fmt::format("t_r_scale {} asks of the whole walk what was not known yet; with --loop leave "
-                  "it out, and give t_r in bits a frame, as in --t-r 250",
-                  enum_name(scale)));
+      scale_of(settings) == ThresholdScale::relative,
+      "t_r_scale relative needs the largest distance of the whole sequence; with --loop omit it, "
+      "and pass t_r in bits per frame, as in --t-r 250");
 }
 
 void check_elsewhere(const SequenceQuerySettings& settings) {
@@ -61,7 +59,7 @@ void check_elsewhere(const SequenceQuerySettings& settings) {
          "an automatic margin is learned from training sequences, and --loop has none; give a "
          "number, as in --margin 20");
   const bool has_width = settings.margin_width || settings.loop_gap != 0;
-  refuse((settings.decision == Decision::margin || settings.threshold_share) && !has_width,
+  refuse(settings.decision == Decision::margin && !has_width,
          "what is elsewhere is so many frames away as --loop-gap says, unless that is in seconds; "
          "give --margin-width, too");
   refuse(!settings.only_sequences.empty() || !settings.same_place.empty(),

@@ -98,7 +98,7 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
   found.matches = joined_hits(share, scan.result(), limits.max_hits);
   if (margins) {
     margins->join(share);
-    found.margins = decided_margins(plan, margins->result());
+    found.margins = margins->result().margins;
   }
   found.cells = cells.result();
   return found;

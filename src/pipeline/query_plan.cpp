@@ -98,42 +98,33 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
                             length));
 }
 
-// Databases of older date have no closest windows of a single sequence.
-const ThresholdTable* stored_table(const SequenceDatabase& database, size_t window_length) {
-  const ThresholdTable* table = find_thresholds(database.thresholds, window_length);
-  const bool is_old = table != nullptr && table->closest.size() == 1 && !table->closest[0];
-  return is_old ? nullptr : table;
-}
-
 // Computed by the first of several processes.
-ThresholdTable closest_once(const SequenceDatabase& database, const SequenceQuerySettings& settings,
-                            const MatchSettings& match, const Share& share,
-                            const Monitor& monitor) {
-  return {settings.window_length, settings.safety_factor.value_or(1),
-          made_by_first(share, "closest windows", [&] {
-            return closest_windows(database, settings, match, monitor).closest;
+ThresholdTable closest_once(const SequenceDatabase& database, const MatchSettings& match,
+                            double safety_factor, const Share& share, const Monitor& monitor) {
+  return {match.window_length, safety_factor, made_by_first(share, "closest windows", [&] {
+            return find_closest_windows(descriptor_spans(database), match, monitor);
           })};
 }
 
-// What the database holds, or else computed. Closest windows of standardized scores, and of several
-// rates, depend on the settings, and are computed for each query.
+// What the database holds, or else computed. Closest windows of several rates depend on the
+// settings, and are computed for each query.
 ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
   const SequenceQuerySettings& settings = plan.settings;
   MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
   match.rates = parse_rates(settings.rates);
-  const auto compute = [&] {
-    return closest_once(database, settings, match, resources.share, monitor);
-  };
-  if (!score_kind(settings.score).is_stored || !match.rates.empty()) return compute();
-  const ThresholdTable* stored = stored_table(database, settings.window_length);
-  if (stored != nullptr) return *stored;
-  if (is_left_to_queries(plan.train))
+  if (!match.rates.empty())
+    return closest_once(database, match, settings.safety_factor.value_or(1), resources.share,
+                        monitor);
+  const ThresholdTable* stored = find_thresholds(database.thresholds, settings.window_length);
+  if (stored == nullptr && is_left_to_queries(plan.train))
     warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
                               "takes a while; vpr-tune threshold DB --c-l {} --write keeps it",
                               settings.window_length, settings.window_length));
-  ThresholdTable table = compute();
-  table.safety_factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
+  const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
+  ThresholdTable table =
+      stored != nullptr ? *stored : closest_once(database, match, factor, resources.share, monitor);
+  table.safety_factor = settings.safety_factor.value_or(table.safety_factor);
   return table;
 }
 
@@ -141,25 +132,24 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
 void warn_of_guess(const std::string& sequence, const SequenceQuerySettings& settings,
                    const Monitor& monitor) {
   warn(monitor,
-       fmt::format("{}: no windows of {} frames show other places, so its automatic t_r is the "
-                   "largest that one may be, which lets wrong places in; give a smaller --c-l, a "
-                   "number as --t-r, or what vpr-tune calibrate finds",
-                   sequence, settings.window_length));
+       fmt::format(
+           "{}: no windows of {} frames show other places, so its automatic t_r is the "
+           "largest that one may be, which accepts wrong places; set a smaller --c-l, or use "
+           "--method filter",
+           sequence, settings.window_length));
 }
 
 void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
                                const QueryResources& resources, const Monitor& monitor) {
-  SequenceQuerySettings settings = plan.settings;
-  ThresholdTable table = automatic_table(plan, database, resources, monitor);
-  if (!settings.safety_factor) settings.safety_factor = table.safety_factor;
+  check_automatic(database, plan.settings);
   const AutomaticThresholds automatic =
-      automatic_thresholds(database, std::move(table), settings, monitor);
+      automatic_thresholds(database, automatic_table(plan, database, resources, monitor), monitor);
+  warn_of_overlaps(database, automatic.table, monitor);
   for (size_t s = 0; s < plan.sequences.size(); ++s) {
     Target& sequence = plan.sequences[s];
-    sequence.scale = automatic_scale(plan.sequences.size(), settings);
     if (!sequence.searched || !automatic.sequences[s]) continue;
     sequence.threshold = automatic.sequences[s]->value;
-    if (!automatic.table.closest[s]) warn_of_guess(sequence.name, settings, monitor);
+    if (!automatic.table.closest[s]) warn_of_guess(sequence.name, plan.settings, monitor);
   }
 }
 
@@ -175,22 +165,12 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
   }
 }
 
-// Distances to a sequence of which nothing but the totals of rows is asked for.
-FrameDistances totals_of(const QueryPlan& plan, size_t sequence, const Share& share) {
-  const std::span<const DescriptorSpan> train(&plan.train[sequence], 1);
-  const DescriptorSpan query{plan.query.rows, {}, plan.query.given};
-  return share.is_alone() ? frame_distances(train, query)
-                          : part_distances({}, {}, query, train, share);
-}
-
 // Limits that need no distances: automatic thresholds, and numbers that are not relative.
-void plan_limits(QueryPlan& plan, const Share& share) {
+void plan_limits(QueryPlan& plan) {
   const uint64_t length = plan.settings.window_length;
   for (size_t s = 0; s < plan.train.size(); ++s) {
     Target& sequence = plan.sequences[s];
     if (!sequence.threshold) continue;
-    if (sequence.scale == ThresholdScale::mean && sequence.searched)
-      set_mean_limits(sequence, mean_window_distances(totals_of(plan, s, share), length));
     if (sequence.scale == ThresholdScale::bits)
       sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
     if (sequence.scale == ThresholdScale::mean_z)
@@ -204,7 +184,7 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
   if (decision_kind(plan.settings.decision).accepts != nullptr)
     return plan_margins(plan, database, resources, monitor);
   plan_thresholds(plan, database, resources, monitor);
-  plan_limits(plan, resources.share);
+  plan_limits(plan);
 }
 
 // What is known without a frame of the query. `asked`: as its frames are described.

@@ -14,13 +14,6 @@ namespace {
 constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
 constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
 
-std::vector<uint32_t> window_limits(const Target& sequence) {
-  std::vector<uint32_t> limits;
-  for (const double mean : sequence.window_means)
-    limits.push_back(distance_limit(*sequence.threshold, mean));
-  return limits;
-}
-
 // A sequence that is not searched has no frames, so that indices stay the same.
 std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
   std::vector<DescriptorSpan> searched = plan.train;
@@ -97,18 +90,6 @@ void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima)
   }
 }
 
-void set_mean_limits(Target& sequence, std::vector<double> window_means) {
-  sequence.window_means = std::move(window_means);
-  sequence.distance_limit = 0;
-  for (const uint32_t limit : window_limits(sequence))
-    sequence.distance_limit = std::max(sequence.distance_limit, limit);
-}
-
-std::vector<std::optional<uint32_t>> decided_margins(const QueryPlan& plan,
-                                                     const MarginScanResult& found) {
-  return plan.settings.margin_support ? supported_margins(found) : found.margins;
-}
-
 std::optional<ResultViews> find_views(const QueryPlan& plan) {
   if (plan.learned == nullptr || plan.query.given) return std::nullopt;
   const double typical = plan.learned->typical_distance;
@@ -120,10 +101,8 @@ std::optional<ResultViews> find_views(const QueryPlan& plan) {
 
 HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {
   HitScanSettings settings;
-  for (const Target& sequence : result.sequences) {
+  for (const Target& sequence : result.sequences)
     settings.limits.push_back(sequence.distance_limit);
-    settings.window_limits.push_back(window_limits(sequence));
-  }
   settings.query_windows = result.query_windows;
   settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
   settings.kernels = resources.kernels;

@@ -5,7 +5,6 @@
 
 #include "matching/train_part.h"
 #include "pipeline/query.h"
-#include "recognition/margin_scan.h"
 
 namespace vpr {
 
@@ -36,13 +35,6 @@ bool needs_maxima(const QueryPlan& result);
 
 /// The limits of thresholds relative to max(D), by sequence.
 void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima);
-
-/// The limits of a threshold on the scale mean: one for every query window.
-void set_mean_limits(Target& sequence, std::vector<double> window_means);
-
-/// The margins that a plan decides by.
-std::vector<std::optional<uint32_t>> decided_margins(const QueryPlan& plan,
-                                                     const MarginScanResult& found);
 
 /// Stretches of similar frames in the query and the training sequences; none without a typical
 /// distance.

@@ -19,10 +19,10 @@ namespace {
 
 /// One window length: a plan for each threshold, and what is found for all of them.
 struct LengthSweep {
-  std::vector<QueryPlan> planned;                // as many as thresholds
-  HitScanResult found;                           // below the largest limit of any of them
-  std::vector<std::optional<uint32_t>> margins;  // where the decision asks for them
-  std::vector<LabelledWindow> labelled;          // the same
+  std::vector<QueryPlan> planned;                  // as many as thresholds
+  HitScanResult found;                             // below the largest limit of any of them
+  std::vector<std::optional<uint32_t>> margins;    // where the decision asks for them
+  std::vector<std::optional<uint32_t>> untrained;  // the same
 };
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
@@ -36,10 +36,6 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
                 fmt::format("{} has neither c_l nor t_r, which a sweep is over; vpr-query --method "
                             "{} needs no tuning",
                             base.method, base.method));
-  if (base.threshold_share)
-    throw Error(ErrorKind::usage,
-                "a sweep has no t_r_share, which goes with the one t_r that vpr-tune calibrate "
-                "gives; leave it out of the settings");
   // Each sentence once: most are the same for every setting.
   std::set<std::string> said;
   Monitor once = monitor;
@@ -69,23 +65,13 @@ QueryResources share_of(QueryResources resources, size_t lengths) {
   return resources;
 }
 
-// What is below either limit.
-void widen(HitScanSettings& widest, const HitScanSettings& other, size_t sequence) {
-  const bool is_by_window =
-      !widest.window_limits[sequence].empty() || !other.window_limits[sequence].empty();
-  std::vector<uint32_t> by_window;
-  for (size_t window = 0; is_by_window && window < widest.query_windows; ++window)
-    by_window.push_back(std::max(widest.limit(sequence, window), other.limit(sequence, window)));
-  widest.window_limits[sequence] = std::move(by_window);
-  widest.limits[sequence] = std::max(widest.limits[sequence], other.limits[sequence]);
-}
-
 // Hits below the largest limit of any threshold, sequence by sequence.
 HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
   HitScanSettings widest = scan_settings(sweep.planned.front(), resources);
   for (const QueryPlan& plan : sweep.planned) {
     const HitScanSettings settings = scan_settings(plan, resources);
-    for (size_t s = 0; s < widest.limits.size(); ++s) widen(widest, settings, s);
+    for (size_t s = 0; s < widest.limits.size(); ++s)
+      widest.limits[s] = std::max(widest.limits[s], settings.limits[s]);
   }
   return widest;
 }
@@ -127,7 +113,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
     const QueryPlan& plan = length.planned.front();
     margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels);
     labelled.emplace_back(truth, *first.elsewhere, plan.settings.window_length, plan.query_windows,
-                          resources.kernels, plan.settings.margin_support);
+                          resources.kernels);
   }
   match_lengths([&](size_t l, const ScoreRow& row) {
     hits[l](row);
@@ -137,8 +123,8 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   for (size_t l = 0; l < lengths.size(); ++l) {
     lengths[l].found = hits[l].result();
     if (margins.empty()) continue;
-    lengths[l].margins = decided_margins(first, margins[l].result());
-    lengths[l].labelled = labelled[l].result();
+    lengths[l].margins = margins[l].result().margins;
+    lengths[l].untrained = labelled[l].result();
   }
 }
 
@@ -148,7 +134,7 @@ Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monit
   const HitScanSettings limits = scan_settings(plan, {});
   HitScanResult found{{}, widest.best};
   for (const Cell& hit : widest.hits)
-    if (hit.score < limits.limit(hit.sequence, hit.query_window)) found.hits.push_back(hit);
+    if (hit.score < limits.limits[hit.sequence]) found.hits.push_back(hit);
   Result result = make_result(plan, found, length.margins);
   cluster(result, monitor);
   return result;
@@ -157,14 +143,11 @@ Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monit
 // Of a margin that is a number: windows that would reach it without their place.
 std::optional<uint64_t> untrained_windows(const LengthSweep& length, const QueryPlan& plan) {
   const SequenceQuerySettings& settings = plan.settings;
-  if (length.labelled.empty() || !settings.margin) return std::nullopt;
+  if (length.untrained.empty() || !settings.margin) return std::nullopt;
   const ScoreKind& kind = score_kind(settings.score);
-  return std::count_if(
-      length.labelled.begin(), length.labelled.end(), [&](const LabelledWindow& window) {
-        return window.untrained_margin &&
-               kind.frame_value(*window.untrained_margin, settings.window_length) >=
-                   *settings.margin;
-      });
+  return std::ranges::count_if(length.untrained, [&](const auto& margin) {
+    return margin && kind.frame_value(*margin, settings.window_length) >= *settings.margin;
+  });
 }
 
 void check_grid(const Grid& grid, const FabmapQuerySettings& base) {

@@ -21,15 +21,12 @@ void add_once(std::vector<T>& values, const T& value) {
   if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
 }
 
-// The scale of t_r, as it was set or, where it is automatic, found; none of a probability.
+// The scale of t_r; none of a probability.
 std::optional<ThresholdScale> threshold_scale(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
   if (settings == nullptr || decision_kind(settings->decision).accepts != nullptr)
     return std::nullopt;
-  if (settings->distance_threshold) return scale_of(*settings);
-  for (const Target& target : result.targets)
-    if (target.threshold) return target.scale;
-  return result.score().automatic_scale;
+  return settings->distance_threshold ? scale_of(*settings) : ThresholdScale::bits;
 }
 
 // What is swept beside the window.

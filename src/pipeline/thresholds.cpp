@@ -1,10 +1,7 @@
 #include "pipeline/thresholds.h"
 
-#include "matching/distance_statistics.h"
-#include "pipeline/score_basis.h"
+#include "base/error.h"
 #include "pipeline/train.h"
-#include "recognition/automatic_threshold.h"
-#include "recognition/closest_windows.h"
 #include "recognition/same_place.h"
 
 namespace vpr {
@@ -28,69 +25,52 @@ ThresholdTable compute_thresholds(std::span<const DescriptorSpan> sequences, siz
                                   double safety_factor, const RowKernels& kernels,
                                   const Monitor& monitor) {
   const MatchSettings match{window_length, kDefaultMemoryLimit, kernels};
-  return {window_length, safety_factor, find_closest_windows(sequences, nullptr, match, monitor)};
-}
-
-ThresholdTable closest_windows(const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings, const MatchSettings& match,
-                               const Monitor& monitor) {
-  const std::optional<ScoreBasis> basis =
-      score_basis(database.statistics ? &*database.statistics : nullptr, settings);
-  return {
-      settings.window_length, settings.safety_factor.value_or(1),
-      find_closest_windows(descriptor_spans(database), basis ? &*basis : nullptr, match, monitor)};
+  return {window_length, safety_factor, find_closest_windows(sequences, match, monitor)};
 }
 
 AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, ThresholdTable table,
-                                         const SequenceQuerySettings& settings,
                                          const Monitor& monitor) {
-  SequenceQuerySettings used = settings;
-  used.window_length = table.window_length;
   const std::vector<DescriptorSpan> spans = descriptor_spans(database);
   AutomaticThresholds automatic{std::move(table), {}};
+  const size_t length = automatic.table.window_length;
   for (size_t s = 0; s < spans.size(); ++s) {
     auto& threshold = automatic.sequences.emplace_back();
-    if (count_windows(readable_runs(spans[s]), used.window_length) == 0) continue;
-    const auto typical = [&] {
-      const auto& stored = database.sequences[s].typical_distance;
-      return stored ? *stored : typical_distance(spans[s], monitor);
-    };
-    threshold = score_kind(used.score).automatic(automatic.table.closest, s, typical, used);
+    if (spans.size() == 1 || count_windows(readable_runs(spans[s]), length) == 0) continue;
+    const auto& stored = database.sequences[s].typical_distance;
+    threshold = automatic_threshold(automatic.table.closest[s],
+                                    stored ? *stored : typical_distance(spans[s], monitor), length,
+                                    automatic.table.safety_factor);
   }
   return automatic;
+}
+
+void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings) {
+  if (settings.distance_threshold || settings.loop ||
+      decision_kind(settings.decision).accepts != nullptr)
+    return;
+  if (score_kind(settings.score).needs_statistics)
+    throw Error(
+        ErrorKind::usage,
+        "standardized scores have no automatic t_r. Use --decide margin, --method filter or "
+        "a number, as in --t-r -1.5.");
+  if (database.sequences.size() < 2)
+    throw Error(ErrorKind::usage,
+                "the automatic t_r needs two or more training sequences. Use --method filter, "
+                "--score standardized --decide margin, or a number, as in --t-r 0.6.");
 }
 
 std::vector<AutomaticThresholds> stored_thresholds(const SequenceDatabase& database,
                                                    const Monitor& monitor) {
   std::vector<AutomaticThresholds> all;
-  for (const ThresholdTable& table : database.thresholds) {
-    SequenceQuerySettings settings;
-    settings.safety_factor = table.safety_factor;
-    all.push_back(automatic_thresholds(database, table, settings, monitor));
-  }
+  for (const ThresholdTable& table : database.thresholds)
+    all.push_back(automatic_thresholds(database, table, monitor));
   return all;
-}
-
-ThresholdScale automatic_scale(size_t sequences, const SequenceQuerySettings& settings) {
-  const ScoreKind& kind = score_kind(settings.score);
-  return sequences == 1 ? kind.single_scale : kind.automatic_scale;
 }
 
 void warn_of_overlaps(const SequenceDatabase& database, const ThresholdTable& table,
                       const Monitor& monitor) {
   const auto sentence = overlap_warning(table, database.sequences, descriptor_spans(database));
   if (sentence) warn(monitor, *sentence);
-}
-
-void explain_no_hits(const SequenceDatabase& database, size_t window_length,
-                     const RowKernels& kernels, const Monitor& monitor) {
-  const ThresholdTable* stored = find_thresholds(database.thresholds, window_length);
-  const std::vector<DescriptorSpan> spans = descriptor_spans(database);
-  if (stored == nullptr && is_left_to_queries(spans)) return;
-  warn_of_overlaps(
-      database,
-      stored != nullptr ? *stored : compute_thresholds(spans, window_length, 1, kernels, monitor),
-      monitor);
 }
 
 }  // namespace vpr

@@ -104,7 +104,6 @@ void add_thresholds(SequenceDatabase& database, size_t window_length, double saf
   }
   database.thresholds.push_back(compute_thresholds(descriptor_spans(database), window_length,
                                                    safety_factor, kernels, monitor));
-  warn_of_overlaps(database, database.thresholds.back(), monitor);
 }
 
 void add_typical_distances(SequenceDatabase& database, const Monitor& monitor) {

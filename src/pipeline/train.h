@@ -41,7 +41,7 @@ struct NamedArgument {
 /// Describes each sequence and computes the thresholds for settings.window_length (unless
 /// is_left_to_queries, which is said) and the training statistics. Names must differ. Throws
 /// Error(usage) for settings out of range, and what DescriptorKind::describe throws. Warns of
-/// overlapping sequences, and of those shorter than a window.
+/// sequences shorter than a window.
 SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
                                  const SequenceTrainSettings& settings, const RowKernels& kernels,
                                  const Monitor& monitor);

@@ -7,40 +7,26 @@
 #include "base/error.h"
 #include "matching/methods.h"
 #include "recognition/result.h"
-#include "recognition/row_outline.h"
 
 namespace vpr {
 namespace {
 
-constexpr std::array<std::string_view, 5> kThresholdSettings = {"t_r", "t_r_scale", "t_r_share",
-                                                                "safety_factor", "safety_margin"};
-constexpr std::array<std::string_view, 3> kMarginSettings = {"decide", "margin", "margin_support"};
+constexpr std::array<std::string_view, 3> kThresholdSettings = {"t_r", "t_r_scale",
+                                                                "safety_factor"};
+constexpr std::array<std::string_view, 2> kMarginSettings = {"decide", "margin"};
 
 void check_threshold(const SequenceQuerySettings& settings) {
   if (settings.margin)
     throw Error(ErrorKind::usage,
                 fmt::format("margin {} decides nothing here; add --decide margin, or leave it out",
                             *settings.margin));
-  if (settings.margin_support)
-    throw Error(ErrorKind::usage,
-                "margin_support decides nothing here; add --decide margin, or leave it out");
-  if (!settings.threshold_share) return;
-  if (!(*settings.threshold_share >= 0 && *settings.threshold_share <= 1))
-    throw Error(ErrorKind::usage,
-                fmt::format("t_r_share must be from 0 to 1, found {}", *settings.threshold_share));
 }
 
 void check_margin(const SequenceQuerySettings& settings) {
-  if (settings.distance_threshold || settings.threshold_scale || settings.safety_factor ||
-      settings.safety_margin != 0 || settings.threshold_share)
+  if (settings.distance_threshold || settings.threshold_scale || settings.safety_factor)
     throw Error(ErrorKind::usage,
                 "t_r, its scale and its safety decide nothing with --decide margin; leave them "
                 "out, or take --decide threshold");
-  if (settings.margin_support && !can_ask_last_frames(settings))
-    throw Error(ErrorKind::usage,
-                fmt::format("margin_support asks the last frames of windows of {} frames or more, "
-                            "of one rate, by standardized scores; leave it out",
-                            kSupportedWindow));
   if (!settings.margin) return;
   const double most = score_kind(settings.score).most_margin;
   if (!(*settings.margin >= 0 && *settings.margin <= most))
@@ -81,11 +67,6 @@ std::span<const DecisionKind> decision_kinds() { return kKinds; }
 
 const DecisionKind& decision_kind(Decision decision) {
   return kKinds[static_cast<size_t>(decision)];
-}
-
-bool can_ask_last_frames(const SequenceQuerySettings& settings) {
-  return score_kind(settings.score).needs_statistics && !has_paths(settings.method) &&
-         settings.rates.empty() && settings.window_length >= kSupportedWindow;
 }
 
 void check_decision(const SequenceQuerySettings& settings) {

@@ -42,10 +42,6 @@ struct DecisionKind {
 std::span<const DecisionKind> decision_kinds();
 const DecisionKind& decision_kind(Decision decision);
 
-/// Whether margin_support is known of the windows of these settings: by standardized scores, of
-/// kSupportedWindow frames or more (row_outline.h), and of one rate.
-bool can_ask_last_frames(const SequenceQuerySettings& settings);
-
 /// As DecisionKind::check, of the decision that is set.
 void check_decision(const SequenceQuerySettings& settings);
 

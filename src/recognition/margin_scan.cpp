@@ -50,13 +50,12 @@ uint32_t smallest_elsewhere(const RowOutlines& row, size_t sequence, size_t wind
 }
 
 // Numbers of an outline: the row, what it is of, its best, and then its points, two numbers each.
-constexpr size_t kOutlineNumbers = 7;
+constexpr size_t kOutlineNumbers = 6;
 
 void append_numbers(std::vector<uint32_t>& numbers, size_t row, const RowOutline& outline) {
   numbers.insert(numbers.end(),
                  {static_cast<uint32_t>(row), outline.sequence, outline.width, outline.best.window,
-                  outline.best.score, outline.is_supported ? 1U : 0U,
-                  static_cast<uint32_t>(outline.points.size())});
+                  outline.best.score, static_cast<uint32_t>(outline.points.size())});
   for (const RowOutline::Point& point : outline.points)
     numbers.insert(numbers.end(), {point.window, point.score});
 }
@@ -70,13 +69,6 @@ Elsewhere make_elsewhere(std::vector<uint32_t> widths,
   elsewhere.shared.assign(sequences, std::vector<uint8_t>(sequences, 0));
   for (const auto& [a, b] : shared_places) elsewhere.shared[a][b] = elsewhere.shared[b][a] = 1;
   return elsewhere;
-}
-
-std::vector<std::optional<uint32_t>> supported_margins(const MarginScanResult& found) {
-  std::vector<std::optional<uint32_t>> margins = found.margins;
-  for (size_t window = 0; window < margins.size(); ++window)
-    if (found.supported[window] == 0) margins[window].reset();
-  return margins;
 }
 
 struct MarginScan::Rows {
@@ -127,8 +119,7 @@ void MarginScan::join(const Share& share) {
     outline.sequence = at[1];
     outline.width = at[2];
     outline.best = {at[3], at[4]};
-    outline.is_supported = at[5] != 0;
-    const size_t points = at[6];
+    const size_t points = at[5];
     at += kOutlineNumbers;
     for (size_t point = 0; point < points; ++point, at += 2)
       outline.points.push_back({at[0], at[1]});
@@ -141,12 +132,10 @@ MarginScanResult MarginScan::result() const {
     const RowOutlines& row = rows_->outlines[window];
     auto& best = result.best.emplace_back();
     auto& margin = result.margins.emplace_back();
-    auto& supported = result.supported.emplace_back(uint8_t{1});
     const RowOutline* outline = find_best(row);
     if (outline == nullptr) continue;
     best = {static_cast<uint32_t>(window), outline->sequence, outline->best.window,
             outline->best.score};
-    supported = outline->is_supported ? 1 : 0;
     const uint32_t elsewhere =
         std::min(smallest_elsewhere(row, outline->sequence, outline->best.window),
                  smallest_of_others(row, outline->sequence, elsewhere_));

@@ -29,11 +29,7 @@ struct MarginScanResult {
   std::vector<std::optional<Cell>> best;         ///< ties to the smallest sequence and train window
   std::vector<std::optional<uint32_t>> margins;  ///< the smallest score elsewhere less the
                                                  ///< best; never negative
-  std::vector<uint8_t> supported;                ///< whether its last frames support the best match
 };
-
-/// The margins of best matches that the last frames of their windows support (row_outline.h).
-std::vector<std::optional<uint32_t>> supported_margins(const MarginScanResult& found);
 
 /// Takes rows of any exact method, whose values are whole numbers and the better the smaller they
 /// are. Each cell passes once; about 100 bytes are kept of a row for each sequence. The result does

@@ -13,9 +13,7 @@ void leave_out_decisions(Json& json, const SequenceQuerySettings& settings) {
   for (size_t d = 0; d < decision_kinds().size(); ++d)
     if (d != static_cast<size_t>(settings.decision))
       for (const std::string_view key : decision_kinds()[d].settings) json.erase(key);
-  if (!settings.threshold_share) json.erase("t_r_share");
   if (!settings.margin_width) json.erase("margin_width");
-  if (!settings.margin_support) json.erase("margin_support");
   if (settings.same_place.empty()) json.erase("same_place");
 }
 
@@ -73,8 +71,7 @@ SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::str
 
 ThresholdScale scale_of(const SequenceQuerySettings& settings) {
   const ScoreKind& kind = score_kind(settings.score);
-  return settings.threshold_scale.value_or(settings.loop ? kind.automatic_scale
-                                                         : kind.number_scale);
+  return settings.threshold_scale.value_or(settings.loop ? kind.frame_scale : kind.number_scale);
 }
 
 Json settings_in_force(const QuerySettings& settings) {

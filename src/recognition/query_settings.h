@@ -9,6 +9,7 @@
 
 #include "base/json_fwd.h"
 #include "matching/filter_settings.h"
+#include "matching/rows.h"
 #include "matching/word_model.h"
 #include "recognition/clustering.h"
 #include "recognition/decision.h"
@@ -23,26 +24,21 @@ struct SequenceQuerySettings {
   std::string method = "fastable";
   uint64_t window_length = 40;               ///< c_l
   std::optional<double> distance_threshold;  ///< t_r; none: automatic
-  /// The scale of a t_r that is a number; automatic ones have their own. None: the default of the
+  /// The scale of a t_r that is a number; automatic ones are in bits. None: the default of the
   /// score (scale_of).
   std::optional<ThresholdScale> threshold_scale;
-  /// A hit must also be closer than what is elsewhere but for this share of the windows so far
-  /// (running_share.h); none: t_r alone decides.
-  std::optional<double> threshold_share;
   std::optional<double> safety_factor;      ///< of automatic t_r; none: the database's
   std::vector<std::string> only_sequences;  ///< empty: all
   bool skip_unreadable = false;
   ClusterSettings clustering;
   LshSettings lsh;  ///< of the method lsh
   Score score = Score::raw;
-  double safety_margin = 0;  ///< subtracted from automatic t_r of standardized scores
   StandardizationSettings standardization;
   std::vector<std::string>
       rates;  ///< of windows, "3/2": training frames for query frames; empty: 1
   Decision decision = Decision::threshold;
   std::optional<double> margin;          ///< X, in score a frame; none: automatic
   std::optional<uint64_t> margin_width;  ///< w; none: half-widths of the training sequences
-  bool margin_support = false;           ///< last frames must support a match (row_outline.h)
   /// "A=B": sequences that show the same place. Empty: as found; "none": all differ.
   std::vector<std::string> same_place;
   FilterSettings filter;                ///< of the method filter
@@ -60,20 +56,17 @@ void visit_fields(SequenceQuerySettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_length);
   visit("t_r", settings.distance_threshold);
   visit("t_r_scale", settings.threshold_scale);
-  visit("t_r_share", settings.threshold_share);
   visit("safety_factor", settings.safety_factor);
   visit("only_sequence", settings.only_sequences);
   visit("skip_unreadable", settings.skip_unreadable);
   visit("clustering", settings.clustering);
   visit("lsh", settings.lsh);
   visit("score", settings.score);
-  visit("safety_margin", settings.safety_margin);
   visit("standardization", settings.standardization);
   visit("rates", settings.rates);
   visit("decide", settings.decision);
   visit("margin", settings.margin);
   visit("margin_width", settings.margin_width);
-  visit("margin_support", settings.margin_support);
   visit("same_place", settings.same_place);
   visit("filter", settings.filter);
   visit("fuse_beta", settings.fusion_weight);
@@ -134,8 +127,8 @@ SequenceQuerySettings with_implied(SequenceQuerySettings settings);
 /// The settings with the default weight where FAB-MAP's database is given and none is set.
 SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::string& database);
 
-/// The scale that a number is on: the one that was given, or the score's default; of a walk against
-/// its own past, that of automatic thresholds, which asks of no other window.
+/// The scale of t_r: the one that is set, or the score's default; of a sequence against its own
+/// past, the scale of single scores, which needs no other window.
 ThresholdScale scale_of(const SequenceQuerySettings& settings);
 
 /// The settings as files hold them: the default scale filled in, and those of other scores and

@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "matching/rates.h"
-#include "recognition/running_share.h"
 
 namespace vpr {
 
@@ -54,7 +53,6 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found,
   }
   result.margins.assign(margins.begin(), margins.end());
   decide(result, decision_kind(plan.settings.decision));
-  if (plan.settings.threshold_share) limit_by_share(result, *plan.settings.threshold_share);
   return result;
 }
 

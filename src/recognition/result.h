@@ -22,14 +22,11 @@ struct Target {
   bool searched = true;             ///< false: left out by only_sequences
   std::optional<double> threshold;  ///< t_r on its scale; none: no automatic one exists, or t_p
   ThresholdScale scale = ThresholdScale::bits;
-  uint32_t distance_limit = 0;            ///< a hit has D (a biased sum of scores) below; on the
-                                          ///< scale mean, the largest that a query window has
-  std::optional<uint32_t> max_distance;   ///< max(D), where the scale is relative
-  std::optional<double> margin = {};      ///< X, where the decision is by margin
-  std::optional<double> fps = {};         ///< frames a second, where known
-  std::optional<Replay> kept = {};        ///< where they are kept ones of a recording
-  std::vector<double> window_means = {};  ///< M by query window, where the scale is mean; not in
-                                          ///< files
+  uint32_t distance_limit = 0;           ///< a hit has D (a biased sum of scores) below
+  std::optional<uint32_t> max_distance;  ///< max(D), where the scale is relative
+  std::optional<double> margin = {};     ///< X, where the decision is by margin
+  std::optional<double> fps = {};        ///< frames per second, where known
+  std::optional<Replay> kept = {};       ///< where they are kept ones of a recording
 };
 
 /// The training statistics that standardized scores started from.

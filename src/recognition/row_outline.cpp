@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "matching/score_kernels.h"
-
 namespace vpr {
 namespace {
 
@@ -121,15 +119,6 @@ void prune(RowOutline& outline) {
 
 }  // namespace
 
-// 2 / 5 was chosen on rendered buildings (docs/methods.md).
-bool is_supported(const ScoreRow& row, size_t cell) {
-  if (row.last.empty() || row.window_length < kSupportedWindow) return true;
-  const auto length = static_cast<int64_t>(row.window_length);
-  const int64_t window = int64_t{row.scores[cell]} - length * kScoreBias;
-  const int64_t ends = int64_t{row.last[cell]} + row.last_but_one[cell] - 2 * int64_t{kScoreBias};
-  return 5 * length * ends <= 4 * window;
-}
-
 void note_seen(RowOutline& outline, size_t begin, size_t end) {
   if (begin == outline.last) outline.last = static_cast<uint32_t>(end);
   if (end == outline.first) outline.first = static_cast<uint32_t>(begin);
@@ -143,7 +132,6 @@ void add_piece(RowOutline& outline, const ScoreRow& row, uint32_t least, size_t 
   if (is_closer(candidate, outline.best)) {
     const RowOutline before = outline;
     outline.best = candidate;
-    outline.is_supported = is_supported(row, at);
     outline.first = static_cast<uint32_t>(begin);
     outline.last = static_cast<uint32_t>(end);
     if (!before.points.empty() && before.first == end) outline.last = before.last;

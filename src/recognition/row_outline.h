@@ -21,7 +21,6 @@ struct RowOutline {
   uint32_t sequence = 0;
   uint32_t width = 0;
   Point best = {0, kNoCell};  ///< the closest; ties to the first
-  bool is_supported = true;   ///< whether the last frames of the best show it
   /// Windows [first, last) around the best have come as a whole: none of them but it can be the
   /// closest in the end.
   uint32_t first = 0;
@@ -36,15 +35,6 @@ struct RowOutline {
 /// then says that it came.
 void add_piece(RowOutline& outline, const ScoreRow& row, uint32_t least, size_t at,
                const RowKernels& kernels);
-
-/// Windows of so many frames or more are asked whether their last frames support a match: a shorter
-/// one has few that could speak for a place that was left.
-inline constexpr size_t kSupportedWindow = 20;
-
-/// Whether the mean z of a cell's last two pairs of frames is at most 2 / 5 of that of its window,
-/// that is, as far below 0; true of windows shorter than kSupportedWindow, and where these scores
-/// are not known.
-bool is_supported(const ScoreRow& row, size_t cell);
 
 /// The windows of a piece that was left out have come.
 void note_seen(RowOutline& outline, size_t begin, size_t end);

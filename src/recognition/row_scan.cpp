@@ -63,12 +63,6 @@ std::vector<uint32_t> MaximumScan::result() const {
   return all;
 }
 
-uint32_t HitScanSettings::limit(size_t sequence, size_t query_window) const {
-  return sequence < window_limits.size() && !window_limits[sequence].empty()
-             ? window_limits[sequence][query_window]
-             : limits[sequence];
-}
-
 struct HitScan::Threads {
   struct Local {
     std::vector<Cell> hits;
@@ -102,7 +96,7 @@ void HitScan::take(const ScoreRow& row, uint32_t least) {
     const Cell candidate = cell_at(row, kernels.find_below(scores, 0, count, least + 1));
     if (best.score == kNoCell || is_closer(candidate, best)) best = candidate;
   }
-  const uint32_t limit = settings_.limit(row.sequence, row.query_window);
+  const uint32_t limit = settings_.limits[row.sequence];
   if (least >= limit) return;
   const size_t before = local.hits.size();
   for (size_t x = kernels.find_below(scores, 0, count, limit); x < count;

@@ -50,10 +50,6 @@ struct HitScanSettings {
   size_t query_windows = 0;
   size_t max_hits = 0;  ///< more throw Error(usage)
   RowKernels kernels;
-  /// By sequence; of those that are not empty, one for each query window instead of `limits`.
-  std::vector<std::vector<uint32_t>> window_limits = {};
-
-  uint32_t limit(size_t sequence, size_t query_window) const;
 };
 
 /// What a HitScan found.

@@ -19,25 +19,13 @@ std::string window_text(const TrainSequence& sequence, size_t window, size_t len
                      sequence.frame_names[last]);
 }
 
-/// Two windows that are too close: of two walks, or of one.
+/// Two windows that are too close.
 struct Overlap {
   size_t own = 0;
   double distance = 0;  ///< a frame
   double mean = 0;      ///< of frames of the two
   std::string_view unit;
 };
-
-std::string walk_sentence(const ThresholdTable& table, const TrainSequence& walk,
-                          const Overlap& overlap) {
-  const ClosestWindows& closest = *table.closest[overlap.own];
-  return fmt::format(
-      "{0} seems to show a place twice, or places that look alike: {1} and {2} differ by {3:.1f} "
-      "{5}, its frames by {4:.0f} on average. If it is one place, the automatic t_r is too small: "
-      "train one of the visits only, as in --train {0}@FIRST:LAST, or give a number as t_r",
-      walk.name, window_text(walk, closest.window, table.window_length),
-      window_text(walk, closest.other_window, table.window_length), overlap.distance, overlap.mean,
-      overlap.unit);
-}
 
 std::string pair_text(const ThresholdTable& table, std::span<const TrainSequence> sequences,
                       const Overlap& overlap, std::string_view seem) {
@@ -62,8 +50,8 @@ std::string pairs_sentence(const ThresholdTable& table, std::span<const TrainSeq
   if (overlaps.size() > named)
     text += fmt::format("; and so do {}", counted(overlaps.size() - named, "other pair"));
   return text +
-         ". If it is one place, their automatic t_r is too small: train only one of them, or give "
-         "a number as t_r";
+         ". If it is one place, their automatic t_r is too small. Train only one of them, or use "
+         "--method filter";
 }
 
 }  // namespace
@@ -85,17 +73,13 @@ std::optional<std::string> overlap_warning(const ThresholdTable& table,
     const double distance =
         static_cast<double>(table.closest[s]->score) / static_cast<double>(table.window_length);
     const FrameDistances between = frame_distances(spans.subspan(s, 1), spans[other]);
-    const double mean = s == other ? mean_distance_within(between) : mean_distance_between(between);
-    const double depth = s == other ? kClosestOwnDepth : kPairDepth;
-    if (!is_same_place(distance, mean, table.window_length, depth)) continue;
+    const double mean = mean_distance_between(between);
+    if (!is_same_place(distance, mean, table.window_length, kPairDepth)) continue;
     if (named.insert(std::minmax(s, other)).second)
       overlaps.push_back({s, distance, mean, between.unit.name});
   }
   if (overlaps.empty()) return std::nullopt;
-  const size_t first = overlaps.front().own;
-  return table.closest[first]->other_sequence == first
-             ? walk_sentence(table, sequences[first], overlaps.front())
-             : pairs_sentence(table, sequences, overlaps);
+  return pairs_sentence(table, sequences, overlaps);
 }
 
 }  // namespace vpr

@@ -11,12 +11,10 @@
 
 namespace vpr {
 
-/// How far below the mean a diagonal must be: the closest of two walks; that of a window and its
-/// best match in the same walk; and the closest of a whole walk with itself, of which the
-/// corridor's two walks, which pass no place twice, have up to 1.6 (docs/methods.md).
+/// How far below the mean a diagonal must be: the closest of two sequences; and that of a window
+/// and its best match in the same sequence (docs/methods.md).
 inline constexpr double kPairDepth = 1.2;
 inline constexpr double kOwnDepth = 1;
-inline constexpr double kClosestOwnDepth = 1.7;
 
 /// Whether a diagonal of window_length frames with this mean distance is too far below what frames
 /// of the two walks differ by on average to be chance: distance < (1 - depth / sqrt(c_l)) * mean. A
@@ -24,10 +22,9 @@ inline constexpr double kClosestOwnDepth = 1.7;
 bool is_same_place(double distance_a_frame, double mean_distance, size_t window_length,
                    double depth);
 
-/// One sentence: which pairs of sequences seem to show the same place at their closest windows (and
-/// of a single one, that it seems to show a place twice), with what to do; none where there are no
-/// such pairs. The first three pairs are named, with frames by index and name: first and last of
-/// each window.
+/// One sentence: which pairs of sequences seem to show the same place at their closest windows,
+/// with what to do; none if there are no such pairs. The first three pairs are named, with frames
+/// by index and name: first and last of each window.
 std::optional<std::string> overlap_warning(const ThresholdTable& table,
                                            std::span<const TrainSequence> sequences,
                                            std::span<const DescriptorSpan> spans);

@@ -9,17 +9,13 @@
 #include "base/error.h"
 #include "matching/methods.h"
 #include "matching/score_kernels.h"
-#include "recognition/automatic_threshold.h"
 #include "recognition/query_settings.h"
 
 namespace vpr {
 namespace {
 
-constexpr double kMostMargin = 64;
-
 constexpr std::array<std::string_view, 1> kRawSettings = {"safety_factor"};
-constexpr std::array<std::string_view, 3> kStandardizedSettings = {"score", "safety_margin",
-                                                                   "standardization"};
+constexpr std::array<std::string_view, 2> kStandardizedSettings = {"score", "standardization"};
 
 void check_raw(const SequenceQuerySettings& settings) {
   if (settings.fusion_weight)
@@ -28,11 +24,7 @@ void check_raw(const SequenceQuerySettings& settings) {
   if (settings.threshold_scale == ThresholdScale::mean_z)
     throw Error(ErrorKind::usage,
                 "t_r_scale mean-z is for standardized scores; add --score standardized, or give "
-                "relative, mean or bits");
-  if (settings.safety_margin != 0)
-    throw Error(ErrorKind::usage,
-                "the safety margin is for standardized scores; raw distances have "
-                "--safety-factor");
+                "relative or bits");
   if (!settings.distance_threshold) return;
   const double threshold = *settings.distance_threshold;
   if (threshold < 0)
@@ -43,12 +35,6 @@ void check_raw(const SequenceQuerySettings& settings) {
                             "for a mean frame distance give --t-r {} --t-r-scale bits, else a "
                             "share, as in --t-r 0.6",
                             threshold, threshold));
-  if (threshold > 1 && scale_of(settings) == ThresholdScale::mean)
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("t_r is a share of what a window differs by on average, where {} accepts "
-                    "what is farther than usual; give one below 1, as in --t-r 0.85",
-                    threshold));
 }
 
 void check_standardized(const SequenceQuerySettings& settings) {
@@ -69,11 +55,7 @@ void check_standardized(const SequenceQuerySettings& settings) {
                                               settings.method));
   if (settings.safety_factor)
     throw Error(ErrorKind::usage,
-                "the safety factor is for raw distances; t_r of standardized scores, which may be "
-                "negative, has --safety-margin");
-  if (!std::isfinite(settings.safety_margin) || std::abs(settings.safety_margin) > kMostMargin)
-    throw Error(ErrorKind::usage, fmt::format("the safety margin must be from -64 to 64, found {}",
-                                              settings.safety_margin));
+                "the safety factor is for the automatic t_r of raw distances: omit it.");
   if (settings.window_length > kMaxScoredWindow)
     throw Error(ErrorKind::usage,
                 fmt::format("c_l must be at most {} with standardized scores, found {}",
@@ -95,21 +77,6 @@ double deviations_a_frame(double sum, size_t window_length) {
   return sum / (kScoreUnit * static_cast<double>(window_length));
 }
 
-AutomaticThreshold automatic_distance(const ClosestTable& closest, size_t sequence,
-                                      const std::function<double()>& typical_distance,
-                                      const SequenceQuerySettings& settings) {
-  const auto threshold = closest.size() == 1 ? own_threshold : automatic_threshold;
-  return threshold(closest[sequence], typical_distance(), settings.window_length,
-                   settings.safety_factor.value_or(1));
-}
-
-AutomaticThreshold automatic_score(const ClosestTable& closest, size_t sequence,
-                                   const std::function<double()>&,
-                                   const SequenceQuerySettings& settings) {
-  return automatic_score_threshold(closest[sequence], settings.window_length,
-                                   settings.safety_margin);
-}
-
 // Means of c_l independent distances, and z, spread by 1 / sqrt(c_l). Measured on the corridor
 // against itself and on rendered buildings (docs/methods.md).
 constexpr double kMarginShare = 0.45;
@@ -123,15 +90,6 @@ double least_score_margin(double, size_t window_length) {
   return kMarginDeviations / std::sqrt(static_cast<double>(window_length));
 }
 
-std::string raw_title(const SequenceQuerySettings& settings) {
-  return fmt::format("t_r, safety factor {:g}", settings.safety_factor.value_or(1));
-}
-
-std::string standardized_title(const SequenceQuerySettings& settings) {
-  return fmt::format("t_r of {} scores, safety margin {:g}", enum_name(settings.score),
-                     settings.safety_margin);
-}
-
 constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .measure = "distance",
                             .title = "distance (summed over the window)",
@@ -140,22 +98,18 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .frame_unit = "mean distance",
                             .frame_digits = 1,
                             .number_scale = ThresholdScale::relative,
-                            .automatic_scale = ThresholdScale::bits,
-                            .single_scale = ThresholdScale::mean,
+                            .frame_scale = ThresholdScale::bits,
                             .longest_window = kMaxWindowLength,
                             .missing = -1,
                             .needs_statistics = false,
                             .is_offline = false,
-                            .is_stored = true,
                             .settings = kRawSettings,
                             .offset = no_offset,
                             .frame_value = distance_a_frame,
                             .check = check_raw,
-                            .automatic = automatic_distance,
                             .margin_unit = "bits a frame",
                             .most_margin = 65535,
-                            .least_margin = least_distance_margin,
-                            .automatic_title = raw_title};
+                            .least_margin = least_distance_margin};
 
 constexpr ScoreKind standardized_row(bool is_offline) {
   return {.order = ScoreOrder::distance,
@@ -166,22 +120,18 @@ constexpr ScoreKind standardized_row(bool is_offline) {
           .frame_unit = "mean z",
           .frame_digits = 2,
           .number_scale = ThresholdScale::mean_z,
-          .automatic_scale = ThresholdScale::mean_z,
-          .single_scale = ThresholdScale::mean_z,
+          .frame_scale = ThresholdScale::mean_z,
           .longest_window = kMaxScoredWindow,
           .missing = std::numeric_limits<int32_t>::min(),
           .needs_statistics = true,
           .is_offline = is_offline,
-          .is_stored = false,
           .settings = kStandardizedSettings,
           .offset = score_offset,
           .frame_value = deviations_a_frame,
           .check = check_standardized,
-          .automatic = automatic_score,
           .margin_unit = "deviations",
           .most_margin = 64,
-          .least_margin = least_score_margin,
-          .automatic_title = standardized_title};
+          .least_margin = least_score_margin};
 }
 
 constexpr ScoreKind kProbability = {.order = ScoreOrder::similarity,

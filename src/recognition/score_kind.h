@@ -1,17 +1,14 @@
 // The table of scores: what the score of a match is, and all that follows from it.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
-#include "database/sequence_database.h"
 #include "matching/standardization.h"
-#include "recognition/automatic_threshold.h"
-#include "recognition/closest_windows.h"
 #include "recognition/score_order.h"
+#include "recognition/threshold.h"
 
 namespace vpr {
 
@@ -32,13 +29,11 @@ struct ScoreKind {
   std::string_view frame_unit = {};        ///< of frame_value, as the head of a column
   int frame_digits = {};                   ///< behind the point, where frame_value is printed
   ThresholdScale number_scale = {};  ///< of a t_r that is a number, where the user names no scale
-  ThresholdScale automatic_scale = {};  ///< of automatic t_r
-  ThresholdScale single_scale = {};     ///< the same where the database has a single sequence
-  size_t longest_window = {};           ///< in frames: sums of longer ones may not fit into 32 bits
-  int32_t missing = {};                 ///< in a saved matrix, where there is no score
-  bool needs_statistics = {};           ///< of the training frames: it is standardized
-  bool is_offline = {};                 ///< it depends on later frames of the query
-  bool is_stored = {};                  ///< databases hold its closest windows
+  ThresholdScale frame_scale = {};   ///< of frame_value: of t_r of a sequence against its own past
+  size_t longest_window = {};        ///< in frames: sums of longer ones may not fit into 32 bits
+  int32_t missing = {};              ///< in a saved matrix, where there is no score
+  bool needs_statistics = {};        ///< of the training frames: it is standardized
+  bool is_offline = {};              ///< it depends on later frames of the query
   std::span<const std::string_view> settings =
       {};  ///< keys that only some scores have, of this one
   int64_t (*offset)(size_t window_length) = nullptr;
@@ -49,20 +44,10 @@ struct ScoreKind {
   /// not fit this one.
   void (*check)(const SequenceQuerySettings& settings) = nullptr;
 
-  /// The automatic t_r of a sequence that has a window, from the closest windows of all. settings:
-  /// safety_factor (none: 1) and safety_margin. typical_distance gives the sequence's, a frame
-  /// distance.
-  AutomaticThreshold (*automatic)(const ClosestTable& closest, size_t sequence,
-                                  const std::function<double()>& typical_distance,
-                                  const SequenceQuerySettings& settings) = nullptr;
-
   std::string_view margin_unit = {};  ///< of a margin a frame, in sentences: "bits a frame"
   double most_margin = {};            ///< no margin a frame is larger
   /// What no automatic margin a frame is below, where training frames differ by typical_distance.
   double (*least_margin)(double typical_distance, size_t window_length) = nullptr;
-
-  /// What the automatic t_r was made with, for titles: "t_r, safety factor 1".
-  std::string (*automatic_title)(const SequenceQuerySettings& settings) = nullptr;
 };
 
 /// All rows, that of FAB-MAP last.

@@ -12,19 +12,15 @@ namespace vpr {
 
 /// relative: D / max(D) < t_r, the maximum over all cells of that training sequence and the query
 /// (the paper's 0.3, 0.4, 0.5). bits: D / c_l < t_r, the mean frame distance in its own unit
-/// (frame_distances; of LDB bits). mean_z: the mean z of the
-/// window < t_r, in standard deviations; of standardized scores. mean: D / M < t_r, where M is what
-/// the query window's frames differ by on average from all frames of the training sequence, summed
-/// over the window: how much closer than usual, whatever the light.
-enum class ThresholdScale { relative, bits, mean_z, mean };
+/// (frame_distances; of LDB bits). mean_z: the mean z-score of the window < t_r.
+enum class ThresholdScale { relative, bits, mean_z };
 template <>
-inline constexpr std::array<std::string_view, 4> kEnumNames<ThresholdScale> = {"relative", "bits",
-                                                                               "mean-z", "mean"};
+inline constexpr std::array<std::string_view, 3> kEnumNames<ThresholdScale> = {"relative", "bits",
+                                                                               "mean-z"};
 
-/// An automatic t_r of one training sequence.
+/// An automatic t_r of one training sequence, on the scale bits.
 struct AutomaticThreshold {
   double value = 0;
-  ThresholdScale scale = ThresholdScale::bits;
   bool is_largest = false;  ///< the largest that one may be; closest windows are no reason for less
 };
 

@@ -12,14 +12,6 @@ namespace {
 
 constexpr double kSecondsAnHour = 3600;
 
-bool is_by_margin(const SequenceQuerySettings& settings) {
-  return decision_kind(settings.decision).accepts != nullptr;
-}
-
-double threshold_of(const SequenceQuerySettings& settings) {
-  return is_by_margin(settings) ? *settings.margin : *settings.distance_threshold;
-}
-
 Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
 
 /// What the walk's false recognitions make in another time.
@@ -41,14 +33,13 @@ Json rate_json(const ScaledRate& rate) {
 
 Json length_json(const CalibratedLength& length) {
   const Calibration& found = length.calibration;
-  const std::string symbol(decision_kind(length.settings.decision).symbol);
   Json json = {{"c_l", length.settings.window_length},
                {"windows", length.windows},
                {"queries", length.queries},
                {"advice", enum_name(found.advice)},
-               {symbol, nullptr}};
+               {"margin", nullptr}};
   if (!found.strength) return json;
-  json[symbol] = threshold_of(length.settings);
+  json["margin"] = *length.settings.margin;
   json["recognised"] = {{"right", found.right}, {"wrong", found.wrong}};
   json["false_recognitions"] = {{"block", length.block},
                                 {"seen", found.expected.seen},
@@ -56,7 +47,7 @@ Json length_json(const CalibratedLength& length) {
   return json;
 }
 
-// The length that says most of why there is no threshold: where most places are known.
+// The length that says most of why there is no margin: where most places are known.
 const CalibratedLength& telling_length(const CalibratedWalk& walk) {
   return *std::max_element(walk.lengths.begin(), walk.lengths.end(),
                            [](const auto& a, const auto& b) { return a.queries < b.queries; });
@@ -65,13 +56,6 @@ const CalibratedLength& telling_length(const CalibratedWalk& walk) {
 std::string range_text(const ScaledRate& rate) {
   return fmt::format("{:.0f} (95 %: {:.0f} to {:.0f})", rate.expected, rate.interval.low,
                      rate.interval.high);
-}
-
-std::string promise_text(const CalibratedLength& length) {
-  if (is_by_margin(length.settings))
-    return "No promise: a walk through other rooms, or at another pace, may be wrong oftener.\n";
-  return "No promise: thresholds of scores seldom hold on another walk; --decide margin holds "
-         "oftener.\n";
 }
 
 }  // namespace
@@ -104,10 +88,9 @@ Json calibration_json(const CalibratedWalk& walk, const CalibrationRequest& requ
 
 Table calibration_table(const CalibratedWalk& walk) {
   Table table;
-  const std::string symbol(decision_kind(walk.lengths.front().settings.decision).symbol);
-  table.title = fmt::format("{}: windows recognised at the {} found{}", walk.query_name, symbol,
+  table.title = fmt::format("{}: windows recognized at the margin found{}", walk.query_name,
                             walk.chosen ? " (* chosen)" : "");
-  table.columns = {"c_l", symbol, "right", "wrong", "of", "false recognitions", "95 %"};
+  table.columns = {"c_l", "margin", "right", "wrong", "of", "false recognitions", "95 %"};
   for (size_t l = 0; l < walk.lengths.size(); ++l) {
     const CalibratedLength& length = walk.lengths[l];
     const Calibration& found = length.calibration;
@@ -118,7 +101,7 @@ Table calibration_table(const CalibratedWalk& walk) {
       continue;
     }
     const Interval& interval = found.expected.interval;
-    row.insert(row.end(), {fmt::format("{:.4g}", threshold_of(length.settings)),
+    row.insert(row.end(), {fmt::format("{:.4g}", *length.settings.margin),
                            std::to_string(found.right), std::to_string(found.wrong),
                            std::to_string(length.windows), std::to_string(found.expected.seen),
                            fmt::format("{:.1f} to {:.1f}", interval.low, interval.high)});
@@ -128,28 +111,25 @@ Table calibration_table(const CalibratedWalk& walk) {
 
 std::string calibration_text(const CalibratedWalk& walk, const CalibrationRequest& request) {
   if (!walk.chosen)
-    return fmt::format("{}: no threshold: {}.\n", walk.query_name, calibration_failure(walk));
+    return fmt::format("{}: no margin: {}.\n", walk.query_name, calibration_failure(walk));
   const CalibratedLength& length = walk.lengths[*walk.chosen];
   const Calibration& found = length.calibration;
   std::string text = fmt::format(
-      "{}: {} {:.4g} at c_l {}: {} recognised rightly and {} wrongly, of {} whose place is "
-      "trained.\n",
-      walk.query_name, decision_kind(length.settings.decision).symbol,
-      threshold_of(length.settings), length.settings.window_length, counted(found.right, "window"),
-      found.wrong, length.queries);
+      "{}: margin {:.4g} at c_l {}: {} recognized correctly and {} incorrectly, of {} whose place "
+      "is trained.\n",
+      walk.query_name, *length.settings.margin, length.settings.window_length,
+      counted(found.right, "window"), found.wrong, length.queries);
   const ScaledRate rate =
       request.fps ? rate_of(length, *request.fps * kSecondsAnHour) : rate_of(length, 1000);
   text += fmt::format("False recognitions to expect in {}: {}.\n",
                       request.fps ? "an hour" : "1000 windows", range_text(rate));
-  return text + promise_text(length);
+  return text + "Other rooms or another speed may give more.\n";
 }
 
 std::string calibration_failure(const CalibratedWalk& walk) {
   switch (telling_length(walk).calibration.advice) {
     case CalibrationAdvice::no_right_hit:
       return "no window is recognized correctly; check that the ground truth belongs to this query";
-    case CalibrationAdvice::nothing_wrong:
-      return "no window shows how close wrong places come; give a longer walk, or train more";
     case CalibrationAdvice::none_is_safe:
     case CalibrationAdvice::calibrated:
       break;

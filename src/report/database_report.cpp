@@ -18,8 +18,7 @@ Json head_json(DatabaseFamily family) {
 
 std::string threshold_text(const std::optional<AutomaticThreshold>& automatic) {
   if (!automatic) return "-";
-  return automatic->scale == ThresholdScale::mean ? fmt::format("{:.3f} of mean", automatic->value)
-                                                  : fmt::format("{:.2f} bits", automatic->value);
+  return fmt::format("{:.2f} bits", automatic->value);
 }
 
 // Nothing of LDB, the usual one.
@@ -36,10 +35,7 @@ std::string frames_text(const TrainSequence& sequence) {
 }
 
 Json threshold_json(size_t window_length, const std::optional<AutomaticThreshold>& automatic) {
-  const bool is_bits = automatic && automatic->scale == ThresholdScale::bits;
-  Json json = {{"c_l", window_length}, {"bits", is_bits ? Json(automatic->value) : Json()}};
-  if (automatic && !is_bits) json["mean"] = automatic->value;
-  return json;
+  return {{"c_l", window_length}, {"bits", automatic ? Json(automatic->value) : Json()}};
 }
 
 }  // namespace

@@ -153,9 +153,6 @@ Json result_report_json(const Evaluation& evaluation, const RunInfo& run, const 
   json["query"] = result.query_name;
   if (result.replay) add_replay(json, *result.replay);
   json["settings"] = settings_in_force(result.settings);
-  if (json["settings"].value("t_r", Json()) == "auto")
-    for (const Target& target : result.targets)
-      if (target.threshold) json["automatic_scale"] = enum_name(target.scale);
   json["counts"] = counts_json(counts);
   json["best_match"] = best_match_json(counts.best_match);
   if (by_view) json["by_view"] = counts_by_view_json(*by_view);
@@ -258,11 +255,9 @@ Table report_table(const Json& report) {
   const ScoreKind& score = score_kind_of(settings);
   for (const std::string_view symbol : {score.window_symbol, decided_by(settings)})
     add(std::string(symbol), text(settings[std::string(symbol)]));
-  if (settings.contains("t_r_scale")) {
-    const std::string automatic =
-        report.value("automatic_scale", std::string(enum_name(score.automatic_scale)));
-    add("scale", settings["t_r"].is_string() ? automatic : text(settings["t_r_scale"]));
-  }
+  if (settings.contains("t_r_scale"))
+    add("scale", settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
+                                             : text(settings["t_r_scale"]));
   add("hits right", text(counts["hits"]["correct"]));
   add("hits wrong", text(counts["hits"]["incorrect"]));
   if (counts.contains("places")) {

@@ -13,19 +13,6 @@ std::string frame_span(const TrainSequence& sequence, size_t window, size_t leng
   return fmt::format("{}: {} to {}", sequence.name, first, last);
 }
 
-std::string threshold_column(ThresholdScale scale) {
-  switch (scale) {
-    case ThresholdScale::mean_z:
-      return "t_r (mean z)";
-    case ThresholdScale::mean:
-      return "t_r (of mean)";
-    case ThresholdScale::relative:
-    case ThresholdScale::bits:
-      break;
-  }
-  return "t_r (bits)";
-}
-
 /// One sequence at one window length.
 struct Line {
   const TrainSequence& sequence;
@@ -55,24 +42,19 @@ std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
 }  // namespace
 
 Json thresholds_json(std::span<const TrainSequence> sequences,
-                     const std::vector<AutomaticThresholds>& thresholds,
-                     const SequenceQuerySettings& settings, const RunInfo& run) {
-  const ScoreKind& kind = score_kind(settings.score);
-  SequenceQuerySettings used = settings;
-  used.safety_factor = settings.safety_factor.value_or(1);
-  const Json all = value_to_json(used);
-  Json json = {{"schema", "vpr.thresholds/1"}};
-  for (const std::string_view key : kind.settings) json[key] = all[key];
+                     const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                     const RunInfo& run) {
+  Json json = {{"schema", "vpr.thresholds/1"}, {"safety_factor", safety_factor}};
   json["thresholds"] = Json::array();
   for (const Line& line : lines_of(sequences, thresholds)) {
     Json item = {{"sequence", line.sequence.name}, {"c_l", line.window_length}, {"t_r", nullptr}};
     if (line.threshold) {
       item["t_r"] = line.threshold->value;
-      item["t_r_scale"] = enum_name(line.threshold->scale);
+      item["t_r_scale"] = enum_name(ThresholdScale::bits);
       item["limited"] = line.threshold->is_largest;
     }
     if (line.closest) {
-      item["distance"] = line.closest->score - kind.offset(line.window_length);
+      item["distance"] = line.closest->score;
       item["own_frames"] = line.own_frames;
       item["closest_frames"] = line.closest_frames;
     }
@@ -83,20 +65,16 @@ Json thresholds_json(std::span<const TrainSequence> sequences,
 }
 
 Table thresholds_table(std::span<const TrainSequence> sequences,
-                       const std::vector<AutomaticThresholds>& thresholds,
-                       const SequenceQuerySettings& settings, const std::string& name) {
+                       const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                       const std::string& name) {
   Table table;
-  table.title =
-      fmt::format("{}: automatic {}", name, score_kind(settings.score).automatic_title(settings));
-  table.columns = {
-      "sequence", "c_l",        threshold_column(automatic_scale(sequences.size(), settings)),
-      "from",     "own frames", "closest other frames"};
+  table.title = fmt::format("{}: automatic t_r, safety factor {:g}", name, safety_factor);
+  table.columns = {"sequence", "c_l", "t_r (bits)", "from", "own frames", "closest other frames"};
   for (const Line& line : lines_of(sequences, thresholds)) {
     std::string value = "-";
     std::string from = "-";
     if (line.threshold) {
-      const int digits = line.threshold->scale == ThresholdScale::mean ? 3 : 2;
-      value = fmt::format("{:.{}f}", line.threshold->value, digits);
+      value = fmt::format("{:.2f}", line.threshold->value);
       from = line.threshold->is_largest ? "upper limit" : "closest windows";
     }
     table.rows.push_back({line.sequence.name, std::to_string(line.window_length), value, from,

@@ -11,15 +11,14 @@
 
 namespace vpr {
 
-/// `thresholds`: one a window length, of the database's sequences. `settings`: what they were made
-/// with.
+/// `thresholds`: one a window length, of the database's sequences.
 Json thresholds_json(std::span<const TrainSequence> sequences,
-                     const std::vector<AutomaticThresholds>& thresholds,
-                     const SequenceQuerySettings& settings, const RunInfo& run);
+                     const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                     const RunInfo& run);
 
 /// One row a window length and sequence. `name`: of the database.
 Table thresholds_table(std::span<const TrainSequence> sequences,
-                       const std::vector<AutomaticThresholds>& thresholds,
-                       const SequenceQuerySettings& settings, const std::string& name);
+                       const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                       const std::string& name);
 
 }  // namespace vpr

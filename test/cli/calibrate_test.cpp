@@ -34,10 +34,8 @@ Json query_with(const std::string& config, const test::TemporaryFolder& out) {
 
 TEST_CASE("vpr-query takes a calibration as its configuration, and has its recognitions") {
   const test::TemporaryFolder out;
-  for (const std::vector<std::string>& more : {std::vector<std::string>{},
-                                               {"--decide", "threshold"},
-                                               {"--score", "raw"},
-                                               {"--score", "raw", "--decide", "threshold"}}) {
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"--score", "raw"}, {"--method", "filter"}}) {
     std::vector<std::string> words = calibrate({"-o", out / "c.json", "--force", "--fps", "4"});
     words.insert(words.end(), more.begin(), more.end());
     const Json calibration = [&] {
@@ -50,8 +48,7 @@ TEST_CASE("vpr-query takes a calibration as its configuration, and has its recog
     CHECK(recognised["wrong"] == 0);
     const Json hits = query_with(out / "c.json", out)["counts"]["hits"];
     CHECK(hits["incorrect"] == 0);
-    CHECK(hits["correct"].get<size_t>() >= recognised["right"].get<size_t>());
-    if (calibration["settings"].contains("margin")) CHECK(hits["correct"] == recognised["right"]);
+    CHECK(hits["correct"] == recognised["right"]);
     const double windows = calibration["lengths"][chosen]["windows"];
     const Json& interval = calibration["lengths"][chosen]["false_recognitions"]["interval"];
     CHECK(calibration["in_an_hour"]["interval"][1].get<double>() ==
@@ -77,8 +74,9 @@ TEST_CASE("what can't be calibrated is said in a sentence") {
   };
   fails({"--precision", "0"}, 2, "precision must be above 0 and at most 1, found 0");
   fails({"--fps", "0"}, 2, "--fps must be above 0");
-  fails({"--method", "lsh", "--decide", "threshold", "--score", "raw"}, 2,
-        "unknown method \"lsh\"");
+  fails({"--method", "lsh", "--score", "raw"}, 2, "unknown method \"lsh\"");
+  test::write_text(out / "raw.json", R"({"c_l": 5, "t_r": -1.5})");
+  fails({"--config", out / "raw.json"}, 2, "decide nothing with --decide margin");
   test::write_text(out / "fused.json", R"({"score": "standardized", "fuse_beta": 0.2})");
   fails({"--config", out / "fused.json"}, 2, "vpr-tune calibrate has no --fuse");
   test::write_text(out / "none.csv", "query,sequence,reference,label\n0,one,0,ignore\n");
@@ -95,25 +93,6 @@ TEST_CASE("what can't be calibrated is said in a sentence") {
   const test::RunOutcome wrong =  // there is a warning, too, that few frames are labelled
       run_program("vpr-tune", calibrate({"-o", out / "c.json"}, out / "wrong.csv"));
   CHECK(wrong.exit_code == 5);
-  CHECK(wrong.err.find("no threshold") != std::string::npos);
+  CHECK(wrong.err.find("no margin") != std::string::npos);
   CHECK(!std::filesystem::exists(out / "c.json"));
-}
-
-TEST_CASE("t_r_share is for thresholds of a whole query") {
-  const test::TemporaryFolder out;
-  test::write_text(out / "share.json", R"({"t_r": 0.4, "t_r_share": 0.1, "c_l": 5})");
-  const auto query = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {world().database(), "--query", world().walk("back"),
-                                      "--config", out / "share.json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_program("vpr-query", words);
-  };
-  CHECK(query({}).exit_code == 0);
-  check_failure(query({"--t-r-scale", "bits", "--follow"}), 2, "t_r_share");
-  check_failure(run_program("vpr-tune", {"fastable", world().database(), "--query",
-                                         world().walk("back"), "--ground-truth",
-                                         world().truth("back"), "--config", out / "share.json"}),
-                2, "a sweep has no t_r_share");
-  test::write_text(out / "share.json", R"({"t_r": 0.4, "t_r_share": 1.5, "c_l": 5})");
-  check_failure(query({}), 2, "t_r_share must be from 0 to 1, found 1.5");
 }

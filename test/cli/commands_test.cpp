@@ -11,6 +11,7 @@
 #include "support.h"
 
 using namespace vpr;
+using test::check_failure;
 using test::run_program;
 using test::world;
 namespace fs = std::filesystem;
@@ -250,12 +251,19 @@ TEST_CASE("a database and a query are enough for an answer") {
   REQUIRE(run_program("vpr-train", {"fastable", "--train", world().walk("one"), "--c-l", "10", "-o",
                                     out / "one.vprdb"})
               .exit_code == 0);
-  const auto single =
-      run_program("vpr-query", {out / "one.vprdb", "--query", world().walk("back"), "--c-l", "10"});
+  const std::vector<std::string> words = {out / "one.vprdb", "--query", world().walk("back"),
+                                          "--c-l", "10"};
+  check_failure(run_program("vpr-query", words), 2,
+                "the automatic t_r needs two or more training sequences. Use --method filter, "
+                "--score standardized --decide margin, or a number, as in --t-r 0.6.");
+  auto by_margin = words;
+  by_margin.insert(by_margin.end(), {"--score", "standardized", "--decide", "margin"});
+  const auto single = run_program("vpr-query", by_margin);
   INFO(single.out << single.err);
   CHECK(single.exit_code == 0);
   CHECK(single.out.find("\none") != std::string::npos);
-  CHECK(single.out.find("Nothing is recognized") == std::string::npos);
+  check_failure(run_program("vpr-tune", {"threshold", out / "one.vprdb"}), 2,
+                "two or more training sequences");
 }
 
 TEST_CASE("where nothing or everything is recognized, no looser threshold is suggested") {

@@ -94,10 +94,10 @@ TEST_CASE("every decision and score takes imported descriptors, and cells are ve
     for (const Words& words :
          {Words{"--c-l", "5", "--t-r", "auto"}, Words{"--c-l", "5", "--t-r", "0.5"},
           Words{"--c-l", "3", "--score", "standardized", "--t-r", "-3"},
-          Words{"--c-l", "5", "--score", "standardized-offline"},
+          Words{"--c-l", "5", "--score", "standardized-offline", "--t-r", "-3"},
           Words{"--c-l", "5", "--method", "openable", "--t-r", "0.5"},
           Words{"--c-l", "5", "--method", "fastable-online", "--t-r", "0.5"},
-          Words{"--c-l", "4", "--rates", "1/2,1,2", "--t-r", "0.5", "--t-r-scale", "mean"}}) {
+          Words{"--c-l", "4", "--rates", "1/2,1,2", "--t-r", "0.5"}}) {
       Words all = words;
       const bool has_rates = words[2] == "--rates";
       if (!has_rates) all.insert(all.end(), {"--verify", "60"});
@@ -236,7 +236,7 @@ TEST_CASE("bits from files match as LDB does, by hashing too") {
                       "--t-r-scale", "bits", "--method", method, "--json"}));
     CHECK(json["totals"]["hits"] == 17);
   }
-  check_failure(query({"--c-l", "4", "--method", "lsh", "--t-r", "0.1", "--t-r-scale", "mean"}), 2,
+  check_failure(query({"--c-l", "4", "--method", "lsh", "--t-r", "3", "--t-r-scale", "bits"}), 2,
                 "lsh hashes bits");
 }
 

@@ -46,29 +46,30 @@ std::vector<std::string> lines_of(const std::string& text) {
 }  // namespace
 
 TEST_CASE("a fused query says with what it was fused") {
-  const Json json = printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--json"}));
+  const Json json =
+      printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--t-r", "-2", "--json"}));
   CHECK(json["settings"]["score"] == "standardized");
   CHECK(json["settings"]["fuse_beta"] == 0.2);
   CHECK(json["provenance"]["fused"].get<std::string>().starts_with("xxh3:"));
   CHECK(json["machine"]["paths"]["fuse"] == world().fabmap());
-  const Json alone = printed_json(query({"--score", "standardized", "--c-l", "10", "--json"}));
+  const Json alone =
+      printed_json(query({"--score", "standardized", "--c-l", "10", "--t-r", "-2", "--json"}));
   CHECK_FALSE(alone["settings"].contains("fuse_beta"));
   CHECK_FALSE(alone["provenance"].contains("fused"));
   CHECK(alone["provenance"]["query"] == json["provenance"]["query"]);
-  const Json weak = printed_json(
-      query({"--fuse", world().fabmap(), "--fuse-beta", "0", "--c-l", "10", "--json"}));
+  const Json weak = printed_json(query(
+      {"--fuse", world().fabmap(), "--fuse-beta", "0", "--c-l", "10", "--t-r", "-2", "--json"}));
   CHECK(weak["totals"] == alone["totals"]);
   CHECK(weak["clusters"] == alone["clusters"]);
 }
 
-TEST_CASE("an automatic threshold of fused scores is warned of") {
+TEST_CASE("an automatic margin of fused scores is warned of") {
   const auto said = [](std::vector<std::string> words) {
     words.insert(words.begin(), {"--fuse", world().fabmap()});
     const auto outcome = query(words);
     CHECK(outcome.exit_code == 0);
     return outcome.err.find("was made for scores that are not fused") != std::string::npos;
   };
-  CHECK(said({"--c-l", "10"}));
   CHECK(said({"--c-l", "10", "--decide", "margin"}));
   CHECK_FALSE(said({"--c-l", "10", "--t-r", "-2"}));
   CHECK_FALSE(said({"--c-l", "10", "--decide", "margin", "--margin", "1"}));
@@ -78,7 +79,8 @@ TEST_CASE("an automatic threshold of fused scores is warned of") {
 TEST_CASE("a result's settings ask for the same database again") {
   const test::TemporaryFolder folder;
   const std::string result = folder / "r.json";
-  REQUIRE(query({"--fuse", world().fabmap(), "--fuse-beta", "0.5", "--c-l", "10", "-o", result})
+  REQUIRE(query({"--fuse", world().fabmap(), "--fuse-beta", "0.5", "--c-l", "10", "--t-r", "-2",
+                 "-o", result})
               .exit_code == 0);
   check_failure(query({"--config", result}), 2, "--fuse");
   const Json json = printed_json(query({"--config", result, "--fuse", world().fabmap(), "--json"}));
@@ -112,9 +114,9 @@ TEST_CASE("what is followed says what the whole fused query says") {
 
 TEST_CASE("what can't be fused is refused with what to do") {
   check_failure(query({"--fuse", world().fabmap(), "--score", "raw"}), 2, "--score raw");
-  check_failure(query({"--fuse", database()}), 4, "fabmap");
+  check_failure(query({"--fuse", database(), "--t-r", "-2"}), 4, "fabmap");
   check_failure(run_program("vpr-query", {world().database(), "--query", world().walk("again"),
-                                          "--fuse", world().fabmap()}),
+                                          "--fuse", world().fabmap(), "--t-r", "-2"}),
                 4, "two");
   check_failure(run_program("vpr-query", {world().fabmap(), "--query", world().walk("again"),
                                           "--fuse", world().fabmap()}),

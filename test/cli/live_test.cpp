@@ -79,8 +79,8 @@ TEST_CASE("a recording followed to its end says what the whole query says, byte 
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"--c-l", "10"},
            {"--c-l", "10", "--method", "fastable-online", "--decide", "margin"},
-           {"--c-l", "5", "--t-r", "0.6", "--t-r-scale", "mean"},
-           {"--c-l", "5", "--score", "standardized"},
+           {"--c-l", "5", "--t-r", "150", "--t-r-scale", "bits"},
+           {"--c-l", "5", "--score", "standardized", "--t-r", "-1.5"},
            {"--c-l", "5", "--score", "standardized", "--decide", "margin", "--threads", "3"},
            {"--method", "filter"}}) {
     INFO(words.back());
@@ -156,7 +156,8 @@ TEST_CASE("a video is followed to its end") {
       if (i >= 2) names.push_back(fmt::format("#{}", i));
     }
   }
-  const std::vector<std::string> words = {"--c-l", "3", "--score", "standardized"};
+  const std::vector<std::string> words = {"--c-l",        "3",        "--score",
+                                          "standardized", "--decide", "margin"};
   const auto expected = offline_lines(path + "@2:12", words, names);
   std::vector<std::string> all = words;
   all.emplace_back("--follow");
@@ -173,7 +174,7 @@ TEST_CASE("what can't be followed is refused with a sentence") {
            {{"--score", "standardized-offline"}, "standardized-offline"},
            {{"--rates", "1,2"}, "rates"},
            {{"--method", "lsh"}, "lsh"},
-           {{"--max-memory", "100"}, "--max-memory"},
+           {{"--decide", "margin", "--max-memory", "100"}, "--max-memory"},
            {{"--warp", "2"}, "--warp"},
            {{"--verify", "3"}, "--verify"},
            {{"-o", "r.json"}, "--output"},

@@ -115,10 +115,6 @@ TEST_CASE("margins that can't be, and settings that decide nothing, are refused 
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "65", "--score", "standardized"}),
             "from 0 to 64 deviations"));
   CHECK(has(walks().refusal({"--margin", "10"}), "--decide margin"));
-  CHECK(has(walks().refusal({"--margin-support"}), "--decide margin"));
-  for (const char* score : {"raw", "standardized"})  // c_l is 3
-    CHECK(has(walks().refusal({"--decide", "margin", "--margin-support", "--score", score}),
-              "of 20 frames or more"));
   CHECK(has(walks().refusal({"--decide", "margin", "--t-r", "0.5"}), "--decide threshold"));
   CHECK(has(walks().refusal({"--decide", "margin", "--method", "lsh"}), "lsh finds some"));
   CHECK(has(walks().refusal({"--decide", "margin", "--same-place", "one=three"}),

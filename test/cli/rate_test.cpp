@@ -170,7 +170,7 @@ TEST_CASE("Two rates are warned of, unless the method finds them") {
   const auto warned = [&](const Words& more) {
     const auto outcome =
         run_program("vpr-query", joined({database, "--query", world().walk("back"), "-o",
-                                         out / "r.json", "--force", "--c-l", "5"},
+                                         out / "r.json", "--force", "--c-l", "5", "--t-r", "0.5"},
                                         more));
     INFO(outcome.err);
     CHECK(outcome.exit_code == 0);

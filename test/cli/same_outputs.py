@@ -34,6 +34,7 @@ BUILDING = [
     "vpr-train fabmap --dataset building/dataset.json --words 100 -o places.vprdb",
     "vpr-query places.vprdb --dataset building/dataset.json --c-w 3 --save-posteriors places.npy -o places.json",
     "vpr-eval places.json --dataset building/dataset.json -o places.report.json",
+    "vpr-tune threshold building.vprdb -o thresholds.json",
     "vpr-tune fabmap places.vprdb --dataset building/dataset.json -o places.sweep.json",
 ]
 
@@ -48,15 +49,14 @@ def corridor():
                f"--save-matrix {method}.npy -o {method}.json")
         yield f"vpr-eval {method}.json {CORRIDOR_TRUTH} -o {method}.report.json"
     for score in "standardized", "standardized-offline":
-        yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --score {score} --c-l 10 "
+        yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --score {score} --t-r=-2 --c-l 10 "
                f"--save-matrix {score}.npy -o {score}.json")
         yield (f"vpr-eval {score}.json {CORRIDOR_TRUTH} --html {score}.html --query {CORRIDOR}/query "
                f"--train {CORRIDOR}/ref -o {score}.report.json")
         yield f"vpr-eval --scores {score}.npy --distance --rows-are-windows-of 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
         yield (f"vpr-tune fastable raw.vprdb --query {CORRIDOR}/query {CORRIDOR_TRUTH} --score {score} "
                f"--save-config {score}.best.json -o {score}.sweep.json")
-    yield f"vpr-query colour.vprdb --query {CORRIDOR}/query --c-l 20 -o colour.json"
-    yield f"vpr-tune threshold raw.vprdb -o thresholds.json"
+    yield f"vpr-query colour.vprdb --query {CORRIDOR}/query --c-l 20 --t-r 0.65 -o colour.json"
 
 
 def loop():

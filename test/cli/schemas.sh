@@ -10,15 +10,14 @@ trap 'rm -rf "$out"' EXIT
   --save-matrix "$out/d.npy" -o "$out/r.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --t-r 0.3 --only-sequence corridor \
   -o "$out/r2.json" --quiet
-"$bin/vpr-train" fastable --train "$out/building/corridor" -o "$out/one.vprdb" --quiet  # t_r of the mean
-"$bin/vpr-query" "$out/one.vprdb" --query "$out/building/upstairs" -o "$out/r6.json" --quiet
+"$bin/vpr-train" fastable --train "$out/building/corridor" -o "$out/one.vprdb" --quiet  # no automatic t_r
+"$bin/vpr-query" "$out/one.vprdb" --query "$out/building/upstairs" --decide margin -o "$out/r6.json" --quiet
 "$bin/vpr-eval" "$out/r6.json" --ground-truth aligned -o "$out/e6.json" --quiet
 "$bin/vpr-train" info "$out/one.vprdb" --json >"$out/i6.json"
-"$bin/vpr-tune" threshold "$out/one.vprdb" -o "$out/t6.json" --quiet
-"$bin/vpr-tune" fastable "$out/one.vprdb" --query "$out/building/upstairs" --ground-truth aligned --c-l 10 --t-r auto \
-  -o "$out/s6.json" --quiet
+"$bin/vpr-tune" fastable "$out/one.vprdb" --query "$out/building/upstairs" --ground-truth aligned --c-l 10 \
+  --t-r 0.5 -o "$out/s6.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --method lsh -o "$out/r3.json" --quiet
-"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized -o "$out/r4.json" --quiet
+"$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized --t-r -2 -o "$out/r4.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/building/query" --score standardized-offline --t-r -2 --c-l 10 \
   --verify 10 -o "$out/r5.json" --quiet
 "$bin/vpr-eval" "$out/r5.json" --dataset "$out/building/dataset.json" -o "$out/e5.json" --quiet
@@ -52,7 +51,7 @@ printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >"$out/loops.csv"
 "$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --fps 8 \
   -o "$out/ca.json" --quiet
 "$bin/vpr-tune" calibrate "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 10,20 --warp stops \
-  --decide threshold --score raw -o "$out/ct.json" --quiet
+  --score raw -o "$out/ct.json" --quiet
 "$bin/vpr-query" "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --config "$out/ct.json" \
   -o "$out/rc.json" --quiet
 "$bin/vpr-tune" fabmap "$out/f.vprdb" --query "$out/building/hall@0:20" --ground-truth aligned --c-w 1,2 --t-p 0.5 \
@@ -73,9 +72,8 @@ head -n 1 "$out/live" >"$out/l1.json"
 tail -n 1 "$out/live" >"$out/l2.json"
 "$bin/vpr-query" "$out/w.vprdb" --query "$out/query.txt" --follow --c-l 5 --quiet | tail -n 1 >"$out/l3.json"
 "$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 -o "$out/t.json" --quiet
-"$bin/vpr-tune" threshold "$out/w.vprdb" --c-l 5 --score standardized -o "$out/t2.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query --c-l 5,10 \
-  --score standardized --t-r=-2,auto -o "$out/s2.json" --quiet
+  --score standardized --t-r=-2,-3 -o "$out/s2.json" --quiet
 "$bin/vpr-tune" fastable "$out/w.vprdb" --dataset "$out/building/dataset.json" --query query \
   --save-config "$out/best.json" -o "$out/s3.json" --quiet
 data=$out/building/dataset.json
@@ -96,11 +94,11 @@ data=$out/building/dataset.json
   "$out/i.json" "$out/fi.json" "$out/f.vprdb/manifest.json" "$out/fr.json" "$out/fl.json" "$out/fe.json" "$out/b.json" "$out/b2.json" "$out/b3.json" "$out/b4.json" "$out/bc.json" \
   "$out/s.json" "$out/sf.json" "$out/t.json" "$out/l1.json" "$out/l2.json" "$out/l3.json" \
   "$out/several.json" "$out/en.json" \
-  "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/t2.json" "$out/s2.json" \
+  "$out/em.json" "$out/es.json" "$out/cmp.json" "$out/r4.json" "$out/r5.json" "$out/e5.json" "$out/s2.json" \
   "$out/s3.json" "$out/best.json" \
   "$out/rw.json" "$out/ew.json" "$out/esw.json" "$out/sw.json" "$out/cmpw.json" "$out/grid.json" \
   "$out/thin.vprdb/manifest.json" "$out/ti.json" "$out/tr.json" "$out/te.json" "$out/ts.json" "$out/tc.json" \
-  "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/t6.json" "$out/s6.json"
+  "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/s6.json"
 # Settings are checked: a key that no program knows, and a value of another type.
 for wrong in '"c_ll": 10' '"c_l": "ten"' '"clustering": {"eps": 1.5}'; do
   echo "{\"schema\": \"vpr.config/1\", $wrong}" >"$out/wrong.json"

@@ -68,24 +68,6 @@ TEST_CASE("negative thresholds on the command line, and what the result says of 
             .exit_code == 0);
 }
 
-TEST_CASE("automatic thresholds and offline scores find the revisit") {
-  for (const char* score : {"standardized", "standardized-offline"}) {
-    const auto outcome = walks().query({"--score", score, "--json"});
-    REQUIRE(outcome.exit_code == 0);
-    const Json json = parse(outcome.out);
-    CHECK(json["targets"][0]["t_r_scale"] == "mean-z");
-    REQUIRE_FALSE(json["clusters"].empty());
-    const Json* best = &json["clusters"][0];
-    for (const Json& place : json["clusters"])
-      if (place["best_score"] < (*best)["best_score"]) best = &place;
-    CHECK((*best)["target"] == 1);
-    CHECK((*best)["query"]["window"] == (*best)["train"]["window"]);
-    const auto margin = walks().query({"--score", score, "--safety-margin", "0.5", "--json"});
-    CHECK(parse(margin.out)["targets"][0]["t_r"].get<double>() ==
-          Approx(json["targets"][0]["t_r"].get<double>() - 0.5));
-  }
-}
-
 TEST_CASE("scales and settings that mean nothing for a score are usage errors") {
   using Words = std::vector<std::string>;
   for (const Words& words :
@@ -95,8 +77,9 @@ TEST_CASE("scales and settings that mean nothing for a score are usage errors") 
         Words{"--t-r", "-1", "--t-r-scale", "mean-z"}, Words{"--t-r", "-1"},
         Words{"--score", "standardized", "--method", "openable", "--t-r", "-1"},
         Words{"--score", "standardized", "--method", "lsh", "--t-r", "-1"},
-        Words{"--score", "standardized", "--safety-factor", "0.9"}, Words{"--safety-margin", "0.5"},
-        Words{"--score", "standardised"}, Words{"--score", "standardized", "--max-memory", "10"}}) {
+        Words{"--score", "standardized", "--safety-factor", "0.9"},
+        Words{"--score", "standardized"}, Words{"--score", "standardised"},
+        Words{"--score", "standardized", "--max-memory", "10"}}) {
     Words all = words;
     all.emplace_back("--json");
     const auto outcome = walks().query(all);

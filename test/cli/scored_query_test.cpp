@@ -69,8 +69,7 @@ TEST_CASE("windows of a matrix of frame distances are those of the database") {
   for (const Words& words :
        {Words{"--t-r", "0.65"}, Words{"--t-r", "0.7", "--method", "openable"},
         Words{"--t-r", "150", "--t-r-scale", "bits", "--method", "fastable-online"},
-        Words{"--t-r", "0.8", "--t-r-scale", "mean"},
-        Words{"--t-r", "0.65", "--only-sequence", "two"},
+        Words{"--t-r", "0.8"}, Words{"--t-r", "0.65", "--only-sequence", "two"},
         Words{"--t-r", "0.65", "--rates", "1/2,1,2"},
         Words{"--decide", "margin", "--margin", "20", "--margin-width", "4"}}) {
     INFO(fmt::format("{}", fmt::join(words, " ")));

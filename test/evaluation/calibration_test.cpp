@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::nullopt_t kNone = std::nullopt;
 
-CalibrationSettings precision(double share) { return {share, kNone, 1, 1}; }
+CalibrationSettings precision(double share) { return {share, 1, 1, 1}; }
 
 }  // namespace
 
@@ -52,13 +52,12 @@ TEST_CASE("less precision takes the least strength that reaches it, whatever com
 
 TEST_CASE("what is missing is said") {
   const auto advice = [](std::vector<CalibrationWindow> windows, double share = 1,
-                         std::optional<int64_t> least = kNone) {
+                         int64_t least = 1) {
     const Calibration found = calibrate(windows, {share, least, 1, 1});
     CHECK(!found.strength);
     return found.advice;
   };
-  CHECK(advice({}) == CalibrationAdvice::nothing_wrong);
-  CHECK(advice({{4, kNone, kNone}}) == CalibrationAdvice::nothing_wrong);
+  CHECK(advice({}) == CalibrationAdvice::no_right_hit);
   CHECK(advice({{4, kNone, 4}}) == CalibrationAdvice::none_is_safe);
   CHECK(advice({{4, 4, kNone}}, 0.9) == CalibrationAdvice::none_is_safe);
   CHECK(advice({{kNone, 4, kNone}}) == CalibrationAdvice::no_right_hit);
@@ -82,7 +81,7 @@ TEST_CASE("false recognitions are those of thresholds from the rest of the walk,
   windows[4] = {kNone, 8, kNone};
   windows[5] = {kNone, 7, kNone};
   windows[10] = {kNone, 2, kNone};
-  const CalibrationSettings settings = {1, kNone, 2, 1};
+  const CalibrationSettings settings = {1, 1, 2, 1};
   Calibration found = calibrate(windows, settings);
   CHECK(found.strength == 9);
   CHECK(found.expected.seen == 1);

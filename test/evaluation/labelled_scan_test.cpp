@@ -19,9 +19,9 @@ GroundTruth truth_of(std::vector<std::vector<GroundTruth::Pair>> pairs, int64_t 
 }
 
 // Rows of one sequence, each given in pieces of `piece` cells.
-std::vector<LabelledWindow> scan_rows(const GroundTruth& truth, uint32_t width,
-                                      const std::vector<std::vector<uint32_t>>& rows,
-                                      size_t piece) {
+std::vector<std::optional<uint32_t>> scan_rows(const GroundTruth& truth, uint32_t width,
+                                               const std::vector<std::vector<uint32_t>>& rows,
+                                               size_t piece) {
   LabelledScan scan(truth, make_elsewhere({width}, {}), kLength, rows.size(), select_kernels());
   for (size_t query = 0; query < rows.size(); ++query)
     for (size_t first = 0; first < rows[query].size(); first += piece) {
@@ -31,21 +31,14 @@ std::vector<LabelledWindow> scan_rows(const GroundTruth& truth, uint32_t width,
   return scan.result();
 }
 
-bool are_equal(const LabelledWindow& a, const LabelledWindow& b) {
-  return a.right == b.right && a.wrong == b.wrong && a.untrained_margin == b.untrained_margin;
-}
-
 // By the definition: labels cell by cell, and every pair of cells that are far enough apart.
-LabelledWindow slow(const GroundTruth& truth, uint32_t width, size_t query,
-                    const std::vector<uint32_t>& row) {
+std::optional<uint32_t> slow(const GroundTruth& truth, uint32_t width, size_t query,
+                             const std::vector<uint32_t>& row) {
   const auto label = [&](size_t frame) { return truth.label(query + kLength - 1, 0, frame); };
-  LabelledWindow found;
+  std::optional<uint32_t> found;
   std::vector<size_t> open;  // windows away from the place
   for (size_t i = 0; i < row.size(); ++i) {
     const size_t anchor = i + kLength - 1;
-    const PlaceLabel own = label(anchor);
-    auto& least = own == PlaceLabel::same ? found.right : found.wrong;
-    if (own != PlaceLabel::ignore && (!least || row[i] < *least)) least = row[i];
     bool is_near = false;
     for (size_t f = 0; f < row.size() + kLength - 1 + width; ++f)
       if (label(f) != PlaceLabel::different && std::max(f, anchor) - std::min(f, anchor) <= width)
@@ -57,42 +50,32 @@ LabelledWindow slow(const GroundTruth& truth, uint32_t width, size_t query,
   for (const size_t i : open)
     if (row[i] < row[best]) best = i;
   for (const size_t i : open)
-    if (std::max(i, best) - std::min(i, best) > width &&
-        (!found.untrained_margin || row[i] - row[best] < *found.untrained_margin))
-      found.untrained_margin = row[i] - row[best];
+    if (std::max(i, best) - std::min(i, best) > width && (!found || row[i] - row[best] < *found))
+      found = row[i] - row[best];
   return found;
 }
 
 }  // namespace
 
-TEST_CASE("a row by its labels: right, wrong, and the margin without its place") {
+TEST_CASE("the margin of a row without its place") {
   // The window ends at query frame 2, which shows training frame 4; windows end at frames 2 to 9.
   const GroundTruth truth = truth_of({{}, {}, {{0, 4, PlaceLabel::same}}}, 0);
   const std::vector<std::vector<uint32_t>> rows = {{50, 40, 3, 9, 60, 20, 21, 70}};
   for (const size_t piece : {8, 3, 1}) {
-    const LabelledWindow found = scan_rows(truth, 1, rows, piece).front();
-    CHECK(found.right == 3u);
-    CHECK(found.wrong == 9u);  // beside the place
     // Frames 3 to 5 are out: of 50, 60, 20, 21, 70 the best is 20, and 50 and 70 are elsewhere.
-    CHECK(found.untrained_margin == 30u);
+    CHECK(scan_rows(truth, 1, rows, piece).front() == 30u);
   }
 }
 
-TEST_CASE("pairs to be ignored are neither right nor wrong, and their place is taken out, too") {
+TEST_CASE("the place of an ignored pair is taken out, too") {
   const GroundTruth truth =
       truth_of({{}, {}, {{0, 2, PlaceLabel::ignore, 1}, {0, 4, PlaceLabel::same}}}, 0);
-  const LabelledWindow found = scan_rows(truth, 0, {{1, 2, 30, 10, 17}}, 5).front();
-  CHECK(found.right == 30u);
-  CHECK(found.wrong == 10u);
-  CHECK(found.untrained_margin == 7u);
+  CHECK(scan_rows(truth, 0, {{1, 2, 30, 10, 17}}, 5).front() == 7u);
 }
 
 TEST_CASE("where all that is trained is the place, there is no margin without it") {
   const GroundTruth truth = truth_of({{}, {}, {{0, 2, PlaceLabel::same, 4}}}, 0);
-  const LabelledWindow found = scan_rows(truth, 1, {{1, 2, 3, 4, 5}}, 2).front();
-  CHECK(found.right == 1u);
-  CHECK(!found.wrong);
-  CHECK(!found.untrained_margin);
+  CHECK_FALSE(scan_rows(truth, 1, {{1, 2, 3, 4, 5}}, 2).front());
 }
 
 TEST_CASE("labelled rows are those of the definition, in any pieces") {
@@ -111,6 +94,6 @@ TEST_CASE("labelled rows are those of the definition, in any pieces") {
       for (uint32_t& score : row) score = static_cast<uint32_t>(uniform_below(engine, 50));
     const auto found = scan_rows(truth, width, rows, 1 + uniform_below(engine, 28));
     for (size_t query = 0; query < queries; ++query)
-      REQUIRE(are_equal(found[query], slow(truth, width, query, rows[query])));
+      REQUIRE(found[query] == slow(truth, width, query, rows[query]));
   }
 }

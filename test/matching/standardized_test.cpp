@@ -392,25 +392,3 @@ TEST_CASE("learning a whole query says how far it is, and stops when asked to") 
   CHECK(test::error_kind([&] { start_standardized(distances, basis, monitor); }) ==
         ErrorKind::interrupted);
 }
-
-TEST_CASE("rows of scores bring those of the last two pairs of frames") {
-  const Example example = make_example({90, 40}, 60, 11);
-  const ScoreBasis basis = make_basis(example);
-  const Cells frames = fast_cells(example, basis, 1);
-  size_t seen = 0;
-  for (const size_t length : {size_t{2}, size_t{3}, size_t{20}})
-    match_fastable(
-        scores_of(example, basis), {length, size_t{1} << 30, select_kernels()}, {},
-        [&](const ScoreRow& row) {
-          REQUIRE(row.last.size() == (length == 2 ? 0 : row.scores.size()));
-          REQUIRE(row.last_but_one.size() == row.last.size());
-          CHECK(row.window_length == (length == 2 ? 0 : length));
-          for (size_t x = 0; x < row.last.size(); ++x, ++seen) {
-            const size_t query = row.query_window + length - 1;
-            const size_t train = row.train_window + x + length - 1;
-            CHECK(row.last[x] == frames.at({query, row.sequence, train}));
-            CHECK(row.last_but_one[x] == frames.at({query - 1, row.sequence, train - 1}));
-          }
-        });
-  CHECK(seen > 0);
-}

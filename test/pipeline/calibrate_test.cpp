@@ -58,11 +58,10 @@ struct Walks {
 
 std::vector<SequenceQuerySettings> decisions() {
   std::vector<SequenceQuerySettings> all;
-  for (const Score score : {Score::raw, Score::standardized})
-    for (const Decision decision : {Decision::threshold, Decision::margin}) {
-      all.emplace_back().score = score;
-      all.back().decision = decision;
-    }
+  for (const Score score : {Score::raw, Score::standardized}) {
+    all.emplace_back().score = score;
+    all.back().decision = Decision::margin;
+  }
   return all;
 }
 
@@ -89,21 +88,6 @@ TEST_CASE("a query with the calibrated settings recognises what the calibration 
       for (const CalibratedLength& length : walk.lengths)
         CHECK(0.7 * double(length.calibration.right) <= double(chosen.right));
     }
-}
-
-TEST_CASE("of margins of scores, windows of 20 frames or more are taken where they say something") {
-  const Walks walks;
-  SequenceQuerySettings settings;
-  settings.decision = Decision::margin;
-  settings.score = Score::standardized;
-  const auto chosen_length = [&](const std::vector<uint64_t>& lengths) {
-    const CalibratedWalk walk = walks.calibrate(settings, 1, lengths);
-    return walk.chosen ? walk.lengths[*walk.chosen].settings.window_length : 0;
-  };
-  CHECK(chosen_length({5, 10, 20}) == 20);
-  CHECK(chosen_length({10, 19}) == 10);
-  settings.score = Score::raw;
-  CHECK(chosen_length({5, 10, 20}) < 20);
 }
 
 TEST_CASE("the margin is just above the largest one that is wrong, or would be without its place") {
@@ -143,7 +127,7 @@ TEST_CASE("calibrations are the same for any number of threads") {
 
 TEST_CASE("a calibration is refused where it can say nothing") {
   const Walks walks;
-  SequenceQuerySettings settings;
+  SequenceQuerySettings settings = decisions().front();
   const auto calibrate = [&](const GroundTruth& truth, double precision) {
     return calibrate_walk(walks.database, walks.query, "q", settings, {5}, precision,
                           [&](const GroundTruthScope&) { return truth; }, resources(), {});
@@ -156,6 +140,9 @@ TEST_CASE("a calibration is refused where it can say nothing") {
   settings.method = "lsh";
   CHECK_THROWS_WITH(calibrate(walks.truth(), 1), Catch::Contains("unknown method"));
   settings.method = "fastable";
+  settings.decision = Decision::threshold;
+  CHECK_THROWS_WITH(calibrate(walks.truth(), 1), Catch::Contains("chooses margins"));
+  settings.decision = Decision::margin;
   // Where the truth is of another walk, what is called right is not, and the rest comes closer.
   const CalibratedWalk walk = calibrate(walks.truth(60), 1);
   CHECK(!walk.chosen);

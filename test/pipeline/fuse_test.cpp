@@ -48,6 +48,7 @@ SequenceQuerySettings fused_settings(uint64_t length) {
   settings.score = Score::standardized;
   settings.window_length = length;
   settings.fusion_weight = 0.25;
+  settings.distance_threshold = -2;
   return settings;
 }
 
@@ -145,6 +146,7 @@ TEST_CASE("whole queries are verified, by every method, score and number of thre
   query_all(walks, other);
   other = settings;
   other.decision = Decision::margin;
+  other.distance_threshold.reset();
   CHECK(recognised_windows(query_all(walks, other)) > 10);
 }
 

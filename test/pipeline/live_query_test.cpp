@@ -110,16 +110,11 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
 
 TEST_CASE("frames that come say what the whole query says: thresholds of distances") {
   const Walks two;
-  const Walks one(1);
   SequenceQuerySettings settings;
   settings.window_length = 6;
   CHECK(check_live_query(two, settings) > 40);  // automatic: bits
-  CHECK(check_live_query(one, settings) > 20);  // automatic: of the mean
   settings.method = "fastable-online";
   settings.only_sequences = {"b"};
-  CHECK(check_live_query(two, settings) > 30);
-  settings.distance_threshold = 0.5;
-  settings.threshold_scale = ThresholdScale::mean;
   CHECK(check_live_query(two, settings) > 30);
   settings.distance_threshold = 300;
   settings.threshold_scale = ThresholdScale::bits;
@@ -135,11 +130,6 @@ TEST_CASE("frames that come say what the whole query says: margins, scores and t
   CHECK(check_live_query(walks, settings) > 40);
   settings.score = Score::standardized;
   CHECK(check_live_query(walks, settings) > 40);
-  settings.window_length = 20;
-  settings.margin_support = true;
-  CHECK(check_live_query(walks, settings) > 10);
-  settings.margin_support = false;
-  settings.window_length = 6;
   settings.only_sequences = {"a"};
   CHECK(check_live_query(walks, settings) > 5);
   settings.standardization.view_change = 0;  // every frame is a view
@@ -159,7 +149,9 @@ TEST_CASE("frames that come say what the whole query says: fused with FAB-MAP") 
   settings.fusion_weight = 0.25;
   settings.window_length = 6;
   settings.score = Score::standardized;
+  settings.distance_threshold = -2;
   CHECK(check_live_query(walks, settings) > 40);
+  settings.distance_threshold.reset();
   settings.decision = Decision::margin;
   settings.only_sequences = {"a"};
   CHECK(check_live_query(walks, settings) > 20);
@@ -177,7 +169,7 @@ TEST_CASE("what depends on later frames is not followed") {
   SequenceQuerySettings relative;
   relative.distance_threshold = 0.5;
   CHECK(refused(relative) == ErrorKind::usage);
-  relative.threshold_scale = ThresholdScale::mean;
+  relative.threshold_scale = ThresholdScale::bits;
   CHECK_FALSE(refused(relative));
   SequenceQuerySettings offline;
   offline.score = Score::standardized_offline;

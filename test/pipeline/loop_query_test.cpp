@@ -188,7 +188,7 @@ TEST_CASE("what would need later frames, or other training data, is refused") {
   all[4].rates = {"1", "2"};
   all[5].score = Score::standardized_offline;
   all[6].threshold_scale = ThresholdScale::relative;
-  all[7].threshold_scale = ThresholdScale::mean;
+  all[7].rates = {"2"};
   all[8].decision = Decision::margin;
   all[9].only_sequences = {"w"};
   all[10].same_place = {"none"};

@@ -117,64 +117,6 @@ TEST_CASE("a window length without thresholds is computed") {
       computed.result.targets[1].threshold);
 }
 
-TEST_CASE("a window that is close to the training walk itself elsewhere is no hit") {
-  std::vector<LdbCode> walk = test::walk_codes(90, 1, 120);
-  std::vector<LdbCode> query = test::walk_codes(50, 3, 120);
-  std::copy_n(walk.begin() + 10, 20, query.begin() + 15);
-  const SequenceDatabase database = make_database({walk}, 10);
-  SequenceQuerySettings settings;
-  settings.window_length = 10;
-  const Result result = query_all(database, make_query(query), settings).result;
-  REQUIRE(result.targets[0].threshold);
-  CHECK(result.targets[0].scale == ThresholdScale::mean);
-  REQUIRE_FALSE(result.hits.empty());
-  CHECK(result.best[18]->train == 13);
-  for (const Match& hit : result.hits) CHECK(std::abs(int(hit.query) - 5 - int(hit.train)) <= 10);
-  SequenceDatabase old = make_database({walk}, 10);  // of the time before such thresholds
-  old.thresholds[0].closest[0].reset();
-  CHECK(query_all(old, make_query(query), settings).result.hits == result.hits);
-}
-
-TEST_CASE("the mean scale asks how much closer a window is than it is to the whole walk") {
-  const std::vector<LdbCode> walk = test::walk_codes(90, 1, 120);
-  std::vector<LdbCode> query = test::walk_codes(50, 3, 120);
-  std::copy_n(walk.begin() + 10, 20, query.begin() + 15);
-  const SequenceDatabase database = make_database({walk}, 10);
-  SequenceQuerySettings settings;
-  settings.window_length = 10;
-  settings.distance_threshold = 0.9;
-  settings.threshold_scale = ThresholdScale::mean;
-  const auto distances = test::plain_openable(walk, query, 10);
-  std::vector<Match> expected;
-  for (uint32_t j = 0; j < 41; ++j) {
-    uint64_t sum = 0;
-    for (size_t k = 0; k < 10; ++k)
-      for (const LdbCode& frame : walk) sum += plain_hamming(query[j + k], frame);
-    for (uint32_t i = 0; i < 81; ++i)
-      if (distances[j * 81 + i] / (double(sum) / 90) < 0.9)
-        expected.push_back({j, 0, i, 0, double(distances[j * 81 + i])});
-  }
-  REQUIRE_FALSE(expected.empty());
-  for (const char* method : {"fastable", "fastable-online", "openable"}) {
-    settings.method = method;
-    CHECK(query_all(database, make_query(query), settings).result.hits == expected);
-  }
-}
-
-TEST_CASE("other light makes all distances larger, and a walk is recognised all the same") {
-  const std::vector<LdbCode> walk = test::walk_codes(90, 1, 120);
-  std::vector<LdbCode> query(walk.begin() + 10, walk.begin() + 60);
-  for (size_t i = 0; i < query.size(); ++i)
-    for (size_t byte = 0; byte < 60; ++byte) query[i][byte] = uint8_t(query[i][byte] ^ 0x6f);
-  const SequenceDatabase database = make_database({walk}, 10);
-  SequenceQuerySettings settings;
-  settings.window_length = 10;
-  const Result result = query_all(database, make_query(query), settings).result;
-  std::vector<bool> recognised(41);
-  for (const Match& hit : result.hits) recognised[hit.query] = true;
-  CHECK(std::count(recognised.begin(), recognised.end(), true) > 30);
-}
-
 TEST_CASE("training walks that look different don't make everything a hit") {
   // Frames of one building differ by some 180 bits, of two buildings by some 690.
   std::vector<std::vector<LdbCode>> walks(2);
@@ -193,6 +135,50 @@ TEST_CASE("training walks that look different don't make everything a hit") {
   const Result result = query_all(database, make_query(walks[0]), settings).result;
   CHECK(result.hits.size() == 36);  // each window its own; with the closest windows all 1296
   CHECK(*result.targets[0].threshold < 180);
+}
+
+TEST_CASE("the automatic threshold needs two training sequences, and raw distances") {
+  const DescriptorSet query = make_query(test::walk_codes(50, 3, 120));
+  const SequenceDatabase one = make_database({test::walk_codes(90, 1, 120)}, 10);
+  const SequenceDatabase two =
+      make_database({test::walk_codes(90, 1, 120), test::walk_codes(90, 2, 120)}, 10);
+  REQUIRE(one.thresholds[0].closest.size() == 1);
+  CHECK_FALSE(one.thresholds[0].closest[0]);
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  CHECK_THROWS_WITH(query_all(one, query, settings),
+                    Catch::Contains("needs two or more training sequences. Use --method filter, "
+                                    "--score standardized --decide margin, or a number"));
+  CHECK_NOTHROW(query_all(two, query, settings));
+  settings.score = Score::standardized;
+  CHECK_THROWS_WITH(query_all(two, query, settings),
+                    Catch::Contains("have no automatic t_r. Use --decide margin"));
+  settings.score = Score::raw;
+  settings.distance_threshold = 0.6;
+  CHECK_NOTHROW(query_all(one, query, settings));
+}
+
+TEST_CASE("only queries with an automatic threshold are warned that sequences show one place") {
+  std::vector<std::vector<LdbCode>> walks = {test::walk_codes(60, 1, 150),
+                                             test::walk_codes(60, 2, 150)};
+  std::copy_n(walks[0].begin() + 20, 15, walks[1].begin() + 40);
+  const SequenceDatabase database = make_database(walks, 10);
+  std::vector<std::string> said;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
+  const DescriptorSet query = make_query(test::walk_codes(50, 3, 150));
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  query_all(database, query, settings, monitor);
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].find("a and b seem to show the same place") == 0);
+  said.clear();
+  settings.decision = Decision::margin;
+  query_all(database, query, settings, monitor);
+  settings.decision = Decision::threshold;
+  settings.distance_threshold = 0.5;
+  query_all(database, query, settings, monitor);
+  CHECK(said.empty());
 }
 
 TEST_CASE("long walks are left to the queries that ask") {
@@ -241,7 +227,7 @@ TEST_CASE("settings that can't be meant are usage errors that say what to do") {
     return test::error_kind([&] { query_all(one, query, settings); });
   };
   CHECK_FALSE(kind([](auto&) {}).has_value());
-  CHECK_FALSE(kind([](auto& s) { s.distance_threshold.reset(); }));
+  CHECK(kind([](auto& s) { s.distance_threshold.reset(); }) == ErrorKind::usage);
   CHECK_FALSE(kind([](auto& s) { s.distance_threshold = 1; }));
   CHECK(kind([](auto& s) { s.distance_threshold = 1.01; }) == ErrorKind::usage);
   CHECK_FALSE(kind([](auto& s) {

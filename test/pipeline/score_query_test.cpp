@@ -88,49 +88,6 @@ TEST_CASE("windows of several rates are those of the definition, by distances an
   }
 }
 
-TEST_CASE("automatic thresholds of scores are those of training sequences as queries") {
-  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1), test::walk_codes(50, 2),
-                                                   test::walk_codes(4, 9)};
-  std::vector<LdbCode> query = test::walk_codes(50, 3);
-  std::copy_n(train[1].begin() + 10, 20, query.begin() + 15);
-  const SequenceDatabase database = make_database(train);
-  SequenceQuerySettings settings = scored_settings(10);
-  for (const Score score : {Score::standardized, Score::standardized_offline}) {
-    settings.score = score;
-    settings.safety_margin = 0;
-    settings.distance_threshold.reset();
-    const Result result = query_all(database, make_query(query), settings).result;
-    CHECK(result.targets[0].scale == ThresholdScale::mean_z);
-    CHECK_FALSE(result.targets[2].threshold);  // it has no window, and needs none
-    // The revisit scores far below what different places reach.
-    REQUIRE_FALSE(result.hits.empty());
-    const auto best =
-        std::min_element(result.hits.begin(), result.hits.end(),
-                         [](const Match& a, const Match& b) { return a.score < b.score; });
-    CHECK(best->target == 1);
-    CHECK(best->train + 5 == best->query);
-    settings.safety_margin = 0.25;
-    const Result stricter = query_all(database, make_query(query), settings).result;
-    CHECK(*stricter.targets[0].threshold ==
-          Approx(*result.targets[0].threshold - 0.25).margin(1e-12));
-    // The first sequence as all the training data, with the statistics that it has among the
-    // others; the second one as the query. (The third is no query: it has no window.)
-    SequenceDatabase two = make_database({train[0], train[1]});
-    SequenceDatabase alone = make_database({train[0]});
-    alone.statistics = two.statistics;
-    alone.statistics->bias.resize(60);
-    alone.statistics->variance.resize(60);
-    settings.safety_margin = 0;
-    const Result closest = query_all(two, make_query(query), settings).result;
-    settings.distance_threshold = 0;
-    const Result against = query_all(alone, make_query(train[1]), settings).result;
-    double least = 0;
-    for (const auto& match : against.best) least = std::min(least, match->score);
-    CHECK(*closest.targets[0].threshold ==
-          std::min(against.score().frame_value(least, 10), largest_score_threshold(10)));
-  }
-}
-
 TEST_CASE("rows are centred over all training frames, whichever sequences are searched") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1), test::walk_codes(50, 2),
                                                    test::walk_codes(30, 3)};
@@ -146,22 +103,6 @@ TEST_CASE("rows are centred over all training frames, whichever sequences are se
     if (hit.target == 1) expected.push_back(hit);
   CHECK(expected.size() > 46 * 9);
   CHECK(one.hits == expected);
-}
-
-TEST_CASE("scores of a single walk have an automatic threshold, too") {
-  const std::vector<LdbCode> walk = test::walk_codes(90, 1, 120);
-  std::vector<LdbCode> query = test::walk_codes(50, 3, 120);
-  std::copy_n(walk.begin() + 10, 20, query.begin() + 15);
-  const SequenceDatabase database = make_database({walk});
-  SequenceQuerySettings settings = scored_settings(10);
-  for (const Score score : {Score::standardized, Score::standardized_offline}) {
-    settings.score = score;
-    const Result result = query_all(database, make_query(query), settings).result;
-    REQUIRE(result.targets[0].threshold);
-    CHECK(*result.targets[0].threshold <= largest_score_threshold(10));
-    REQUIRE_FALSE(result.hits.empty());
-    for (const Match& hit : result.hits) CHECK(std::abs(int(hit.query) - 5 - int(hit.train)) <= 10);
-  }
 }
 
 TEST_CASE("a wrong score is found, and a right one is not") {
@@ -220,7 +161,7 @@ TEST_CASE("settings that do not fit the score are usage errors") {
     return test::error_kind([&] { query_all(database, query, settings); });
   };
   for (const Score score : {Score::standardized, Score::standardized_offline}) {
-    CHECK_FALSE(kind(score, [](auto&) {}));
+    CHECK(kind(score, [](auto& s) { s.distance_threshold.reset(); }) == ErrorKind::usage);
     CHECK_FALSE(kind(score, [](auto& s) { s.distance_threshold = -3; }));
     CHECK(kind(score, [](auto& s) { s.distance_threshold = 0.4; }) == ErrorKind::usage);
     CHECK_FALSE(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }));
@@ -231,17 +172,11 @@ TEST_CASE("settings that do not fit the score are usage errors") {
     CHECK(kind(score, [](auto& s) { s.method = "openable"; }) == ErrorKind::usage);
     CHECK(kind(score, [](auto& s) { s.method = "lsh"; }) == ErrorKind::usage);
     CHECK(kind(score, [](auto& s) { s.safety_factor = 0.9; }) == ErrorKind::usage);
-    CHECK(kind(score, [](auto& s) { s.safety_margin = NAN; }) == ErrorKind::usage);
     CHECK(kind(score, [](auto& s) { s.window_length = kMaxScoredWindow + 1; }) == ErrorKind::usage);
     CHECK(kind(score, [](auto& s) { s.standardization.lag_views = 0; }) == ErrorKind::usage);
   }
   CHECK(kind(Score::raw, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }) ==
         ErrorKind::usage);
-  CHECK(kind(Score::raw, [](auto& s) { s.safety_margin = 0.1; }) == ErrorKind::usage);
-  CHECK(kind(Score::raw, [](auto& s) {
-          s.threshold_scale = ThresholdScale::mean;
-          s.distance_threshold = 1.1;
-        }) == ErrorKind::usage);
 }
 
 TEST_CASE("a sweep of scores counts what single queries find") {
@@ -261,7 +196,7 @@ TEST_CASE("a sweep of scores counts what single queries find") {
   QueryResources resources;
   resources.kernels = select_kernels();
   SequenceQuerySettings settings = scored_settings(5);
-  const Grid grid{{5, 1, 12}, {-1.0, -4.0, std::nullopt}};
+  const Grid grid{{5, 1, 12}, {-1.0, -4.0, -2.0}};
   const auto cells =
       sweep_sequences(database, query, "q", settings, grid, truth, resources, {}).cells;
   REQUIRE(cells.size() == 9);

@@ -50,10 +50,8 @@ TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
   query.frames.unreadable = {30};
   QueryResources resources;
   resources.kernels = select_kernels();
-  for (const ThresholdScale scale :
-       {ThresholdScale::relative, ThresholdScale::bits, ThresholdScale::mean}) {
+  for (const ThresholdScale scale : {ThresholdScale::relative, ThresholdScale::bits}) {
     SequenceQuerySettings base;
-    if (scale == ThresholdScale::mean) base.only_sequences = {"a"};
     base.threshold_scale = scale;
     const Grid grid = scale == ThresholdScale::bits
                           ? Grid{{1, 20, 5}, {250, 400, 650, 0, std::nullopt}}

@@ -49,8 +49,8 @@ TEST_CASE("the closest windows are those of all against all others") {
       const test::ChosenTarget chosen(target);
       const RowKernels kernels = select_kernels();
       for (const size_t length : {1, 4, 8, 26, 41}) {
-        const auto found = find_closest_windows(spans_of(sequences), nullptr,
-                                                {length, size_t{1} << 30, kernels}, {});
+        const auto found =
+            find_closest_windows(spans_of(sequences), {length, size_t{1} << 30, kernels}, {});
         const auto expected = slow_closest(sequences, length);
         for (size_t s = 0; s < sequences.size(); ++s) {
           INFO("sequence " << s << ", c_l " << length);
@@ -78,16 +78,12 @@ TEST_CASE("where training sequences look different, a share of the typical dista
   CHECK(alone.is_largest);
 }
 
-TEST_CASE("of a single sequence the threshold is a share of the mean distance") {
-  const AutomaticThreshold found = own_threshold(ClosestWindows{800, 0, 0, 9}, 400, 4, 0.5);
-  CHECK(found.scale == ThresholdScale::mean);
-  CHECK(found.value == Approx(0.25));
-  CHECK_FALSE(found.is_largest);
-  const AutomaticThreshold far = own_threshold(ClosestWindows{1200, 0, 0, 9}, 400, 4, 1);
-  CHECK(far.value == Approx(1 - 0.8 / 2));
-  CHECK(far.is_largest);
-  CHECK(own_threshold(std::nullopt, 400, 16, 1).value == Approx(0.8));
-  CHECK(own_threshold(ClosestWindows{0, 0, 0, 9}, 0, 16, 1).value == Approx(0.8));
+TEST_CASE("a single sequence has no closest windows of another one") {
+  const Sequences one = {test::walk_codes(30, 1)};
+  const auto found =
+      find_closest_windows(spans_of(one), {4, size_t{1} << 30, select_kernels()}, {});
+  REQUIRE(found.size() == 1);
+  CHECK_FALSE(found[0]);
 }
 
 TEST_CASE("the typical distance is that of frames of one sequence that are no neighbours") {

@@ -46,8 +46,7 @@ TEST_CASE("files hold the settings of the decision in force") {
   settings.margin_width = 3;
   settings.same_place = {"a=b"};
   const Json margin = settings_in_force(settings);
-  for (const char* key : {"t_r", "t_r_scale", "safety_factor", "safety_margin"})
-    CHECK_FALSE(margin.contains(key));
+  for (const char* key : {"t_r", "t_r_scale", "safety_factor"}) CHECK_FALSE(margin.contains(key));
   CHECK(margin["decide"] == "margin");
   CHECK(margin["margin"] == 12.5);
   CHECK(margin["margin_width"] == 3);
@@ -76,7 +75,7 @@ TEST_CASE("settings of the other decision are refused, as is a method that does 
   settings.distance_threshold = 0.5;
   CHECK(is_refused(settings));
   settings = by_margin();
-  settings.safety_margin = 0.5;
+  settings.safety_factor = 0.5;
   CHECK(is_refused(settings));
 }
 

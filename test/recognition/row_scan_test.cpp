@@ -50,17 +50,6 @@ HitScanSettings scan_settings(size_t max_hits = 100000) {
 
 }  // namespace
 
-TEST_CASE("a sequence may have a limit for each query window") {
-  HitScanSettings settings = scan_settings();
-  settings.window_limits = {{}, std::vector<uint32_t>(20, 1)};
-  settings.window_limits[1][4] = 9;
-  HitScan scan(settings);
-  scan({3, 0, 0, std::vector<uint32_t>{2, 3}});
-  scan({3, 1, 0, std::vector<uint32_t>{0, 1}});
-  scan({4, 1, 0, std::vector<uint32_t>{8, 9}});
-  CHECK(scan.result().hits == std::vector<Cell>{{3, 0, 0, 2}, {3, 1, 0, 0}, {4, 1, 0, 8}});
-}
-
 TEST_CASE("hits are the cells strictly below their sequence's limit, best ties go to the first") {
   HitScan scan(scan_settings());
   scan({0, 0, 10, std::vector<uint32_t>{5, 2, 3}});

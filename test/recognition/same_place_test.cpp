@@ -28,8 +28,7 @@ std::string warning_of(const std::vector<std::vector<LdbCode>>& walks, size_t le
         named(std::string(1, static_cast<char>('a' + sequences.size())), walk.size()));
   }
   const ThresholdTable table{
-      length, 1,
-      find_closest_windows(spans, nullptr, {length, size_t{1} << 30, select_kernels()}, {})};
+      length, 1, find_closest_windows(spans, {length, size_t{1} << 30, select_kernels()}, {})};
   return overlap_warning(table, sequences, spans).value_or("");
 }
 
@@ -47,10 +46,6 @@ TEST_CASE("mean distances of sets of codes come from counted bits") {
   const FrameDistances within = frame_distances({&all, 1}, all);
   CHECK(mean_distance_within(within) == Approx(4 / 3.0));
   CHECK(mean_distance_within(frame_distances({&first, 1}, first)) == 0);
-  // The codes differ from all three by 3, 2 and 3 bits together.
-  CHECK(mean_window_distances(within, 2) == std::vector<double>{(3 + 2) / 3.0, (2 + 3) / 3.0});
-  CHECK(mean_window_distances(frame_distances({}, all), 3) == std::vector<double>{0});
-  CHECK(mean_window_distances(within, 4).empty());
 }
 
 TEST_CASE("a diagonal is too close for chance the sooner the longer it is") {
@@ -70,7 +65,7 @@ TEST_CASE("two walks through one place are named, with their frames") {
   CHECK(warning.find("a and b seem to show the same place, or places that look alike") == 0);
   CHECK(warning.find("a frames 20 to 29 (20.png to 29.png)") != std::string::npos);
   CHECK(warning.find("b frames 40 to 49") != std::string::npos);
-  CHECK(warning.find("train only one of them") != std::string::npos);
+  CHECK(warning.find("Train only one of them, or use --method filter") != std::string::npos);
   CHECK(warning.find("so do") == std::string::npos);  // the pair once, not each of the two
 }
 
@@ -93,13 +88,4 @@ TEST_CASE("all pairs that overlap are one warning, which names the first three")
   CHECK(warning.find("; so do e and f: e frames") != std::string::npos);
   CHECK(warning.find("g and h") == std::string::npos);
   CHECK(warning.find("; and so do 2 other pairs. If it is one place") != std::string::npos);
-}
-
-TEST_CASE("a single walk that shows a place twice is named") {
-  std::vector<LdbCode> walk = test::walk_codes(80, 1, 150);
-  CHECK(warning_of({walk}, 8).empty());
-  std::copy_n(walk.begin() + 5, 20, walk.begin() + 50);
-  const std::string warning = warning_of({walk}, 8);
-  CHECK(warning.find("a seems to show a place twice") == 0);
-  CHECK(warning.find("--train a@FIRST:LAST") != std::string::npos);
 }

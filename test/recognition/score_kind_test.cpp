@@ -55,7 +55,7 @@ TEST_CASE("files tell the settings of their own score") {
                                         "t_r_scale",       "safety_factor", "only_sequence",
                                         "skip_unreadable", "clustering",    "lsh"};
   std::vector<std::string> all = raw;
-  all.insert(all.end(), {"score", "safety_margin", "standardization"});
+  all.insert(all.end(), {"score", "standardization"});
   CHECK(keys(Score::raw) == raw);
   CHECK(keys(Score::standardized) == all);
   CHECK(keys(Score::standardized_offline) == all);
@@ -69,23 +69,6 @@ TEST_CASE("a number is on the scale of its score, unless another is given") {
   settings.threshold_scale = ThresholdScale::bits;
   CHECK(scale_of(settings) == ThresholdScale::bits);
   CHECK(test::error_kind([&] { check_score(settings); }) == ErrorKind::usage);
-}
-
-TEST_CASE("an automatic threshold is the closest windows', with what the score takes from it") {
-  SequenceQuerySettings settings;
-  settings.window_length = 100;
-  const auto typical = [] { return 500.0; };
-  const ClosestTable two = {ClosestWindows{20'000, 0, 1, 0}, ClosestWindows{30'000, 0, 0, 0}};
-  settings.safety_factor = 0.5;
-  CHECK(score_kind(Score::raw).automatic(two, 1, typical, settings).value == 150);
-  const ClosestTable one = {ClosestWindows{20'000, 0, 0, 50}};
-  const AutomaticThreshold own = score_kind(Score::raw).automatic(one, 0, typical, settings);
-  CHECK(own.scale == score_kind(Score::raw).single_scale);
-  CHECK(own.value == 0.5 * (200.0 / 500));
-  settings.safety_margin = 0.25;
-  const auto sum = static_cast<uint32_t>(100 * (kScoreBias - 2 * 1024));
-  const ClosestTable scores = {ClosestWindows{sum, 0, 1, 0}, std::nullopt};
-  CHECK(score_kind(Score::standardized).automatic(scores, 0, typical, settings).value == -2.25);
 }
 
 TEST_CASE("FAB-MAP's settings are those that a file holds, and its windows are frames") {
