@@ -15,12 +15,12 @@ namespace vpr {
 /// What a query is judged by.
 struct JudgedBy {
   std::optional<GroundTruthArgument> ground_truth;  ///< none: what is found counts as unjudged
-  std::filesystem::path poses;            ///< of the query's frames, for metres; empty: frames only
-  std::optional<Confidence> confidence;   ///< of best matches; none: what the result decided by
-  std::vector<size_t> recall_at = {};     ///< K of recall@K; none: kRecallAt
-  size_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
-  NameReader query_names = {};            ///< for a ground truth that names frames
-  std::vector<NameReader> train_names = {};  ///< the same, by training sequence
+  std::filesystem::path poses;  ///< of the query's frames, for metres; empty: frames only
+  std::optional<Confidence> confidence = {};  ///< of best matches; none: what the result decided by
+  std::vector<size_t> recall_at = {};         ///< K of recall@K; none: kRecallAt
+  size_t stretch_frames = kRouteStretch;      ///< of the recall achievement rate
+  NameReader query_names = {};                ///< for a ground truth that names frames
+  std::vector<NameReader> train_names = {};   ///< the same, by training sequence
 };
 
 /// What is known of a score matrix of another program.
