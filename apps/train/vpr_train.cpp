@@ -25,10 +25,9 @@ void add_to_sequences(Session& session, const std::string& path, const AddInputs
   const SequenceDatabase database = read_sequence_database(path);
   std::vector<std::string> taken;
   for (const TrainSequence& sequence : database.sequences) taken.push_back(sequence.name);
-  store_sequences(
-      session,
-      add_sequences(database, rated_arguments(inputs.train, session.monitor, taken),
-                    inputs.skip_unreadable, session.kernels, session.monitor));
+  store_sequences(session,
+                  add_sequences(database, rated_arguments(inputs.train, session.monitor, taken),
+                                inputs.skip_unreadable, session.kernels, session.monitor));
 }
 
 void add_to_fabmap(Session& session, const std::string& path, const AddInputs& inputs) {
@@ -73,9 +72,8 @@ void add_fastable_command(Program& program, FastableCommand& given) {
       "  vpr-train fastable --train monday.mp4 --fps 5 -o monday.vprdb",
       [&](Session& session) {
         claim_database(session);
-        store_sequences(
-            session, train_sequences(rated_arguments(given.inputs, session.monitor), given.settings,
-                                     session.kernels, session.monitor));
+        store_sequences(session, train_sequences(rated_arguments(given.inputs, session.monitor),
+                                                 given.settings, session.kernels, session.monitor));
       });
   program.add_config(fastable, given.settings);
   add_inputs(fastable, given.inputs);

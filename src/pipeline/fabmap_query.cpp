@@ -173,8 +173,7 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
     std::vector<double> new_place(count);
     parallel_for(count, monitor, [&](size_t i) {
       const size_t frame = begin + i;
-      views[i] =
-          matcher.views(query.frames[frame], known_views(searched, frames, frame, settings));
+      views[i] = matcher.views(query.frames[frame], known_views(searched, frames, frame, settings));
       new_place[i] = matcher.new_place(query.frames[frame]);
       counter.add();
     });

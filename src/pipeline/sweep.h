@@ -27,7 +27,6 @@ Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& que
 /// range, an automatic threshold, and the loop mode.
 Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                    const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
-                   const TruthReader& read_truth, uint64_t seed,
-                   const Monitor& monitor);
+                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor);
 
 }  // namespace vpr

@@ -68,8 +68,7 @@ Grid grid_of(std::span<const CellCounts> cells) {
 
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Monitor& monitor,
-                  const UntrainedWindows& untrained_of) {
+                  uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of) {
   Sweep sweep;
   sweep.query_name = shape.query_name;
   sweep.replay = shape.replay;

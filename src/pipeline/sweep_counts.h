@@ -31,8 +31,7 @@ using UntrainedWindows = std::function<std::optional<uint64_t>(size_t cell)>;
 /// counts and the choice.
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
-                  uint64_t seed, const Monitor& monitor,
-                  const UntrainedWindows& untrained_of = {});
+                  uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of = {});
 
 /// 95 % intervals of the hits and clusters of a result, by the block bootstrap over query windows:
 /// blocks of c_l windows, for neighbours share most of their frames, or of c_w frames, but at least

@@ -116,7 +116,8 @@ TEST_CASE("--loops says what it needs, and refuses bad lists with file and line"
     refused({"--radius", "1", "--gap", "3", "--similarity", flag, value}, 2,
             "by its trajectory alone");
   refused({"--radius", "1", "--gap", "3", "--similarity", "--update"}, 2, "trajectory alone");
-  refused({"--radius", "1", "--gap", "3", "--similarity", "--rows-are-windows-of", "3"}, 2, "with --scores");
+  refused({"--radius", "1", "--gap", "3", "--similarity", "--rows-are-windows-of", "3"}, 2,
+          "with --scores");
   for (const char* number : {"nan", "inf", "-1"}) {
     refused({"--radius", number, "--gap", "3", "--similarity"}, 2, "0 or more");
     refused({"--radius", "1", "--gap", "3", "--similarity", "--max-difference", number}, 2,

@@ -138,8 +138,7 @@ TEST_CASE("standardized scores are written as they are, may be negative, and are
 TEST_CASE("settings of raw distances do not tell of standardized scores") {
   const Json raw = settings_in_force(SequenceQuerySettings{});
   CHECK(raw["t_r_scale"] == "relative");
-  for (const char* key : {"score", "standardization"})
-    CHECK_FALSE(raw.contains(key));
+  for (const char* key : {"score", "standardization"}) CHECK_FALSE(raw.contains(key));
   SequenceQuerySettings settings;
   settings.score = Score::standardized_offline;
   CHECK(settings_in_force(settings)["score"] == "standardized-offline");
