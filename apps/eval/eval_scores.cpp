@@ -132,7 +132,8 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
   if (!has_scores && !has_result) refuse_format(inputs.matrix, without);
   refuse(inputs.metric != DescriptorMetric::cosine && inputs.query_npy.empty(), "--metric",
          "compares descriptors; give it with --query-npy");
-  for (const auto& [is_given, flag] : {std::pair(inputs.matrix.is_similarity, "--similarity"),
+  for (const auto& [is_given, flag] : {std::pair(inputs.matrix.is_distance, "--distance"),
+                                       std::pair(inputs.matrix.is_similarity, "--similarity"),
                                        std::pair(inputs.threshold.has_value(), "--threshold"),
                                        std::pair(!inputs.warp.empty(), "--warp"),
                                        std::pair(inputs.query_frames.has_value(), "--query-frames"),

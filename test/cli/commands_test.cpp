@@ -43,7 +43,8 @@ TEST_CASE("train, query and evaluate give counts that are right") {
       run_program("vpr-query", query_words({"-o", out / "r.json", "--verify", "500"}));
   CHECK(query.exit_code == 0);
   CHECK(query.out.find("500 cells, 0 differences") != std::string::npos);
-  CHECK(query.err.empty());
+  // Corridors that look alike lower the automatic t_r.
+  CHECK(query.err.starts_with("warning: one and two seem to show the same place"));
   const auto eval = run_program(
       "vpr-eval", {out / "r.json", "--dataset", world().dataset(), "-o", out / "e.json", "--json"});
   REQUIRE(eval.exit_code == 0);

@@ -266,8 +266,8 @@ TEST_CASE("names can't steer a terminal, and an error stays one line") {
   CHECK(train.out.find("a\\x1b[31m\\x07\\x0ab") != std::string::npos);
   CHECK(is_plain(train.out));
   CHECK(is_plain(train.err));
-  const auto query = run_program(
-      "vpr-query", {out / (hostile + ".vprdb"), "--query", out / hostile, "--c-l", "2"});
+  const auto query = run_program("vpr-query", {out / (hostile + ".vprdb"), "--query", out / hostile,
+                                               "--c-l", "2", "--t-r", "0.5"});
   CHECK(query.exit_code == 0);
   CHECK(is_plain(query.out));
   CHECK(is_plain(query.err));

@@ -127,7 +127,7 @@ TEST_CASE("Scores of a replay are judged as the result is, and a sweep counts as
   test::check_failure(judge({"--warp", "stops", "--seed", "6", "--query-frames", frames}), 4,
                       "give the warp");
   test::check_failure(judge({"--warp", "stops"}), 2, "--query-frames");
-  test::check_failure(judge({"--query-frames", frames}), 2, "--warp");
+  test::check_failure(judge({"--query-frames", frames}), 4, "need a query of 64 frames");
   test::check_failure(run_program("vpr-eval", {out / "r.json", "--dataset", world().dataset(),
                                                "--warp", "2", "--query-frames", frames}),
                       2, "does not go with a result");
