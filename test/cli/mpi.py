@@ -24,8 +24,7 @@ for missing, why in ((not shutil.which("mpirun"), "mpirun is not installed"),
 folder = pathlib.Path(tempfile.mkdtemp())
 # More processes than cores, and root, are fine here.
 environment = {**os.environ, "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "TMPDIR": "/tmp",
-               "OMPI_MCA_odls_base_sigkill_timeout": "20"}
+               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "TMPDIR": "/tmp"}
 # Of programs with AddressSanitizer: Open MPI ends without giving back what its components took, which
 # it has unloaded by then, so that no suppression can name them. Without mpirun leaks are looked for.
 beside_mpi = {**environment,
