@@ -170,7 +170,8 @@ void run_lists(Session& session, const EvalInputs& inputs) {
   const ScoreLayout layout =
       result ? layout_of(*result) : layout_of(*opened.matrix, inputs.scores.window_length);
   const ScoreMatrix* matrix = opened.matrix ? &*opened.matrix : nullptr;
-  if (result == nullptr) check_rows(inputs.scores, matrix->queries(), std::nullopt);
+  if (matrix != nullptr && result == nullptr)
+    check_rows(inputs.scores, matrix->queries(), std::nullopt);
   if (matrix != nullptr) require_fit(*matrix, layout);
   const size_t count = write_pairs(session, inputs, matrix, layout, result);
   session.print_result(fmt::format("{}: {}\n", inputs.pairs.path, counted(count, "pair")),
