@@ -52,7 +52,7 @@ JudgedBy judged_by(const Session& session, const EvalInputs& inputs,
     if (by.poses.empty() && !inputs.result.empty()) by.poses = query.sequence.poses;
   }
   if (!by.ground_truth && !only_looks(session, inputs)) refuse_without_truth(inputs);
-  if (family == DatabaseFamily::sequences) add_names(by, inputs);
+  if (family == DatabaseFamily::sequences) add_names(by, inputs, query_name);
   return by;
 }
 

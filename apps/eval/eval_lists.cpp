@@ -18,9 +18,10 @@ namespace {
 
 constexpr uint64_t kMostPairs = 1'000'000;  // of a query
 
-// The sequence of the query: of --query, or of the data set; none where neither is given.
-std::optional<SequenceArgument> query_argument(const EvalInputs& inputs) {
-  const std::optional<std::string>& query = inputs.pictures.query;
+// The sequence of the query: the data set's of this name, or what --query names; none where neither
+// is given.
+std::optional<SequenceArgument> query_argument(const EvalInputs& inputs,
+                                               const std::optional<std::string>& query) {
   if (!inputs.dataset.empty())
     return select_query(read_dataset(inputs.dataset), query).sequence.sequence;
   return query ? std::optional(parse_sequence_argument(*query)) : std::nullopt;
@@ -37,7 +38,7 @@ std::vector<SequenceArgument> train_arguments(const EvalInputs& inputs) {
 }
 
 std::vector<std::string> query_names(const EvalInputs& inputs) {
-  const auto query = query_argument(inputs);
+  const auto query = query_argument(inputs, inputs.pictures.query);
   return query ? frame_names(*query) : std::vector<std::string>{};
 }
 
@@ -76,24 +77,23 @@ std::string pair_lines(const std::vector<BestPair>& pairs, const EvalInputs& inp
   return text;
 }
 
-NameReader reader_of(const SequenceArgument& argument) {
-  return [argument] { return frame_names(argument); };
-}
-
 }  // namespace
 
 std::optional<size_t> query_frames(const EvalInputs& inputs) {
-  const auto query = query_argument(inputs);
+  const auto query = query_argument(inputs, inputs.pictures.query);
   if (!query) return std::nullopt;
   const Sequence sequence = open_sequence(*query);
   return sequence.kind == SequenceKind::images ? std::optional(sequence.files.size())
                                                : std::nullopt;
 }
 
-void add_names(JudgedBy& by, const EvalInputs& inputs) {
-  if (const auto query = query_argument(inputs)) by.query_names = reader_of(*query);
+void add_names(JudgedBy& by, const EvalInputs& inputs,
+               const std::optional<std::string>& query_name) {
+  const auto& query = inputs.dataset.empty() ? inputs.pictures.query : query_name;
+  if (!inputs.dataset.empty() || query)
+    by.query_names = [inputs, query] { return frame_names(*query_argument(inputs, query)); };
   for (const SequenceArgument& argument : train_arguments(inputs))
-    by.train_names.push_back(reader_of(argument));
+    by.train_names.emplace_back([argument] { return frame_names(argument); });
 }
 
 void add_list_options(const Command& app, EvalInputs& inputs) {

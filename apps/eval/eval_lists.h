@@ -29,8 +29,10 @@ void check_lists(const Session& session, const EvalInputs& inputs);
 /// sequence of images. Throws as open_sequence does.
 std::optional<size_t> query_frames(const EvalInputs& inputs);
 
-/// How a ground truth may name frames: as --query and --train or the data set do.
-void add_names(JudgedBy& by, const EvalInputs& inputs);
+/// How a ground truth may name frames: as --query and --train do, or the data set, whose query is
+/// the one of this name. It is looked for when a name is needed.
+void add_names(JudgedBy& by, const EvalInputs& inputs,
+               const std::optional<std::string>& query_name);
 
 /// The scores of --predictions. Throws as prediction_scores does.
 ScoreMatrix open_predictions(const EvalInputs& inputs);

@@ -211,3 +211,14 @@ TEST_CASE("sizes that an input asks for are bounded before the work") {
     }
   }
 }
+
+TEST_CASE("a result is judged by its own query of a data set with several queries") {
+  const test::TemporaryFolder out;
+  REQUIRE(run_program("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l",
+                                    "10", "--t-r", "0.3", "-o", out / "r.json"})
+              .exit_code == 0);
+  const auto counts = [&](const std::string& dataset) {
+    return printed_json(evaluate({out / "r.json", "--dataset", dataset, "--json"}))["counts"];
+  };
+  CHECK(counts(world().walk("dataset.json")) == counts(world().dataset()));
+}
