@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Computes the checksums in test/golden/*.crc anew, for a change of numbers that is meant; git diff
-# then shows which frames changed. The databases and results there are never made anew.
+# then shows which frames changed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cmake --preset ci >/dev/null

@@ -8,7 +8,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {

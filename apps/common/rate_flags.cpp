@@ -4,7 +4,7 @@
 
 #include "ground_truth/formats.h"
 #include "ground_truth/sequence_rate.h"
-#include "images/thinning.h"
+#include "images/selection.h"
 
 namespace vpr {
 

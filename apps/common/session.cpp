@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "progress.h"
 
 namespace vpr {

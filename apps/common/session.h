@@ -8,7 +8,7 @@
 #include "base/monitor.h"
 #include "base/output.h"
 #include "base/share.h"
-#include "images/codec_scope.h"
+#include "images/decode.h"
 #include "matching/row_kernels.h"
 #include "report/run_info.h"
 

@@ -1,7 +1,7 @@
 #include "warp_flag.h"
 
 #include "base/named_table.h"
-#include "images/warp.h"
+#include "images/selection.h"
 
 namespace vpr {
 

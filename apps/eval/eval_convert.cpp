@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "ground_truth/check.h"
 #include "ground_truth/formats.h"
 #include "report/ground_truth_report.h"

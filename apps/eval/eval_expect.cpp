@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "report/junit.h"
 
 namespace vpr {
@@ -33,12 +33,13 @@ Json read_expected(const Session& session, const ExpectInputs& inputs) {
   }
   if (!inputs.junit.empty()) session.outputs.claim_file(inputs.junit);
   std::error_code error;
-  const bool is_new = inputs.update && !std::filesystem::exists(inputs.expected, error);
+  const bool exists = std::filesystem::exists(inputs.expected, error);
+  const bool is_new = inputs.update && !exists;
   if (inputs.update) {
     if (!is_new) session.outputs.extend(inputs.expected);
     session.outputs.claim_file(inputs.expected);
   }
-  if (!inputs.update && !std::filesystem::exists(inputs.expected, error))
+  if (!inputs.update && !exists)
     throw Error(ErrorKind::input, fmt::format("{}: no such file. With --update it is made from "
                                               "this report",
                                               inputs.expected));

@@ -6,12 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "base/stopwatch.h"
+#include "base/text.h"
 #include "eval_inputs.h"
-#include "images/natural_order.h"
 #include "report/grid_page.h"
 #include "report/several_reports.h"
 

@@ -1,14 +1,15 @@
 #include "eval_inputs.h"
 
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "database/sequence_database.h"
-#include "images/frame_names.h"
-#include "images/sequence_names.h"
+#include "images/sequence.h"
+#include "images/sequence_argument.h"
 #include "report/evaluation_report.h"
 #include "report/result_file.h"
 #include "report/scores_report.h"
@@ -96,9 +97,12 @@ void add_recorded_names(JudgedBy& by, const StoredResult& stored) {
     by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
   const std::string database = path_of("database");
   if (!by.train_names.empty() || database.empty()) return;
+  const auto trained = std::make_shared<std::vector<TrainSequence>>();  // read once, if at all
   for (size_t s = 0; s < stored.result.targets.size(); ++s)
-    by.train_names.emplace_back(
-        [database, s] { return read_sequence_database(database).sequences.at(s).frame_names; });
+    by.train_names.emplace_back([database, trained, s] {
+      if (trained->empty()) *trained = read_sequence_database(database).sequences;
+      return trained->at(s).frame_names;
+    });
 }
 
 void evaluate_stored(Session& session, const EvalInputs& inputs, OpenedScores opened,

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "eval_inputs.h"
 #include "evaluation/best_pairs.h"
 #include "evaluation/prediction_lists.h"

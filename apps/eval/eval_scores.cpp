@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "common/warp_flag.h"
 #include "evaluation/descriptor_scores.h"
 #include "evaluation/metrics.h"

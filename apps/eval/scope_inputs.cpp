@@ -6,10 +6,9 @@
 #include "base/error.h"
 #include "descriptors/array_rows.h"
 #include "evaluation/counts.h"
-#include "images/frame_names.h"
 #include "images/frames.h"
 #include "images/sequence.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 #include "report/result_file.h"
 
 namespace vpr {

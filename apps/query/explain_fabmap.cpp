@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "images/sequence.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 #include "report/explanation_report.h"
 #include "report/png_file.h"
 #include "report/result_file.h"

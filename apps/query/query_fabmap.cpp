@@ -3,14 +3,14 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "base/stopwatch.h"
+#include "base/text.h"
 #include "database/openfabmap.h"
 #include "explain_fabmap.h"
 #include "images/sequence.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
 #include "query_loop.h"
@@ -160,7 +160,10 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
       text += fmt::format("Drawn in {}\n", explanation_picture_path(options.output).string());
     }
   }
-  if (posteriors) context.files["posteriors"] = posteriors->entry(session.monitor);
+  if (posteriors) {
+    context.files["posteriors"] = posteriors->entry(session.monitor);
+    context.checksums[inputs.posteriors] = context.files["posteriors"]["checksum"];
+  }
   write_loops(inputs, run.result, session);
   session.print_result(text, keep_result(session, run.result, context));
 }

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "base/text.h"
 #include "ground_truth/thinned_source.h"
 #include "images/live_source.h"
 #include "matching/methods.h"

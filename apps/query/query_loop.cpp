@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "evaluation/result_loops.h"
 #include "ground_truth/times.h"
 #include "images/sequence.h"

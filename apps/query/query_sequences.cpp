@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "base/checksum.h"
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "base/stopwatch.h"
+#include "base/text.h"
 #include "evaluation/counts.h"
 #include "images/sequence.h"
 #include "matching/lsh.h"

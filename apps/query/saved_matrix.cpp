@@ -51,6 +51,7 @@ void finish_matrix(const SavedMatrix& saved, const std::string& path, const Resu
   if (saved.file) {
     context.matrix = matrix_layout_json(layout_of(result));
     context.files["matrix"] = saved.file->entry(session.monitor);
+    context.checksums[path] = context.files["matrix"]["checksum"];
   }
   if (saved.pixels)
     session.outputs.file(path).write(chart_png(

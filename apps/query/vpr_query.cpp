@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "database/family.h"
-#include "images/warp.h"
+#include "images/selection.h"
 #include "matching/fabmap.h"
 #include "matching/lsh.h"
 #include "matching/methods.h"

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "common/command.h"
 #include "synth/recording.h"
 

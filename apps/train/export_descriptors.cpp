@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "base/npy.h"
+#include "base/text.h"
 #include "pipeline/train.h"
 #include "report/database_report.h"
 #include "train_inputs.h"

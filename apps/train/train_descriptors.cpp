@@ -3,15 +3,13 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "base/utf8.h"
 #include "descriptors/array_rows.h"
 #include "descriptors/imported.h"
 #include "images/sequence.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 #include "train_inputs.h"
 
 namespace vpr {

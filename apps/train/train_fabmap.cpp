@@ -5,7 +5,7 @@
 #include "base/json.h"
 #include "database/openfabmap.h"
 #include "ground_truth/dataset.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 #include "pipeline/fabmap_train.h"
 #include "report/database_report.h"
 #include "train_inputs.h"

@@ -5,7 +5,7 @@
 #include "database/archive.h"
 #include "ground_truth/dataset.h"
 #include "images/sequence.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 #include "report/database_report.h"
 
 namespace vpr {

@@ -73,7 +73,7 @@ void export_descriptors(const Session& session, const std::string& path, const s
 void print_database(const Session& session, const SequenceDatabase& database,
                     const std::string& path, const std::string& more);
 
-/// Writes a database of sequences, and prints what it holds; of several processes, the first does.
+/// Writes a database of sequences, and prints what it holds.
 void store_sequences(const Session& session, const SequenceDatabase& database);
 
 /// The command `fabmap`; `command` must live as long as the program.
@@ -88,7 +88,7 @@ std::vector<GroupArgument> group_arguments(const TrainInputs& train,
 /// --place, into `places`.
 void add_place_option(const Command& command, std::vector<std::string>& places);
 
-/// Writes a FAB-MAP database, and prints what it holds; of several processes, the first does.
+/// Writes a FAB-MAP database, and prints what it holds.
 void store_fabmap(const Session& session, const FabmapDatabase& database);
 
 }  // namespace vpr

@@ -32,7 +32,7 @@ CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const S
   warn_of_rates(database, query.frames.fps, settings, monitor);
   return calibrate_walk(database, query, source.sequence.name, settings,
                         calibrated_lengths(command.windows, database, query), precision,
-                        reader_of(source, command.inputs.database, monitor), resources, monitor);
+                        reader_of(source, &database, monitor), resources, monitor);
 }
 
 void tune_calibrate(Session& session, const CalibrateTune& command) {

@@ -22,7 +22,7 @@ void tune_fabmap(Session& session, const FabmapTune& command) {
                         grid != nullptr ? *grid : fabmap_grid(inputs.grid), reader,
                         session.options.seed, monitor);
   };
-  const std::vector<Sweep> sweeps = sweep_all(sources, inputs.database, sweep, monitor);
+  const std::vector<Sweep> sweeps = sweep_all(sources, nullptr, sweep, monitor);
   present(session, inputs, DatabaseFamily::fabmap, command.settings, sweeps, watch.elapsed_s());
 }
 

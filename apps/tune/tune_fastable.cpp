@@ -34,13 +34,13 @@ void tune_fastable(Session& session, const FastableTune& command) {
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,
         resources, monitor);
-    if (!found.recommendation.cell && session.share.is_first()) {
+    if (!found.recommendation.cell) {
       ensure_statistics(database, monitor);
       warn(monitor, filter_finding(database, query, settings, resources, monitor));
     }
     return found;
   };
-  const std::vector<Sweep> sweeps = sweep_all(sources, inputs.database, sweep, monitor);
+  const std::vector<Sweep> sweeps = sweep_all(sources, &database, sweep, monitor);
   present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
 }
 

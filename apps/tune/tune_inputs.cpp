@@ -8,8 +8,8 @@
 #include "base/error.h"
 #include "common/warp_flag.h"
 #include "database/sequence_database.h"
-#include "images/frame_names.h"
-#include "images/sequence_names.h"
+#include "images/sequence.h"
+#include "images/sequence_argument.h"
 
 namespace vpr {
 
@@ -77,14 +77,13 @@ std::optional<Source> find_validation(const TuneInputs& inputs, DatabaseFamily f
 
 }  // namespace
 
-TruthReader reader_of(const Source& source, const std::string& database, const Monitor& monitor) {
+TruthReader reader_of(const Source& source, const SequenceDatabase* database,
+                      const Monitor& monitor) {
   return [&, database](GroundTruthScope scope) {
     scope.query_names = [&] { return frame_names(source.sequence.sequence); };
-    if (database_family(database) == DatabaseFamily::sequences)
+    if (database != nullptr)
       for (size_t s = 0; s < scope.sequences.size(); ++s)
-        scope.sequences[s].names = [&database, s] {
-          return read_sequence_database(database).sequences[s].frame_names;
-        };
+        scope.sequences[s].names = [database, s] { return database->sequences[s].frame_names; };
     return read_ground_truth(source.ground_truth, scope, monitor);
   };
 }
@@ -102,7 +101,7 @@ Sources find_sources(const TuneInputs& inputs, DatabaseFamily family, const Moni
   return sources;
 }
 
-std::vector<Sweep> sweep_all(const Sources& sources, const std::string& database,
+std::vector<Sweep> sweep_all(const Sources& sources, const SequenceDatabase* database,
                              const SweepQuery& sweep, const Monitor& monitor) {
   std::vector<Sweep> sweeps;
   std::optional<Grid> grid;

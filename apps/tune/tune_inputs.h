@@ -62,8 +62,8 @@ using SweepQuery =
     std::function<Sweep(const Source& source, const Grid* grid, const TruthReader& reader)>;
 
 /// Sweeps query after query, all over the grid of the first, and the recommended cell of each on
-/// the validation.
-std::vector<Sweep> sweep_all(const Sources& sources, const std::string& database,
+/// the validation. `database`: as reader_of.
+std::vector<Sweep> sweep_all(const Sources& sources, const SequenceDatabase* database,
                              const SweepQuery& sweep, const Monitor& monitor);
 
 /// Writes pictures, plots, configuration and JSON, and prints the tables. `base`: settings of which
@@ -99,9 +99,10 @@ struct CalibrateTune {
 };
 void add_calibrate(Program& program, CalibrateTune& tune);
 
-/// Reads the ground truth of a source, which may name frames as `database` and the query do. Source
-/// and monitor must outlive the reader.
-TruthReader reader_of(const Source& source, const std::string& database, const Monitor& monitor);
+/// Reads the ground truth of a source, which may name frames as the query and `database` do; null:
+/// FAB-MAP's, whose places have no such names. All arguments must outlive the reader.
+TruthReader reader_of(const Source& source, const SequenceDatabase* database,
+                      const Monitor& monitor);
 
 /// vpr-tune threshold; `tune` must live as long as the program.
 struct ThresholdTune {

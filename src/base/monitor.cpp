@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/error.h"
 
 namespace vpr {
@@ -22,6 +24,17 @@ void StepCounter::add(size_t units) {
   check_stop(monitor_);
   const size_t done = done_.fetch_add(units, std::memory_order_relaxed) + units;
   if (monitor_.progress) monitor_.progress(step_, done, total_);
+}
+
+Monitor part_of(const Monitor& monitor, const std::string& name, size_t index, size_t count) {
+  Monitor part = monitor;
+  if (!monitor.progress || count == 0) return part;
+  const std::string label = count > 1 ? fmt::format("{} {}/{}", name, index + 1, count) : name;
+  part.progress = [report = monitor.progress, label, index, count](const std::string& step,
+                                                                   size_t done, size_t total) {
+    report(fmt::format("{} {}", step, label), index * total + done, count * total);
+  };
+  return part;
 }
 
 }  // namespace vpr

@@ -32,6 +32,8 @@ constexpr size_t kMostFlushed = 256;  // files one by one; of more, the whole fi
                                              system_error_text(error_number)));
 }
 
+constexpr std::string_view kExists = "exists already; give --force to replace it, or another name";
+
 [[noreturn]] void refuse(const fs::path& path, std::string_view why) {
   throw Error(ErrorKind::usage, fmt::format("{}: {}", path.string(), why));
 }
@@ -141,8 +143,7 @@ void rename_new(const fs::path& from, const fs::path& to) {
     errno = EEXIST;
     if (!has_entry(to)) result = ::rename(from.c_str(), to.c_str());
   }
-  if (result != 0 && errno == EEXIST)
-    refuse(to, "exists already; give --force to replace it, or another name");
+  if (result != 0 && errno == EEXIST) refuse(to, kExists);
   if (result != 0) fail_to_write(to, errno);
 }
 
@@ -277,8 +278,7 @@ void Output::check() const {
   if (!is_folder() && fs::is_directory(fs::status(target_, error)))
     refuse(target_, "is a folder, but the output is a file; give a file name");
   if (!fs::exists(status)) return;
-  if (existing_ == Existing::refuse)
-    refuse(target_, "exists already; give --force to replace it, or another name");
+  if (existing_ == Existing::refuse) refuse(target_, kExists);
   if (!is_folder() && !fs::is_regular_file(status))
     refuse(target_, "is not replaced, because it is not a regular file");
   if (is_folder() &&

@@ -6,8 +6,6 @@
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include "base/thread_order.h"
-
 namespace vpr {
 
 void parallel_for(size_t count, const Monitor& monitor, const std::function<void(size_t)>& body) {

@@ -1,9 +1,58 @@
 #include "base/text.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
 
+#include <fmt/format.h>
+
+#include "base/json.h"
+
 namespace vpr {
+
+namespace {
+
+std::string shown(std::string_view text, bool keeps_line_feeds) {
+  const bool is_text = is_utf8(std::string(text));
+  const auto byte_at = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
+  std::string result;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const uint8_t byte = byte_at(i);
+    // U+0080 to U+009F are the bytes c2 80 to c2 9f.
+    const bool is_first_of_c1 = byte == 0xc2 && i + 1 < text.size() && byte_at(i + 1) < 0xa0;
+    const bool is_last_of_c1 = byte >= 0x80 && byte < 0xa0 && i > 0 && byte_at(i - 1) == 0xc2;
+    const bool is_control = byte < 0x20 || byte == 0x7f || is_first_of_c1 || is_last_of_c1;
+    const bool stays = byte == '\n' ? keeps_line_feeds : !is_control && (byte < 0x80 || is_text);
+    result += stays ? std::string(1, text[i]) : fmt::format("\\x{:02x}", byte);
+  }
+  return result;
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Cuts the digits at the front of `text` off; of any length, so no number type is involved.
+std::string_view take_digits(std::string_view& text) {
+  const auto end = std::find_if_not(text.begin(), text.end(), is_digit);
+  const std::string_view digits(text.data(), static_cast<size_t>(end - text.begin()));
+  text.remove_prefix(digits.size());
+  return digits;
+}
+
+std::string_view without_leading_zeros(std::string_view digits) {
+  digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
+  return digits;
+}
+
+// Negative, 0 or positive. std::string_view compares as unsigned bytes.
+int compare_values(std::string_view a, std::string_view b) {
+  a = without_leading_zeros(a);
+  b = without_leading_zeros(b);
+  if (a.size() != b.size()) return a.size() < b.size() ? -1 : 1;
+  return a.compare(b);
+}
+
+}  // namespace
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
@@ -70,6 +119,53 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
                            [&](const std::string& a, const std::string& b) {
                              return edit_distance(word, a) < edit_distance(word, b);
                            });
+}
+
+bool is_utf8(const std::string& text) {
+  try {
+    (void)Json(text).dump();
+    return true;
+  } catch (const Json::type_error&) {
+    return false;
+  }
+}
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
+std::string printable(std::string_view text) { return shown(text, true); }
+
+std::string printable_line(std::string_view text) { return shown(text, false); }
+
+std::string counted(uint64_t count, std::string_view noun, std::string_view plural) {
+  if (count == 1) return fmt::format("1 {}", noun);
+  return plural.empty() ? fmt::format("{} {}s", count, noun) : fmt::format("{} {}", count, plural);
+}
+
+bool natural_less(std::string_view a, std::string_view b) {
+  bool fewer_zeros = false;
+  bool decided = false;
+  while (!a.empty() && !b.empty()) {
+    if (is_digit(a.front()) && is_digit(b.front())) {
+      const std::string_view number_a = take_digits(a);
+      const std::string_view number_b = take_digits(b);
+      const int order = compare_values(number_a, number_b);
+      if (order != 0) return order < 0;
+      if (!decided && number_a.size() != number_b.size()) {
+        decided = true;
+        fewer_zeros = number_a.size() < number_b.size();
+      }
+    } else {
+      const int order = a.substr(0, 1).compare(b.substr(0, 1));
+      if (order != 0) return order < 0;
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  if (a.empty() && b.empty()) return fewer_zeros;
+  return a.empty();
 }
 
 }  // namespace vpr

@@ -5,12 +5,11 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/npy.h"
-#include "base/npy_numbers.h"
+#include "base/text.h"
 #include "database/tree_rows.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 
 namespace vpr {
 namespace {

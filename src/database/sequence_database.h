@@ -14,7 +14,7 @@
 #include "base/output.h"
 #include "database/train_statistics.h"
 #include "descriptors/frame_descriptors.h"
-#include "images/warp.h"
+#include "images/selection.h"
 
 namespace vpr {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/json.h"
-#include "images/thinning.h"
+#include "images/selection.h"
 
 namespace vpr {
 namespace {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/counted.h"
 #include "base/error.h"
-#include "base/npy_numbers.h"
+#include "base/npy.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {

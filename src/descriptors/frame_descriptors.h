@@ -87,8 +87,8 @@ struct DescriptorSet {
   DescriptorSpan span() const { return {rows(), frames.unreadable, given, words}; }
 };
 
-/// The set with its frames replayed by `warp` (images/warp.h); as it is where that is empty. Rows
-/// are repeated or left out, and no frame is described again. Throws as replay does.
+/// The set with its frames replayed by `warp` (images/selection.h); as it is where that is empty.
+/// Rows are repeated or left out, and no frame is described again. Throws as replay does.
 DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed);
 
 /// LDB codes as a set, and back.

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "descriptors/array_rows.h"
 #include "descriptors/frame_descriptors.h"
 

@@ -13,8 +13,6 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "base/utf8.h"
-#include "images/natural_order.h"
 
 namespace vpr {
 namespace {

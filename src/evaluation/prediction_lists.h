@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "evaluation/score_matrix.h"
-#include "images/frame_names.h"
+#include "images/sequence.h"
 
 namespace vpr {
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "ground_truth/association.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/named_rows.h"

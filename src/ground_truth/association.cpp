@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "ground_truth/times.h"
 
 namespace vpr {
@@ -50,11 +50,11 @@ std::string remedy(const Trajectory& trajectory, const AssociationRules& rules,
   std::vector<int64_t> gaps;
   for (size_t i = 1; i < trajectory.times_ns.size(); ++i)
     gaps.push_back(trajectory.times_ns[i] - trajectory.times_ns[i - 1]);
-  const int64_t half = gaps.empty() ? 0 : (median(gaps) + 1) / 2;
+  const int64_t gap = gaps.empty() ? 0 : median(std::move(gaps));
+  const int64_t half = (gap + 1) / 2;
   if (half <= rules.max_difference_ns || half < difference)
     return "If the clocks differ, use --offset";
-  return fmt::format("Poses are {} s apart: --max-difference {}?", time_text(median(gaps)),
-                     time_text(half));
+  return fmt::format("Poses are {} s apart: --max-difference {}?", time_text(gap), time_text(half));
 }
 
 std::string range_of(std::span<const int64_t> times, int64_t offset_ns) {

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/named_table.h"
 #include "base/text.h"
-#include "base/utf8.h"
 #include "ground_truth/aligned.h"
 #include "ground_truth/anchors.h"
 #include "ground_truth/gps.h"

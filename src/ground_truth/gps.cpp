@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "base/converters.h"
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"

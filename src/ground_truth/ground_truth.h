@@ -12,7 +12,7 @@
 
 #include "base/monitor.h"
 #include "ground_truth/dataset.h"
-#include "images/warp.h"
+#include "images/selection.h"
 
 namespace vpr {
 

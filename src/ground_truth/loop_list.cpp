@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "base/utf8.h"
 #include "ground_truth/file_location.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/times.h"

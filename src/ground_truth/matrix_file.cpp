@@ -7,9 +7,9 @@
 #include <fmt/ranges.h>
 
 #include "base/converters.h"
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/npy.h"
+#include "base/text.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/label_runs.h"
 #include "ground_truth/npy_stream.h"

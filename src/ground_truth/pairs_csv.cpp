@@ -5,15 +5,15 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/csv.h"
 #include "base/mapped_file.h"
+#include "base/text.h"
 #include "ground_truth/builder.h"
 #include "ground_truth/check.h"
 #include "ground_truth/label_runs.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/writing.h"
-#include "images/frame_names.h"
+#include "images/sequence.h"
 
 namespace vpr {
 namespace {

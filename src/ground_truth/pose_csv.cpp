@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
+#include "base/text.h"
 #include "ground_truth/gps.h"
 #include "ground_truth/named_rows.h"
 #include "ground_truth/numbers.h"

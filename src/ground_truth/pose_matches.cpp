@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "ground_truth/builder.h"
 
 namespace vpr {
@@ -180,8 +180,8 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
                         const std::vector<bool>& nowhere) {
   const Nearness nearness = find_nearness(builder, usual_radius_m);
   const SortedPoses sorted = sort_poses(train);
-  if (is_everything_near(query, train, nearness) &&
-      uint64_t{query.size()} * sorted.known.size() > kMostPairs)
+  if (uint64_t{query.size()} * sorted.known.size() > kMostPairs &&
+      is_everything_near(query, train, nearness))
     refuse_pairs(builder, nearness);
   uint64_t known = 0;
   uint64_t same = 0;

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/monitor.h"
+#include "base/text.h"
 #include "ground_truth/gps.h"
 #include "ground_truth/named_rows.h"
 #include "ground_truth/pose_csv.h"

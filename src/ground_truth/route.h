@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "images/warp.h"
+#include "images/selection.h"
 
 namespace vpr {
 

@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/npy.h"
+#include "base/text.h"
 #include "ground_truth/times.h"
+#include "images/selection.h"
 #include "images/sequence.h"
-#include "images/thinning.h"
 #include "images/video_reader.h"
 
 namespace vpr {

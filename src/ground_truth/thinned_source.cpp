@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "ground_truth/sequence_rate.h"
 #include "ground_truth/times.h"
-#include "images/thinning.h"
+#include "images/selection.h"
 
 namespace vpr {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "base/utf8.h"
 #include "ground_truth/numbers.h"
 #include "images/video_reader.h"
 

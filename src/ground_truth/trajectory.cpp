@@ -9,11 +9,9 @@
 #include <fmt/format.h>
 
 #include "base/converters.h"
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "base/utf8.h"
 #include "ground_truth/gps.h"
 #include "ground_truth/numbers.h"
 #include "ground_truth/pose_csv.h"

@@ -9,11 +9,10 @@
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <opencv2/core/mat.hpp>
 
-#include "base/counted.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/thread_order.h"
-#include "images/thinning.h"
+#include "base/text.h"
+#include "images/selection.h"
 #include "images/video_reader.h"
 
 namespace vpr {

@@ -8,8 +8,8 @@
 
 #include "base/monitor.h"
 #include "images/decode.h"
+#include "images/selection.h"
 #include "images/sequence.h"
-#include "images/warp.h"
 
 namespace cv {
 class Mat;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vpr {
 
@@ -46,5 +47,12 @@ std::string range_text(const FrameRange& range);
 /// What an error about a frame that is out of range says more, where the file `path` counts the
 /// frames of a whole recording: "; if the sequence is ..., as in PATH@60:111".
 std::string range_hint(const std::filesystem::path& path);
+
+/// Names for results: the folder's (list's, video's) own name, with parents added ("a/ref",
+/// "b/ref"), extensions or ranges where two are equal, or one is equal to a name that is taken.
+/// Bytes that are not UTF-8 become %XX. Throws Error(usage) when that does not tell them apart: the
+/// same frames were given twice.
+std::vector<std::string> sequence_names(const std::vector<SequenceArgument>& arguments,
+                                        const std::vector<std::string>& taken = {});
 
 }  // namespace vpr

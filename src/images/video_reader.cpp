@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "base/counted.h"
 #include "base/error.h"
-#include "images/codec_scope.h"
+#include "base/text.h"
+#include "images/decode.h"
 
 namespace vpr {
 

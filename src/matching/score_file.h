@@ -7,7 +7,6 @@
 
 #include "base/monitor.h"
 #include "base/npy.h"
-#include "base/npy_numbers.h"
 
 namespace vpr {
 

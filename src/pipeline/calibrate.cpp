@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/step_parts.h"
+#include "base/monitor.h"
 #include "evaluation/counts.h"
 #include "evaluation/labelled_scan.h"
 

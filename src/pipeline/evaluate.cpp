@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "evaluation/localisation.h"
 #include "ground_truth/route.h"
 

@@ -40,7 +40,6 @@ FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& q
 /// Recognizes every frame of the query in order. An unreadable frame and a frame without words have
 /// no best match and no hit, and break a window of c_w frames. The same for any number of threads.
 /// Throws Error(usage) for settings out of range, or a database without places unless `loop`.
-///
 FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
                        const std::string& query_name, const FabmapQuerySettings& settings,
                        uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor);

@@ -7,15 +7,15 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/checksum.h"
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/monitor.h"
 #include "base/parallel.h"
-#include "base/step_parts.h"
+#include "base/text.h"
 #include "database/kmeans.h"
 #include "database/radius_clustering.h"
 #include "images/frames.h"
+#include "images/selection.h"
 #include "images/sequence.h"
-#include "images/thinning.h"
 
 namespace vpr {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "base/monitor.h"
 #include "database/fabmap_database.h"
+#include "images/selection.h"
 #include "images/sequence.h"
-#include "images/warp.h"
 
 namespace vpr {
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "matching/components.h"
 
 namespace vpr {

@@ -19,7 +19,7 @@ SequenceDatabase own_walk(const DescriptorSet& query, const std::string& name);
 LoopGap loop_gap_of(const SequenceQuerySettings& settings);
 
 /// Throws Error(usage) for settings by which what is said of a frame would depend on later ones,
-/// for methods that do not see every window by itself, and where several processes work.
+/// and for methods that do not see every window by itself.
 void check_loop(const SequenceQuerySettings& settings);
 
 /// Throws Error(usage) for a walk against its own past, where there is a database.

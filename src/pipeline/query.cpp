@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
-#include "base/step_parts.h"
+#include "base/monitor.h"
 #include "base/stopwatch.h"
+#include "base/text.h"
 #include "matching/rates.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
@@ -83,8 +83,8 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
   std::optional<MarginScan> margins;
   if (plan.elsewhere && !method.has_paths)
     margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
-  CellScan cells(choose_cells({searched_runs(plan), distances.query_runs, plan.past},
-                              match.window_length, resources.verify_cells, resources.seed));
+  CellScan cells(choose_cells({searched_runs(plan), distances.query_runs}, match.window_length,
+                              resources.verify_cells, resources.seed));
   const auto take = [&](const ScoreRow& row) {
     const uint32_t least = resources.kernels.minimum(row.scores.data(), row.scores.size());
     scan.take(row, least);

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/counted.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "matching/rates.h"
 #include "matching/train_part.h"
 #include "pipeline/loop_query.h"

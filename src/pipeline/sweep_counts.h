@@ -27,8 +27,7 @@ using UntrainedWindows = std::function<std::optional<uint64_t>(size_t cell)>;
 
 /// Counts every cell, by window, then threshold, and chooses. `shape`: the result before anything
 /// is found; `result_of` gives a cell's, from any thread, and `untrained_of`, where there is one,
-/// CellCounts::untrained. Of several processes, the first one counts, and the others are told the
-/// counts and the choice.
+/// CellCounts::untrained.
 Sweep count_cells(const Result& shape, const Grid& grid,
                   const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
                   uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of = {});

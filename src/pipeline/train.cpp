@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/error.h"
-#include "base/step_parts.h"
+#include "base/monitor.h"
+#include "base/text.h"
 #include "descriptors/imported.h"
 #include "images/sequence.h"
 #include "matching/distance_statistics.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <unordered_set>
 
 #include "base/error.h"
@@ -67,29 +66,15 @@ std::unordered_set<uint64_t> choose_indices(uint64_t bound, uint64_t count, uint
   return chosen;
 }
 
-// The cells whose score is not the right one, with the right one.
-std::vector<Cell> wrong_sums(std::span<const Cell> cells, const Monitor& monitor,
-                             const std::function<uint32_t(const Cell& cell)>& right_score) {
-  std::vector<uint32_t> right(cells.size());
-  parallel_for(cells.size(), monitor, [&](size_t i) { right[i] = right_score(cells[i]); });
-  std::vector<Cell> wrong;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    if (cells[i].score == right[i]) continue;
-    wrong.push_back(cells[i]);
-    wrong.back().score = right[i];
-  }
-  return wrong;
-}
-
-// `right`, by cell, and the tolerance are in deviations.
+// `right`, by cell, is in deviations.
 std::vector<Cell> wrong_beyond_tolerance(std::span<const Cell> cells,
-                                         const std::vector<double>& right, size_t window_length,
-                                         double tolerance) {
+                                         const std::vector<double>& right, size_t window_length) {
+  const double tolerance = score_tolerance(window_length) * kScoreUnit;
   std::vector<Cell> wrong;
   for (size_t c = 0; c < cells.size(); ++c) {
     const double found = static_cast<double>(cells[c].score - score_offset(window_length));
     const double expected = right[c] * kScoreUnit;
-    if (std::abs(found - expected) <= tolerance * kScoreUnit) continue;
+    if (std::abs(found - expected) <= tolerance) continue;
     wrong.push_back(cells[c]);
     wrong.back().score =
         static_cast<uint32_t>(std::llround(expected) + score_offset(window_length));
@@ -120,10 +105,18 @@ std::vector<Cell> choose_cells(const CellRuns& runs, size_t window_length, size_
 std::vector<Cell> wrong_cells(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
                               const DescriptorRows& query, size_t window_length,
                               const Monitor& monitor) {
-  return wrong_sums(cells, monitor, [&](const Cell& cell) {
-    return plain_window_distance(train[cell.sequence].rows, cell.train_window, query,
-                                 cell.query_window, window_length);
+  std::vector<uint32_t> right(cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t i) {
+    right[i] = plain_window_distance(train[cells[i].sequence].rows, cells[i].train_window, query,
+                                     cells[i].query_window, window_length);
   });
+  std::vector<Cell> wrong;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].score == right[i]) continue;
+    wrong.push_back(cells[i]);
+    wrong.back().score = right[i];
+  }
+  return wrong;
 }
 
 std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const DescriptorSpan> train,
@@ -148,7 +141,7 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
                                      updates, basis)[cell.query_window + k];
     }
   });
-  return wrong_beyond_tolerance(cells, right, window_length, score_tolerance(window_length));
+  return wrong_beyond_tolerance(cells, right, window_length);
 }
 
 void check_verification(const SequenceQuerySettings& settings, bool has_matrix) {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <numeric>
 
-#include "base/step_parts.h"
+#include "base/monitor.h"
 #include "matching/fastable_batch.h"
 #include "matching/standardized_frames.h"
 #include "recognition/elsewhere.h"

@@ -5,7 +5,7 @@
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
-#include "base/step_parts.h"
+#include "base/monitor.h"
 #include "matching/fastable_batch.h"
 
 namespace vpr {

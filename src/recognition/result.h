@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "images/warp.h"
+#include "images/selection.h"
 #include "recognition/clustering.h"
 #include "recognition/margin_scan.h"
 #include "recognition/query_settings.h"

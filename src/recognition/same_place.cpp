@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/json.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {

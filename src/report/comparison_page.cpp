@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "report/chart_svg.h"
 #include "report/comparison_charts.h"
 #include "report/comparison_tables.h"

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/counted.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "evaluation/metrics.h"
 
 namespace vpr {

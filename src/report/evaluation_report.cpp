@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "ground_truth/fingerprint.h"
 #include "matching/methods.h"
 #include "report/json_fields.h"
@@ -277,7 +277,7 @@ Table report_table(const Json& report) {
 std::string recognitions_text(const Json& report) {
   if (!report.contains("recognitions")) return "";
   Table table;
-  const bool has_tracks = report["settings"].value("method", std::string()) == "filter";
+  const bool has_tracks = has_paths(report["settings"].value("method", std::string()));
   table.title =
       fmt::format("Places, judged at their {} (mixed: right there, but some hits are wrong)",
                   has_tracks ? "middle frame" : "mean");

@@ -24,8 +24,8 @@ struct GalleryItem {
 /// The worst mistakes (the most confident incorrect best matches), the best hits and the weakest
 /// correct best matches: at most `most` of each, in this order; where the ground truth is not
 /// known, the best and the weakest of all best matches. Of queries less than a window (or
-/// five frames) apart the first by score is taken; ties go to the earlier query. A query stands for
-/// one kind only.
+/// five frames) apart the first in this order is taken; ties go to the earlier query. A query
+/// stands for one kind only.
 std::vector<GalleryItem> choose_gallery(const Judgement& judgement, const GroundTruth& truth,
                                         size_t most);
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/counted.h"
+#include "base/text.h"
 #include "report/comparison_page.h"
 #include "report/html_parts.h"
 #include "report/html_text.h"

@@ -1,8 +1,8 @@
 // The tables of a report, from its JSON.
 #include <fmt/format.h>
 
-#include "base/counted.h"
 #include "base/json.h"
+#include "base/text.h"
 #include "evaluation/metrics.h"
 #include "report/metrics_report.h"
 

@@ -240,8 +240,11 @@ Json result_json(const Result& result, const ResultContext& context) {
 Json write_result(const fs::path& path, const Result& result, const ResultContext& context,
                   Outputs& outputs) {
   Json json = result_json(result, context);
-  for (const Output* file : outputs.files_beside(path))
-    json["companions"][file->path().filename().string()] = file_checksum(file->temporary());
+  for (const Output* file : outputs.files_beside(path)) {
+    const auto known = context.checksums.find(file->path());
+    json["companions"][file->path().filename().string()] =
+        known != context.checksums.end() ? known->second : file_checksum(file->temporary());
+  }
   const Companions companions{path, outputs, json["files"]};
   const MatchColumns hits = hit_columns(result);
   companions.write("hits", hits.indices, hits.columns);

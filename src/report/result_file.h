@@ -25,8 +25,10 @@ struct ResultContext {
   std::optional<size_t> verified_cells;  ///< recomputed by definition, without a difference
   std::optional<Json> matrix;            ///< layout of a saved matrix
   std::map<std::string, Json> files;     ///< of a saved matrix or posteriors: rows and checksum
-  std::optional<Json> scores;            ///< what whole numbers stand for, of a given matrix
-  std::optional<Json> explanation;       ///< of one frame, by FAB-MAP
+  std::map<std::filesystem::path, std::string> checksums =
+      {};                           ///< of outputs that were summed already
+  std::optional<Json> scores;       ///< what whole numbers stand for, of a given matrix
+  std::optional<Json> explanation;  ///< of one frame, by FAB-MAP
 };
 
 /// The arrays that a result may have beside it.

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/npy.h"
-#include "images/thinning.h"
+#include "images/selection.h"
 #include "report/result_arrays.h"
 #include "report/result_file.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "images/warp.h"
+#include "images/selection.h"
 
 namespace vpr {
 

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/csv.h"
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {

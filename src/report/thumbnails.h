@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "images/selection.h"
 #include "images/sequence.h"
-#include "images/warp.h"
 
 namespace vpr {
 

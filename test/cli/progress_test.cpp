@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/step_parts.h"
+#include "base/monitor.h"
 
 using namespace vpr;
 

@@ -1,6 +1,4 @@
 // --warp as a user gives it: replays of a query, and what is judged of them.
-#include "images/warp.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -8,6 +6,7 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "cli/world.h"
+#include "images/selection.h"
 #include "support.h"
 
 using namespace vpr;

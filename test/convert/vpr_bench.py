@@ -4,27 +4,14 @@
 import os
 import pathlib
 import pickle
-import subprocess
 import sys
-import tempfile
 
-try:
-    import numpy
-except ModuleNotFoundError:
-    print("skipped: python3-numpy is not installed")
-    sys.exit(77)
+import support
 
-source, programs = map(pathlib.Path, sys.argv[1:3])
+numpy, = support.packages("numpy")
+programs, folder, run = support.programs, support.folder, support.run
+convert = support.converter("vpr_bench.py")
 corridor = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
-folder = pathlib.Path(tempfile.mkdtemp())
-
-
-def run(*words):
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True)
-
-
-def convert(path):
-    return run(sys.executable, source / "scripts/convert/vpr_bench.py", path)
 
 
 def table(rows, shape):

@@ -1,4 +1,4 @@
-// A result of vpr-query, of any method and version, with its companions and whatever checksums they
+// A result of vpr-query, of any method, with its companions and whatever checksums they
 // need to be looked at; and the report of what can be read.
 #include "base/checksum.h"
 #include "base/json.h"

@@ -1,9 +1,9 @@
 // The name of a sequence, as on a command line, and a list of images.
 #include "base/npy.h"
+#include "base/text.h"
 #include "fuzz.h"
-#include "images/natural_order.h"
 #include "images/sequence.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 
 using namespace vpr;
 

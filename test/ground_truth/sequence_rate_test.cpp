@@ -7,8 +7,8 @@
 
 #include "ground_truth/thinned_source.h"
 #include "images/frames.h"
+#include "images/selection.h"
 #include "images/sequence.h"
-#include "images/warp.h"
 #include "support.h"
 
 using namespace vpr;

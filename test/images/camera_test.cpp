@@ -1,7 +1,5 @@
 // A camera that is followed. There is none here: what reads frames is given captures that stand in
 // for one.
-#include "images/camera.h"
-
 #include <chrono>
 #include <thread>
 
@@ -12,6 +10,7 @@
 
 #include "base/error.h"
 #include "images/decode.h"
+#include "images/live_source.h"
 #include "support.h"
 
 using namespace vpr;

@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "images/codec_scope.h"
+#include "images/decode.h"
 #include "images/sequence.h"
 #include "support.h"
 

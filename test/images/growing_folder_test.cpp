@@ -1,11 +1,10 @@
-#include "images/growing_folder.h"
-
 #include <fstream>
 #include <future>
 
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "images/live_source.h"
 #include "support.h"
 
 using namespace vpr;

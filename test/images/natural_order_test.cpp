@@ -1,10 +1,10 @@
-#include "images/natural_order.h"
-
 #include <algorithm>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
+
+#include "base/text.h"
 
 using vpr::natural_less;
 

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "images/sequence_names.h"
+#include "images/sequence_argument.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,11 +1,10 @@
-#include "images/thinning.h"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <catch2/catch.hpp>
 
+#include "images/selection.h"
 #include "support.h"
 
 using namespace vpr;

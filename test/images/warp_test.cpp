@@ -1,5 +1,3 @@
-#include "images/warp.h"
-
 #include <algorithm>
 #include <set>
 
@@ -7,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "images/selection.h"
 #include "support.h"
 
 using namespace vpr;
