@@ -13,7 +13,7 @@ libraries=(
   libdlib-dev libcli11-dev nlohmann-json3-dev catch2
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}"; exit 0; }
-packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil zsh fish)
+packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
 [[ ${1:-} == --cluster ]] && packages+=(snakemake)

@@ -22,9 +22,9 @@
 #include "base/simd.h"
 #include "base/text.h"
 #include "completion.h"
-#include "config_file.h"
+#include "parser.h"
 #include "progress.h"
-#include "run_inputs.h"
+#include "session.h"
 
 namespace vpr {
 namespace {
@@ -114,8 +114,8 @@ Program::Program(const std::string& name, const std::string& description,
   command().add_footer(last_sections(example));
   command()
       .add_option("--completion", completion_,
-                  "print completions for a shell, or the manual page; nothing else may be given")
-      .type_name("bash|zsh|fish|man")
+                  "print completions for bash, or the manual page; nothing else may be given")
+      .type_name("bash|man")
       .group(kCommonGroup);
 }
 

@@ -16,15 +16,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-std::string function_name(const CommandEntry& program) {
-  return "_" + replaced(program.name, "-", "_");
-}
-
-// Between single quotes of a POSIX shell.
-std::string shell_quoted(const std::string& text) {
-  return "'" + replaced(text, "'", "'\\''") + "'";
-}
-
 std::vector<std::string> names_of(const std::vector<CommandEntry>& commands) {
   std::vector<std::string> names;
   for (const CommandEntry& command : commands) names.push_back(command.name);
@@ -55,48 +46,6 @@ std::string bash_choices(const std::string& level, const CommandEntry& command) 
       else if (!flag.value.empty())
         cases += fmt::format("    \"{} {}\") return ;;\n", level, name);
   return cases;
-}
-
-// The loop that finds the command among the words before the cursor.
-std::string find_command(const CommandEntry& program, const std::string& words) {
-  if (program.commands.empty()) return "";
-  return fmt::format(
-      "  for word in {}; do\n    case \"$word\" in\n      {}) command=$word; break ;;\n    esac\n"
-      "  done\n",
-      words, fmt::join(names_of(program.commands), "|"));
-}
-
-std::string zsh_flag(const FlagEntry& flag) {
-  std::string help = flag.help;
-  for (const std::string special : {"\\", "[", "]", ":"})
-    help = replaced(help, special, fmt::format("\\{}", special));
-  std::string action;
-  if (!flag.choices.empty())
-    action = fmt::format(":value:({})", fmt::join(flag.choices, " "));
-  else if (flag.value == "NUMBER")
-    action = ":number: ";
-  else if (!flag.value.empty())
-    action = ":file:_files";
-  std::string specs;
-  for (const std::string& name : flag.names)
-    specs +=
-        fmt::format(" \\\n      {}", shell_quoted(fmt::format("*{}[{}]{}", name, help, action)));
-  return specs;
-}
-
-std::string fish_flag(const FlagEntry& flag, const std::string& program,
-                      const std::string& condition) {
-  std::string line = fmt::format("complete -c {}{}", program, condition);
-  for (const std::string& name : flag.names)
-    line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-  if (!flag.choices.empty())
-    line += fmt::format(" -x -a '{}'", fmt::join(flag.choices, " "));
-  else if (flag.value == "NUMBER")
-    line += " -x";
-  else if (!flag.value.empty())
-    line += " -r";
-  return line + " -d " + ("'" + replaced(replaced(flag.help, "\\", "\\\\"), "'", "\\'") + "'") +
-         "\n";
 }
 
 std::string troff(const std::string& text) {
@@ -163,15 +112,17 @@ std::string manual_section(const CommandEntry& program, const std::string& title
   return text.empty() ? "" : fmt::format(".SH {}\n{}", heading, text);
 }
 
-}  // namespace
-
 std::string bash_completion(const CommandEntry& program) {
-  const std::string function = function_name(program);
+  const std::string function = "_" + replaced(program.name, "-", "_");
   std::string script = fmt::format(
       "# bash completion for {0}\n{1}() {{\n  local current=${{COMP_WORDS[COMP_CWORD]}} "
       "previous=${{COMP_WORDS[COMP_CWORD-1]}} command= words= word\n  COMPREPLY=()\n",
       program.name, function);
-  script += find_command(program, "\"${COMP_WORDS[@]:1:COMP_CWORD-1}\"");
+  if (!program.commands.empty())  // finds the command among the words before the cursor
+    script += fmt::format(
+        "  for word in \"${{COMP_WORDS[@]:1:COMP_CWORD-1}}\"; do\n    case \"$word\" in\n"
+        "      {}) command=$word; break ;;\n    esac\n  done\n",
+        fmt::join(names_of(program.commands), "|"));
   script += "  case \"$command $previous\" in\n";
   for (const auto& [level, command] : levels(program)) script += bash_choices(level, *command);
   script += "    *) case \"$command/$current\" in\n";
@@ -185,39 +136,6 @@ std::string bash_completion(const CommandEntry& program) {
                       "    esac ;;\n  esac\n  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- "
                       "\"$current\")\n}}\ncomplete -o default -F {} {}\n",
                       function, program.name);
-}
-
-std::string zsh_completion(const CommandEntry& program) {
-  std::string script = fmt::format("#compdef {}\nlocal command= word\n", program.name);
-  script += find_command(program, "${words[2,CURRENT-1]}");
-  script += "case \"$command\" in\n";
-  for (const auto& [level, command] : levels(program)) {
-    script += fmt::format("  ({})\n    _arguments", level.empty() ? "''" : level);
-    for (const FlagEntry& flag : command->flags) script += zsh_flag(flag);
-    if (level.empty() && !program.commands.empty())
-      script += fmt::format(" \\\n      '*:argument:{{compadd {}; _files}}'",
-                            fmt::join(names_of(program.commands), " "));
-    else
-      script += " \\\n      '*:file:_files'";
-    script += "\n    ;;\n";
-  }
-  return script + "esac\n";
-}
-
-std::string fish_completion(const CommandEntry& program) {
-  std::string script = fmt::format("# fish completion for {}\n", program.name);
-  const std::string all = fmt::format("{}", fmt::join(names_of(program.commands), " "));
-  const std::string outside =
-      all.empty() ? "" : fmt::format(" -n 'not __fish_seen_subcommand_from {}'", all);
-  for (const FlagEntry& flag : program.flags) script += fish_flag(flag, program.name, outside);
-  for (const CommandEntry& command : program.commands) {
-    script += fmt::format("complete -c {}{} -a {} -d '{}'\n", program.name, outside, command.name,
-                          replaced(command.description, "'", "\\'"));
-    for (const FlagEntry& flag : command.flags)
-      script += fish_flag(flag, program.name,
-                          fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name));
-  }
-  return script;
 }
 
 std::string manual_page(const CommandEntry& program, const std::string& version) {
@@ -245,14 +163,13 @@ std::string manual_page(const CommandEntry& program, const std::string& version)
          manual_section(program, kExitCodeSection, "EXIT STATUS");
 }
 
+}  // namespace
+
 std::string command_text(const CommandEntry& program, const std::string& kind,
                          const std::string& version) {
   if (kind == "bash") return bash_completion(program);
-  if (kind == "zsh") return zsh_completion(program);
-  if (kind == "fish") return fish_completion(program);
   if (kind == "man") return manual_page(program, version);
-  throw Error(ErrorKind::usage,
-              fmt::format("--completion takes bash, zsh, fish or man, found {}", kind));
+  throw Error(ErrorKind::usage, fmt::format("--completion takes bash or man, found {}", kind));
 }
 
 }  // namespace vpr

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "command_tree.h"
+#include "parser.h"
 
 namespace vpr {
 

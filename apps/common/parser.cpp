@@ -8,11 +8,13 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/text.h"
 #include "help.h"
-#include "suggestions.h"
+#include "report/result_file.h"
 
 namespace vpr {
+
 namespace {
 
 // "text|csv" is a choice; "NUMBER" is not.
@@ -97,6 +99,49 @@ void add_given(const CLI::App& app, std::vector<GivenFlag>& given) {
     if (option->count() > 0) given.push_back({option->get_lnames(), option->results()});
   for (const CLI::App* command : app.get_subcommands()) add_given(*command, given);
 }
+
+// The settings and the seed that a result was made with.
+Json settings_of_result(const std::string& path) {
+  const Json result = read_result_json(path);
+  Json json = result.value("settings", Json::object());
+  const Json provenance = result.value("provenance", Json::object());
+  if (json.is_object() && provenance.is_object() && provenance.contains("seed"))
+    json["seed"] = provenance["seed"];
+  return json;
+}
+
+bool is_result(const Json& json) {
+  return json["schema"].is_string() &&
+         json["schema"].get_ref<const std::string&>().starts_with("vpr.result/");
+}
+
+// What vpr-tune calibrate found.
+Json calibrated_settings(const Json& json, const std::string& path) {
+  if (json.contains("settings") && json["settings"].is_object()) return json["settings"];
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("{}: is a calibration that found no threshold; calibrate on another walk, "
+                  "or with other settings",
+                  path));
+}
+
+// "; did you mean --c-l?", where one begins like the word or is a slip of the hand away; else ".".
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
+  const auto longer = std::find_if(known.begin(), known.end(), [&](const std::string& name) {
+    return name.size() > word.size() && name.starts_with(word);
+  });
+  const std::string best = longer == known.end() ? nearest(word, known) : *longer;
+  const bool is_near = longer != known.end() ||
+                       edit_distance(word, best) <= std::max<size_t>(1, (word.size() - 1) / 3);
+  return is_near ? fmt::format("; did you mean {}?", best) : ".";
+}
+
+void add_flags(const CommandEntry& command, std::vector<std::string>& known) {
+  for (const FlagEntry& flag : command.flags)
+    known.insert(known.end(), flag.names.begin(), flag.names.end());
+}
+
+bool is_flag(const std::string& word) { return word.size() > 2 && word.starts_with("--"); }
 
 }  // namespace
 
@@ -256,5 +301,62 @@ bool Parser::takes(const std::string& flag) const {
 }
 
 CommandEntry Parser::describe() const { return describe_commands(*app_); }
+
+Json read_config(const std::string& path) {
+  Json json = read_json(path, ErrorKind::usage);
+  if (!json.is_object() || !json.contains("schema")) return json;
+  if (is_result(json)) return settings_of_result(path);
+  if (json["schema"] == "vpr.sweep/1")
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: is a sweep, of many settings; let vpr-tune write those that it "
+                            "recommends (--save-config FILE), and give that file",
+                            path));
+  if (json["schema"] == "vpr.calibration/1") return calibrated_settings(json, path);
+  require_schema(json, "config", path, ErrorKind::usage);
+  json.erase("schema");
+  return json;
+}
+
+std::optional<std::string> unknown_word(const CommandEntry& program,
+                                        const std::vector<std::string>& words) {
+  std::vector<std::string> flags;
+  add_flags(program, flags);
+  std::vector<std::string> commands;
+  for (const CommandEntry& command : program.commands) commands.push_back(command.name);
+  std::string path = program.name;
+  for (const std::string& word : words) {
+    const auto named = std::find(commands.begin(), commands.end(), word);
+    if (named != commands.end() && path == program.name) {
+      add_flags(program.commands[static_cast<size_t>(named - commands.begin())], flags);
+      path += " " + word;
+    } else if (&word == &words.front() && !program.runs_itself && !word.starts_with('-')) {
+      return fmt::format("unknown command {}{} There are {}", word, did_you_mean(word, commands),
+                         fmt::join(commands, ", "));
+    }
+  }
+  if (path == program.name && !program.runs_itself)
+    return fmt::format("give a command: {}; see {} --help", fmt::join(commands, ", "), path);
+  for (const std::string& word : words) {
+    if (word == "--") break;
+    const std::string name = word.substr(0, word.find('='));
+    if (is_flag(name) && std::find(flags.begin(), flags.end(), name) == flags.end())
+      return fmt::format("unknown flag {}{} See {} --help", name, did_you_mean(name, flags), path);
+  }
+  return std::nullopt;
+}
+
+std::vector<Section> split_sections(const std::string& footer) {
+  std::vector<Section> sections;
+  bool is_start = true;
+  for (const std::string_view line : split_lines(footer)) {
+    if (is_start && line.ends_with(':') && !line.starts_with(' '))
+      sections.push_back({std::string(line.substr(0, line.size() - 1)), ""});
+    else if (!sections.empty())
+      sections.back().text += std::string(line) + "\n";
+    is_start = line.empty();
+  }
+  for (Section& section : sections) section.text.erase(section.text.find_last_not_of('\n') + 1);
+  return sections;
+}
 
 }  // namespace vpr

@@ -1,15 +1,56 @@
-// A program's parser: commands and flags as flags.h adds them, read back as data.
+// A program's parser: commands and flags as flags.h adds them, read back as data; --config files,
+// and suggestions for unknown words.
 #pragma once
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "command_tree.h"
+#include "base/json_fwd.h"
 #include "flags.h"
 
 namespace vpr {
+
+/// Headings that stand apart: flags that all programs share come last.
+inline constexpr const char* kCommonGroup = "Common options";
+inline constexpr const char* kExampleSection = "Example";
+inline constexpr const char* kExitCodeSection = "Exit codes";
+
+struct FlagEntry {
+  std::vector<std::string> names;    ///< with dashes, short ones first
+  std::string value;                 ///< FILE, NUMBER, a|b|c; empty: takes none
+  std::vector<std::string> choices;  ///< values that completions offer
+  std::string help;
+  std::string group;
+  bool is_required = false;
+};
+
+struct ArgumentEntry {
+  std::string name;
+  std::string help;
+  bool is_required = false;
+};
+
+/// A part of what help ends with: a heading, and lines as they stand.
+struct Section {
+  std::string title;
+  std::string text;
+};
+
+struct CommandEntry {
+  std::string name;
+  std::string description;
+  std::vector<Section> sections;
+  std::vector<ArgumentEntry> arguments;
+  std::vector<FlagEntry> flags;  ///< by group; within one, what is required first
+  std::vector<CommandEntry> commands;
+  bool runs_itself = true;  ///< false: one of its commands must be named
+};
+
+/// Headings end with a colon and stand behind an empty line, or first.
+std::vector<Section> split_sections(const std::string& footer);
 
 /// A flag or argument of the command line with what was given for it.
 struct GivenFlag {
@@ -45,5 +86,16 @@ class Parser {
   std::string version_;
   std::unique_ptr<CLI::App> app_;
 };
+
+/// The keys of a configuration, or the settings and the seed that a result was made with. Throws
+/// Error(input) if it can't be read, Error(usage) if it is neither, Error(data) if it is a damaged
+/// result.
+Json read_config(const std::string& path);
+
+/// A sentence on the first word that is no flag of the program or of the command that `words` name,
+/// or no command where one must be named; with the nearest that there is, if one is near. Nothing
+/// if all are known. Says which help to read. `words`: the command line without the program's name.
+std::optional<std::string> unknown_word(const CommandEntry& program,
+                                        const std::vector<std::string>& words);
 
 }  // namespace vpr

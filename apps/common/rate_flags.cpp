@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/named_table.h"
 #include "ground_truth/formats.h"
 #include "ground_truth/sequence_rate.h"
 #include "images/selection.h"
@@ -47,6 +48,13 @@ SequenceArgument rated(const SequenceArgument& argument, const RateFlags& flags,
     source.recorded_fps = dataset->frames_per_second;
   if (!source.recorded_fps) source.recorded_fps = flags.otherwise;
   return with_rate(argument, source, flags.fps, monitor);
+}
+
+Flag add_warp_flag(const Command& command, std::string& warp, const std::string& about) {
+  std::vector<std::string> names = names_of(warp_rules());
+  names.emplace_back("NUMBER");
+  command.add_footer("Warps:\n" + warp_summaries());
+  return command.add_option("--warp", warp, about).choices("WARP", names);
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// --fps and --recorded-fps, for every program that opens sequences.
+// Flags that choose frames of a sequence: --fps, --recorded-fps and --warp.
 #pragma once
 
 #include <filesystem>
@@ -33,5 +33,11 @@ void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags);
 SequenceArgument rated(const SequenceArgument& argument, const RateFlags& flags,
                        const std::filesystem::path& times, const Dataset* dataset,
                        const Monitor& monitor);
+
+/// Adds the flag, and what it takes to the help's end. `about`: what is replayed, and what for.
+Flag add_warp_flag(const Command& command, std::string& warp,
+                   const std::string& about =
+                       "replay the query so, with --seed (below); the "
+                       "ground truth stays that of the query as it is");
 
 }  // namespace vpr

@@ -1,6 +1,7 @@
 // What a command gets to work with: common flags, progress, outputs, and where results are printed.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "base/share.h"
 #include "images/decode.h"
 #include "matching/row_kernels.h"
+#include "parser.h"
 #include "report/run_info.h"
 
 namespace vpr {
@@ -63,5 +65,10 @@ struct Session {
   /// printed is a warning, for all that was asked for is there.
   void print_result(const std::string& text, const Json& json) const;
 };
+
+/// Every value of an option or argument that names something that exists, but for options that
+/// name outputs; sequences with their frames, databases with their files, results with their
+/// companions, and data sets with the files that they name.
+std::vector<std::filesystem::path> run_inputs(const std::vector<GivenFlag>& given);
 
 }  // namespace vpr

@@ -1,11 +1,10 @@
-#include "eval_compare.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "base/json.h"
 #include "base/stopwatch.h"
+#include "eval_commands.h"
 #include "report/comparison_page.h"
 #include "report/comparison_report.h"
 #include "report/comparison_tables.h"

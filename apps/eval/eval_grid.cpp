@@ -1,5 +1,3 @@
-#include "eval_grid.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -10,6 +8,7 @@
 #include "base/json.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
+#include "eval_commands.h"
 #include "eval_inputs.h"
 #include "report/grid_page.h"
 #include "report/several_reports.h"

@@ -1,25 +1,247 @@
-// What vpr-eval is told, and the evaluation of one result or one matrix of scores.
+// Inputs of vpr-eval, and one step per group of flags: scores, lists, outputs and their checks.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/json.h"
+#include "base/json_fwd.h"
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
-#include "eval_csv.h"
-#include "eval_expect.h"
-#include "eval_lists.h"
-#include "eval_loops.h"
-#include "eval_map.h"
-#include "eval_pictures.h"
-#include "eval_scores.h"
-#include "eval_trajectory.h"
+#include "common/score_flags.h"
+#include "descriptors/imported.h"
+#include "evaluation/expectation.h"
+#include "evaluation/score_matrix.h"
+#include "ground_truth/loop_list.h"
 #include "pipeline/evaluate.h"
 #include "report/result_file.h"
 #include "report/table.h"
 
 namespace vpr {
+
+struct CsvInputs {
+  std::string outcomes;  ///< files; empty: not asked for
+  std::string recognitions;
+
+  bool any() const { return !outcomes.empty() || !recognitions.empty(); }
+};
+
+/// Rows of one result or several, below one header.
+struct CsvRows {
+  CsvRows();
+  std::string outcomes;
+  std::string recognitions;
+};
+
+void add_csv_options(const Command& app, CsvInputs& inputs);
+
+/// Claims the outputs. Throws Error(usage) for recognitions where there is no result.
+/// Call it before long work.
+void claim_csv_outputs(const Session& session, const CsvInputs& inputs, bool has_result);
+
+/// Adds the rows that are asked for.
+void add_rows(CsvRows& rows, const CsvInputs& inputs, const Evaluation& evaluation,
+              const std::string& name);
+
+void write_csv_rows(const Session& session, const CsvInputs& inputs, const CsvRows& rows);
+
+struct ExpectInputs {
+  std::string expected;  ///< a file; empty: nothing is expected
+  bool update = false;   ///< the file takes over what is found
+  std::string junit;     ///< a file; empty: not asked for
+
+  bool any() const { return update || !expected.empty() || !junit.empty(); }
+};
+
+void add_expect_options(const Command& app, ExpectInputs& inputs);
+
+/// Reads what is expected, and claims what is written; null where nothing is. Throws Error(usage)
+/// for --update or --junit without --expect, and Error(input) for a file that can't be read, unless
+/// --update makes it. Call it before long work.
+Json read_expected(const Session& session, const ExpectInputs& inputs);
+
+/// The values that are expected, compared with the report. Writes what is asked for.
+std::vector<CheckedValue> check_expected(const Session& session, const ExpectInputs& inputs,
+                                         const Json& expected, const Json& report);
+
+/// "expected.json: all 12 expected values are met."; nothing where nothing is expected.
+std::string met_sentence(const ExpectInputs& inputs, const std::vector<CheckedValue>& values);
+
+/// Throws Error(expectation) with a line for each value that is not met, unless it was updated.
+void require_met(const ExpectInputs& inputs, const std::vector<CheckedValue>& values);
+
+struct EvalInputs;
+struct JudgedBy;
+
+struct PairInputs {
+  std::string path;              ///< empty: not asked for
+  std::optional<uint64_t> most;  ///< K of --top-k
+
+  bool any() const { return most || !path.empty(); }
+};
+
+void add_list_options(const Command& app, EvalInputs& inputs);
+
+/// Throws Error(usage) for flags that do not go together; claims the output. Call it before long
+/// work.
+void check_lists(const Session& session, const EvalInputs& inputs);
+
+/// Frames of --query or of the data set's query; none where neither is given, or it is not a
+/// sequence of images. Throws as open_sequence does.
+std::optional<size_t> query_frames(const EvalInputs& inputs);
+
+/// How a ground truth may name frames: as --query and --train do, or the data set, whose query is
+/// the one of this name. It is looked for when a name is needed.
+void add_names(JudgedBy& by, const EvalInputs& inputs,
+               const std::optional<std::string>& query_name);
+
+/// The scores of --predictions. Throws as prediction_scores does.
+ScoreMatrix open_predictions(const EvalInputs& inputs);
+
+/// Writes --pairs, if it is asked for: of the matrix, or of a result without one. Returns how many.
+size_t write_pairs(const Session& session, const EvalInputs& inputs, const ScoreMatrix* matrix,
+                   const ScoreLayout& layout, const Result* result);
+
+/// Whether pairs are all that is asked for: there is no ground truth to judge by.
+bool only_lists(const EvalInputs& inputs);
+
+/// Writes them, and says so.
+void run_lists(Session& session, const EvalInputs& inputs);
+
+struct EvalInputs;
+
+struct LoopInputs {
+  std::string path;   ///< of the list
+  std::string times;  ///< of a trajectory without times
+  std::string gap;
+  LoopFrames frames = LoopFrames::automatic;
+};
+
+/// Whether any of its flags is given.
+bool is_given(const LoopInputs& inputs);
+
+void add_loop_options(const Command& app, LoopInputs& inputs);
+
+/// Judges the list and writes what was asked for. Throws Error(usage) for flags that belong to
+/// other evaluations or are missing, and as read_loop_list and read_trajectory do.
+void run_loops(Session& session, const EvalInputs& inputs);
+
+struct Evaluated;
+
+struct MapInputs {
+  std::string folder;
+  std::string with;  ///< a second result
+};
+
+void add_map_options(const Command& app, MapInputs& inputs);
+
+/// Throws Error(usage) for flags that do not go together, and as the checks of outputs do. Call it
+/// before long work.
+void check_map_inputs(const Session& session, const MapInputs& inputs, const std::string& dataset);
+
+/// Draws the map. `second`: the evaluation of the other result, or none. Throws Error(usage) if the
+/// data set does not say where the query's frames were taken.
+void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
+               const Evaluated& first, const Evaluated* second);
+
+struct PictureInputs {
+  std::string html;
+  std::string plots;
+  std::optional<std::string> query;  ///< a sequence, or a query's name in the data set
+  std::vector<std::string> train;
+};
+
+void add_picture_options(const Command& app, PictureInputs& inputs);
+
+/// Whether pictures of an evaluation are to be written.
+bool wants_pictures(const PictureInputs& inputs);
+
+/// Throws as the checks of outputs do. Call it before long work.
+void check_picture_outputs(const Session& session, const PictureInputs& inputs);
+
+/// Writes what was asked for. `dataset`: its path, or empty. `report`: of the evaluation; the page
+/// opens with the sentence `summary`. Throws Error(usage) if sequences do not have as many frames
+/// as the evaluation.
+void write_pictures(Session& session, const PictureInputs& inputs, const std::string& dataset,
+                    const Evaluation& evaluation, const Json& report, const std::string& summary);
+
+struct ScoreInputs {
+  ScoreFlags matrix;
+  std::string query_npy;      ///< descriptors that scores are computed of; empty: none
+  std::string reference_npy;  ///< of the references
+  DescriptorMetric metric = DescriptorMetric::cosine;
+  std::string predictions;  ///< lists of what a program found; empty: none
+  std::vector<uint64_t> recall_at;
+  uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
+  std::optional<double> threshold;
+  uint64_t window_length = 1;            ///< frames per row of --scores
+  std::string warp;                      ///< how the query was replayed; empty: it was not
+  std::optional<uint64_t> query_frames;  ///< of the query, before --warp
+  std::string name;                      ///< for tables; empty: the file's, or the method
+  std::string poses;                     ///< of the query, for metres
+
+  /// Whether there are scores, read or computed.
+  bool any() const { return !source().empty(); }
+  /// Where they come from.
+  const std::string& source() const {
+    if (!matrix.path.empty()) return matrix.path;
+    return query_npy.empty() ? predictions : query_npy;
+  }
+};
+
+void add_score_options(const Command& app, ScoreInputs& inputs);
+
+/// What the metrics are, for --help.
+std::string metrics_help();
+
+/// Throws Error(usage) for flags that need --scores, or that a result answers already.
+void check_score_inputs(const ScoreInputs& inputs, bool has_result);
+
+/// The matrix of --scores alone, or of descriptors. Throws Error(usage) unless its kind is known.
+ScoreMatrix open_scores(const ScoreInputs& inputs);
+
+/// The matrix that was saved with a result; `missing` stands where it has no score.
+ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
+
+/// Throws Error(data) if `rows` windows do not have the frames that --query-frames or
+/// `query_frames` states, or, where neither is known, if a window is longer than the matrix.
+void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames);
+
+/// K of recall@K, rising, 1 among them; none where the flag was not given. Throws Error(usage) for
+/// a K out of range.
+std::vector<size_t> recall_at_of(const ScoreInputs& inputs);
+
+/// Throws Error(usage) for a --stretch out of range.
+size_t stretch_of(const ScoreInputs& inputs);
+
+/// What a report says of --scores alone. `seed`: of a replay. Throws what replay throws.
+ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed);
+
+/// Warns where the scores find more places in the other order: --distance instead of --similarity.
+void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);
+
+/// Warns where the best score of all may be what vpr-query writes where there is none.
+void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);
+
+struct TrajectoryInputs {
+  std::string file;  ///< empty: not asked for
+};
+
+void add_trajectory_options(const Command& app, TrajectoryInputs& inputs);
+
+/// Claims the output. Throws Error(usage) unless something has positions of training frames: a data
+/// set, or poses of a ground truth. Call it before long work.
+void claim_trajectory(const Session& session, const TrajectoryInputs& inputs, bool has_positions);
+
+/// Positions are of the data set's poses, or of the ground truth's, in any format of trajectories.
+/// Times are those of --query-times, where the query is judged by them and is not replayed. Throws
+/// Error(usage) if nothing has positions of training frames, and as read_train_poses and
+/// read_frame_times do.
+void write_trajectory(const Session& session, const TrajectoryInputs& inputs,
+                      const std::string& dataset, const Evaluation& evaluation,
+                      const std::optional<GroundTruthArgument>& truth,
+                      std::optional<double> frames_per_second);
 
 struct EvalInputs {
   std::vector<std::string> results;

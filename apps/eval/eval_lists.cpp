@@ -1,5 +1,3 @@
-#include "eval_lists.h"
-
 #include <cassert>
 
 #include <fmt/format.h>
@@ -8,7 +6,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "eval_inputs.h"
-#include "evaluation/best_pairs.h"
+#include "evaluation/matrix_scan.h"
 #include "evaluation/prediction_lists.h"
 #include "images/sequence.h"
 #include "report/result_file.h"

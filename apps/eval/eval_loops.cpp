@@ -1,5 +1,3 @@
-#include "eval_loops.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
@@ -7,7 +5,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval_inputs.h"
-#include "evaluation/result_loops.h"
+#include "evaluation/loops.h"
 #include "ground_truth/times.h"
 #include "report/loops_charts.h"
 #include "report/loops_page.h"

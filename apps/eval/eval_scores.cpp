@@ -1,15 +1,14 @@
-#include "eval_scores.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/text.h"
-#include "common/warp_flag.h"
+#include "common/rate_flags.h"
+#include "eval_inputs.h"
 #include "evaluation/descriptor_scores.h"
 #include "evaluation/metrics.h"
-#include "evaluation/recall_at.h"
+#include "evaluation/outcomes.h"
 #include "images/sequence.h"
 #include "recognition/score_kind.h"
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "common/warp_flag.h"
-#include "ground_truth/loop_gap.h"
+#include "common/rate_flags.h"
+#include "ground_truth/loop_list.h"
 #include "ground_truth/times.h"
 #include "matching/fabmap.h"
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "ground_truth/thinned_source.h"
+#include "ground_truth/sequence_rate.h"
 #include "images/live_source.h"
 #include "matching/methods.h"
 #include "pipeline/fuse.h"

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "evaluation/result_loops.h"
+#include "evaluation/loops.h"
 #include "ground_truth/times.h"
 #include "images/sequence.h"
 #include "pipeline/loop_query.h"

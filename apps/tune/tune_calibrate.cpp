@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "common/warp_flag.h"
+#include "common/rate_flags.h"
 #include "images/sequence.h"
 #include "pipeline/calibrate.h"
 #include "pipeline/margin_plan.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "common/warp_flag.h"
+#include "common/rate_flags.h"
 #include "database/sequence_database.h"
 #include "images/sequence.h"
 #include "images/sequence_argument.h"

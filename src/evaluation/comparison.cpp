@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "evaluation/metrics.h"
-#include "evaluation/recall_at.h"
+#include "evaluation/outcomes.h"
 
 namespace vpr {
 namespace {

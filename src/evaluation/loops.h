@@ -3,13 +3,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "evaluation/curve.h"
+#include "evaluation/metrics.h"
 #include "ground_truth/ground_truth.h"
-#include "ground_truth/loop_gap.h"
 #include "ground_truth/loop_list.h"
 #include "ground_truth/trajectory.h"
+#include "recognition/result.h"
 
 namespace vpr {
 
@@ -68,5 +69,17 @@ std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules
 /// no times.
 LoopJudgement judge_loops(const LoopList& list, const Trajectory& trajectory,
                           const LoopRules& rules);
+
+/// The best match of each query window, as last frames of both and the score a frame; where a
+/// threshold or a margin was set, those that are hits. Of FAB-MAP all, by probability. Lines are
+/// those of loops_csv. The result must be one of --loop.
+std::vector<ListedLoop> loops_of(const Result& result);
+
+/// The same as a list under a name, for a trajectory. Throws Error(data) for a result that has no
+/// loops, or has not as many frames as the trajectory poses, and for a loop of a frame without one.
+LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory);
+
+/// As `vpr-eval --loops` reads it: the header query,match,score, and a line a loop.
+std::string loops_csv(const std::vector<ListedLoop>& loops);
 
 }  // namespace vpr

@@ -8,8 +8,8 @@
 
 #include "base/enum_names.h"
 #include "evaluation/counts.h"
-#include "evaluation/curve.h"
-#include "evaluation/score_layout.h"
+#include "evaluation/metrics.h"
+#include "evaluation/score_matrix.h"
 
 namespace vpr {
 
@@ -90,5 +90,38 @@ ScoreOrder confidence_order(const Outcomes& outcomes);
 /// correct and incorrect best matches, those of queries without a match among the incorrect ones;
 /// unreadable and ignored ones left out. Recall is over judged_queries.
 Curve single_best_curve(const Outcomes& outcomes);
+
+/// Whether a judged query has a correct reference among its K best.
+bool is_found_at(const QueryOutcome& query, size_t k);
+
+/// The share of judged queries that have a correct reference among their K best, ties to the first,
+/// references labelled ignore passed over (queries without a match are left out). K = 1 needs best
+/// matches only. None where there is no query to judge, or K > 1 and ranks are not known.
+std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
+
+/// The mean over judged queries of the share of right references among their K best, ties to the
+/// first, references labelled ignore passed over (Manning, Raghavan, Schuetze 2008, chapter 8).
+/// What is missing of K counts as wrong. K is 1 or more. None where there is no query to judge,
+/// ranks are not known, or K is above kMostRanked.
+std::optional<double> precision_at(const Outcomes& outcomes, size_t k);
+
+/// The mean over judged queries of AP@K: the sum of precision@i over the i up to K whose reference
+/// is right, divided by the right ones that K could hold, min(K, right references of the query)
+/// (Weyand et al. 2020). Else as precision_at.
+std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k);
+
+/// Local recalls that are asked for, and frames of a stretch where nobody says otherwise.
+inline constexpr std::array<double, 4> kRecallTargets = {0.5, 0.75, 0.9, 1.0};
+inline constexpr size_t kRouteStretch = 25;
+
+/// Recall@1 of one stretch of the path; none where it has no judged query with a match.
+std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames);
+
+/// The share of stretches whose local recall@1 is `target` or more (Hussaini, Fischer, Milford
+/// 2026). The path, all frames of the query, is cut into as many stretches as have about
+/// `stretch_frames` (1 or more) frames each, at least one, as equally long as whole frames can be;
+/// stretches without a judged query that has a match are left out. None where all are.
+std::optional<double> recall_achievement(const std::vector<std::optional<double>>& recalls,
+                                         double target);
 
 }  // namespace vpr

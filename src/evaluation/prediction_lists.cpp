@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
+#include "ground_truth/ground_truth.h"
 
 namespace vpr {
 namespace {
@@ -144,15 +145,14 @@ size_t find_frame(const FrameNames& names, const std::string& name, const std::s
 // Numbers alone can ask for any matrix; names say how many frames there are.
 void check_size(const Prediction& one, size_t queries, size_t references, bool is_named) {
   constexpr uint64_t kMostScores = uint64_t{1} << 31;
-  constexpr size_t kMostFrames = size_t{1} << 22;
   if (is_named || (uint64_t{queries} * references <= kMostScores &&
-                   std::max(queries, references) <= kMostFrames))
+                   std::max(queries, references) <= kMostGrownFrames))
     return;
   throw Error(ErrorKind::data,
               fmt::format("{}: the frame numbers up to here need {} x {} scores; the limits are {} "
                           "scores and {} frames. Name the frames with --query and --train "
                           "(folders, or lists of names)",
-                          one.where, queries, references, kMostScores, kMostFrames));
+                          one.where, queries, references, kMostScores, kMostGrownFrames));
 }
 
 Lists collect(const std::vector<Prediction>& all, const FrameNames& queries,
@@ -173,14 +173,13 @@ Lists collect(const std::vector<Prediction>& all, const FrameNames& queries,
   return lists;
 }
 
-void write_rows(const Lists& lists, bool is_similarity, size_t first, size_t count,
+void write_rows(const Lists& lists, ScoreOrder kind, size_t first, size_t count,
                 std::span<double> out) {
   std::fill(out.begin(), out.end(), std::numeric_limits<double>::quiet_NaN());
   for (size_t q = 0; q < count; ++q)
     for (const Found& found : lists.queries[first + q]) {
       double& score = out[q * lists.references + found.reference];
-      const bool is_better = is_similarity ? found.distance > score : found.distance < score;
-      if (std::isnan(score) || is_better) score = found.distance;
+      if (std::isnan(score) || is_better(found.distance, score, kind)) score = found.distance;
     }
 }
 
@@ -215,9 +214,8 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
   scores.references = lists->references;
   scores.block = lists->queries.size();
   scores.kind = kind.value_or(ScoreOrder::distance);
-  scores.compute = [lists, is_similarity = kind == ScoreOrder::similarity](
-                       size_t first, size_t count, std::span<double> out) {
-    write_rows(*lists, is_similarity, first, count, out);
+  scores.compute = [lists, kind = scores.kind](size_t first, size_t count, std::span<double> out) {
+    write_rows(*lists, kind, first, count, out);
   };
   scores.fingerprint = [files](const Monitor& monitor) {
     std::string sums;

@@ -1,23 +1,25 @@
-// Takes the pairs that a reader finds, and checks them.
+// What readers and writers of ground truth formats share: checked pairs, size limits, output
+// pieces.
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/monitor.h"
-#include "ground_truth/file_location.h"
 #include "ground_truth/ground_truth.h"
+#include "ground_truth/text_file.h"
 
 namespace vpr {
 
+class Output;
+
 /// What to do about pairs that are out of range or contradict each other.
 enum class InconsistentPairs { refuse, count };
-
-/// A side that grows must not grow by one large index in a broken file.
-inline constexpr size_t kMostGrownFrames = size_t{1} << 22;
 
 /// How many frames one side has; one that grows has as many as its largest index needs.
 struct FrameCount {
@@ -90,5 +92,16 @@ class GroundTruthBuilder {
   FileLocation location_;
   std::array<GroundTruthFinding, 3> findings_;
 };
+
+/// The index of the one sequence that was searched. Throws Error(usage) if there are more, or none.
+size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format);
+
+/// Checks a size before anything is written. Throws Error(data) if there are more than `most` of
+/// `what`, such as "pairs".
+void require_writable(uint64_t count, uint64_t most, std::string_view what);
+
+/// Writes `text` and empties it once it is long: a query may have a line for every reference.
+/// Throws Error(interrupted) on a stop.
+void write_piece(Output& file, std::string& text, const Monitor& monitor);
 
 }  // namespace vpr

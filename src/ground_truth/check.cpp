@@ -1,14 +1,19 @@
 #include "ground_truth/check.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/text.h"
-#include "ground_truth/label_runs.h"
+#include "ground_truth/ground_truth.h"
 
 namespace vpr {
+
 namespace {
 
 constexpr size_t kMostExamples = 5;
@@ -95,6 +100,30 @@ void require_undamaged(const InspectedGroundTruth& ground_truth, const std::stri
                           "(first: {})",
                           name, counted(outside.count, "pair"), both.count,
                           (outside.count > 0 ? outside : both).examples.front()));
+}
+
+std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,
+                                     const Monitor& monitor) {
+  std::vector<uint64_t> place_among_searched;
+  uint64_t searched = 0;
+  for (const auto& sequence : scope.sequences)
+    place_among_searched.push_back(sequence.searched ? searched++ : searched);
+  ChecksumStream sum;
+  const auto add = [&](const auto& numbers) { sum.add(std::as_bytes(std::span(numbers))); };
+  add(std::array<uint64_t, 1>{truth.pairs.size()});
+  for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    check_stop(monitor);
+    const auto& row = truth.pairs[query];
+    for (size_t i = 0; i < row.size();) {
+      const size_t s = row[i].sequence;
+      i += truth.pairs_of(query, s).size();
+      if (!scope.sequences[s].searched) continue;
+      for (const LabelRun& run : label_runs(truth, query, s, scope.sequences[s].frames))
+        add(std::array<uint64_t, 5>{query, place_among_searched[s], run.first, run.last,
+                                    static_cast<uint64_t>(run.label)});
+    }
+  }
+  return sum.text();
 }
 
 }  // namespace vpr

@@ -1,10 +1,11 @@
-// What a ground truth says in all, and whether it can be trusted.
+// Summary, damage check and fingerprint of a ground truth.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
 
+#include "base/monitor.h"
 #include "ground_truth/ground_truth.h"
 
 namespace vpr {
@@ -31,5 +32,13 @@ GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Mon
 /// Checks that a ground truth can be trusted. Throws Error(data), with the first of them, if a pair
 /// is out of range or contradicts another.
 void require_undamaged(const InspectedGroundTruth& ground_truth, const std::string& name);
+
+/// The checksum of the labels of all pairs, tolerance applied, and of the number of query frames.
+/// It depends neither on the file's name nor on its format, and not on how the pairs came about:
+/// two ground truths that say the same of every pair have the same. Training sequences count in
+/// their order among those that were searched, whatever their names, and those without any pair at
+/// the end do not count. Time linear in the runs of labels.
+std::string ground_truth_fingerprint(const GroundTruth& truth, const GroundTruthScope& scope,
+                                     const Monitor& monitor = {});
 
 }  // namespace vpr

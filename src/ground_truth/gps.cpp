@@ -14,8 +14,8 @@
 #include "base/text.h"
 #include "ground_truth/association.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/numbers.h"
 #include "ground_truth/poses.h"
+#include "ground_truth/text_file.h"
 #include "ground_truth/times.h"
 #include "images/sequence.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ground_truth/formats.h"
-#include "ground_truth/named_rows.h"
+#include "ground_truth/text_file.h"
 #include "ground_truth/trajectory.h"
 
 namespace vpr {

@@ -24,6 +24,9 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"diff
 
 /// A number of frames that only the ground truth itself can tell.
 inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();
+/// Upper bound on a number of frames that only a file states, against one large index in a broken
+/// file.
+inline constexpr size_t kMostGrownFrames = size_t{1} << 22;
 
 /// Reads the names of the frames of a sequence; null: they are not known.
 using NameReader = std::function<std::vector<std::string>()>;
@@ -76,6 +79,25 @@ struct GroundTruth {
   /// Whether any frame of the searched sequences shows the query frame's place.
   bool has_match(size_t query) const;
 };
+
+/// A run of references with one label, tolerance applied.
+struct LabelRun {
+  size_t first = 0;
+  size_t last = 0;
+  PlaceLabel label = PlaceLabel::same;
+};
+
+/// The runs of one query that are not `different`, in order, among the first `frames` references of
+/// a sequence. Time linear in the query's pairs of that sequence.
+std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
+                                 size_t frames);
+
+/// Labels of the recordings' frames become those of the frames that `scope` keeps of them; of
+/// sequences that keep all, they stay. The tolerance is applied, and 0 afterwards. A stretch of
+/// frames at the query's place of which none is kept is that of the kept frame nearest to it, the
+/// earlier of two, so that a query frame does not lose its place; of frames to ignore, those that
+/// are kept are ignored.
+void keep_frames(GroundTruth& truth, const GroundTruthScope& scope);
 
 /// The ground truth where nothing is known: every pair is labelled ignore.
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope);

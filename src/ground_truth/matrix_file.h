@@ -1,6 +1,8 @@
 // Ground truth as a NumPy matrix.
 #pragma once
 
+#include <string>
+
 #include "ground_truth/formats.h"
 
 namespace vpr {

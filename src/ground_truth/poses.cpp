@@ -1,6 +1,10 @@
 #include "ground_truth/poses.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -8,12 +12,12 @@
 #include "base/text.h"
 #include "ground_truth/association.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/numbers.h"
-#include "ground_truth/pose_csv.h"
-#include "ground_truth/pose_matches.h"
+#include "ground_truth/route.h"
+#include "ground_truth/text_file.h"
 #include "ground_truth/trajectory.h"
 
 namespace vpr {
+
 namespace {
 
 Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames) {
@@ -88,6 +92,140 @@ bool has_numbers(std::string_view line, size_t count) {
          });
 }
 
+/// Where a larger share of all pairs is the same place, hardly a match can be wrong.
+constexpr double kLargeShare = 0.1;
+/// Pairs of the same place, each of which is compared.
+constexpr uint64_t kMostPairs = uint64_t{1} << 27;
+
+/// What counts as the same place.
+struct Nearness {
+  double radius_m = 0;
+  std::optional<double> angle_deg;
+};
+
+bool is_near(const Pose& a, const Pose& b, const Nearness& nearness,
+             const GroundTruthBuilder& builder) {
+  double square = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    const double difference = b.position[k] - a.position[k];
+    square += difference * difference;
+  }
+  if (!(square <= nearness.radius_m * nearness.radius_m)) return false;
+  if (!nearness.angle_deg) return true;
+  const auto angle = angle_between(a, b);
+  if (!angle) builder.fail("an angle is asked for, and a pose has no heading");
+  return *angle <= *nearness.angle_deg;
+}
+
+/// Neighboring frames first .. last.
+struct FrameSpan {
+  size_t first = 0;
+  size_t last = 0;
+};
+
+/// Frames with a pose, by the coordinate that tells them apart best.
+struct SortedPoses {
+  size_t axis = 0;
+  std::vector<size_t> known;
+  std::vector<FrameSpan> unknown;
+  size_t unknown_frames = 0;
+};
+
+// The coordinate with the largest extent.
+size_t longest_axis(const Poses& poses) {
+  const std::array<double, 3> extents = extents_of(poses);
+  return static_cast<size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
+}
+
+SortedPoses sort_poses(const Poses& poses) {
+  SortedPoses sorted;
+  sorted.axis = longest_axis(poses);
+  for (size_t i = 0; i < poses.size(); ++i) {
+    auto& unknown = sorted.unknown;
+    if (poses[i])
+      sorted.known.push_back(i);
+    else if (++sorted.unknown_frames; !unknown.empty() && unknown.back().last + 1 == i)
+      unknown.back().last = i;
+    else
+      unknown.push_back({i, i});
+  }
+  std::stable_sort(sorted.known.begin(), sorted.known.end(), [&](size_t a, size_t b) {
+    return poses[a]->position[sorted.axis] < poses[b]->position[sorted.axis];
+  });
+  return sorted;
+}
+
+// Where the radius reaches from end to end, every pair is near; this is known before the work.
+bool is_everything_near(const Poses& query, const Poses& train, const Nearness& nearness) {
+  Poses all = query;
+  all.insert(all.end(), train.begin(), train.end());
+  const auto [x, y, z] = extents_of(all);
+  return !nearness.angle_deg && std::hypot(x, y, z) <= nearness.radius_m;
+}
+
+[[noreturn]] void refuse_pairs(const GroundTruthBuilder& builder, const Nearness& nearness) {
+  builder.fail(
+      fmt::format("more than {} pairs of frames lie within {} m. Use a smaller --radius, "
+                  "or fewer frames (vpr-query --fps)",
+                  kMostPairs, nearness.radius_m));
+}
+
+std::vector<size_t> near_frames(const Pose& query, const Poses& train, const SortedPoses& sorted,
+                                const Nearness& nearness, const GroundTruthBuilder& builder) {
+  const auto offset = [&](size_t frame) {
+    return train[frame]->position[sorted.axis] - query.position[sorted.axis];
+  };
+  const auto first =
+      std::partition_point(sorted.known.begin(), sorted.known.end(),
+                           [&](size_t frame) { return offset(frame) < -nearness.radius_m; });
+  const auto end = std::partition_point(
+      first, sorted.known.end(), [&](size_t frame) { return offset(frame) <= nearness.radius_m; });
+  std::vector<size_t> frames;
+  for (auto frame = first; frame != end; ++frame)
+    if (is_near(query, *train[*frame], nearness, builder)) frames.push_back(*frame);
+  std::sort(frames.begin(), frames.end());
+  return frames;
+}
+
+Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> usual_radius_m) {
+  const GroundTruthOptions& options = builder.argument().options;
+  if (!options.radius_m && !usual_radius_m)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: poses need the radius in metres within which frames show the same "
+                    "place, as in --radius 2 (in a corridor 1 to 3, on a road often 25), or "
+                    "\"radius_m\" in a data set",
+                    builder.argument().path.string()));
+  const Nearness nearness{options.radius_m ? *options.radius_m : *usual_radius_m,
+                          options.angle_deg};
+  const auto is_length = [](double value) { return value >= 0 && std::isfinite(value); };
+  if (!is_length(nearness.radius_m) || !is_length(nearness.angle_deg.value_or(0)))
+    throw Error(ErrorKind::usage, "radius and angle of a ground truth must be numbers, 0 or more");
+  return nearness;
+}
+
+void warn_of_large_share(const GroundTruthBuilder& builder, const Nearness& nearness, uint64_t same,
+                         uint64_t pairs) {
+  if (static_cast<double>(same) <= kLargeShare * static_cast<double>(pairs)) return;
+  builder.warn_user(fmt::format(
+      "{}: within {} m lie {:.0f} % of all pairs of frames, so hardly a match can be wrong; is a "
+      "smaller --radius meant?",
+      builder.argument().path.string(), nearness.radius_m,
+      100 * static_cast<double>(same) / static_cast<double>(pairs)));
+}
+
+std::string describe(const Nearness& nearness, int tolerance_frames, size_t unknown_query,
+                     size_t unknown_train) {
+  std::string text = fmt::format("within {} m", nearness.radius_m);
+  if (nearness.angle_deg) text += fmt::format(" and {} degrees", *nearness.angle_deg);
+  if (tolerance_frames != 0)
+    text += fmt::format(", and {} more", counted(static_cast<uint64_t>(tolerance_frames), "frame"));
+  if (unknown_query + unknown_train > 0)
+    text += fmt::format("; {} query and {} training frames without a pose are ignored",
+                        unknown_query, unknown_train);
+  return text;
+}
+
 }  // namespace
 
 std::string read_poses(GroundTruthBuilder& builder) {
@@ -123,5 +261,61 @@ bool is_pose_csv(const FileStart& start) {
 bool is_tum(const FileStart& start) { return has_numbers(start.first_line, 8); }
 
 bool is_kitti(const FileStart& start) { return has_numbers(start.first_line, 12); }
+
+std::array<double, 3> extents_of(const Poses& poses) {
+  std::array<double, 3> extents{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    double least = std::numeric_limits<double>::infinity();
+    double greatest = -least;
+    for (const auto& pose : poses) {
+      if (!pose) continue;
+      least = std::min(least, pose->position[axis]);
+      greatest = std::max(greatest, pose->position[axis]);
+    }
+    extents[axis] = greatest - least;
+  }
+  return extents;
+}
+
+std::optional<double> angle_between(const Pose& a, const Pose& b) {
+  if (a.heading_deg && b.heading_deg)
+    return std::abs(std::remainder(*a.heading_deg - *b.heading_deg, 360.0));
+  if (!a.orientation || !b.orientation) return std::nullopt;
+  const double trace =
+      std::inner_product(a.orientation->begin(), a.orientation->end(), b.orientation->begin(), 0.0);
+  return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
+                        const Poses& train, std::optional<double> usual_radius_m,
+                        const std::vector<bool>& nowhere) {
+  const Nearness nearness = find_nearness(builder, usual_radius_m);
+  const SortedPoses sorted = sort_poses(train);
+  if (uint64_t{query.size()} * sorted.known.size() > kMostPairs &&
+      is_everything_near(query, train, nearness))
+    refuse_pairs(builder, nearness);
+  uint64_t known = 0;
+  uint64_t same = 0;
+  uint64_t unknown = 0;
+  for (size_t frame = 0; frame < query.size(); ++frame) {
+    builder.check_stop();
+    if (frame < nowhere.size() && nowhere[frame]) continue;
+    if (!query[frame]) {
+      ++unknown;
+      if (!train.empty()) builder.add(frame, sequence, 0, train.size() - 1, PlaceLabel::ignore);
+      continue;
+    }
+    ++known;
+    for (const size_t reference : near_frames(*query[frame], train, sorted, nearness, builder)) {
+      builder.add(frame, sequence, reference, reference, PlaceLabel::same);
+      ++same;
+    }
+    if (same > kMostPairs) refuse_pairs(builder, nearness);
+    for (const FrameSpan& span : sorted.unknown)
+      builder.add(frame, sequence, span.first, span.last, PlaceLabel::ignore);
+  }
+  warn_of_large_share(builder, nearness, same, known * sorted.known.size());
+  return describe(nearness, builder.argument().tolerance_frames, unknown, sorted.unknown_frames);
+}
 
 }  // namespace vpr

@@ -1,16 +1,47 @@
-// Where frames were taken, the distance travelled, and the walls around them.
+// Positions of frames as CSV: poses for ground truths, routes and walls for maps, distances
+// traveled.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "ground_truth/gps.h"
 #include "images/selection.h"
 
 namespace vpr {
 
 struct Monitor;
+
+/// Metres, and degrees.
+struct CsvPose {
+  std::array<double, 3> position{};   ///< x, y and 0, or on the earth (gps.h)
+  std::optional<Geographic> place;    ///< of files with latitudes and longitudes
+  std::optional<double> heading_deg;  ///< none without such a column
+  std::string floor;                  ///< empty without such a column
+};
+
+/// How many frames the sequence has: `frames` of them or, where that is not known, one more than
+/// the largest that is named, which must be below `most_frames`.
+struct PoseCsvRules {
+  std::optional<size_t> frames;
+  size_t most_frames = 10'000'000;
+};
+
+/// Whether a header has the columns that poses need: frame, x and y.
+bool has_pose_columns(const std::vector<std::string>& header);
+
+/// One entry a frame; nothing for a frame without a line or, in a file that has latitudes and
+/// longitudes (gps.h) instead of x and y, without a fix. `path` may end in a range
+/// (poses.csv@100:200): then its frames count from the range's first, in its steps, and others are
+/// left out. Frames may stand in any order; other columns than these, heading and floor are not
+/// looked at. Throws Error(input) if the file can't be read, Error(data), naming the line, if
+/// it is damaged, a frame is out of range or given twice, or the range has another number of
+/// frames.
+std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& path,
+                                                  const PoseCsvRules& rules);
 
 /// Metres on the plan.
 struct RoutePoint {
@@ -28,18 +59,15 @@ struct WallLine {
 /// Where each frame was taken, up to the last that has a line; nothing for frames without one.
 using Route = std::vector<std::optional<RoutePoint>>;
 
-/// Throws as read_pose_csv does. Of a file with latitudes and longitudes x and y are metres to the
-/// east and north of its first fix.
-Route read_route(const std::filesystem::path& path);
-
 /// Several of one map, in one plane.
 struct Routes {
   std::vector<Route> routes;
   bool is_gps = false;  ///< x and y are metres east and north of the first fix of the first file
 };
 
-/// One route a path, empty for an empty path. Throws as read_pose_csv does, and Error(data) where
-/// some files have latitudes and others metres.
+/// One route per path, empty for an empty path. x and y of files with latitudes and longitudes are
+/// meters east and north of the first fix. Throws the errors of read_pose_csv, and Error(data) if
+/// only some files have latitudes.
 Routes read_routes(const std::vector<std::filesystem::path>& paths);
 
 /// A CSV with columns place, x, y and maybe floor, one line a view: the first of each place, in the

@@ -1,12 +1,14 @@
-// The rate of a sequence, and the frames of it that another rate keeps.
+// The rate of a sequence, and the frames that another rate keeps, of a recording or as they arrive.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "base/monitor.h"
+#include "images/live_source.h"
 #include "images/sequence_argument.h"
 
 namespace vpr {
@@ -31,5 +33,13 @@ bool is_named_by_time(const std::filesystem::path& file);
 
 /// The times of frames that are taken at an even rate, in nanoseconds.
 std::vector<int64_t> even_times(size_t frames, double fps);
+
+/// The frames of `source` that Thinner keeps at `fps`, a rate that check_fps takes. When a frame
+/// was taken, the name of its image says (is_named_by_time, in the unit of the first); of other
+/// names, they come evenly, `recorded_fps` a second. Each frame is given when the next one is
+/// there. Throws Error(usage) for the first frame if neither says it, Error(data) for times that do
+/// not rise.
+std::unique_ptr<LiveSource> open_thinned_source(std::unique_ptr<LiveSource> source, double fps,
+                                                std::optional<double> recorded_fps);
 
 }  // namespace vpr

@@ -10,7 +10,7 @@
 
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "ground_truth/numbers.h"
+#include "ground_truth/text_file.h"
 #include "images/video_reader.h"
 
 namespace vpr {

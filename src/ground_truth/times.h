@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "ground_truth/file_location.h"
+#include "ground_truth/text_file.h"
 #include "images/sequence.h"
 
 namespace vpr {

@@ -13,9 +13,9 @@
 #include "base/mapped_file.h"
 #include "base/text.h"
 #include "ground_truth/gps.h"
-#include "ground_truth/numbers.h"
-#include "ground_truth/pose_csv.h"
 #include "ground_truth/poses.h"
+#include "ground_truth/route.h"
+#include "ground_truth/text_file.h"
 #include "ground_truth/times.h"
 
 namespace vpr {

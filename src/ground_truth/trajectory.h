@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "ground_truth/formats.h"
-#include "ground_truth/pose_matches.h"
+#include "ground_truth/poses.h"
 
 namespace vpr {
 

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "ground_truth/builder.h"
-#include "ground_truth/numbers.h"
+#include "ground_truth/text_file.h"
 #include "images/sequence.h"
 
 namespace vpr {

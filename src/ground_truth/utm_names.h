@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "ground_truth/formats.h"
-#include "ground_truth/pose_matches.h"
+#include "ground_truth/poses.h"
 
 namespace vpr {
 

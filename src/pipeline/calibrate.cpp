@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/monitor.h"
 #include "evaluation/counts.h"
-#include "evaluation/labelled_scan.h"
+#include "evaluation/matrix_scan.h"
 
 namespace vpr {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "evaluation/localisation.h"
+#include "evaluation/judgement.h"
 #include "ground_truth/route.h"
 
 namespace vpr {

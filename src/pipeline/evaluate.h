@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/counts.h"
 #include "evaluation/judgement.h"
-#include "evaluation/view_counts.h"
 #include "ground_truth/ground_truth.h"
 
 namespace vpr {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "database/sequence_database.h"
-#include "ground_truth/loop_gap.h"
+#include "ground_truth/loop_list.h"
 #include "recognition/query_settings.h"
 
 namespace vpr {

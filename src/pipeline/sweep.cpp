@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "evaluation/labelled_scan.h"
+#include "evaluation/matrix_scan.h"
 #include "matching/fastable_batch.h"
 #include "matching/rates.h"
 #include "pipeline/query_steps.h"

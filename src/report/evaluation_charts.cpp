@@ -8,8 +8,7 @@
 
 #include "base/json.h"
 #include "evaluation/metrics.h"
-#include "evaluation/recall_at.h"
-#include "evaluation/risk_coverage.h"
+#include "evaluation/outcomes.h"
 #include "report/evaluation_report.h"
 #include "report/frame_axis.h"
 #include "report/metrics_report.h"

@@ -4,7 +4,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "ground_truth/fingerprint.h"
+#include "ground_truth/check.h"
 #include "matching/methods.h"
 #include "report/json_fields.h"
 #include "report/metrics_report.h"

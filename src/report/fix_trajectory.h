@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ground_truth/pose_matches.h"
+#include "ground_truth/poses.h"
 
 namespace vpr {
 

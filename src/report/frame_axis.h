@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/score_layout.h"
+#include "evaluation/score_matrix.h"
 
 namespace vpr {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "evaluation/risk_coverage.h"
+#include "evaluation/metrics.h"
 #include "report/chart_layout.h"
 #include "report/chart_svg.h"
 #include "report/evaluation_charts.h"

@@ -6,7 +6,7 @@
 
 #include "base/json_fwd.h"
 #include "base/output.h"
-#include "evaluation/score_layout.h"
+#include "evaluation/score_matrix.h"
 #include "matching/rows.h"
 #include "recognition/result.h"
 

@@ -7,8 +7,7 @@
 
 #include "base/json.h"
 #include "evaluation/metrics.h"
-#include "evaluation/precision_at.h"
-#include "evaluation/recall_at.h"
+#include "evaluation/outcomes.h"
 #include "report/json_fields.h"
 
 namespace vpr {

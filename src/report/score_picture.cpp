@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/statistics.h"
-#include "ground_truth/label_runs.h"
+#include "ground_truth/ground_truth.h"
 
 namespace vpr {
 namespace {

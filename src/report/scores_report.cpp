@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "ground_truth/fingerprint.h"
+#include "ground_truth/check.h"
 #include "report/evaluation_report.h"
 #include "report/json_fields.h"
 #include "report/metrics_report.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ground_truth/label_runs.h"
+#include "ground_truth/ground_truth.h"
 
 namespace vpr {
 

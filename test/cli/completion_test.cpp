@@ -12,7 +12,7 @@ TEST_CASE("every program writes completions and a manual page that know all its 
   for (const std::string program :
        {"vpr-train", "vpr-query", "vpr-eval", "vpr-tune", "vpr-bench", "vpr-synth"}) {
     const std::string help = run_program(program, {"--help"}).out;
-    for (const std::string kind : {"bash", "zsh", "fish", "man"}) {
+    for (const std::string kind : {"bash", "man"}) {
       const auto run = run_program(program, {"--completion", kind});
       CHECK(run.exit_code == 0);
       for (size_t at = 0; (at = help.find("\n  --", at)) != std::string::npos; ++at) {
@@ -25,7 +25,7 @@ TEST_CASE("every program writes completions and a manual page that know all its 
         CHECK(run.out.find(name) != std::string::npos);
       }
     }
-    CHECK(run_program(program, {"--completion", "tcsh"}).exit_code == 2);
+    CHECK(run_program(program, {"--completion", "zsh"}).exit_code == 2);
   }
 }
 

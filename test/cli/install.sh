@@ -8,8 +8,7 @@ trap 'rm -rf "$out"' EXIT
 "$cmake" --install "$build" --prefix "$out" >/dev/null
 for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
   [[ $("$out/bin/$program" --version) == "$program "* ]]
-  for file in bash-completion/completions/$program zsh/site-functions/_$program \
-    fish/vendor_completions.d/$program.fish man/man1/$program.1; do
+  for file in bash-completion/completions/$program man/man1/$program.1; do
     [[ -s $out/share/$file ]] || { echo "$file is missing"; exit 1; }
   done
   bash -n "$out/share/bash-completion/completions/$program"
@@ -30,21 +29,3 @@ expect "markdown" vpr-eval compare --format m
 expect "--block" vpr-eval compare --b
 expect "compare" vpr-eval comp
 expect "" vpr-eval --html ""
-
-# zsh's own helpers, which need a terminal, are replaced by ones that print what they are given.
-zsh_offers() {  # the words of a command line
-  zsh -f -c '
-    _arguments() { print -rl -- "$@" }
-    words=("${@:2}")
-    CURRENT=$#words
-    source "$1"' zsh "$out/share/zsh/site-functions/_$1" "$@"
-}
-zsh_offers vpr-eval --tol | grep -F -- "--tolerance[" >/dev/null
-zsh_offers vpr-eval --tol | grep -F -- "(text csv markdown latex)" >/dev/null
-zsh_offers vpr-eval compare --b | grep -F -- "--block[" >/dev/null
-[[ $(zsh_offers vpr-eval compare --b) != *"--tolerance["* ]]
-fish_offers() { fish -N -c "source '$out/share/fish/vendor_completions.d/$1.fish'; complete -C '$*'"; }
-[[ $(fish_offers vpr-eval --tol | cut -f1) == --tolerance ]]
-[[ $(fish_offers vpr-eval compare --b | cut -f1) == --block ]]
-[[ $(fish_offers vpr-eval comp | cut -f1) == compare ]]
-[[ $(fish_offers vpr-eval --format m | cut -f1) == markdown ]]

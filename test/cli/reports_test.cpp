@@ -76,7 +76,7 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
   std::map<std::string, std::vector<std::optional<RoutePoint>>> routes;
   for (const Json& train : dataset["train"])
     routes[train["name"].get<std::string>()] =
-        read_route(folder / train["poses"].get<std::string>());
+        read_routes({folder / train["poses"].get<std::string>()}).routes.front();
   const double rate = dataset.value("fps", 1.0);
   std::string expected =
       dataset.contains("fps") ? "# time (s) x y z qx qy qz qw\n" : "# time x y z qx qy qz qw\n";
@@ -111,7 +111,9 @@ TEST_CASE("fixes are written from a trajectory with times, of another rate than 
   const Json dataset = Json::parse(test::read_text(world().dataset()));
   const auto folder = std::filesystem::path(world().dataset()).parent_path();
   const auto frames =
-      static_cast<int>(read_route(folder / dataset["train"][0]["poses"].get<std::string>()).size());
+      static_cast<int>(read_routes({folder / dataset["train"][0]["poses"].get<std::string>()})
+                           .routes.front()
+                           .size());
   for (int i = 0; i < 2 * frames; ++i)
     poses += fmt::format("{} {} 0 {} 0 0 0 1\n", 100 + 0.25 * i, 0.25 * i, 0.5 * i);
   std::string expected = "# time (s) x y z qx qy qz qw\n";

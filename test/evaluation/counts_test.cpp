@@ -2,8 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "evaluation/view_counts.h"
-
 using namespace vpr;
 
 namespace {

@@ -1,8 +1,7 @@
-#include "evaluation/labelled_scan.h"
-
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "evaluation/matrix_scan.h"
 #include "matching/row_kernels.h"
 
 using namespace vpr;

@@ -1,9 +1,8 @@
-#include "evaluation/localisation.h"
-
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
 #include "base/monitor.h"
+#include "evaluation/judgement.h"
 #include "ground_truth/route.h"
 #include "support.h"
 

@@ -7,8 +7,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "evaluation/average_precision.h"
-#include "evaluation/full_precision_recall.h"
+#include "evaluation/metrics.h"
 #include "support.h"
 
 using namespace vpr;

@@ -8,8 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "evaluation/pair_curve.h"
-#include "evaluation/recall_at.h"
+#include "evaluation/outcomes.h"
 #include "support.h"
 
 using namespace vpr;

@@ -7,14 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "evaluation/average_precision.h"
-#include "evaluation/extended_precision.h"
-#include "evaluation/full_precision_recall.h"
-#include "evaluation/max_f1.h"
-#include "evaluation/precision_at.h"
-#include "evaluation/recall_achievement.h"
-#include "evaluation/risk_coverage.h"
-#include "evaluation/roc_auc.h"
+#include "evaluation/outcomes.h"
 
 using namespace vpr;
 

@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "evaluation/judgement.h"
-#include "evaluation/recall_at.h"
 #include "support.h"
 
 using namespace vpr;

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/random.h"
-#include "evaluation/best_pairs.h"
+#include "evaluation/matrix_scan.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,7 +1,7 @@
 // A file of --config: settings of every method, and a small query with those that are accepted.
 #include "base/json.h"
 #include "bench/generated.h"
-#include "common/config_file.h"
+#include "common/parser.h"
 #include "fuzz.h"
 #include "pipeline/fabmap_query.h"
 #include "pipeline/query.h"

@@ -1,8 +1,8 @@
-#include "ground_truth/kept_labels.h"
-
 #include <random>
 
 #include <catch2/catch.hpp>
+
+#include "ground_truth/ground_truth.h"
 
 using namespace vpr;
 

@@ -1,12 +1,11 @@
 // Labels as runs: read, checked, written and compared by content.
-#include "ground_truth/label_runs.h"
-
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "ground_truth/fingerprint.h"
+#include "ground_truth/check.h"
+#include "ground_truth/ground_truth.h"
 #include "ground_truth/truth_files.h"
 
 using namespace vpr;

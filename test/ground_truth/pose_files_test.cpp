@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "ground_truth/pose_matches.h"
+#include "ground_truth/poses.h"
 #include "ground_truth/truth_files.h"
 #include "ground_truth/utm_names.h"
 

@@ -23,7 +23,7 @@ TEST_CASE("a route is read by the names of its columns") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv",
                    "frame,time,x,y,heading,floor\n0,0,1,2,90,a\n2,0.2,1.5,2.5,0,b\n");
-  const auto route = read_route(folder / "p.csv");
+  const auto route = read_routes({folder / "p.csv"}).routes.front();
   REQUIRE(route.size() == 3);
   CHECK(route[0]->x == 1);
   CHECK(route[0]->floor == "a");
@@ -57,7 +57,7 @@ TEST_CASE("damaged routes are errors in the data") {
        {"", "frame,x\n0,1\n", "frame,x,y\n0,1\n", "frame,x,y\n-1,1,1\n",
         "frame,x,y\n99999999999999999999,1,1\n", "frame,x,y\n0,one,1\n", "frame,x,y\n0,nan,1\n",
         "frame,x,y\n0,1e999,1\n", "frame,x,y\n0,1,1\n0,2,2\n"})
-    CHECK(kind_of(text, read_route) == ErrorKind::data);
+    CHECK(kind_of(text, [](const auto& path) { return read_routes({path}); }) == ErrorKind::data);
   CHECK(kind_of("x0,y0,x1\n0,0,0\n", read_walls) == ErrorKind::data);
   CHECK(kind_of("place,x\na,0\n", read_place_positions) == ErrorKind::data);
 }

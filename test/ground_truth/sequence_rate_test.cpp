@@ -5,7 +5,6 @@
 #include <opencv2/core/mat.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "ground_truth/thinned_source.h"
 #include "images/frames.h"
 #include "images/selection.h"
 #include "images/sequence.h"

@@ -11,7 +11,7 @@
 #include "base/random.h"
 #include "base/simd.h"
 #include "examples.h"
-#include "ground_truth/loop_gap.h"
+#include "ground_truth/loop_list.h"
 #include "ground_truth/times.h"
 #include "matching/methods.h"
 #include "matching/past_scores.h"

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "evaluation/result_loops.h"
+#include "evaluation/loops.h"
 #include "examples.h"
 #include "ground_truth/times.h"
 #include "matching/plain.h"

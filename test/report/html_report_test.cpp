@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/json.h"
-#include "evaluation/risk_coverage.h"
+#include "evaluation/metrics.h"
 #include "images/sequence.h"
 #include "report/gallery.h"
 #include "report/html_text.h"

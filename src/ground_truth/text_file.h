@@ -1,16 +1,47 @@
-// A CSV file as rows whose fields are asked for by the names of their columns.
+// Text files: locations for errors, strict numbers, the cells of a line, and CSV rows by column.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
+#include <cstdint>
+#include <optional>
 #include <vector>
-
+#include <filesystem>
 #include "base/csv.h"
 #include "base/mapped_file.h"
-#include "ground_truth/file_location.h"
 
 namespace vpr {
+
+/// A file and a line or row of it, for errors.
+struct FileLocation {
+  std::string file;
+  std::string_view unit = {};  ///< "line" or "row"; empty: the file as a whole
+  size_t number = 0;
+
+  void at(std::string_view new_unit, size_t new_number) {
+    unit = new_unit;
+    number = new_number;
+  }
+  /// "poses.csv, line 3".
+  std::string text() const;
+  /// Throws Error(data): "poses.csv, line 3: WHAT".
+  [[noreturn]] void fail(std::string_view what) const;
+};
+
+/// The frame that `text` names: digits, maybe after a minus. Nothing if it is no whole number.
+struct FrameText {
+  bool in_range = false;  ///< neither negative nor too large for 64 bits
+  size_t value = 0;
+};
+std::optional<FrameText> parse_frame(std::string_view text);
+
+/// A finite number with a decimal point, for every locale; a leading + is allowed. Nothing
+/// otherwise.
+std::optional<double> parse_real(std::string_view text);
+
+/// The cells of a line, divided by commas, blanks around them left out, or by blanks where the line
+/// has no comma.
+std::vector<std::string_view> cells_of(std::string_view line);
 
 /// Columns may stand in any order; those that nobody asks for are not looked at.
 class NamedRows {

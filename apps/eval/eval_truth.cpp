@@ -1,0 +1,167 @@
+#include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/text.h"
+#include "descriptors/array_rows.h"
+#include "eval_commands.h"
+#include "evaluation/counts.h"
+#include "ground_truth/check.h"
+#include "ground_truth/formats.h"
+#include "images/frames.h"
+#include "images/sequence.h"
+#include "images/sequence_argument.h"
+#include "report/ground_truth_report.h"
+#include "report/result_file.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr uint64_t kMostFrames = uint64_t{1} << 22;
+
+size_t count_frames(const SequenceArgument& argument, const Monitor& monitor) {
+  const Sequence sequence = open_sequence(argument);
+  if (sequence.kind == SequenceKind::descriptors) return ArrayRows(sequence).count();
+  if (sequence.kind == SequenceKind::images) return sequence.files.size();
+  return for_each_frame(sequence, PixelFormat::grey, Unreadable::skip, monitor,
+                        [](size_t, const cv::Mat&) {})
+      .count();
+}
+
+GroundTruthScope scope_of_sequences(const ScopeInputs& inputs, const Monitor& monitor) {
+  std::vector<SequenceArgument> arguments;
+  for (const std::string& text : inputs.train) arguments.push_back(parse_sequence_argument(text));
+  const std::vector<std::string> names = sequence_names(arguments);
+  GroundTruthScope scope;
+  const auto names_of = [](const SequenceArgument& argument) {
+    return [argument] { return frame_names(argument); };
+  };
+  const SequenceArgument query = parse_sequence_argument(inputs.query);
+  scope.query_frames = count_frames(query, monitor);
+  scope.query_names = names_of(query);
+  for (size_t s = 0; s < arguments.size(); ++s) {
+    scope.sequences.push_back({names[s], count_frames(arguments[s], monitor)});
+    scope.sequences.back().names = names_of(arguments[s]);
+  }
+  return scope;
+}
+
+void run(Session& session, const CheckInputs& inputs) {
+  session.claim_output();
+  const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
+  const InspectedGroundTruth found =
+      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
+  const Json json = ground_truth_report_json(found, summarise(found, session.monitor), session.run);
+  session.write_output(json);
+  std::string text = render_table(ground_truth_table(json), inputs.format);
+  if (inputs.format == TableFormat::text) text += ground_truth_examples(json);
+  session.print_result(text, json);
+  require_undamaged(found, inputs.ground_truth);
+}
+
+bool is_written(const GroundTruthFormat& format) { return format.write != nullptr; }
+
+const GroundTruthFormat& find_target(const std::string& name) {
+  const GroundTruthFormat& format = find_format(name);
+  if (!is_written(format))
+    throw Error(ErrorKind::usage,
+                fmt::format("a ground truth can't be turned into {}; --to takes {}", format.name,
+                            format_names(is_written)));
+  return format;
+}
+
+void run(Session& session, const ConvertInputs& inputs) {
+  const CommonOptions& options = session.options;
+  if (options.output.empty())
+    throw Error(ErrorKind::usage, "give the file to write, as in -o pairs.csv");
+  const GroundTruthFormat& target = find_target(inputs.target);
+  session.claim_output();
+  const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
+  const InspectedGroundTruth found =
+      inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
+  require_undamaged(found, inputs.ground_truth);
+  const GroundTruthSummary summary = summarise(found, session.monitor);
+  const bool holds_ignored = target.ignores_in.empty() ||
+                             std::filesystem::path(options.output).extension() == target.ignores_in;
+  if (summary.ignored > 0 && !holds_ignored)
+    warn(session.monitor, fmt::format("{} to ignore become different: {} can't say that",
+                                      counted(summary.ignored, "pair"), target.name));
+  target.write(found, session.outputs.file(options.output), session.monitor);
+  session.print_result(fmt::format("{} ({}) to {} ({}): {}, {} of the same place, {} ignored\n",
+                                   inputs.ground_truth, found.format, options.output, target.name,
+                                   counted(summary.query_frames, "query frame"),
+                                   counted(summary.same, "pair"), summary.ignored),
+                       conversion_json(found, summary, target.name));
+}
+
+}  // namespace
+
+void add_scope_flags(const Command& command, ScopeInputs& inputs) {
+  constexpr const char* kGroup = "Numbers of frames (default: those of the ground truth)";
+  command.add_option("--result", inputs.result, "those of a result of vpr-query").group(kGroup);
+  command.add_option("--query", inputs.query, "those of this query: folder, list or video")
+      .group(kGroup);
+  command.add_list("--train", inputs.train, "and of this training sequence; repeatable")
+      .group(kGroup);
+  command.add_option("--query-frames", inputs.query_frames, "a number")
+      .type_name("NUMBER")
+      .group(kGroup);
+  command.add_option("--train-frames", inputs.train_frames, "a number")
+      .type_name("NUMBER")
+      .group(kGroup);
+}
+
+GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
+  const bool has_sequences = !inputs.query.empty() || !inputs.train.empty();
+  const bool has_numbers = inputs.query_frames || inputs.train_frames;
+  if (int{!inputs.result.empty()} + int{has_sequences} + int{has_numbers} > 1)
+    throw Error(
+        ErrorKind::usage,
+        "give the numbers of frames once: --result, --query with --train, or --query-frames "
+        "with --train-frames");
+  if (!inputs.result.empty()) return scope_of(read_result(inputs.result, monitor).result);
+  if (has_sequences) {
+    if (inputs.query.empty() || inputs.train.empty())
+      throw Error(ErrorKind::usage, "give both --query and --train");
+    return scope_of_sequences(inputs, monitor);
+  }
+  if (!has_numbers) return {kUnknownFrames, {{"", kUnknownFrames}}};
+  if (!inputs.query_frames || !inputs.train_frames)
+    throw Error(ErrorKind::usage, "give both --query-frames and --train-frames");
+  if (*inputs.query_frames > kMostFrames || *inputs.train_frames > kMostFrames)
+    throw Error(ErrorKind::usage, fmt::format("numbers of frames go up to {}", kMostFrames));
+  return {*inputs.query_frames, {{"", *inputs.train_frames}}};
+}
+
+void add_check(Program& program, CheckInputs& inputs) {
+  const Command command = program.add_command(
+      "check",
+      "Look for what is odd in a ground truth: indices out of range, contradictions (exit code 4), "
+      "duplicates, one-sided pairs, queries without a match.",
+      "  vpr-eval check ground_truth.csv --query corridor/query --train corridor/ref\n"
+      "  vpr-eval check GT.npz --json",
+      [&inputs](Session& session) { run(session, inputs); });
+  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
+  add_setting(command, "--format", inputs.format, "of the table: text, csv, markdown or latex");
+  add_ground_truth_flags(command, inputs.flags);
+  add_scope_flags(command, inputs.scope);
+}
+
+void add_convert(Program& program, ConvertInputs& inputs) {
+  const Command command = program.add_command(
+      "convert", "Turn a ground truth into another format.",
+      "  vpr-eval convert ground_truth_new.npy --to pairs -o pairs.csv\n"
+      "  vpr-eval convert query.csv --ground-truth-reference ref.csv --radius 5 --to matrix "
+      "-o GT.npz\n"
+      "  vpr-eval convert aligned --tolerance 3 --query-frames 111 --train-frames 111 --to pairs "
+      "-o pairs.csv",
+      [&inputs](Session& session) { run(session, inputs); });
+  command.add_option("GROUND-TRUTH", inputs.ground_truth, ground_truth_help()).required();
+  command.add_option("--to", inputs.target, format_names(is_written)).required();
+  add_ground_truth_flags(command, inputs.flags, "--from,--ground-truth-format");
+  add_scope_flags(command, inputs.scope);
+}
+
+}  // namespace vpr
