@@ -2,7 +2,7 @@
 # Includes may only go from a later stage to an earlier one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-stages=(base images ground_truth synth descriptors database matching recognition evaluation pipeline report bench cluster)
+stages=(base images ground_truth synth descriptors database matching recognition evaluation pipeline report bench)
 declare -A rank
 for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done
 # These stand side by side: none may include another.

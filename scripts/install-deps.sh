@@ -3,8 +3,7 @@
 #   scripts/install-deps.sh            build, test, demo
 #   scripts/install-deps.sh --check    also what scripts/check.sh needs
 #   scripts/install-deps.sh --package  also what building and testing the Debian package needs
-#   scripts/install-deps.sh --cluster  also what trees of experiments and MPI need (docs/clusters.md)
-#   scripts/install-deps.sh --mpi      also MPI alone
+#   scripts/install-deps.sh --cluster  also what trees of experiments need (docs/clusters.md)
 #   scripts/install-deps.sh --arm64    also what scripts/test-arm64.sh needs
 #   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs build on
 set -euo pipefail
@@ -17,7 +16,6 @@ packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}" python3-jsonsch
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --package ]] && packages+=(dpkg-dev file mmdebstrap)
 [[ ${1:-} == --cluster ]] && packages+=(snakemake)
-[[ ${1:-} == --cluster || ${1:-} == --mpi ]] && packages+=(libopenmpi-dev openmpi-bin)
 [[ ${1:-} == --arm64 ]] && packages+=(crossbuild-essential-arm64 mmdebstrap qemu-user-static)
 
 missing=()

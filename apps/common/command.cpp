@@ -13,7 +13,6 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "base/error.h"
 #include "base/json.h"
@@ -38,27 +37,9 @@ void on_signal(int number) {
   std::signal(number, SIG_DFL);  // a second Ctrl-C ends the program at once
 }
 
-std::string joining_program;  // of the first process, while MPI_Init waits for the others
-
-// MPI_Init does not return when stop_wanted is set. Nothing has been written before its end.
-void end_while_joining(int) {
-  const auto say = [](std::string_view text) {
-    return ::write(STDERR_FILENO, text.data(), text.size()) >= 0;
-  };
-  if (!joining_program.empty() && say(joining_program)) say(": interrupted; nothing was written\n");
-  ::_exit(exit_code(ErrorKind::interrupted));
-}
-
-void on_stop_signals(void (*handler)(int)) {
-  std::signal(SIGINT, handler);
-  std::signal(SIGTERM, handler);
-}
-
-// Of several processes, the first one prints.
-bool is_first_process() { return launched_index().value_or(0) == 0; }
-
 void set_up_process() {
-  on_stop_signals(on_signal);
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   cv::setNumThreads(1);        // frames are worked on in parallel, not parts of one
@@ -66,17 +47,15 @@ void set_up_process() {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   std::cerr.rdbuf(nullptr);  // OpenCV's codecs write there, and nothing of ours
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
-  if (!is_first_process() && std::freopen("/dev/null", "w", stdout) == nullptr) std::abort();
 }
 
 std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {
   auto logger = std::make_shared<spdlog::logger>(
       "vpr", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
   logger->set_pattern("%^%l%$: %v");
-  logger->set_level(!is_first_process() ? spdlog::level::off
-                    : options.quiet     ? spdlog::level::err
-                    : options.verbose   ? spdlog::level::debug
-                                        : spdlog::level::info);
+  logger->set_level(options.quiet     ? spdlog::level::err
+                    : options.verbose ? spdlog::level::debug
+                                      : spdlog::level::info);
   return logger;
 }
 
@@ -120,24 +99,19 @@ Program::Program(const std::string& name, const std::string& description,
 }
 
 Command Program::add_command(const std::string& name, const std::string& description,
-                             const std::string& example, std::function<void(Session&)> run,
-                             Processes processes) {
+                             const std::string& example, std::function<void(Session&)> run) {
   const Command command =
-      parser_.add_command(name, description, [this, run = std::move(run), processes] {
-        run_ = run;
-        processes_ = processes;
-      });
+      parser_.add_command(name, description, [this, run = std::move(run)] { run_ = run; });
   command.add_footer(last_sections(example));
   add_common_flags(command);
   if (!run_) parser_.require_command(true);
   return command;
 }
 
-void Program::set_run(std::function<void(Session&)> run, Processes processes) {
+void Program::set_run(std::function<void(Session&)> run) {
   add_common_flags(command());
   parser_.require_command(false);
   run_ = std::move(run);
-  processes_ = processes;
 }
 
 void Program::add_common_flags(const Command& command) {
@@ -177,29 +151,10 @@ void Program::add_config_option(const Command& command,
       .read_first();
 }
 
-void Program::join_others() {
-  if (!launched_index()) return;
-  if (processes_ == Processes::one)
-    throw Error(ErrorKind::usage, "this is work for one process: leave mpirun out");
-  if (is_first_process()) joining_program = name_;
-  on_stop_signals(end_while_joining);
-  group_ = join_processes(stop_wanted);
-  on_stop_signals(on_signal);
-}
-
-// The others wait until the first process has written and printed all. Gives what each did.
-std::vector<std::string> Program::end_together() {
-  if (!group_) return {};
-  std::vector<std::string> lines;
-  if (common_.verbose) lines = group_->report();
-  group_->end();
-  return lines;
-}
-
 void Program::run_session(int argc, char** argv) {
   const auto logger = make_logger(common_);
   mute_codecs();
-  ProgressLine progress(!common_.quiet && is_first_process());
+  ProgressLine progress(!common_.quiet);
   Monitor monitor;
   monitor.progress = [&](const std::string& step, size_t done, size_t total) {
     progress.show(step, done, total);
@@ -216,17 +171,13 @@ void Program::run_session(int argc, char** argv) {
   const MegapixelLimit pixels(common_.max_megapixels);
   const char* simd = std::getenv("VPR_SIMD");
   use_simd_target(simd == nullptr ? "" : simd);
-  join_others();
   Outputs outputs(common_.existing());
   // Without --force, nothing that exists is replaced anyway.
   if (common_.force)
     for (const std::filesystem::path& input : run_inputs(parser_.given())) outputs.protect(input);
   Session session{common_, monitor, {}, select_kernels(), progress, outputs};
-  if (group_) session.share = group_->share();
-  if (!session.share.is_first()) outputs.leave_to_another();
   session.run.program = name_;
   session.run.command_line.assign(argv, argv + argc);
-  check_same(session.share, "arguments", fmt::format("{}", fmt::join(argv + 1, argv + argc, "\n")));
   session.run.threads = thread_count();
   session.run.seed = common_.seed;
   logger->debug("{} {}, {} threads, SIMD target {}", program_version(), program_commit(),
@@ -234,26 +185,18 @@ void Program::run_session(int argc, char** argv) {
   try {
     run_(session);
     outputs.commit();
-    for (const std::string& line : end_together()) logger->debug(line);
   } catch (const Error& error) {
     throw Error(error.kind(), outputs.with_targets(error.what()));
   }
 }
 
 int Program::report(const Error& error) {
-  const Error reported = group_ ? group_->fail(error) : error;
-  if (is_first_process()) print_error(name_, reported.what());
-  return exit_code(reported.kind());
+  print_error(name_, error.what());
+  return exit_code(error.kind());
 }
 
 int Program::main(int argc, char** argv) {
   set_up_process();
-  const int code = run_reported(argc, argv);
-  if (group_) group_->close(code);
-  return code;
-}
-
-int Program::run_reported(int argc, char** argv) {
   try {
     if (argc == 3 && std::string_view(argv[1]) == "--completion") {  // for the installation
       fmt::print("{}", command_text(parser_.describe(), argv[2], program_version()));

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "base/json.h"
-#include "cluster/process_group.h"
 #include "parser.h"
 #include "session.h"
 #include "setting_flags.h"
@@ -30,10 +29,6 @@ struct NoSettings {};
 template <class Visitor>
 void visit_fields(NoSettings&, Visitor&&) {}
 
-/// Whether mpirun may start several processes that do the work of a command together. All parse the
-/// same command line; the first one prints, and its exit code is that of all.
-enum class Processes { one, several };
-
 /// A program: parses, then runs the one command that was chosen.
 class Program {
  public:
@@ -45,10 +40,9 @@ class Program {
   void set_default_threads(uint64_t threads) { common_.threads = threads; }
   /// A command with its own --help and the common flags. The work is done by `run`.
   Command add_command(const std::string& name, const std::string& description,
-                      const std::string& example, std::function<void(Session&)> run,
-                      Processes processes = Processes::one);
+                      const std::string& example, std::function<void(Session&)> run);
   /// The program itself is the command, where none of its others is named.
-  void set_run(std::function<void(Session&)> run, Processes processes = Processes::one);
+  void set_run(std::function<void(Session&)> run);
 
   /// --config FILE fills `settings` and the common options before any flag does. A result file
   /// stands for the settings and the seed that it was made with.
@@ -68,9 +62,6 @@ class Program {
   void add_config_option(const Command& command,
                          std::function<void(const Json&, const std::string&)> apply);
   void run_session(int argc, char** argv);
-  void join_others();
-  std::vector<std::string> end_together();
-  int run_reported(int argc, char** argv);
   int report(const Error& error);
 
   std::string name_;
@@ -78,8 +69,6 @@ class Program {
   std::string completion_;
   CommonOptions common_;
   std::function<void(Session&)> run_;
-  Processes processes_ = Processes::one;
-  std::unique_ptr<ProcessGroup> group_;  ///< none where the process was started alone
 };
 
 }  // namespace vpr

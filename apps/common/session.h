@@ -8,7 +8,6 @@
 #include "base/json.h"
 #include "base/monitor.h"
 #include "base/output.h"
-#include "base/share.h"
 #include "images/decode.h"
 #include "matching/row_kernels.h"
 #include "parser.h"
@@ -49,7 +48,6 @@ struct Session {
   RowKernels kernels;
   ProgressLine& progress;
   Outputs& outputs;
-  Share share = {};  ///< where mpirun started several processes; the first one writes and prints
 
   /// Claims the file of --output, where it is given.
   void claim_output() const;

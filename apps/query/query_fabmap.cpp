@@ -110,8 +110,6 @@ std::string summary(const Result& result) {
 void run_fabmap_query(Session& session, const QueryInputs& inputs,
                       const FabmapQuerySettings& settings) {
   const CommonOptions& options = session.options;
-  if (!session.share.is_alone())
-    throw Error(ErrorKind::usage, "FAB-MAP is work for one process; leave mpirun out");
   if (!options.output.empty()) claim_result(options.output, session.outputs);
   if (inputs.explained_frame && !options.output.empty())
     session.outputs.claim_file(explanation_picture_path(options.output));

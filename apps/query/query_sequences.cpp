@@ -100,7 +100,7 @@ std::string advice_text(Sides& sides, const Result& result, const QueryResources
   if (const auto sentence = too_many_hits(result)) warn(session.monitor, *sentence);
   if (!result.hits.empty()) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
-  if (sides.given || settings.loop || has_paths(settings.method) || !session.share.is_alone())
+  if (sides.given || settings.loop || has_paths(settings.method))
     return nothing_recognized(result) + "\n";
   ensure_statistics(sides.database, session.monitor);
   return filter_finding(sides.database, sides.query, settings, resources, session.monitor) + "\n";
@@ -131,15 +131,11 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
   sides.query = replayed(describe_frames(open_sequence(sides.source.sequence.sequence),
                                          sides.database, settings.skip_unreadable, session.monitor),
                          inputs.warp, session.options.seed);
-  if (session.share.is_first())
-    warn_of_rates(sides.database, sides.query.frames.fps, settings, session.monitor);
+  warn_of_rates(sides.database, sides.query.frames.fps, settings, session.monitor);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);
   if (const FusedViews* fused = fused_views(sides.database))
     sides.context.fused_fingerprint = fused->fabmap.fingerprint;
-  check_same(session.share, "inputs or settings",
-             sides.context.database_fingerprint + sides.context.query_fingerprint +
-                 settings_in_force(settings).dump());
 }
 
 void take_scores(Sides& sides, const Session& session, const QueryInputs& inputs) {
@@ -164,18 +160,7 @@ QueryResources resources_of(const Session& session, const QueryInputs& inputs) {
   resources.memory_limit = inputs.memory_limit;
   resources.verify_cells = inputs.verify_cells;
   resources.seed = session.options.seed;
-  resources.share = session.share;
   return resources;
-}
-
-void check_sharing(const Session& session, const QueryInputs& inputs,
-                   const SequenceQuerySettings& settings) {
-  if (session.share.is_alone()) return;
-  if (inputs.follow || settings.loop || settings.method == kLshMethod || inputs.verify_cells > 0 ||
-      !inputs.matrix.empty() || !inputs.scores.matrix.path.empty() || !inputs.fuse.empty())
-    throw Error(ErrorKind::usage,
-                "--method lsh, --follow, --loop, --verify, --save-matrix, --scores and --fuse are "
-                "work for one process; leave mpirun out");
 }
 
 // Before anything is read.
@@ -196,7 +181,6 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
   check_loop_inputs(inputs, settings);
   check_scores(inputs, settings);
-  check_sharing(session, inputs, settings);
   if (inputs.follow) return follow_query(session, inputs, asked);
   check_and_claim(session, inputs, settings);
   const QueryResources resources = resources_of(session, inputs);
@@ -232,7 +216,6 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
     return run_query(std::move(planned), resources, observers, session.monitor);
   };
   QueryRun found = search();
-  if (!session.share.is_first()) return;
   found.seconds["describe"] = describe_s;
   found.seconds["total"] = watch.elapsed_s();
 

@@ -237,7 +237,6 @@ int main(int argc, char** argv) {
   add_ground_truth_flags(app, inputs.flags);
   add_fabmap_flags(app, inputs, settings.fabmap);
   add_loop_flags(app, inputs.loop, settings.sequence, settings.fabmap);
-  program.set_run([&](Session& session) { run(session, inputs, settings, app); },
-                  Processes::several);
+  program.set_run([&](Session& session) { run(session, inputs, settings, app); });
   return program.main(argc, argv);
 }

@@ -405,13 +405,9 @@ Output& Outputs::request(const fs::path& path, FolderCheck is_ours) {
   return *found.output;
 }
 
-void Outputs::claim_file(const fs::path& path) {
-  if (!is_left_) claim(path, nullptr);
-}
+void Outputs::claim_file(const fs::path& path) { claim(path, nullptr); }
 
-void Outputs::claim_folder(const fs::path& path, FolderCheck is_ours) {
-  if (!is_left_) claim(path, is_ours);
-}
+void Outputs::claim_folder(const fs::path& path, FolderCheck is_ours) { claim(path, is_ours); }
 
 Output& Outputs::file(const fs::path& path) { return request(path, nullptr); }
 

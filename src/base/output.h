@@ -94,9 +94,6 @@ class Outputs {
  public:
   explicit Outputs(Existing existing) : existing_(existing) {}
 
-  /// For a process whose outputs another process writes: later claims do nothing.
-  void leave_to_another() { is_left_ = true; }
-
   /// A file or folder that the run reads: no output may replace it, or a folder that it is in.
   /// Throws Error(usage) if a claimed output would. A missing input is ignored.
   void protect(const std::filesystem::path& input);
@@ -143,7 +140,6 @@ class Outputs {
   void check_protected(const std::filesystem::path& path) const;
 
   Existing existing_;
-  bool is_left_ = false;
   std::vector<Claim> claims_;
   std::set<Identity> inputs_;
   std::set<Identity> around_inputs_;  ///< folders that inputs are in

@@ -64,33 +64,22 @@ ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offlin
 
 ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
                     const std::vector<uint8_t>& keep) {
-  std::vector<ItemRange> frames;
-  for (size_t s = 0; s < sequences.size(); ++s)
-    frames.push_back({0, keep[s] != 0 ? sequences[s].rows.size() : 0});
-  return basis_of(all, sequences, frames);
-}
-
-ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
-                    std::span<const ItemRange> frames) {
   ScoreBasis basis = all;
-  if (all.fusion.evidence != nullptr) {  // which one process alone has: of whole sequences
-    std::vector<uint8_t> keep;
-    for (const ItemRange& range : frames) keep.push_back(range.count() > 0);
-    basis.fusion = fusion_of(all.fusion, keep);
-  }
+  if (all.fusion.evidence != nullptr) basis.fusion = fusion_of(all.fusion, keep);
   basis.mean.clear();
   for (std::vector<int8_t>& loadings : basis.components.loadings) loadings.clear();
-  size_t of_sequence = 0;
+  ptrdiff_t first = 0;
   for (size_t s = 0; s < sequences.size(); ++s) {
-    const auto first = static_cast<ptrdiff_t>(of_sequence + frames[s].first);
-    const auto end = static_cast<ptrdiff_t>(of_sequence + frames[s].last);
-    basis.mean.insert(basis.mean.end(), all.mean.begin() + first, all.mean.begin() + end);
-    for (size_t k = 0; k < kMostComponents; ++k) {
-      const std::vector<int8_t>& from = all.components.loadings[k];
-      std::vector<int8_t>& to = basis.components.loadings[k];
-      to.insert(to.end(), from.begin() + first, from.begin() + end);
+    const auto end = first + static_cast<ptrdiff_t>(sequences[s].rows.size());
+    if (keep[s] != 0) {
+      basis.mean.insert(basis.mean.end(), all.mean.begin() + first, all.mean.begin() + end);
+      for (size_t k = 0; k < kMostComponents; ++k) {
+        const std::vector<int8_t>& from = all.components.loadings[k];
+        std::vector<int8_t>& to = basis.components.loadings[k];
+        to.insert(to.end(), from.begin() + first, from.begin() + end);
+      }
     }
-    of_sequence += sequences[s].rows.size();
+    first = end;
   }
   return basis;
 }

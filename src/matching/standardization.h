@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/enum_names.h"
-#include "base/share.h"
 #include "database/train_statistics.h"
 #include "matching/frame_distances.h"
 #include "matching/fusion.h"
@@ -86,10 +85,6 @@ ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offlin
 /// `all` is that of all of them together.
 ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
                     const std::vector<uint8_t>& keep);
-
-/// The basis for these frames of each sequence.
-ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> sequences,
-                    std::span<const ItemRange> frames);
 
 /// The smallest standard deviation, in units of distances whose largest is `largest`.
 double deviation_floor(const StandardizationSettings& settings, uint16_t largest);

@@ -74,9 +74,7 @@ std::vector<uint32_t> margins_of(const QueryPlan& plan, const QueryResources& re
                                  const Monitor& monitor) {
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
   const MatchSettings match{plan.settings.window_length, resources.memory_limit, resources.kernels};
-  return made_by_first(resources.share, "margins of chance", [&] {
-    return false_margins(plan.train, *plan.elsewhere, basis ? &*basis : nullptr, match, monitor);
-  });
+  return false_margins(plan.train, *plan.elsewhere, basis ? &*basis : nullptr, match, monitor);
 }
 
 }  // namespace

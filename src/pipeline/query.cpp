@@ -10,7 +10,6 @@
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/verify.h"
-#include "recognition/joined_scans.h"
 
 namespace vpr {
 namespace {
@@ -66,7 +65,7 @@ void take_report(Found& found, const PathReport& report, int64_t score_offset) {
   found.path->tracks[report.query_frame] = report.track;
 }
 
-Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const TrainPart& part,
+Found match_rows(const QueryPlan& plan, const SequenceMethod& method,
                  const FrameDistances& distances, MatchSettings match,
                  const QueryResources& resources, const std::vector<RowConsumer>& observers,
                  const Monitor& monitor) {
@@ -78,8 +77,7 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
       take_report(found, report, plan.score_offset());
     };
   }
-  const HitScanSettings limits = scan_settings(plan, resources);
-  HitScan scan(limits);
+  HitScan scan(scan_settings(plan, resources));
   std::optional<MarginScan> margins;
   if (plan.elsewhere && !method.has_paths)
     margins.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
@@ -92,14 +90,9 @@ Found match_rows(const QueryPlan& plan, const SequenceMethod& method, const Trai
     cells(row);
     for (const RowConsumer& observe : observers) observe(row);
   };
-  const Share& share = resources.share;
-  method.match(distances, match, monitor,
-               share.is_alone() ? RowConsumer(take) : own_rows(part, take));
-  found.matches = joined_hits(share, scan.result(), limits.max_hits);
-  if (margins) {
-    margins->join(share);
-    found.margins = margins->result().margins;
-  }
+  method.match(distances, match, monitor, take);
+  found.matches = scan.result();
+  if (margins) found.margins = margins->result().margins;
   found.cells = cells.result();
   return found;
 }
@@ -116,9 +109,7 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
       parse_rates(plan.settings.rates), plan.settings.filter};
   if (plan.elsewhere) match.shared_places = plan.elsewhere->shared;
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
-  const Share& share = resources.share;
-  OwnDistances own = own_distances(plan, plan.settings.window_length, share);
-  FrameDistances& distances = own.frames;
+  FrameDistances distances = searched_distances(plan);
   distances.past = plan.past;
   StepTimer timer(run.seconds);
 
@@ -127,13 +118,12 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   if (has_two_passes) {
     MaximumScan scan(plan.sequences.size(), resources.kernels);
     method.match(distances, match, part_of(monitor, "pass", 0, 2), std::ref(scan));
-    set_relative_limits(plan, joined_maxima(share, scan.result()));
+    set_relative_limits(plan, scan.result());
     timer.end_step("maximum");
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
-  distances = scored(std::move(distances), basis, plan, own.part.held, last_pass);
-  Found found =
-      match_rows(plan, method, own.part, distances, match, resources, observers, last_pass);
+  distances = scored(std::move(distances), basis, plan, last_pass);
+  Found found = match_rows(plan, method, distances, match, resources, observers, last_pass);
   run.result = make_result(plan, found.matches, found.margins);
   run.result.path = std::move(found.path);
   timer.end_step("match");
@@ -143,7 +133,6 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
     run.verified_cells = found.cells.size();
     timer.end_step("verify");
   }
-  if (!share.is_first()) return run;
   found = {};  // clustering needs the memory
   cluster(run.result, monitor);
   timer.end_step("cluster");

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/share.h"
 #include "database/sequence_database.h"
 #include "matching/methods.h"
 #include "recognition/result.h"
@@ -18,7 +17,6 @@ struct QueryResources {
   size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and hits
   size_t verify_cells = 0;                    ///< recompute so many cells by definition
   uint64_t seed = 1;                          ///< of their choice
-  Share share = {};                           ///< of training windows, between processes
 };
 
 /// A result, and how long each step took.
@@ -52,10 +50,7 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
 
 /// Distances, hits, best matches and clusters of a planned query. Every row also goes to
 /// `observers`, once. Throws Error(expectation) if a verified cell differs, and what score_basis
-/// and start_standardized throw. Of several processes, which have all planned the same, each
-/// compares its training windows, and the first one has the result; there are no observers then.
-/// Throws Error(usage) where these can't share a plan: methods that are not exact, and several
-/// rates.
+/// and start_standardized throw.
 QueryRun run_query(QueryPlan plan, const QueryResources& resources,
                    const std::vector<RowConsumer>& observers, const Monitor& monitor);
 

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "matching/rates.h"
-#include "matching/train_part.h"
 #include "pipeline/loop_query.h"
 #include "pipeline/margin_plan.h"
 #include "pipeline/query.h"
@@ -98,12 +97,10 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
                             length));
 }
 
-// Computed by the first of several processes.
-ThresholdTable closest_once(const SequenceDatabase& database, const MatchSettings& match,
-                            double safety_factor, const Share& share, const Monitor& monitor) {
-  return {match.window_length, safety_factor, made_by_first(share, "closest windows", [&] {
-            return find_closest_windows(descriptor_spans(database), match, monitor);
-          })};
+ThresholdTable compute_table(const SequenceDatabase& database, const MatchSettings& match,
+                             double safety_factor, const Monitor& monitor) {
+  return {match.window_length, safety_factor,
+          find_closest_windows(descriptor_spans(database), match, monitor)};
 }
 
 // What the database holds, or else computed. Closest windows of several rates depend on the
@@ -114,8 +111,7 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
   MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
   match.rates = parse_rates(settings.rates);
   if (!match.rates.empty())
-    return closest_once(database, match, settings.safety_factor.value_or(1), resources.share,
-                        monitor);
+    return compute_table(database, match, settings.safety_factor.value_or(1), monitor);
   const ThresholdTable* stored = find_thresholds(database.thresholds, settings.window_length);
   if (stored == nullptr && is_left_to_queries(plan.train))
     warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
@@ -123,7 +119,7 @@ ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& da
                               settings.window_length, settings.window_length));
   const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
   ThresholdTable table =
-      stored != nullptr ? *stored : closest_once(database, match, factor, resources.share, monitor);
+      stored != nullptr ? *stored : compute_table(database, match, factor, monitor);
   table.safety_factor = settings.safety_factor.value_or(table.safety_factor);
   return table;
 }

@@ -22,18 +22,6 @@ std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
   return searched;
 }
 
-// What several processes can share: windows of one rate, by distances or by scores of bits.
-void check_sharing(const QueryPlan& plan, const Share& share) {
-  if (share.is_alone()) return;
-  const SequenceQuerySettings& settings = plan.settings;
-  const bool needs_sums = score_kind(settings.score).needs_statistics;
-  if (has_paths(settings.method) || !settings.rates.empty() ||
-      (needs_sums && plan.query.rows.shape.element != ElementType::bits))
-    throw Error(ErrorKind::usage,
-                "mpirun shares windows of one rate, by raw distances or by standardized scores of "
-                "binary descriptors; leave mpirun out");
-}
-
 }  // namespace
 
 void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
@@ -62,14 +50,6 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& as
 
 FrameDistances searched_distances(const QueryPlan& plan) {
   return frame_distances(searched_sequences(plan), plan.query, plan.train);
-}
-
-OwnDistances own_distances(const QueryPlan& plan, size_t longest, const Share& share) {
-  check_sharing(plan, share);
-  const std::vector<DescriptorSpan> searched = searched_sequences(plan);
-  TrainPart part = own_windows(searched, longest, share);
-  FrameDistances frames = part_distances(searched, part, plan.query, plan.train, share);
-  return {std::move(part), std::move(frames)};
 }
 
 std::vector<FrameRun> searched_runs(const QueryPlan& plan) {

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "matching/train_part.h"
 #include "pipeline/query.h"
 
 namespace vpr {
@@ -17,18 +16,8 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& as
 /// no frames, so that indices stay the same; rows are centred over all sequences.
 FrameDistances searched_distances(const QueryPlan& plan);
 
-/// The runs of these frames, of all processes.
+/// The runs of these frames.
 std::vector<FrameRun> searched_runs(const QueryPlan& plan);
-
-/// What a process compares, and the distances of the frames that it holds.
-struct OwnDistances {
-  TrainPart part;
-  FrameDistances frames;
-};
-
-/// The same, of several processes for this one's windows of up to `longest` frames; a step of all.
-/// Throws Error(usage) where they can't share the plan.
-OwnDistances own_distances(const QueryPlan& plan, size_t longest, const Share& share);
 
 /// Whether limits depend on the largest distances.
 bool needs_maxima(const QueryPlan& result);

@@ -45,12 +45,11 @@ ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan) {
 }
 
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
-                      const QueryPlan& plan, std::span<const ItemRange> frames,
-                      const Monitor& monitor) {
+                      const QueryPlan& plan, const Monitor& monitor) {
   if (plan.settings.loop && score_kind(plan.settings.score).needs_statistics)
     return standardized_past(std::move(distances), plan.settings.standardization);
   if (!basis) return distances;
-  return standardized(std::move(distances), basis_of(*basis, plan.train, frames), monitor);
+  return standardized(std::move(distances), searched_basis(*basis, plan), monitor);
 }
 
 }  // namespace vpr

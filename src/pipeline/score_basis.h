@@ -21,10 +21,9 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
 /// The part of a basis of all sequences that is of the searched ones.
 ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan);
 
-/// The distances of these frames of the searched sequences as a plan scores them: standardized by
-/// `basis`, which is of all sequences, or as they are. Throws what start_standardized throws.
+/// The distances to the searched sequences as a plan scores them: standardized by `basis`, which is
+/// of all sequences, or as they are. Throws what start_standardized throws.
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
-                      const QueryPlan& plan, std::span<const ItemRange> frames,
-                      const Monitor& monitor);
+                      const QueryPlan& plan, const Monitor& monitor);
 
 }  // namespace vpr

@@ -85,13 +85,12 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
   std::vector<size_t> windows;
   for (const LengthSweep& length : lengths)
     windows.push_back(length.planned.front().settings.window_length);
-  const OwnDistances own =
-      own_distances(first, *std::max_element(windows.begin(), windows.end()), {});
+  const FrameDistances distances = searched_distances(first);
   MatchSettings match{1, resources.memory_limit, resources.kernels};
   match.rates = parse_rates(first.settings.rates);
   const auto match_lengths = [&](const LengthRowConsumer& consume) {
-    match_fastable_lengths(scored(own.frames, basis, first, own.part.held, monitor), windows, match,
-                           monitor, consume);
+    match_fastable_lengths(scored(distances, basis, first, monitor), windows, match, monitor,
+                           consume);
   };
   if (any_relative(lengths)) {
     std::deque<MaximumScan> maxima;

@@ -12,8 +12,7 @@ namespace {
 
 constexpr size_t kLocks = 256;
 
-/// What is known of one row: an outline of each sequence; of several processes, one of each, in
-/// their order.
+/// What is known of one row: an outline of each sequence.
 using RowOutlines = std::vector<RowOutline>;
 
 RowOutline* find(RowOutlines& row, size_t sequence) {
@@ -47,17 +46,6 @@ uint32_t smallest_elsewhere(const RowOutlines& row, size_t sequence, size_t wind
   for (const RowOutline& outline : row)
     if (outline.sequence == sequence) least = std::min(least, smallest_outside(outline, window));
   return least;
-}
-
-// Numbers of an outline: the row, what it is of, its best, and then its points, two numbers each.
-constexpr size_t kOutlineNumbers = 6;
-
-void append_numbers(std::vector<uint32_t>& numbers, size_t row, const RowOutline& outline) {
-  numbers.insert(numbers.end(),
-                 {static_cast<uint32_t>(row), outline.sequence, outline.width, outline.best.window,
-                  outline.best.score, static_cast<uint32_t>(outline.points.size())});
-  for (const RowOutline::Point& point : outline.points)
-    numbers.insert(numbers.end(), {point.window, point.score});
 }
 
 }  // namespace
@@ -104,26 +92,6 @@ void MarginScan::take(const ScoreRow& row, uint32_t least) {
     outline->width = elsewhere_.widths[row.sequence];
   }
   add_piece(*outline, row, least, kernels_.find_below(scores, 0, count, least + 1), kernels_);
-}
-
-void MarginScan::join(const Share& share) {
-  if (share.is_alone()) return;
-  std::vector<uint32_t> own;
-  for (size_t row = 0; row < rows_->outlines.size(); ++row) {
-    for (const RowOutline& outline : rows_->outlines[row]) append_numbers(own, row, outline);
-    rows_->outlines[row].clear();
-  }
-  const std::vector<uint32_t> all = collected(share, "margins", own);
-  for (auto at = all.begin(); at != all.end();) {
-    RowOutline& outline = rows_->outlines[at[0]].emplace_back();
-    outline.sequence = at[1];
-    outline.width = at[2];
-    outline.best = {at[3], at[4]};
-    const size_t points = at[5];
-    at += kOutlineNumbers;
-    for (size_t point = 0; point < points; ++point, at += 2)
-      outline.points.push_back({at[0], at[1]});
-  }
 }
 
 MarginScanResult MarginScan::result() const {

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/share.h"
 #include "matching/rows.h"
 #include "recognition/row_scan.h"
 
@@ -41,9 +40,6 @@ class MarginScan {
   void operator()(const ScoreRow& row);
   /// The same, where the smallest score of the row is known.
   void take(const ScoreRow& row, uint32_t least);
-  /// A step of several processes, each of which has seen other cells: the first one has seen all
-  /// from here on, and takes no more. Windows of a process are behind those of the ones before.
-  void join(const Share& share);
   MarginScanResult result() const;
 
  private:
