@@ -4,8 +4,8 @@
 #include <string>
 
 #include "command.h"
-#include "matching/score_file.h"
-#include "recognition/score_order.h"
+#include "matching/given_distances.h"
+#include "recognition/score_kind.h"
 
 namespace vpr {
 

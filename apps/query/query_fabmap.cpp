@@ -14,7 +14,7 @@
 #include "pipeline/fabmap_query.h"
 #include "query_inputs.h"
 #include "query_loop.h"
-#include "recognition/place_runs.h"
+#include "recognition/clustering.h"
 #include "report/explanation_report.h"
 #include "report/posterior_file.h"
 #include "report/result_file.h"
@@ -25,16 +25,16 @@ namespace {
 
 constexpr size_t kTableRows = 20;
 
-struct FabmapQuery {
+struct WordQuery {
   std::string name;
   std::string path;
   std::optional<SequenceArgument> images;  // none for a BOW matrix
   SequenceWords words;
 };
 
-FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& database,
+WordQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& database,
                            bool skip_unreadable, const Session& session) {
-  FabmapQuery query;
+  WordQuery query;
   if (!inputs.query_bow.empty()) {
     if (inputs.query || !inputs.dataset.empty())
       throw Error(ErrorKind::usage, "give either --query-bow or --query, not both");
@@ -53,9 +53,9 @@ FabmapQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& data
   return query;
 }
 
-FabmapQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
+WordQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
                        bool skip_unreadable, const Session& session) {
-  FabmapQuery query = read_recording(inputs, database, skip_unreadable, session);
+  WordQuery query = read_recording(inputs, database, skip_unreadable, session);
   query.words = replayed(std::move(query.words), inputs.warp, session.options.seed);
   return query;
 }
@@ -119,7 +119,7 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);
-  const FabmapQuery query = read_query(inputs, database, settings.skip_unreadable, session);
+  const WordQuery query = read_query(inputs, database, settings.skip_unreadable, session);
   const double describe_s = watch.elapsed_s();
   const size_t frames = query.words.frames.size();
   images_by_group(inputs, database);  // a wrong name should not cost the whole query

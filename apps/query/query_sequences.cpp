@@ -17,7 +17,6 @@
 #include "pipeline/given_query.h"
 #include "pipeline/lsh_query.h"
 #include "pipeline/query.h"
-#include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"

@@ -4,7 +4,6 @@
 #include "pipeline/advice.h"
 #include "pipeline/fuse.h"
 #include "pipeline/margin_plan.h"
-#include "pipeline/rate_advice.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/train.h"
 #include "tune_inputs.h"

@@ -16,7 +16,6 @@
 #include "matching/fastable_online.h"
 #include "matching/lsh.h"
 #include "matching/methods.h"
-#include "matching/openable.h"
 #include "matching/plain.h"
 #include "matching/standardized_frames.h"
 #include "pipeline/verify.h"

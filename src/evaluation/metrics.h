@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "recognition/score_order.h"
+#include "recognition/score_kind.h"
 
 namespace vpr {
 

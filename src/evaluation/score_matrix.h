@@ -11,9 +11,9 @@
 
 #include "base/monitor.h"
 #include "ground_truth/ground_truth.h"
-#include "matching/score_file.h"
+#include "matching/given_distances.h"
 #include "recognition/result.h"
-#include "recognition/score_order.h"
+#include "recognition/score_kind.h"
 
 namespace vpr {
 

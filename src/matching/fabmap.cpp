@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,9 +11,9 @@
 
 #include "base/error.h"
 #include "base/named_table.h"
-#include "matching/fabmap_fbo.h"
 
 namespace vpr {
+
 namespace {
 
 constexpr double kFixedScale = 1 << 20;
@@ -105,6 +106,109 @@ void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
       for (; i < views.size(); ++i) sums[views[i]] += step;
     }
   }
+}
+
+/// One word's probabilities, by the names of the paper.
+struct Word {
+  double p = 0;            // P(z)
+  double p_given = 0;      // P(z | z_parent)
+  double p_given_not = 0;  // P(z | not z_parent)
+  DetectorModel detector;
+
+  double marginal(bool z) const { return z ? p : 1 - p; }
+  double conditional(bool z, bool parent) const {
+    const double given = parent ? p_given : p_given_not;
+    return z ? given : 1 - given;
+  }
+  double seen(bool z, bool e) const {
+    const double p_seen = e ? detector.p_seen_if_there : detector.p_seen_if_not;
+    return z ? p_seen : 1 - p_seen;
+  }
+  // P(e = 1 | L) of a view that observed L itself.
+  double there(bool observed) const {
+    const double a = seen(observed, true) * marginal(true);
+    const double b = seen(observed, false) * marginal(false);
+    return a / (a + b);
+  }
+  // P(z | e, z_parent) as FAB-MAP approximates it from P(z | e) and P(z | z_parent).
+  double observed(bool z, bool e, bool parent) const {
+    const double a = marginal(z) * seen(!z, e) * conditional(!z, parent);
+    const double b = marginal(!z) * seen(z, e) * conditional(z, parent);
+    return b / (a + b);
+  }
+};
+
+// Sum over e of P(e) P(z | e [, z_parent]).
+double expectation(const Word& word, WordModel model, bool z, bool parent, double p_there) {
+  const auto p_of = [&](bool e) {
+    return model == WordModel::tree ? word.observed(z, e, parent) : word.seen(z, e);
+  };
+  return p_of(false) * (1 - p_there) + p_of(true) * p_there;
+}
+
+void check_detector(const DetectorModel& detector) {
+  const double hit = detector.p_seen_if_there;
+  const double miss = detector.p_seen_if_not;
+  if (hit > 0 && hit < 1 && miss >= 0 && miss < hit) return;
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("the detector needs 0 <= P(z|not e) < P(z|e) < 1, found {} and {}", miss, hit));
+}
+
+const double kLogProbability = std::log(1e-6);
+
+constexpr size_t kStepsBetween = 32;  // words between two times that views are dropped
+
+/// A word in the order of evaluation, and what may still come from it and later ones on.
+struct Step {
+  uint32_t word = 0;
+  double p_observed = 0;  // P(z_q | z_parent) of what was observed: small speaks loudest
+  double without = 0;     // log-likelihood of a view that does not show the word
+  double with = 0;
+  double gap = 0;  // a view further behind the best before this step is dropped; 0: none is
+};
+
+std::vector<Step> plan_steps(const FabmapQuery& query) {
+  const FabmapModel& model = query.model;
+  const std::vector<uint8_t> seen = word_flags(query.words, model.words());
+  std::vector<Step> steps;
+  for (uint32_t q = 0; q < model.words(); ++q) {
+    const bool z = seen[q] != 0;
+    const bool parent = seen[model.parent[q]] != 0;
+    const double given = parent ? model.p_given[q] : model.p_given_not[q];
+    const size_t row = 4 * size_t{z} + 2 * size_t{parent};
+    steps.push_back({q, z ? given : 1 - given, model.log_p[q][row], model.log_p[q][row + 1], 0});
+  }
+  std::stable_sort(steps.begin(), steps.end(),
+                   [](const Step& a, const Step& b) { return a.p_observed < b.p_observed; });
+  double variance = 0;
+  double largest = 0;
+  for (size_t s = steps.size(); s-- > 0;) {
+    Step& step = steps[s];
+    const double difference = step.with - step.without;
+    const double p = model.p[step.word];
+    // Two views differ by the difference, one way or the other, where just one shows the word.
+    variance += 2 * p * (1 - p) * difference * difference;
+    largest = std::max(largest, std::abs(difference));
+    if (s % kStepsBetween == 0) step.gap = bail_out_gap(variance, largest);
+  }
+  return steps;
+}
+
+std::vector<uint32_t> readable_views(const FabmapQuery& query) {
+  std::vector<uint8_t> is_readable(query.known_views, 1);
+  for (const size_t view : query.unreadable)
+    if (view < query.known_views) is_readable[view] = 0;
+  std::vector<uint32_t> views;
+  for (uint32_t v = 0; v < query.known_views; ++v)
+    if (is_readable[v] != 0) views.push_back(v);
+  return views;
+}
+
+double best_of(const std::vector<uint32_t>& views, const std::vector<double>& sums) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const uint32_t v : views) best = std::max(best, sums[v]);
+  return best;
 }
 
 }  // namespace
@@ -205,6 +309,81 @@ double log_mean_exp(std::span<const double> log_values) {
   double sum = 0;
   for (const double value : log_values) sum += std::exp(value - most);
   return most + std::log(sum / static_cast<double>(log_values.size()));
+}
+
+FabmapModel make_fabmap_model(const ChowLiuTree& tree, const DetectorModel& detector,
+                              WordModel words) {
+  check_detector(detector);
+  FabmapModel model;
+  const size_t count = tree.words();
+  const bool naive = words == WordModel::naive_bayes;
+  model.children.resize(count);
+  for (size_t q = 0; q < count; ++q) {
+    const Word word{tree.p[q], naive ? tree.p[q] : tree.p_given[q],
+                    naive ? tree.p[q] : tree.p_given_not[q], detector};
+    auto& log_p = model.log_p.emplace_back();
+    auto& log_p_new = model.log_p_new.emplace_back();
+    for (const bool z : {false, true}) {
+      for (const bool parent : {false, true}) {
+        const size_t row = 2 * size_t{z} + size_t{parent};
+        for (const bool own : {false, true})
+          log_p[2 * row + size_t{own}] =
+              std::log(expectation(word, words, z, parent, word.there(own)));
+        log_p_new[row] = std::log(expectation(word, words, z, parent, word.p));
+      }
+    }
+    const uint32_t parent = naive ? static_cast<uint32_t>(q) : tree.parent[q];
+    model.parent.push_back(parent);
+    if (parent != q) model.children[parent].push_back(static_cast<uint32_t>(q));
+    model.p.push_back(word.p);
+    model.p_given.push_back(word.p_given);
+    model.p_given_not.push_back(word.p_given_not);
+  }
+  return model;
+}
+
+std::vector<uint8_t> word_flags(std::span<const uint32_t> words, size_t count) {
+  std::vector<uint8_t> flags(count, 0);
+  for (const uint32_t word : words) flags[word] = 1;
+  return flags;
+}
+
+double bail_out_gap(double variance, double largest) {
+  if (variance <= 0 || largest <= 0) return -kLogProbability;
+  const auto log_bound = [&](double gap) {
+    const double x = gap * largest / variance;
+    const double f = std::asinh(x);
+    return variance / (largest * largest) * (std::cosh(f) - 1 - x * f);
+  };
+  double low = 0;
+  double high = 1;
+  while (log_bound(high) > kLogProbability) high *= 2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (log_bound(middle) > kLogProbability ? low : high) = middle;
+  }
+  return std::max(-kLogProbability, high);
+}
+
+std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
+  const FabmapIndex& index = query.index;
+  std::vector<double> sums(index.lists.views, 0);  // without what every view gets alike
+  std::vector<uint32_t> alive = readable_views(query);
+  double to_all = 0;
+  for (const Step& step : plan_steps(query)) {
+    if (step.gap > 0) {
+      const double best = best_of(alive, sums);
+      std::erase_if(alive, [&](uint32_t v) { return sums[v] < best - step.gap; });
+    }
+    to_all += step.without;
+    for (size_t block = 0; block < index.lists.blocks(); ++block)
+      for (const uint16_t v : index.lists.list(block, step.word))
+        sums[block * kIndexBlock + v] += step.with - step.without;
+  }
+  const double best = best_of(alive, sums);
+  std::vector<double> result(query.known_views, best + to_all + kLogProbability);
+  for (const uint32_t v : alive) result[v] = sums[v] + to_all;
+  return result;
 }
 
 }  // namespace vpr

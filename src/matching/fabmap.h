@@ -1,14 +1,67 @@
 // The variants of FAB-MAP: log-likelihoods of all views for one observation.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "base/enum_names.h"
+#include "database/chow_liu.h"
+#include "database/view_words.h"
 #include "database/word_index.h"
-#include "matching/fabmap_model.h"
 
 namespace vpr {
+
+/// Whether a word depends on its parent in the Chow-Liu tree, or on no other one.
+enum class WordModel { tree, naive_bayes };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<WordModel> = {"tree", "naive-bayes"};
+
+/// How likely an unknown place is: by the probabilities of its words, or on average over
+/// pretraining frames.
+enum class NewPlaceModel { mean_field, pretrain };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<NewPlaceModel> = {"mean-field",
+                                                                              "pretrain"};
+
+/// How reliably a word is seen (z) where its cause is there (e): FAB-MAP's detector.
+struct DetectorModel {
+  double p_seen_if_there = 0.39;  ///< P(z = 1 | e = 1)
+  double p_seen_if_not = 0;       ///< P(z = 1 | e = 0)
+};
+
+/// Logarithms of P(z_q | z_parent, L) for both observations, both of the parent's and both of the
+/// view's own: a view's log-likelihood is the sum of one entry per word. With naive Bayes the
+/// parent does not matter.
+struct FabmapModel {
+  /// log_p[q][4 z_q + 2 z_parent + L_q]
+  std::vector<std::array<double, 8>> log_p;
+  /// New place by mean field: log of sum over e of P(z_q = e) P(z_q | e, z_parent);
+  /// [q][2 z_q + z_parent].
+  std::vector<std::array<double, 4>> log_p_new;
+  std::vector<uint32_t> parent;                 ///< of the tree; of itself with naive Bayes
+  std::vector<std::vector<uint32_t>> children;  ///< words whose parent this is, itself left out
+  std::vector<double> p;                        ///< P(z_q)
+  std::vector<double> p_given;                  ///< P(z_q | z_parent); p with naive Bayes
+  std::vector<double> p_given_not;
+
+  size_t words() const { return log_p.size(); }
+};
+
+/// The model of a tree and a detector. Throws Error(usage) unless the detector's probabilities are
+/// in [0, 1), and seeing what is there is possible and more likely than what is not.
+FabmapModel make_fabmap_model(const ChowLiuTree& tree, const DetectorModel& detector,
+                              WordModel words);
+
+/// Which words a frame shows, for look-up by word.
+std::vector<uint8_t> word_flags(std::span<const uint32_t> words, size_t count);
+
+/// How far a view must be behind the best so that, by Bennett's inequality, sums of the remaining
+/// terms make it good with probability 1e-6 at most. `variance`: of the sum of the remaining
+/// log-likelihood ratios; `largest`: their largest step. At least -ln 1e-6.
+double bail_out_gap(double variance, double largest);
 
 /// What a query needs beside the inverted index of the views.
 struct FabmapIndex {

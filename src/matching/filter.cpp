@@ -4,6 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "matching/score_kernels.h"
 
 namespace vpr {
+
 namespace {
 
 constexpr size_t kChunkCells = 32768;  // shared between threads; sums are added chunk by chunk
@@ -139,6 +141,56 @@ void find_values(FilterState& state) {
   });
 }
 
+constexpr uint16_t kWorstScore = std::numeric_limits<uint16_t>::max();
+
+double deviations(uint16_t score) { return (static_cast<double>(score) - kScoreBias) / kScoreUnit; }
+
+uint16_t score_of(double distance, const ScoreScale& scale) {
+  const double z = (distance - scale.mean) / scale.deviation;
+  return static_cast<uint16_t>(
+      std::clamp(std::floor((z * kScoreUnit + kScoreBias) + 0.5), 0.0, 65535.0));
+}
+
+size_t end_of(const SeenView& view) { return view.first + view.distances.size(); }
+
+/// Cells [first, end) of all, which are of one run.
+struct Stretch {
+  size_t first = 0;
+  size_t end = 0;
+};
+
+Stretch around_path(const std::vector<const SeenView*>& views) {
+  Stretch stretch{views.front()->first, 0};
+  for (const SeenView* view : views) {
+    stretch.first = std::min(stretch.first, view->first);
+    stretch.end = std::max(stretch.end, end_of(*view));
+  }
+  return stretch;
+}
+
+// `places`: of the whole map, for who is nowhere comes back to any of them.
+FilterCells cells_of(const Stretch& stretch, size_t places) {
+  const size_t count = stretch.end - stretch.first;
+  FilterCells cells;
+  cells.frames.resize(kLongestStep + count, 0);
+  std::iota(cells.frames.begin() + kLongestStep, cells.frames.end(), 0U);
+  cells.runs.push_back({kLongestStep, count, 0, count});
+  cells.places = places;
+  return cells;
+}
+
+// Of the last view of the filter, whose cells are the stretch.
+uint32_t margin_near(const FilterState& filter, const Stretch& stretch, size_t best) {
+  const size_t near = filter.settings.near_views;
+  const size_t first = std::max(stretch.first, best - std::min(best, near));
+  const size_t end = std::min(stretch.end, best + near + 1);
+  const auto value = [&](size_t cell) {
+    return filter.values.begin() + static_cast<ptrdiff_t>(kLongestStep + cell - stretch.first);
+  };
+  const uint32_t least = *std::min_element(value(first), value(end));
+  return filter.nowhere_value - std::min(filter.nowhere_value, least);
+}
+
 }  // namespace
 
 const std::array<FilterRate, kRates>& filter_rates() { return kFilterRates; }
@@ -230,6 +282,92 @@ void advance_filter(FilterState& state, std::span<const uint16_t> scores) {
   state.nowhere = nowhere * (1 - state.settings.leave) + (1 - nowhere) * state.settings.enter;
   state.total = std::accumulate(sums.begin(), sums.end(), state.nowhere);
   find_values(state);
+}
+
+FilterCells find_cells(const FrameDistances& distances, double least_change) {
+  FilterCells cells;
+  for (const FrameRun& run : distances.train_runs) {
+    const DescriptorRows& rows = distances.train[run.sequence].rows;
+    cells.frames.resize(cells.frames.size() + kLongestStep, 0);
+    CellRun& added =
+        cells.runs.emplace_back(CellRun{cells.size(), 0, run.sequence, run.first + run.count});
+    size_t last = run.first_in_sequence;
+    for (size_t k = 0; k < run.count; ++k) {
+      const size_t frame = run.first_in_sequence + k;
+      if (k > 0 && frame_distance(rows, last, frame) < least_change) continue;
+      last = frame;
+      cells.frames.push_back(static_cast<uint32_t>(run.first + k));
+    }
+    added.count = cells.size() - added.first;
+    cells.places += added.count;
+  }
+  return cells;
+}
+
+const CellRun& run_of(const FilterCells& cells, size_t cell) {
+  const auto behind = std::upper_bound(cells.runs.begin(), cells.runs.end(), cell,
+                                       [](size_t c, const CellRun& run) { return c < run.first; });
+  assert(behind != cells.runs.begin());
+  return *std::prev(behind);
+}
+
+size_t view_end(const FilterCells& cells, const CellRun& run, size_t cell) {
+  return cell + 1 < run.first + run.count ? cells.frames[cell + 1] : run.frames_end;
+}
+
+SecondLook start_second_look(const FilterState& filter) {
+  SecondLook look;
+  look.filter.settings = filter.settings;
+  look.filter.kernels = filter.kernels;
+  look.filter.likelihood_of = filter.likelihood_of;
+  look.filter.logarithms = filter.logarithms;
+  look.filter.octave = filter.octave;
+  return look;
+}
+
+void see_view(SecondLook& look, const FilterCells& cells, std::span<const uint16_t> scores,
+              const std::function<ScoreScale(size_t)>& scale, size_t cell) {
+  const size_t near = look.filter.settings.near_views;
+  const CellRun& run = run_of(cells, cell);
+  SeenView view{cell, std::max(run.first, cell - std::min(cell, near)), {}};
+  const size_t end = std::min(run.first + run.count, cell + near + 1);
+  for (size_t c = view.first; c < end; ++c) {
+    const ScoreScale made = scale(cells.frames[c]);
+    view.distances.push_back(made.mean + made.deviation * deviations(scores[cells.frames[c]]));
+  }
+  look.views.push_back(std::move(view));
+  if (look.views.size() > kRereadViews) look.views.pop_front();
+}
+
+PathReading read_again(SecondLook& look, const FilterCells& cells,
+                       const std::function<ScoreScale(size_t)>& scale) {
+  assert(!look.views.empty());
+  const SeenView& last = look.views.back();
+  const CellRun& run = run_of(cells, last.best);
+  std::vector<const SeenView*> of_run;
+  for (const SeenView& view : look.views)
+    if (view.first >= run.first && view.first < run.first + run.count) of_run.push_back(&view);
+  const Stretch stretch = around_path(of_run);
+  std::vector<ScoreScale> scales;
+  for (size_t c = stretch.first; c < stretch.end; ++c) scales.push_back(scale(cells.frames[c]));
+
+  PathReading reading;
+  for (const SeenView& view : look.views) {
+    const uint16_t score =
+        score_of(view.distances[view.best - view.first], scale(cells.frames[view.best]));
+    reading.supports.push_back(static_cast<int32_t>(kScoreBias) - score);
+  }
+  place_filter(look.filter, cells_of(stretch, cells.places));
+  std::vector<uint16_t> scores(stretch.end - stretch.first);
+  for (const SeenView* view : of_run) {
+    std::fill(scores.begin(), scores.end(), kWorstScore);
+    const size_t offset = view->first - stretch.first;
+    for (size_t k = 0; k < view->distances.size(); ++k)
+      scores[offset + k] = score_of(view->distances[k], scales[offset + k]);
+    advance_filter(look.filter, scores);
+  }
+  reading.margin = margin_near(look.filter, stretch, last.best);
+  return reading;
 }
 
 }  // namespace vpr

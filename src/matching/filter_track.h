@@ -8,7 +8,6 @@
 
 #include "matching/filter.h"
 #include "matching/row_kernels.h"
-#include "matching/second_look.h"
 
 namespace vpr {
 

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "matching/score_kernels.h"
-#include "matching/view_evidence.h"
 
 namespace vpr {
+
 namespace {
 
 constexpr int32_t kMostBehind = 40 * kNatUnit;
@@ -120,6 +120,43 @@ void fuse(const FusionRow& row, size_t first, std::span<uint16_t> scores) {
   }
 }
 
+constexpr double kFirstFrames = 5;
+constexpr double kFirstRatio = 0.6;
+constexpr int kFrameBits = 40;
+
+/// Where a matched training frame is.
+struct Position {
+  size_t walk = 0;
+  size_t frame = 0;
+};
+
+Position position_of(size_t frame, std::span<const FusedWalk> walks) {
+  Position position{0, frame};
+  while (position.frame >= walks[position.walk].frames)
+    position.frame -= walks[position.walk++].frames;
+  return position;
+}
+
+bool are_near(size_t a, size_t b, std::span<const FusedWalk> walks) {
+  const Position first = position_of(a, walks);
+  return first.walk == position_of(b, walks).walk &&
+         std::max(a, b) - std::min(a, b) <= walks[first.walk].neighbours;
+}
+
+// That any training frame is near this one.
+double chance(size_t frame, std::span<const FusedWalk> walks) {
+  size_t all = 0;
+  for (const FusedWalk& walk : walks) all += walk.frames;
+  const size_t near = 2 * walks[position_of(frame, walks).walk].neighbours + 1;
+  return std::min(1.0, static_cast<double>(near) / static_cast<double>(all));
+}
+
+constexpr double kMostNats = 1e6;  // that fit
+
+int32_t in_units(double nats) {
+  return static_cast<int32_t>(std::floor(std::clamp(nats, -kMostNats, kMostNats) * kNatUnit + 0.5));
+}
+
 }  // namespace
 
 FusionBasis make_fusion_basis(std::shared_ptr<const FusedViews> views, double weight,
@@ -186,6 +223,71 @@ FrameDistances fused(FrameDistances scores, const FusionBasis& basis,
     fuse(rows->row, first, {out, last - first});
   };
   return scores;
+}
+
+void Agreement::count(const BestFrames& best, std::span<const FusedWalk> walks) {
+  if (best.likeliest && best.closest) {
+    if (last.likeliest && last.closest) {
+      const double expected = chance(*last.likeliest, walks);
+      likeliest_steps += are_near(*last.likeliest, *best.likeliest, walks) - expected;
+      closest_steps += are_near(*last.closest, *best.closest, walks) - expected;
+    }
+    together += are_near(*best.likeliest, *best.closest, walks) - chance(*best.likeliest, walks);
+  }
+  last = best;
+}
+
+double Agreement::ratio() const {
+  const double likeliest = std::max(0.0, (likeliest_steps + together) / 2);
+  return (likeliest + kFirstFrames * kFirstRatio) / (std::max(0.0, closest_steps) + kFirstFrames);
+}
+
+void ClosestFrame::add(uint16_t score, size_t frame) {
+  const uint64_t found = uint64_t{score} << kFrameBits | frame;
+  uint64_t best = best_.load(std::memory_order_relaxed);
+  while (found < best && !best_.compare_exchange_weak(best, found, std::memory_order_relaxed)) {
+  }
+}
+
+std::optional<size_t> ClosestFrame::frame() const {
+  const uint64_t best = best_.load(std::memory_order_relaxed);
+  if (best == kNone) return std::nullopt;
+  return static_cast<size_t>(best & ((uint64_t{1} << kFrameBits) - 1));
+}
+
+std::shared_ptr<const ViewEvidence> make_view_evidence(std::shared_ptr<const FusedViews> views) {
+  const FabmapDatabase& database = views->fabmap;
+  FabmapModel model = make_fabmap_model(database.tree, {}, WordModel::tree);
+  FabmapIndex index = make_fabmap_index(model, database.views, database.index);
+  return std::make_shared<const ViewEvidence>(
+      ViewEvidence{std::move(views), std::move(model), std::move(index)});
+}
+
+std::vector<int32_t> view_likelihoods(const ViewEvidence& evidence, const WordSet& words) {
+  const ViewWords& views = evidence.of->fabmap.views;
+  const std::vector<double> nats =
+      fabmap2_fixed_log_likelihoods({evidence.model, views, evidence.index, words, views.views()});
+  std::vector<int32_t> likelihoods(nats.size());
+  // The first view's is a number like any other: what is added to all is taken away with it.
+  std::transform(nats.begin(), nats.end(), likelihoods.begin(),
+                 [&](double value) { return in_units(value - nats.front()); });
+  return likelihoods;
+}
+
+std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
+                                        std::span<const uint32_t> view) {
+  const std::vector<uint8_t> seen = word_flags(frame, model.words());
+  const std::vector<uint8_t> shown = word_flags(view, model.words());
+  std::vector<WordEvidence> evidence;
+  for (uint32_t q = 0; q < model.words(); ++q) {
+    const size_t row = 2 * size_t{seen[q]} + size_t{seen[model.parent[q]]};
+    evidence.push_back({q, seen[q] != 0, shown[q] != 0,
+                        model.log_p[q][2 * row + shown[q]] - model.log_p_new[q][row]});
+  }
+  std::stable_sort(
+      evidence.begin(), evidence.end(),
+      [](const WordEvidence& a, const WordEvidence& b) { return a.log_odds > b.log_odds; });
+  return evidence;
 }
 
 }  // namespace vpr

@@ -2,18 +2,99 @@
 // of training frames.
 #pragma once
 
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "database/fused_views.h"
 #include "database/train_statistics.h"
-#include "matching/agreement.h"
+#include "matching/fabmap.h"
 #include "matching/frame_distances.h"
 
 namespace vpr {
 
-struct ViewEvidence;
+/// Whole numbers a nat.
+inline constexpr int32_t kNatUnit = 1024;
+
+/// FAB-MAP of a database as it is unless something else is set: Chow-Liu tree, P(z|e) = 0.39,
+/// P(z|not e) = 0.
+struct ViewEvidence {
+  std::shared_ptr<const FusedViews> of;
+  FabmapModel model;
+  FabmapIndex index;
+};
+
+/// `views` is not null.
+std::shared_ptr<const ViewEvidence> make_view_evidence(std::shared_ptr<const FusedViews> views);
+
+/// The log-likelihood of every view in 1/1024 nat, rounded to the nearest, a half up; less
+/// something that is the same for all views of the frame. From the fixed-point sums of
+/// fabmap2_fixed_log_likelihoods, within 1e-4 nat and half a unit.
+std::vector<int32_t> view_likelihoods(const ViewEvidence& evidence, const WordSet& words);
+
+/// What one word says for or against a view.
+struct WordEvidence {
+  uint32_t word = 0;
+  bool in_frame = false;
+  bool in_view = false;
+  /// log P(z_q | z_parent, view) - log P(z_q | z_parent, new place by mean field): above 0 speaks
+  /// for the view. Over all words they add up to the log-odds of the view against that new place.
+  double log_odds = 0;
+};
+
+/// Every word of the model, those that speak for the view first; ties to the lower word. `frame`
+/// and `view`: word ids, rising, each once.
+std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
+                                        std::span<const uint32_t> view);
+
+/// A training sequence whose frames are matched.
+struct FusedWalk {
+  size_t sequence = 0;  ///< of the database
+  size_t frames = 0;
+  size_t neighbours = 0;  ///< frames so far apart may show the same place
+};
+
+/// The training frames that a query frame matches best, by either method; none where it says
+/// nothing.
+struct BestFrames {
+  std::optional<size_t> likeliest;  ///< by FAB-MAP
+  std::optional<size_t> closest;    ///< by score
+};
+
+/// Who walks is near where he was a frame ago. So of a method that knows the place, the best match
+/// is near that of the frame before, and near the other method's where that knows it, too; of one
+/// that guesses, it is so by chance only. Counts of both, less what chance gives.
+struct Agreement {
+  double likeliest_steps = 0;
+  double closest_steps = 0;
+  double together = 0;
+  BestFrames last;  ///< of the frame before
+
+  /// Of two consecutive frames, both with words, and of the later one alone.
+  void count(const BestFrames& best, std::span<const FusedWalk> walks);
+
+  /// By how many times FAB-MAP knows more than scores do: what it was right by more than chance
+  /// (the mean of likeliest_steps and together) over closest_steps; none below 0, and five frames
+  /// of 0.6 and 1 added, which stand for what is not known yet.
+  double ratio() const;
+};
+
+/// The closest frame of a row of scores that comes in parts, from several threads at once: of equal
+/// scores the first.
+class ClosestFrame {
+ public:
+  void reset() { best_.store(kNone, std::memory_order_relaxed); }
+  void add(uint16_t score, size_t frame);
+  std::optional<size_t> frame() const;
+
+ private:
+  static constexpr uint64_t kNone = ~uint64_t{0};
+  std::atomic<uint64_t> best_{kNone};  ///< score and frame
+};
 
 /// The deviations that a nat is worth where FAB-MAP and scores know as much, unless something else
 /// is said, and at most.

@@ -27,4 +27,9 @@ const SequenceMethod& find_sequence_method(std::string_view name);
 /// Of a method of that name; false for an unknown one.
 bool has_paths(std::string_view method);
 
+/// Every cell costs window_length frame distances, which must not come in order. Rows are computed
+/// in parallel. Nothing is produced where a sequence is shorter than a window.
+void match_openable(const FrameDistances& distances, const MatchSettings& settings,
+                    const Monitor& monitor, const RowConsumer& consume);
+
 }  // namespace vpr

@@ -10,6 +10,7 @@
 #include "matching/components.h"
 
 namespace vpr {
+
 namespace {
 
 void require(bool is_fine, const char* key, const char* range, double found) {
@@ -104,6 +105,19 @@ std::optional<size_t> push_view(ViewQueue& queue, size_t view) {
   const size_t oldest = queue.pending.front();
   queue.pending.erase(queue.pending.begin());
   return oldest;
+}
+
+std::vector<uint32_t> view_starts(const DescriptorSpan& sequence, double typical_distance) {
+  ViewQueue views = make_view_queue({}, typical_distance);
+  std::vector<uint32_t> starts;
+  for (size_t frame = 0; frame < sequence.rows.size(); ++frame) {
+    const auto& gaps = sequence.unreadable;
+    const bool is_readable = !std::binary_search(gaps.begin(), gaps.end(), frame);
+    const bool is_new = is_readable && is_new_view(views, sequence.rows, frame);
+    if (is_new) push_view(views, frame);
+    if (is_new || frame == 0) starts.push_back(static_cast<uint32_t>(frame));
+  }
+  return starts;
 }
 
 }  // namespace vpr

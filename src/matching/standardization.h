@@ -2,14 +2,17 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "base/enum_names.h"
 #include "database/train_statistics.h"
+#include "descriptors/descriptor_rows.h"
 #include "matching/frame_distances.h"
 #include "matching/fusion.h"
 
@@ -106,5 +109,11 @@ bool is_new_view(const ViewQueue& queue, const DescriptorRows& rows, size_t fram
 
 /// Adds a view; gives the one that thereby becomes old enough to be learned, if any.
 std::optional<size_t> push_view(ViewQueue& queue, size_t view);
+
+/// The frames that start a new view, rising; the first frame always does. A frame is a new view if
+/// it differs from the last views as standardized scores define it (is_new_view), with the default
+/// settings: from each of the last five by at least a quarter of `typical_distance`. Unreadable
+/// frames belong to the view before them. No frames give no views.
+std::vector<uint32_t> view_starts(const DescriptorSpan& sequence, double typical_distance);
 
 }  // namespace vpr

@@ -4,7 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "base/monitor.h"
+#include "database/sequence_database.h"
 #include "pipeline/query.h"
+#include "recognition/query_settings.h"
 
 namespace vpr {
 
@@ -20,5 +23,11 @@ std::string nothing_recognized(const Result& result);
 std::string filter_finding(const SequenceDatabase& database, const DescriptorSet& query,
                            const SequenceQuerySettings& settings, const QueryResources& resources,
                            const Monitor& monitor);
+
+/// Warns once where a training sequence that is searched has another rate than the query, by more
+/// than a tenth, both known: windows compare as many frames of one as of the other. Of single
+/// frames, of windows of several rates, and of the filter, which finds the rate, it does not.
+void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
+                   const SequenceQuerySettings& settings, const Monitor& monitor);
 
 }  // namespace vpr

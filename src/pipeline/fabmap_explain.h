@@ -6,7 +6,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "matching/fabmap_evidence.h"
+#include "matching/fusion.h"
 #include "pipeline/fabmap_query.h"
 
 namespace vpr {

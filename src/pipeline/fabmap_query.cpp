@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "base/stopwatch.h"
 #include "matching/fabmap.h"
-#include "pipeline/fabmap_matcher.h"
 
 namespace vpr {
+
 namespace {
 
 constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values that are in memory together
@@ -79,6 +81,23 @@ bool is_unreadable(const SequenceWords& query, size_t frame) {
 
 size_t frames_at_once(size_t views) {
   return std::clamp(kPosteriorsAtOnce / views, size_t{2}, kMostFramesAtOnce);
+}
+
+// The pretraining frames whose average likelihood is the new place's.
+ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySettings& settings,
+                          uint64_t seed) {
+  const size_t all = database.pretrain.views();
+  if (settings.new_place_samples == 0 || settings.new_place_samples >= all)
+    return database.pretrain;
+  std::vector<size_t> order(all);
+  for (size_t i = 0; i < all; ++i) order[i] = i;
+  RandomEngine engine(seed);
+  for (size_t i = 0; i < settings.new_place_samples; ++i)
+    std::swap(order[i], order[i + uniform_below(engine, all - i)]);
+  ViewWords sample;
+  for (size_t i = 0; i < settings.new_place_samples; ++i)
+    sample.add(database.pretrain.view(order[i]));
+  return sample;
 }
 
 }  // namespace
@@ -181,6 +200,32 @@ FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& quer
   }
   run.seconds["match"] = watch.elapsed_s();
   return run;
+}
+
+FabmapMatcher::FabmapMatcher(const FabmapDatabase& db, const FabmapQuerySettings& s, uint64_t seed)
+    : model(make_fabmap_model(db.tree, {s.p_seen_if_there, s.p_seen_if_not}, s.word_model)),
+      index(make_fabmap_index(model, db.views, db.index)),
+      samples(new_place_views(db, s, seed)),
+      sample_lists(make_word_index(samples, model.words())),
+      sample_index(make_fabmap_index(model, samples, sample_lists)),
+      unreadable(db.unreadable_views()),
+      database(db),
+      settings(s) {}
+
+std::vector<double> FabmapMatcher::views(const WordSet& words, size_t known_views) const {
+  std::vector<double> logs =
+      find_fabmap_variant(settings.variant)
+          .log_likelihoods({model, database.views, index, words, known_views,
+                            static_cast<int>(settings.lut_digits), unreadable});
+  for (const size_t view : unreadable)
+    if (view < logs.size()) logs[view] = -std::numeric_limits<double>::infinity();
+  return logs;
+}
+
+double FabmapMatcher::new_place(const WordSet& words) const {
+  if (settings.new_place == NewPlaceModel::mean_field) return new_place_mean_field(model, words);
+  return log_mean_exp(
+      fabmap2_log_likelihoods({model, samples, sample_index, words, samples.views()}));
 }
 
 }  // namespace vpr

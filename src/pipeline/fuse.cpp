@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "pipeline/fabmap_train.h"
-#include "pipeline/frame_words.h"
 
 namespace vpr {
+
 namespace {
 
 /// A group of FAB-MAP's database, and its first view.
@@ -121,6 +121,18 @@ DescriptorSet describe_both(const Sequence& sequence, const SequenceDatabase& da
       kind.describe(sequence, database.descriptor, unreadable, monitor, std::ref(words));
   set.words = words.take(set.frames.count());
   return set;
+}
+
+void WordCollector::operator()(size_t index, const cv::Mat& grey) {
+  WordSet words = quantise(vocabulary_, find_features(grey, features_).descriptors);
+  const std::lock_guard lock(mutex_);
+  if (index >= words_.size()) words_.resize(index + 1);
+  words_[index] = std::move(words);
+}
+
+std::vector<WordSet> WordCollector::take(size_t frames) {
+  words_.resize(frames);
+  return std::move(words_);
 }
 
 }  // namespace vpr

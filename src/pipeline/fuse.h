@@ -1,11 +1,16 @@
 // A database of sequences with FAB-MAP's database of the same training frames.
 #pragma once
 
+#include <mutex>
 #include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
 
 #include "base/monitor.h"
 #include "database/fused_views.h"
 #include "database/sequence_database.h"
+#include "descriptors/vocabulary.h"
 #include "recognition/query_settings.h"
 
 namespace vpr {
@@ -34,5 +39,24 @@ const FusedViews* fused_views(const SequenceDatabase& database);
 /// the grey picture that decoders make.
 DescriptorSet describe_both(const Sequence& sequence, const SequenceDatabase& database,
                             Unreadable unreadable, const Monitor& monitor);
+
+/// Takes grey frames in any order, from several threads, and keeps the words that they show.
+class WordCollector {
+ public:
+  /// Both must outlive it.
+  WordCollector(const FeatureSettings& features, const Vocabulary& vocabulary)
+      : features_(features), vocabulary_(vocabulary) {}
+
+  void operator()(size_t index, const cv::Mat& grey);
+
+  /// One entry a frame: empty for one without features, or that did not come.
+  std::vector<WordSet> take(size_t frames);
+
+ private:
+  const FeatureSettings& features_;
+  const Vocabulary& vocabulary_;
+  std::mutex mutex_;
+  std::vector<WordSet> words_;
+};
 
 }  // namespace vpr

@@ -1,12 +1,48 @@
 // A query whose frames come one after the other.
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "matching/fastable_online.h"
-#include "matching/live_frames.h"
 #include "matching/match_filter.h"
+#include "matching/standardized_frames.h"
 #include "pipeline/query.h"
 
 namespace vpr {
+
+/// A frame that has come.
+struct FrameRow {
+  DescriptorRow descriptor;  ///< of a frame that can't be read, zeros
+  bool is_readable = true;
+  WordSet words = {};  ///< that it shows, where FAB-MAP is asked, too
+};
+
+/// The distances of the frame that came last. Of the frames before it only those are kept from
+/// which something may still be learned, so that a query may go on for ever. Copies share state.
+struct LiveFrames {
+  FrameDistances raw;                        ///< of a query without frames
+  std::shared_ptr<StandardizedState> state;  ///< of standardized scores; null for distances
+  FusionBasis fusion;
+  std::shared_ptr<FusionState> fusion_state;
+  std::vector<uint8_t> bytes;      ///< of the rows that are kept, the last frame's last
+  std::vector<size_t> unreadable;  ///< of them
+  std::vector<WordSet> words;      ///< that they show; of those before the last, none
+  FrameDistances distances;        ///< of the rows that are kept
+  size_t frames = 0;               ///< that came
+
+  /// The row of the last frame. There must be one.
+  size_t last_row() const { return distances.query_frames - 1; }
+};
+
+/// `raw`: of a query without frames, and of_query is set. `basis`: of the same training frames, for
+/// standardized scores that are no offline ones; null for distances.
+LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis);
+
+/// The next frame, which is copied. `kept`: another row that is needed, if any, which gets its new
+/// index. Rows of `distances` hold until the next call, and are asked for as those of any query.
+void add_frame(LiveFrames& live, FrameRow frame, std::optional<size_t>* kept = nullptr);
 
 /// Throws Error(usage) for settings by which what is said of a frame depends on later ones, or
 /// which have no method that goes frame by frame.

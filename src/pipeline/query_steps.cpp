@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "matching/views.h"
+#include "matching/standardization.h"
 
 namespace vpr {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "pipeline/train.h"
-#include "recognition/same_place.h"
+#include "recognition/automatic_margin.h"
 
 namespace vpr {
 namespace {

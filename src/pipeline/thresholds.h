@@ -9,7 +9,6 @@
 #include "database/sequence_database.h"
 #include "matching/rows.h"
 #include "recognition/automatic_threshold.h"
-#include "recognition/closest_windows.h"
 #include "recognition/query_settings.h"
 
 namespace vpr {

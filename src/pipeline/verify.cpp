@@ -9,9 +9,8 @@
 #include "matching/lsh.h"
 #include "matching/methods.h"
 #include "matching/plain.h"
-#include "matching/plain_standardized.h"
 #include "matching/score_kernels.h"
-#include "recognition/threshold.h"
+#include "recognition/decision.h"
 
 namespace vpr {
 namespace {

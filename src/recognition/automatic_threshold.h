@@ -2,10 +2,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "base/monitor.h"
 #include "database/sequence_database.h"
-#include "recognition/threshold.h"
+#include "matching/rows.h"
+#include "recognition/score_kind.h"
 
 namespace vpr {
 
@@ -24,5 +27,15 @@ double largest_threshold(double typical_distance, size_t window_length);
 AutomaticThreshold automatic_threshold(const std::optional<ClosestWindows>& closest,
                                        double typical_distance, size_t window_length,
                                        double safety_factor);
+
+/// One entry a training sequence; none where it has no such windows.
+using ClosestTable = std::vector<std::optional<ClosestWindows>>;
+
+/// For each training sequence the window of any other one that is closest to any of its own (paper,
+/// section VII-D: two training sequences never show the same place, so whatever is as close as
+/// they are is no recognition). Ties: smallest own window, then sequence, then window. None for a
+/// single sequence.
+ClosestTable find_closest_windows(std::span<const DescriptorSpan> sequences,
+                                  const MatchSettings& settings, const Monitor& monitor);
 
 }  // namespace vpr

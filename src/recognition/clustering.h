@@ -1,14 +1,26 @@
 // Hits to recognized places: connected components (DBSCAN with min_points 1), or confirmed tracks.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "base/monitor.h"
-#include "recognition/match.h"
 
 namespace vpr {
+
+/// Windows are named by their first frame; those of FAB-MAP are single frames.
+struct Match {
+  uint32_t query = 0;   ///< window of the query
+  uint32_t target = 0;  ///< training sequence; 0, the only one, of places
+  uint32_t train = 0;   ///< window of the sequence; index of a place
+  uint32_t view = 0;    ///< of a place, its likeliest; 0 of a window
+  double score = 0;     ///< as ScoreKind says: a whole number summed over the window, or the
+                        ///< probability of the view
+
+  bool operator==(const Match&) const = default;
+};
 
 /// Which hits are neighbours.
 struct ClusterSettings {
@@ -65,5 +77,23 @@ Clusters cluster_tracks(std::span<const Match> hits, std::span<const uint32_t> t
 
 /// Training frames per query frame along a track; none for a track of one query frame.
 std::optional<double> mean_rate(const Cluster& track);
+
+/// Recognitions that belong together.
+struct PlaceRun {
+  size_t first_frame = 0;
+  size_t last_frame = 0;
+  uint32_t first_place = 0;  ///< the smallest index
+  uint32_t last_place = 0;
+  size_t hits = 0;
+  double probability = 0;  ///< the largest
+
+  bool operator==(const PlaceRun&) const = default;
+};
+
+/// `hits` are a result's: by frame, then place. A hit belongs to the latest run that has a hit at
+/// most `reach` (at least 1) frames before it, in a place whose index is at most `reach_places`
+/// away: 0 for places of many views, more where each training frame is a place of its own. Runs are
+/// in the order of their first hits.
+std::vector<PlaceRun> place_runs(std::span<const Match> hits, size_t reach, size_t reach_places);
 
 }  // namespace vpr

@@ -2,13 +2,15 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "base/enum_names.h"
-#include "recognition/score_order.h"
+#include "matching/standardization.h"
+#include "recognition/score_kind.h"
 
 namespace vpr {
 

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "recognition/stretches.h"
-
 namespace vpr {
+
 namespace {
 
 constexpr size_t kSampledFrames = 10'000;
@@ -22,6 +21,15 @@ void hand_on_far(const ScoreRow& row, size_t gap, const RowConsumer& consume) {
   };
   hand_on(row.train_window, to);
   hand_on(from, end);
+}
+
+constexpr size_t kFramesOfStretch = 1000;
+
+Stretch stretch_of(const DescriptorSpan& walk, size_t first, size_t count) {
+  Stretch stretch{first, count, {}};
+  for (const size_t frame : walk.unreadable)
+    if (frame >= first && frame < first + count) stretch.unreadable.push_back(frame - first);
+  return stretch;
 }
 
 }  // namespace
@@ -55,6 +63,18 @@ void match_far(const DescriptorSpan& walk, size_t window_length, size_t gap,
       row.query_window += stretch.first;
       hand_on_far(row, gap, consume);
     });
+}
+
+std::vector<Stretch> choose_stretches(const DescriptorSpan& walk, size_t other_frames,
+                                      size_t window_length, size_t most_pairs) {
+  const size_t frames = walk.rows.size();
+  const size_t length = std::max(kFramesOfStretch, 2 * window_length);
+  if (length >= frames || frames <= most_pairs / other_frames) return {stretch_of(walk, 0, frames)};
+  const size_t count = std::max<size_t>(2, most_pairs / other_frames / length);
+  std::vector<Stretch> stretches;
+  for (size_t s = 0; s < count; ++s)
+    stretches.push_back(stretch_of(walk, s * (frames - length) / (count - 1), length));
+  return stretches;
 }
 
 }  // namespace vpr

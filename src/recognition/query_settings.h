@@ -8,14 +8,13 @@
 #include <vector>
 
 #include "base/json_fwd.h"
+#include "matching/fabmap.h"
 #include "matching/filter_settings.h"
 #include "matching/rows.h"
-#include "matching/word_model.h"
 #include "recognition/clustering.h"
 #include "recognition/decision.h"
 #include "recognition/fabmap_posterior.h"
 #include "recognition/score_kind.h"
-#include "recognition/threshold.h"
 
 namespace vpr {
 

@@ -1,16 +1,52 @@
 // The table of scores: what the score of a match is, and all that follows from it.
 #pragma once
 
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "base/enum_names.h"
 #include "matching/standardization.h"
-#include "recognition/score_order.h"
-#include "recognition/threshold.h"
 
 namespace vpr {
+
+/// A small distance is good; a large similarity is.
+enum class ScoreOrder { distance, similarity };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<ScoreOrder> = {"distance",
+                                                                           "similarity"};
+
+/// The key of "no score": behind all others.
+inline constexpr uint64_t kNoScore = std::numeric_limits<uint64_t>::max();
+
+/// Smaller keys are better scores, equal keys equal scores (-0 is 0). Infinite scores are ordered
+/// like others; NaN is no score.
+inline uint64_t score_key(double score, ScoreOrder kind) {
+  if (score != score) return kNoScore;
+  const auto bits = std::bit_cast<uint64_t>(score == 0 ? 0.0 : score);
+  const uint64_t rising = bits >> 63 != 0 ? ~bits : bits | uint64_t{1} << 63;
+  return kind == ScoreOrder::distance ? rising : ~rising;
+}
+
+/// The score of a key; NaN for kNoScore.
+inline double score_of_key(uint64_t key, ScoreOrder kind) {
+  if (key == kNoScore) return std::numeric_limits<double>::quiet_NaN();
+  const uint64_t rising = kind == ScoreOrder::distance ? key : ~key;
+  return std::bit_cast<double>(rising >> 63 != 0 ? rising ^ uint64_t{1} << 63 : ~rising);
+}
+
+/// relative: D / max(D) < t_r, the maximum over all cells of that training sequence and the query
+/// (the paper's 0.3, 0.4, 0.5). bits: D / c_l < t_r, the mean frame distance in its own unit
+/// (frame_distances; of LDB bits). mean_z: the mean z-score of the window < t_r.
+enum class ThresholdScale { relative, bits, mean_z };
+template <>
+inline constexpr std::array<std::string_view, 3> kEnumNames<ThresholdScale> = {"relative", "bits",
+                                                                               "mean-z"};
 
 struct SequenceQuerySettings;
 
@@ -67,5 +103,27 @@ void check_score(const SequenceQuerySettings& settings);
 
 /// Keys of settings that only some scores have, and that stand in files only of those.
 std::span<const std::string_view> score_settings();
+
+/// An automatic t_r of one training sequence, on the scale bits.
+struct AutomaticThreshold {
+  double value = 0;
+  bool is_largest = false;  ///< the largest that one may be; closest windows are no reason for less
+};
+
+/// The smallest distance that is no hit: the smallest integer D with D / divisor >= threshold, as
+/// an IEEE double division; divisor is not negative. Where it is 0 the quotient counts as 0.
+/// threshold is finite.
+uint32_t distance_limit(double threshold, double divisor);
+
+/// The same for standardized scores of a window, whose mean z is compared: the smallest biased sum
+/// (matching/score_kernels.h) with mean_z >= threshold.
+uint32_t score_limit(double threshold, size_t window_length);
+
+/// What biased sums of window_length scores are above the sum of z in units of 1 / kScoreUnit;
+/// window_length is at most kMaxScoredWindow.
+int64_t score_offset(size_t window_length);
+
+/// The mean z of a window from its biased sum.
+double mean_z(uint32_t biased_sum, size_t window_length);
 
 }  // namespace vpr

@@ -6,7 +6,7 @@
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/standardized_frames.h"
-#include "recognition/stretches.h"
+#include "recognition/elsewhere.h"
 
 namespace vpr {
 namespace {

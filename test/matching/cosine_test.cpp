@@ -17,7 +17,6 @@
 #include "matching/lsh.h"
 #include "matching/methods.h"
 #include "matching/plain.h"
-#include "matching/plain_standardized.h"
 #include "matching/standardized_frames.h"
 #include "support.h"
 

@@ -7,8 +7,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "matching/fabmap_evidence.h"
-#include "matching/fabmap_fbo.h"
+#include "matching/fusion.h"
 #include "support.h"
 
 using namespace vpr;

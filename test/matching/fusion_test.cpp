@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "matching/view_evidence.h"
 #include "reference/plain_fusion.h"
 
 using namespace vpr;

@@ -1,6 +1,4 @@
 // A path read again: by hand, against its plain twin, and what scores are made of.
-#include "matching/second_look.h"
-
 #include <cmath>
 #include <limits>
 
@@ -9,7 +7,8 @@
 #include "base/random.h"
 #include "examples.h"
 #include "matching/distance_statistics.h"
-#include "matching/plain_standardized.h"
+#include "matching/filter.h"
+#include "matching/plain.h"
 #include "matching/score_kernels.h"
 #include "matching/standardized_frames.h"
 #include "reference/plain_filter.h"

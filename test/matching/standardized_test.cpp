@@ -16,7 +16,6 @@
 #include "matching/distance_statistics.h"
 #include "matching/fastable_batch.h"
 #include "matching/plain.h"
-#include "matching/plain_standardized.h"
 #include "matching/standardized_frames.h"
 #include "support.h"
 

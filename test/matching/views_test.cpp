@@ -1,5 +1,3 @@
-#include "matching/views.h"
-
 #include <catch2/catch.hpp>
 
 #include "matching/standardization.h"

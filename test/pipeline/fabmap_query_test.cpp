@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "pipeline/fabmap_matcher.h"
 
 using namespace vpr;
 

@@ -11,7 +11,6 @@
 #include "examples.h"
 #include "matching/plain.h"
 #include "recognition/elsewhere.h"
-#include "recognition/same_place.h"
 #include "support.h"
 
 using namespace vpr;

@@ -4,7 +4,6 @@
 
 #include "base/parallel.h"
 #include "matching/plain.h"
-#include "recognition/closest_windows.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,6 +1,6 @@
-#include "recognition/place_runs.h"
-
 #include <catch2/catch.hpp>
+
+#include "recognition/clustering.h"
 
 using namespace vpr;
 

@@ -1,11 +1,10 @@
 // What is kept of a row's cells: no more than it can depend on.
-#include "recognition/row_outline.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "recognition/margin_scan.h"
 
 using namespace vpr;
 

@@ -1,11 +1,10 @@
 // Training walks that show the same place are named.
-#include "recognition/same_place.h"
-
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 
-#include "recognition/closest_windows.h"
+#include "recognition/automatic_margin.h"
+#include "recognition/automatic_threshold.h"
 #include "support.h"
 
 using namespace vpr;

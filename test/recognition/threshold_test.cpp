@@ -1,10 +1,9 @@
-#include "recognition/threshold.h"
-
 #include <limits>
 
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
+#include "recognition/score_kind.h"
 
 using namespace vpr;
 

@@ -6,9 +6,9 @@
 
 #include "base/parallel.h"
 #include "database/fused_views.h"
+#include "matching/fusion.h"
 #include "matching/score_kernels.h"
 #include "matching/standardized_frames.h"
-#include "matching/view_evidence.h"
 
 namespace vpr {
 namespace {

@@ -10,13 +10,12 @@
 
 #include "base/parallel.h"
 #include "matching/plain.h"
-#include "matching/plain_standardized.h"
 #include "matching/rates.h"
 #include "matching/score_kernels.h"
 #include "pipeline/query_steps.h"
 #include "pipeline/score_basis.h"
 #include "pipeline/verify.h"
-#include "recognition/threshold.h"
+#include "recognition/decision.h"
 #include "reference/plain_fusion.h"
 #include "reference/plain_past.h"
 
