@@ -7,8 +7,7 @@
 #include "eval_commands.h"
 #include "report/comparison_page.h"
 #include "report/comparison_report.h"
-#include "report/comparison_tables.h"
-#include "report/scores_report.h"
+#include "report/evaluation_report.h"
 
 namespace vpr {
 namespace {
@@ -50,11 +49,6 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
   const std::string words = difference_in_words(inputs.reports, reports);
   switch (compare_ground_truths(reports)) {
     case GroundTruths::same:
-      return;
-    case GroundTruths::unknown:
-      warn(monitor, fmt::format("whether the ground truths are the same is not known: reports of "
-                                "older versions do not say (make them again); {}",
-                                words));
       return;
     case GroundTruths::of_places_and_frames:
       warn(monitor,

@@ -12,7 +12,6 @@
 #include "images/sequence_argument.h"
 #include "report/evaluation_report.h"
 #include "report/result_file.h"
-#include "report/scores_report.h"
 
 namespace vpr {
 namespace {

@@ -7,8 +7,6 @@
 #include "eval_inputs.h"
 #include "evaluation/loops.h"
 #include "ground_truth/times.h"
-#include "report/loops_charts.h"
-#include "report/loops_page.h"
 #include "report/loops_report.h"
 #include "report/result_file.h"
 

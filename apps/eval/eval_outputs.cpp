@@ -15,9 +15,7 @@
 #include "ground_truth/gps.h"
 #include "ground_truth/route.h"
 #include "ground_truth/times.h"
-#include "report/fix_trajectory.h"
-#include "report/junit.h"
-#include "report/outcome_csv.h"
+#include "report/exports.h"
 
 namespace vpr {
 

@@ -7,7 +7,7 @@
 #include "eval_inputs.h"
 #include "images/sequence.h"
 #include "report/evaluation_charts.h"
-#include "report/evaluation_report.h"
+#include "report/evaluation_tables.h"
 #include "report/html_report.h"
 #include "report/route_map.h"
 

@@ -8,10 +8,8 @@
 #include "base/json.h"
 #include "base/stopwatch.h"
 #include "ground_truth/presets.h"
-#include "report/evaluation_report.h"
+#include "report/evaluation_tables.h"
 #include "report/metrics_report.h"
-#include "report/scores_report.h"
-#include "report/several_reports.h"
 
 namespace vpr {
 
@@ -20,7 +18,7 @@ namespace {
 // The first table, with best matches over all frames that have a match: results with windows of
 // different lengths are compared by that, as a frame without a window is not right.
 Table comparable_table(const Json& report) {
-  Table table = summary_table(report);
+  Table table = report_table(report);
   const Json& best = report["best_match"];
   const uint64_t frames =
       report["localisation"]["frames_with_match"].get<uint64_t>() - best["ignored"].get<uint64_t>();
@@ -33,7 +31,7 @@ Table comparable_table(const Json& report) {
 }
 
 std::vector<Table> tables_of(const Json& report, bool is_one) {
-  std::vector<Table> tables = {is_one ? summary_table(report) : comparable_table(report)};
+  std::vector<Table> tables = {is_one ? report_table(report) : comparable_table(report)};
   if (report.contains("by_view")) tables.push_back(view_table(report));
   for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
   return tables;

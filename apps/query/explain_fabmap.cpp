@@ -8,7 +8,7 @@
 #include "images/sequence.h"
 #include "images/sequence_argument.h"
 #include "report/explanation_report.h"
-#include "report/png_file.h"
+#include "report/raster.h"
 #include "report/result_file.h"
 
 namespace vpr {

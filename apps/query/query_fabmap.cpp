@@ -16,8 +16,8 @@
 #include "query_loop.h"
 #include "recognition/clustering.h"
 #include "report/explanation_report.h"
-#include "report/posterior_file.h"
 #include "report/result_file.h"
+#include "report/score_matrix.h"
 #include "report/table.h"
 
 namespace vpr {

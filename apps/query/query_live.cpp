@@ -18,7 +18,7 @@
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
 #include "query_inputs.h"
-#include "report/live_line.h"
+#include "report/result_file.h"
 
 namespace vpr {
 namespace {

@@ -7,8 +7,7 @@
 
 #include "ground_truth/ground_truth.h"
 #include "query_inputs.h"
-#include "report/matrix_file.h"
-#include "report/score_picture.h"
+#include "report/score_matrix.h"
 
 namespace vpr {
 

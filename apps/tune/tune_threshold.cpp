@@ -7,7 +7,7 @@
 #include "number_lists.h"
 #include "pipeline/thresholds.h"
 #include "pipeline/train.h"
-#include "report/thresholds_report.h"
+#include "report/database_report.h"
 #include "tune_inputs.h"
 
 namespace vpr {

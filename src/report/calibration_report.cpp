@@ -6,13 +6,12 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "report/json_fields.h"
 
 namespace vpr {
 namespace {
 
 constexpr double kSecondsAnHour = 3600;
-
-Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
 
 /// What the walk's false recognitions make in another time.
 struct ScaledRate {
@@ -45,17 +44,6 @@ Json length_json(const CalibratedLength& length) {
                                 {"seen", found.expected.seen},
                                 {"interval", interval_json(found.expected.interval)}};
   return json;
-}
-
-// The length that says most of why there is no margin: where most places are known.
-const CalibratedLength& telling_length(const CalibratedWalk& walk) {
-  return *std::max_element(walk.lengths.begin(), walk.lengths.end(),
-                           [](const auto& a, const auto& b) { return a.queries < b.queries; });
-}
-
-std::string range_text(const ScaledRate& rate) {
-  return fmt::format("{:.0f} (95 %: {:.0f} to {:.0f})", rate.expected, rate.interval.low,
-                     rate.interval.high);
 }
 
 }  // namespace
@@ -121,19 +109,18 @@ std::string calibration_text(const CalibratedWalk& walk, const CalibrationReques
       counted(found.right, "window"), found.wrong, length.queries);
   const ScaledRate rate =
       request.fps ? rate_of(length, *request.fps * kSecondsAnHour) : rate_of(length, 1000);
-  text += fmt::format("False recognitions to expect in {}: {}.\n",
-                      request.fps ? "an hour" : "1000 windows", range_text(rate));
+  text += fmt::format("False recognitions to expect in {}: {:.0f} (95 %: {:.0f} to {:.0f}).\n",
+                      request.fps ? "an hour" : "1000 windows", rate.expected, rate.interval.low,
+                      rate.interval.high);
   return text + "Other rooms or another speed may give more.\n";
 }
 
 std::string calibration_failure(const CalibratedWalk& walk) {
-  switch (telling_length(walk).calibration.advice) {
-    case CalibrationAdvice::no_right_hit:
-      return "no window is recognized correctly; check that the ground truth belongs to this query";
-    case CalibrationAdvice::none_is_safe:
-    case CalibrationAdvice::calibrated:
-      break;
-  }
+  // The length that recognizes most places tells best why there is no margin.
+  const CalibratedLength& length =
+      *std::ranges::max_element(walk.lengths, {}, &CalibratedLength::queries);
+  if (length.calibration.advice == CalibrationAdvice::no_right_hit)
+    return "no window is recognized correctly; check that the ground truth belongs to this query";
   return "at every setting that recognizes a window correctly, others are incorrect, or would be "
          "if their place were not trained";
 }

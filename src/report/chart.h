@@ -99,6 +99,16 @@ struct Chart {
   double height = 540;
 };
 
+/// An SVG element for an HTML page, without title and legend, which the page has; its classes are
+/// those of the page's style sheet, the palette's among them. Marks of a series that fall on one
+/// spot are drawn once, so that the size is bounded for any number of points. An id `here` marks a
+/// line that the page's script moves over a chart with runs.
+std::string page_svg(const Chart& chart);
+
+/// A whole SVG file, white, with titles and legends: the charts row by row, `columns` in each.
+/// There is at least one chart. Texts are escaped.
+std::string svg_file(const std::vector<Chart>& charts, size_t columns = 1);
+
 /// Charts in one picture, row by row, `columns` in each, as the bytes of a PNG file on white. There
 /// is at least one.
 std::string chart_png(const std::vector<Chart>& charts, size_t columns = 1);

@@ -162,6 +162,12 @@ std::pair<double, double> range_of(const ChartAxis& axis, const std::vector<doub
   return {low < 0 || !axis.from_zero ? low - 0.03 * length : low, low + 1.04 * length};
 }
 
+size_t round_step(size_t length, size_t most) {
+  for (size_t power = 1;; power *= 10)
+    for (const size_t factor : {1, 2, 5})
+      if (length / (factor * power) <= most) return factor * power;
+}
+
 std::vector<ChartTick> ticks_of(bool is_log, const std::pair<double, double>& range, size_t most) {
   const double low = std::min(range.first, range.second);
   const double high = std::max(range.first, range.second);

@@ -64,6 +64,10 @@ std::pair<double, double> range_of(const ChartAxis& axis, const std::vector<doub
 /// apart; of a logarithmic one, at 1, 2 and 5 times powers of ten, or at those powers alone.
 std::vector<ChartTick> ticks_of(bool is_log, const std::pair<double, double>& range, size_t most);
 
+/// The smallest of 1, 2, 5, 10, 20, ... that divides `length` into at most `most` parts; most is at
+/// least 1.
+size_t round_step(size_t length, size_t most);
+
 /// `for_page`: neither a title nor a legend.
 ChartLayout layout_of(const Chart& chart, bool for_page);
 

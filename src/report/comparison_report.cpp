@@ -1,12 +1,103 @@
 #include "report/comparison_report.h"
 
 #include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/json.h"
+#include "base/text.h"
+#include "evaluation/metrics.h"
+#include "report/evaluation_report.h"
 #include "report/json_fields.h"
-#include "report/scores_report.h"
+#include "report/metrics_report.h"
 
 namespace vpr {
+namespace {
+
+std::string signed_number(const Json& value) {
+  return value.is_null() ? "-" : fmt::format("{:+.4f}", value.get<double>());
+}
+
+bool is_low_good(const std::string& key) {
+  const auto metrics = curve_metrics();
+  const auto found = std::ranges::find(metrics, key, &CurveMetric::key);
+  return found != metrics.end() && found->is_low_good;
+}
+
+// Whether the interval leaves chance out.
+std::string judgement_of(const Json& row) {
+  if (row["low"].is_null()) return "";
+  const bool is_higher = row["low"].get<double>() > 0;
+  if (!is_higher && row["high"].get<double>() >= 0) return "";
+  return is_higher != is_low_good(row["metric"].get<std::string>()) ? "better" : "worse";
+}
+
+/// A column of the paper's table.
+struct PaperColumn {
+  std::string name;
+  std::string key;  ///< of a metric, or of the path
+  bool is_low_good = false;
+  int digits = 4;
+  bool is_of_path = false;  ///< of fixes
+  bool has_best = true;
+};
+
+std::vector<PaperColumn> paper_columns() {
+  std::vector<PaperColumn> columns = {
+      {"R@1", "recall_at_1"}, {"R@5", "recall_at_5"}, {"R@10", "recall_at_10"}};
+  for (const char* key : {"average_precision", "recall_at_100_precision", "max_f1"})
+    columns.push_back(
+        {std::string(std::ranges::find(curve_metrics(), key, &CurveMetric::key)->column), key});
+  columns.push_back({"share", "share", false, 4, true});
+  columns.push_back({"wrong", "wrong", true, 0, true, false});  // none are wrong of none
+  columns.push_back({"longest gap", "longest_gap_frames", true, 0, true});
+  return columns;
+}
+
+Json value_of(const Json& comparison, const Json& report, const std::string& key) {
+  if (report["localisation"].contains(key)) return report["localisation"][key];
+  for (const Json& row : comparison["metrics"])
+    if (row["metric"] == key && row["report"] == report["name"]) return row["value"];
+  return {};
+}
+
+// Marks the best of a column, all that share it; nothing where fewer than two are known.
+void mark_best(Table& table, size_t column, const std::vector<Json>& values, bool is_low_good) {
+  std::optional<double> best;
+  size_t known = 0;
+  for (const Json& value : values) {
+    if (value.is_null()) continue;
+    ++known;
+    const double number = value.get<double>();
+    if (!best || (is_low_good ? number < *best : number > *best)) best = number;
+  }
+  for (size_t row = 0; row < values.size() && known > 1; ++row)
+    if (!values[row].is_null() && values[row].get<double>() == *best)
+      table.best.insert({row, column});
+}
+
+std::string note_of(const Json& comparison, const Json& report) {
+  std::vector<std::string> notes;
+  if (report.contains("walk")) notes.push_back(report["walk"].get<std::string>());
+  if (!report["paired"].get<bool>())
+    notes.push_back(fmt::format("not paired, over {} of its own",
+                                counted(report["queries"].get<uint64_t>(), "query", "queries")));
+  if (report["oracle"].get<bool>()) notes.emplace_back("threshold from the ground truth");
+  if (comparison["ground_truths"] != "same")
+    notes.push_back(report["ground_truth"].get<std::string>());
+  return fmt::format("{}", fmt::join(notes, "; "));
+}
+
+std::string common_queries(const Json& comparison) {
+  const Json& queries = comparison["queries"];
+  return fmt::format("{} ({} with a match)",
+                     counted(queries["common"].get<uint64_t>(), "common query", "common queries"),
+                     queries["with_match"].dump());
+}
+
+}  // namespace
 
 Json comparison_json(const Comparison& comparison, const std::vector<StoredReport>& reports,
                      const std::vector<std::string>& names, size_t resamples, const RunInfo& run) {
@@ -24,14 +115,13 @@ Json comparison_json(const Comparison& comparison, const std::vector<StoredRepor
                                {"paired", is_same_walk(reports[m], reports.front())},
                                {"localisation",
                                 {{"share", or_null(reports[m].share)},
-                                 {"wrong", or_null(reports[m].wrong)},
-                                 {"longest_gap_frames", or_null(reports[m].longest_gap)}}},
+                                 {"wrong", reports[m].wrong},
+                                 {"longest_gap_frames", reports[m].longest_gap}}},
                                {"oracle", reports[m].is_oracle},
                                {"confidence", enum_name(reports[m].outcomes.confidence)},
                                {"fingerprint", reports[m].fingerprint}});
     if (!reports[m].walk.empty()) json["reports"].back()["walk"] = reports[m].walk;
-    if (reports[m].ground_truth_fingerprint)
-      json["reports"].back()["ground_truth_fingerprint"] = *reports[m].ground_truth_fingerprint;
+    json["reports"].back()["ground_truth_fingerprint"] = reports[m].ground_truth_fingerprint;
   }
   json["ground_truths"] = enum_name(compare_ground_truths(reports));
   json["queries"] = {{"common", comparison.common},
@@ -74,6 +164,102 @@ Json comparison_json(const Comparison& comparison, const std::vector<StoredRepor
        "the same blocks of neighbouring queries for all reports"}};
   json["provenance"] = provenance_json(run);
   return json;
+}
+
+Table paper_table(const Json& comparison) {
+  Table table;
+  table.title =
+      fmt::format("{}: over {}; share, wrong and longest gap (frames) over the whole path",
+                  comparison["query"].get<std::string>(), common_queries(comparison));
+  const Json& reports = comparison["reports"];
+  const bool all_oracle =
+      std::ranges::all_of(reports, [](const Json& report) { return report["oracle"].get<bool>(); });
+  table.columns = {"method"};
+  for (const Json& report : reports) table.rows.push_back({report["name"].get<std::string>()});
+  for (const PaperColumn& column : paper_columns()) {
+    std::vector<Json> values;
+    for (const Json& report : reports) {
+      values.push_back(value_of(comparison, report, column.key));
+      const Json& value = values.back();
+      table.rows[values.size() - 1].push_back(shown(value, column.digits));
+    }
+    // Neither an easier walk nor the ground truth's own threshold makes a better method.
+    for (size_t m = 0; m < reports.size(); ++m)
+      if (!reports[m]["paired"].get<bool>() ||
+          (column.is_of_path && reports[m]["oracle"] != all_oracle))
+        values[m] = {};
+    if (column.has_best) mark_best(table, table.columns.size(), values, column.is_low_good);
+    table.columns.push_back(column.name);
+  }
+  bool has_notes = false;
+  for (size_t m = 0; m < reports.size(); ++m) {
+    table.rows[m].push_back(note_of(comparison, reports[m]));
+    has_notes = has_notes || !table.rows[m].back().empty();
+  }
+  if (has_notes)
+    table.columns.emplace_back("note");
+  else
+    for (auto& row : table.rows) row.pop_back();
+  return table;
+}
+
+Table comparison_table(const Json& comparison) {
+  Table table;
+  table.title = fmt::format("{}: differences to {} over {}, 95 % by blocks of {}",
+                            comparison["query"].get<std::string>(),
+                            comparison["reports"][0]["name"].get<std::string>(),
+                            common_queries(comparison), comparison["bootstrap"]["block"].dump());
+  if (comparison["ground_truths"] != "same")
+    table.title +=
+        fmt::format("; ground truths: {}", comparison["ground_truths"].get<std::string>());
+  table.columns = {"metric", "of", "value", "difference", "from", "to", ""};
+  for (const Json& row : comparison["metrics"])
+    if (!row["value"].is_null())
+      table.rows.push_back({row["metric"].get<std::string>(), row["report"].get<std::string>(),
+                            shown(row["value"]), signed_number(row["difference"]),
+                            signed_number(row["low"]), signed_number(row["high"]),
+                            judgement_of(row)});
+  return table;
+}
+
+Table paired_table(const Json& comparison) {
+  Table table;
+  table.title = fmt::format("Best matches beside those of {}",
+                            comparison["reports"][0]["name"].get<std::string>());
+  table.columns = {"of", "both right", "only this", "only the first", "neither"};
+  for (const Json& row : comparison["paired"])
+    table.rows.push_back({row["report"].get<std::string>(), row["both_right"].dump(),
+                          row["only_this"].dump(), row["only_first"].dump(),
+                          row["neither"].dump()});
+  return table;
+}
+
+Table comparison_rows(const Json& comparison) {
+  const auto text = [](const Json& value) { return value.is_null() ? "" : value.dump(); };
+  Table table;
+  table.columns = {"query", "report",     "walk", "ground_truths", "metric",
+                   "value", "difference", "low",  "high",          "verdict"};
+  const auto begin = [&](const Json& report) {
+    table.rows.push_back({comparison["query"].get<std::string>(), report["name"].get<std::string>(),
+                          report.value("walk", std::string()),
+                          comparison["ground_truths"].get<std::string>()});
+  };
+  const auto add = [&](std::vector<std::string> cells) {
+    for (std::string& cell : cells) table.rows.back().push_back(std::move(cell));
+  };
+  for (const Json& report : comparison["reports"]) {
+    for (const Json& row : comparison["metrics"]) {
+      if (row["report"] != report["name"]) continue;
+      begin(report);
+      add({row["metric"].get<std::string>(), text(row["value"]), text(row["difference"]),
+           text(row["low"]), text(row["high"]), judgement_of(row)});
+    }
+    for (const auto& item : report["localisation"].items()) {
+      begin(report);
+      add({item.key(), text(item.value()), "", "", "", ""});
+    }
+  }
+  return table;
 }
 
 }  // namespace vpr

@@ -1,6 +1,8 @@
-// What a database holds (vpr.database-info/1), for scripts and for people.
+// What a database holds (vpr.database-info/1), and its automatic thresholds with the windows from
+// which they come (vpr.thresholds/1): as JSON and as tables.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "database/fabmap_database.h"
 #include "pipeline/thresholds.h"
 #include "report/run_info.h"
+#include "report/table.h"
 
 namespace vpr {
 
@@ -21,5 +24,15 @@ std::string database_text(const SequenceDatabase& database,
                           const std::vector<AutomaticThresholds>& thresholds,
                           const std::string& name);
 std::string database_text(const FabmapDatabase& database, const std::string& name);
+
+/// `thresholds`: one a window length, of the database's sequences.
+Json thresholds_json(std::span<const TrainSequence> sequences,
+                     const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                     const RunInfo& run);
+
+/// One row a window length and sequence. `name`: of the database.
+Table thresholds_table(std::span<const TrainSequence> sequences,
+                       const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                       const std::string& name);
 
 }  // namespace vpr

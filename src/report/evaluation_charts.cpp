@@ -9,11 +9,11 @@
 #include "base/json.h"
 #include "evaluation/metrics.h"
 #include "evaluation/outcomes.h"
-#include "report/evaluation_report.h"
-#include "report/frame_axis.h"
+#include "ground_truth/ground_truth.h"
+#include "matching/score_kernels.h"
+#include "report/evaluation_tables.h"
 #include "report/metrics_report.h"
-#include "report/score_picture.h"
-#include "report/timeline.h"
+#include "report/score_matrix.h"
 
 namespace vpr {
 namespace {
@@ -21,12 +21,23 @@ namespace {
 constexpr size_t kMostPoints = 1000;
 constexpr size_t kMostTruth = 465;    // frames whose ground truth is drawn
 constexpr size_t kMatrixSide = 1000;  // pixels
-constexpr size_t kMostTicks = 10;
+
+// What marks mean, in the order of drawing.
+constexpr std::array<Meaning, 6> kMarkOrder = {Meaning::weak_unjudged, Meaning::weak_wrong,
+                                               Meaning::weak_right,    Meaning::unjudged,
+                                               Meaning::wrong,         Meaning::right};
+
+// A recognition, or a best match that is not recognized (weak).
+Meaning meaning_of(const Judgement& judgement, const QueryOutcome& query) {
+  const bool is_strong = is_recognised(judgement, query);
+  if (query.verdict == Verdict::correct) return is_strong ? Meaning::right : Meaning::weak_right;
+  if (query.verdict == Verdict::incorrect) return is_strong ? Meaning::wrong : Meaning::weak_wrong;
+  return is_strong ? Meaning::unjudged : Meaning::weak_unjudged;
+}
 
 Series curve_series(Meaning meaning, const Curve& curve) {
   Series series = series_of(meaning, SeriesStyle::line);
-  for (const CurvePoint& point : thinned(curve, kMostPoints))
-    series.points.emplace_back(curve.recall(point), Curve::precision(point));
+  series.points = curve_points(curve, kMostPoints);
   return series;
 }
 
@@ -34,24 +45,25 @@ void leave_out_empty(Chart& chart) {
   std::erase_if(chart.series, [](const Series& series) { return series.points.empty(); });
 }
 
-/// An axis that counts the frames of bands; `is_down`: from above.
-ChartAxis frame_axis(const std::vector<FrameBand>& bands, const std::string& label, bool is_down) {
-  ChartAxis axis{label};
-  const double end = std::max<double>(1, static_cast<double>(length_of(bands)));
-  axis.range = is_down ? std::pair(end, 0.0) : std::pair(0.0, end);
-  for (const AxisTick& tick : ticks_of(bands, kMostTicks))
-    axis.ticks.push_back({tick.position, std::to_string(tick.frame)});
-  for (const FrameBand& band : bands)
-    if (!band.name.empty()) axis.bands.push_back({static_cast<double>(band.at), band.name});
-  return axis;
-}
-
+// The ground truth of about kMostTruth query frames, evenly spaced, as boxes; each frame stands for
+// those up to the next one.
 Series truth_series(const Judgement& judgement, const GroundTruth& truth,
                     const std::vector<FrameBand>& bands, const Monitor& monitor) {
   Series series = series_of(Meaning::truth, SeriesStyle::boxes);
-  for (const TruthBox& box : truth_boxes(judgement, truth, bands, kMostTruth, monitor)) {
-    series.points.emplace_back(box.begin, box.low);
-    series.points.emplace_back(box.end, box.high);
+  const size_t frames = std::min(judgement.layout.scope.query_frames, truth.pairs.size());
+  const size_t step = std::max<size_t>(1, (frames + kMostTruth - 1) / kMostTruth);
+  for (size_t frame = 0; frame < frames; frame += step) {
+    for (const FrameBand& band : bands) {
+      check_stop(monitor);
+      const size_t end = band.first_frame + band.count;
+      for (const LabelRun& run : label_runs(truth, frame, band.sequence, end)) {
+        if (run.label != PlaceLabel::same || run.last < band.first_frame) continue;
+        const size_t low = band.at + std::max(run.first, band.first_frame) - band.first_frame;
+        series.points.emplace_back(frame, low);
+        series.points.emplace_back(std::min(frames, frame + step),
+                                   band.at + run.last + 1 - band.first_frame);
+      }
+    }
   }
   return series;
 }
@@ -80,12 +92,59 @@ Chart recall_chart(const Json& report, const Judgement& judgement) {
   return chart;
 }
 
+/// How a chart shows scores: divided, and called so.
+struct ScoreAxis {
+  std::string label;
+  double divisor = 1;
+};
+
+/// Scores as thresholds are given: t_r as a mean frame distance or as mean z, t_p, or as they are.
+ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
+  if (judgement.outcomes.confidence == Confidence::margin) return {"the margin per frame", 1};
+  const auto length = static_cast<double>(judgement.layout.window_length);
+  if (!report.contains("counts")) return {score_words(report), 1};
+  if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
+  if (report["settings"].contains("score")) return {"the mean z (t_r)", length * kScoreUnit};
+  return {"a mean frame distance (t_r with --t-r-scale bits)", length};
+}
+
+constexpr std::array<Meaning, 3> kAccepted = {Meaning::right, Meaning::wrong, Meaning::unjudged};
+
+size_t accepted_as(const QueryOutcome& query) {
+  return query.verdict == Verdict::correct ? 0 : query.verdict == Verdict::incorrect ? 1 : 2;
+}
+
+/// A best match, by the confidence in force.
+struct RankedMatch {
+  double value = 0;
+  const QueryOutcome* query = nullptr;
+};
+
+std::vector<RankedMatch> strictest_first(const Judgement& judgement) {
+  const Outcomes& outcomes = judgement.outcomes;
+  const ScoreOrder kind = confidence_order(outcomes);
+  std::vector<RankedMatch> order;
+  for (const QueryOutcome& query : outcomes.queries) {
+    const double value = score_of_key(confidence_key(query, judgement.outcomes.confidence), kind);
+    if (query.best && std::isfinite(value)) order.push_back({value, &query});
+  }
+  std::stable_sort(order.begin(), order.end(), [&](const RankedMatch& a, const RankedMatch& b) {
+    return is_better(a.value, b.value, kind);
+  });
+  return order;
+}
+
 }  // namespace
 
-Chart curve_chart(const Json& report, const Judgement& judgement) {
-  Chart chart{"precision-recall", evaluation_title(report), {"recall"}};
+Chart precision_recall_chart(const std::string& title) {
+  Chart chart{"precision-recall", title, {"recall"}};
   chart.y.label = "precision";
   chart.x.range = chart.y.range = {0, 1};
+  return chart;
+}
+
+Chart curve_chart(const Json& report, const Judgement& judgement) {
+  Chart chart = precision_recall_chart(evaluation_title(report));
   if (judgement.all_pairs)
     chart.series.push_back(curve_series(Meaning::all_pairs, judgement.all_pairs->curve));
   const bool by_score = judgement.outcomes.confidence == Confidence::score;
@@ -142,14 +201,15 @@ Chart timeline_chart(const Json& report, const Judgement& judgement, const Groun
   chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);
   chart.y = frame_axis(bands, reference_word(report), false);
   chart.series.push_back(truth_series(judgement, truth, bands, monitor));
-  const std::vector<TimelineMark> marks = timeline_marks(judgement, bands);
   for (const Meaning meaning : kMarkOrder) {
-    Series series = series_of(meaning, SeriesStyle::points,
-                              is_weak(meaning) ? SeriesMark::dot : SeriesMark::disc);
-    for (const TimelineMark& mark : marks)
-      if (mark.meaning == meaning)
-        series.points.emplace_back(static_cast<double>(mark.frame) + 0.5,
-                                   static_cast<double>(mark.position) + 0.5);
+    const bool is_strong =
+        meaning == Meaning::right || meaning == Meaning::wrong || meaning == Meaning::unjudged;
+    Series series =
+        series_of(meaning, SeriesStyle::points, is_strong ? SeriesMark::disc : SeriesMark::dot);
+    for (const QueryOutcome& query : judgement.outcomes.queries)
+      if (query.best && meaning_of(judgement, query) == meaning)
+        series.points.emplace_back(static_cast<double>(query.frame) + 0.5,
+                                   static_cast<double>(position_of(bands, *query.best)) + 0.5);
     chart.series.push_back(series);
   }
   leave_out_empty(chart);
@@ -159,38 +219,58 @@ Chart timeline_chart(const Json& report, const Judgement& judgement, const Groun
   return chart;
 }
 
-Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
-                   const std::string& reference_word, const std::string& score_words) {
-  Chart chart{"matrix", ""};
-  chart.x = frame_axis(column_bands(layout), reference_word, false);
-  chart.y = frame_axis(row_bands(layout), "query frame, downwards", true);
-  chart.image = picture.image;
-  chart.image->grey_label = score_words;
-  for (const Meaning meaning : picture.shown)
-    chart.series.push_back(series_of(meaning, SeriesStyle::points, SeriesMark::square));
-  return chart;
-}
-
-Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
-                          const Monitor& monitor) {
-  const GroundTruth known = truth != nullptr ? *truth : unknown_ground_truth(scope_of(result));
-  const Judgement judgement = judge(result, known, {}, monitor);
-  const ScorePicture picture =
-      draw_scores(judgement, known, pixels.grid(),
-                  pixels.scores(result.score().offset(result.window_length())), monitor);
-  Chart chart =
-      matrix_chart(judgement.layout, picture, "training frame", std::string(result.score().title));
-  chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query_name,
-                            result.window_length());
-  return chart;
-}
-
 std::vector<Meaning> meanings_of(const Chart& chart) {
   std::set<Meaning> found;
   for (const Series& series : chart.series)
     if (series.meaning) found.insert(*series.meaning);
   for (const ChartRun& run : chart.runs) found.insert(run.meaning);
   return {found.begin(), found.end()};
+}
+
+Chart threshold_chart(const Json& report, const Judgement& judgement) {
+  const ScoreAxis axis = score_axis(report, judgement);
+  const bool is_distance = confidence_order(judgement.outcomes) == ScoreOrder::distance;
+  Chart chart{"thresholds",
+              evaluation_title(report),
+              {is_distance ? "up to " + axis.label : axis.label + ", or more"}};
+  chart.y.label = "best matches accepted";
+  for (const Meaning meaning : kAccepted)
+    chart.series.push_back(series_of(meaning, SeriesStyle::line));
+  const std::vector<RankedMatch> order = strictest_first(judgement);
+  const auto threshold = [&](const RankedMatch& match) { return match.value / axis.divisor; };
+  if (!order.empty() && threshold(order.front()) != threshold(order.back()))
+    chart.x.range = {threshold(order.front()), threshold(order.back())};
+  std::array<size_t, 3> counts = {};
+  const size_t thinning = std::max<size_t>(1, order.size() / kMostPoints);
+  for (size_t i = 0; i < order.size(); ++i) {
+    ++counts[accepted_as(*order[i].query)];
+    if (i % thinning != 0 && i + 1 < order.size()) continue;
+    for (size_t kind = 0; kind < kAccepted.size(); ++kind)
+      chart.series[kind].points.emplace_back(threshold(order[i]), counts[kind]);
+  }
+  std::erase_if(chart.series, [](const Series& series) {
+    return series.points.empty() || series.points.back().second == 0;
+  });
+  return chart;
+}
+
+std::vector<ThresholdStep> threshold_steps(const Json& report, const Judgement& judgement,
+                                           size_t most) {
+  const ScoreAxis axis = score_axis(report, judgement);
+  std::vector<ThresholdStep> steps;
+  ThresholdStep step;
+  for (const RankedMatch& match : strictest_first(judgement)) {
+    const double threshold = match.value / axis.divisor;
+    if (!steps.empty() && steps.back().threshold == threshold) steps.pop_back();
+    step.threshold = threshold;
+    ++step.accepted[accepted_as(*match.query)];
+    steps.push_back(step);
+  }
+  std::vector<ThresholdStep> kept;
+  const size_t thinning = std::max<size_t>(1, steps.size() / most);
+  for (size_t i = 0; i < steps.size(); ++i)
+    if (i % thinning == 0 || i + 1 == steps.size()) kept.push_back(steps[i]);
+  return kept;
 }
 
 void draw_evaluation(const Json& report, const Judgement& judgement, const GroundTruth& truth,

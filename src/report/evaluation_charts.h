@@ -12,8 +12,8 @@
 
 namespace vpr {
 
-class RowPixels;
-struct ScorePicture;
+/// The axes of precision against recall, without a series.
+Chart precision_recall_chart(const std::string& title);
 
 /// Precision against recall: best matches, those by margin where margins are known, and, where
 /// there are some, all pairs. It has no series where nothing is judged.
@@ -47,16 +47,6 @@ Chart margin_chart(const Json& report, const Judgement& judgement);
 /// band by band, and below, a bar of fixes. It has no series where there are neither.
 Chart timeline_chart(const Json& report, const Judgement& judgement, const GroundTruth& truth,
                      const Monitor& monitor = {});
-
-/// The picture with axes that count frames, a legend and, of scores, the scale of its greys.
-/// `reference_word`: what the columns are; `score_words`: what the greys are.
-Chart matrix_chart(const ScoreLayout& layout, const ScorePicture& picture,
-                   const std::string& reference_word, const std::string& score_words);
-
-/// The matrix of a result, in the pixels that its rows gave. Without a ground truth, hits are not
-/// judged.
-Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const GroundTruth* truth,
-                          const Monitor& monitor);
 
 /// The meanings that a chart shows, for a legend outside it.
 std::vector<Meaning> meanings_of(const Chart& chart);

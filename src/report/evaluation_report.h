@@ -1,45 +1,43 @@
-// Evaluation reports (vpr.report/1): counts, best match, and the protocol in words.
+// Evaluation reports as JSON: one (vpr.report/1), those of several results (vpr.reports/1), and
+// those of one result under several protocols (vpr.protocols/1).
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "base/json_fwd.h"
+#include "base/json.h"
+#include "ground_truth/presets.h"
 #include "pipeline/evaluate.h"
 #include "report/run_info.h"
-#include "report/table.h"
 
 namespace vpr {
 
+/// The query of scores of which nobody says what the query is.
+inline constexpr const char* kUnnamedQuery = "queries";
+
 /// Everything of a report but "machine" and "timing", of a result or of scores alone.
 Json report_json(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});
+
+/// Everything of a report but "machine" and "timing". `fingerprint`: the matrix's.
+Json scores_report_json(const ScoreSettings& settings, const std::string& query,
+                        const Judgement& judgement, const GroundTruth& truth,
+                        const std::string& fingerprint, const RunInfo& run);
 
 /// "counts" of a report, or of a cell of a sweep.
 Json counts_json(const Counts& counts);
 /// Counts of best matches as reports hold them.
 Json best_match_json(const BestMatchCounts& counts);
-/// What the ground truth is, in words.
-Json protocol_json(const GroundTruth& truth);
 
-/// One row: the setting and its counts.
-Table report_table(const Json& report);
+/// Reports are without "machine" and "timing", and have a name each.
+Json reports_json(const std::vector<Json>& reports, const std::vector<std::string>& names,
+                  const RunInfo& run, double seconds);
 
-/// The first 20 places of a sequence result, with the right and wrong hits of each; empty for other
-/// reports, and where there is none.
-std::string recognitions_text(const Json& report);
+/// One result as one of the presets judges it.
+struct ProtocolReport {
+  const GroundTruthPreset* preset = nullptr;
+  Json report;  ///< without "machine" and "timing"
+};
 
-/// One row: the counts by view. Only for a report that has them ("by_view").
-Table view_table(const Json& report);
-
-/// "method on query", for titles: the name that the user gave; else the method, and the score
-/// where it is not raw distances.
-std::string evaluation_title(const Json& report);
-/// The same, and c_l and t_r, or c_w and t_p.
-std::string title_with_settings(const Json& report);
-
-/// What the references of a report's matches are: frames, or places of FAB-MAP.
-std::string reference_word(const Json& report);
-
-/// What the scores of a report's matches are, with their unit.
-std::string score_words(const Json& report);
+Json protocols_json(const std::vector<ProtocolReport>& reports, const RunInfo& run, double seconds);
 
 }  // namespace vpr

@@ -2,23 +2,14 @@
 // gallery.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "evaluation/judgement.h"
-#include "images/sequence.h"
+#include "report/gallery.h"
 
 namespace vpr {
-
-/// Where a report's frames can be seen. References are the training sequences in the order of the
-/// ground truth's scope; an absent one has no pictures.
-struct FrameSources {
-  std::optional<Sequence> query;
-  std::vector<std::optional<Sequence>> references;
-};
 
 /// The page, which opens with the sentence `summary`; without judgement where the ground truth is
 /// not known. Its size does not grow with the number of queries but for a line of data each; of

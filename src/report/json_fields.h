@@ -1,15 +1,12 @@
-// Reading JSON files of ours without trusting them.
+// Parts of JSON files: checked reading of our own files, and values that several files hold.
 #pragma once
 
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "base/checksum.h"
 #include "base/json.h"
-#include "base/npy.h"
+#include "base/statistics.h"
 
 namespace vpr {
 
@@ -51,18 +48,6 @@ class Fields {
   const std::string& where_;
 };
 
-/// Opens an array that was written beside a JSON file; `entry` is its object there. Throws
-/// Error(data) if it is not the one that the JSON was written with.
-inline NpyArray read_companion(const std::filesystem::path& path, const Fields& entry) {
-  NpyArray array(path);
-  if (checksum(array.file_bytes()) != entry.text("checksum"))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: belongs to another run than its .json file, or is damaged; run "
-                            "vpr-query again, with --force",
-                            path.string()));
-  return array;
-}
-
 /// "fps": frames a second.
 inline double read_fps(const Fields& fields) {
   const Json& json = fields["fps"];
@@ -72,19 +57,9 @@ inline double read_fps(const Fields& fields) {
   return fps;
 }
 
-/// The numbers of frames in a list, each below `count`.
-inline std::vector<size_t> read_frame_list(const Fields& fields, const std::string& key,
-                                           uint64_t count) {
-  std::vector<size_t> frames;
-  for (const Json& frame : fields.list(key)) {
-    if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= count)
-      fields.fail(fmt::format("\"{}\" holds what is no frame", key));
-    frames.push_back(frame.get<size_t>());
-  }
-  return frames;
-}
-
 /// The value of an optional, or null.
 Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
+
+inline Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
 
 }  // namespace vpr

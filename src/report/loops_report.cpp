@@ -1,6 +1,8 @@
 #include "report/loops_report.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -8,12 +10,15 @@
 #include "base/text.h"
 #include "evaluation/metrics.h"
 #include "ground_truth/times.h"
+#include "report/evaluation_charts.h"
+#include "report/html_page.h"
 #include "report/metrics_report.h"
+#include "report/route_map.h"
 
 namespace vpr {
 namespace {
 
-constexpr size_t kMostLines = 20;
+constexpr size_t kMostLines = 20;  // of a list of mistakes
 
 Json share(uint64_t part, uint64_t whole) {
   if (whole == 0) return nullptr;
@@ -93,9 +98,92 @@ uint64_t length_of(const Json& stretch) {
   return stretch["last"].get<uint64_t>() - stretch["first"].get<uint64_t>() + 1;
 }
 
-std::string shown(const Json& value) {
-  if (value.is_null()) return "-";
-  return value.is_number_integer() ? value.dump() : fmt::format("{:.4f}", value.get<double>());
+constexpr size_t kMostDrawn = 2000;  // librsvg takes minutes for 100 000 that cross each other
+
+/// The two coordinates with the largest extents, in their order: x and z of a camera that looks
+/// ahead, x and y of a map.
+std::array<size_t, 2> plan_axes(const Poses& poses) {
+  const std::array<double, 3> extents = extents_of(poses);
+  const auto flat = static_cast<size_t>(std::min_element(extents.rbegin(), extents.rend()).base() -
+                                        extents.begin() - 1);
+  return {flat == 0 ? size_t{1} : 0, flat == 2 ? size_t{1} : 2};
+}
+
+using Point = std::pair<double, double>;
+
+Point point_of(const Pose& pose, const std::array<size_t, 2>& axes) {
+  return {pose.position[axes[0]], pose.position[axes[1]]};
+}
+
+Series path_series(const Poses& poses, const std::array<size_t, 2>& axes) {
+  Series path{"trajectory", {}, SeriesStyle::line, Meaning::train_path};
+  for (const auto& pose : poses) path.points.push_back(pose ? point_of(*pose, axes) : kChartGap);
+  return path;
+}
+
+// Of more than kMostDrawn loops, those at even distances in the list; the legend says so.
+Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes,
+                   PlaceLabel label, const std::string& name) {
+  std::vector<const ListedLoop*> loops;
+  for (const JudgedLoop& judged : evaluation.judgement.loops)
+    if (judged.label == label) loops.push_back(&judged.loop);
+  Series lines{name, {}, SeriesStyle::line, meaning_of(label)};
+  const size_t drawn = std::min(loops.size(), kMostDrawn);
+  if (drawn < loops.size() && !name.empty())
+    lines.name += fmt::format(" ({} of {})", drawn, loops.size());
+  const Poses& poses = evaluation.trajectory.poses;
+  for (size_t i = 0; i < drawn; ++i) {
+    const ListedLoop& loop = *loops[i * loops.size() / drawn];
+    lines.points.insert(lines.points.end(), {point_of(*poses[loop.query], axes),
+                                             point_of(*poses[loop.match], axes), kChartGap});
+  }
+  return lines;
+}
+
+Series found_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
+  Series found{
+      "frame with a right loop", {}, SeriesStyle::points, Meaning::right, SeriesMark::disc};
+  for (size_t frame = 0; frame < evaluation.judgement.is_found.size(); ++frame)
+    if (evaluation.judgement.is_found[frame])
+      found.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
+  return found;
+}
+
+Series missed_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
+  Series missed{
+      "frame with a loop, none listed", {}, SeriesStyle::points, Meaning::missed, SeriesMark::dot};
+  const LoopJudgement& judgement = evaluation.judgement;
+  for (size_t frame = 0; frame < judgement.has_loop.size(); ++frame)
+    if (judgement.has_loop[frame] && !judgement.is_found[frame])
+      missed.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
+  return missed;
+}
+
+/// The names of a chart's series, beside their colours.
+std::string legend_of(const Chart& chart) {
+  std::string html;
+  for (const Series& series : chart.series)
+    if (!series.name.empty() && series.meaning)
+      html += fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ",
+                          colour_of(*series.meaning).name, html_escaped(series.name));
+  return html;
+}
+
+std::string figure(const Chart& chart) {
+  return fmt::format("<figure><figcaption>{}</figcaption>{}<p class=\"legend\">{}</p></figure>",
+                     chart.title, page_svg(chart), legend_of(chart));
+}
+
+std::string charts_html(const LoopsEvaluation& evaluation) {
+  Chart map = loops_map_chart(evaluation);
+  map.title = "Loops on the trajectory";
+  std::string html = "<div class=\"charts\">" + figure(map);
+  Chart curve = loops_curve_chart(evaluation);
+  curve.title = "Precision and recall";
+  curve.width = 650;
+  curve.height = 450;
+  if (!curve.series.empty()) html += figure(curve);
+  return html + "</div>";
 }
 
 }  // namespace
@@ -189,6 +277,52 @@ std::string loops_mistakes(const Json& report) {
     return fmt::format("frames {} to {}", row["first"].dump(), row["last"].dump());
   });
   return text;
+}
+
+Chart loops_curve_chart(const LoopsEvaluation& evaluation) {
+  Chart chart = precision_recall_chart(evaluation.name);
+  if (!evaluation.judgement.curve || evaluation.judgement.curve->points.empty()) return chart;
+  const Curve& curve = *evaluation.judgement.curve;
+  Series series{"best loop of every frame", {}, SeriesStyle::line, Meaning::best_matches};
+  series.points = curve_points(curve, 1000);
+  chart.series.push_back(series);
+  return chart;
+}
+
+Chart loops_map_chart(const LoopsEvaluation& evaluation) {
+  Chart chart{"loops", evaluation.name};
+  chart.is_plan = true;
+  chart.y.from_zero = false;
+  chart.width = 675;
+  const auto axes = plan_axes(evaluation.trajectory.poses);
+  Series right_lines = loop_series(evaluation, axes, PlaceLabel::same, "");
+  chart.series = {path_series(evaluation.trajectory.poses, axes), missed_series(evaluation, axes),
+                  right_lines, found_series(evaluation, axes),
+                  loop_series(evaluation, axes, PlaceLabel::different, "wrong loop")};
+  chart.series.push_back(scale_bar(chart.series));
+  std::erase_if(chart.series, [](const Series& drawn) { return drawn.points.empty(); });
+  return chart;
+}
+
+void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder) {
+  draw_chart(loops_map_chart(evaluation), folder);
+  const Chart curve = loops_curve_chart(evaluation);
+  if (!curve.series.empty()) draw_chart(curve, folder);
+}
+
+std::string loops_page(const LoopsEvaluation& evaluation, const Json& report) {
+  Json made = report["provenance"];
+  if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
+  const std::string mistakes = loops_mistakes(report);
+  const std::string sections =
+      "<section><h2>Numbers</h2>" + table_html(loops_table(report)) +
+      "</section>\n<section><h2>On the way</h2>" + charts_html(evaluation) + "</section>\n" +
+      (mistakes.empty() ? ""
+                        : "<section><h2>Mistakes</h2><pre>" + html_escaped(mistakes.substr(1)) +
+                              "</pre></section>");
+  return sections_page("Loop closures: " + evaluation.name, loops_sentence(report),
+                       report["protocol"]["loop"].get<std::string>(), sections, report["protocol"],
+                       made);
 }
 
 }  // namespace vpr

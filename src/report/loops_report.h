@@ -1,11 +1,13 @@
-// Loop closures against a trajectory, as JSON (vpr.loops/1) and for people.
+// Loop closures against a trajectory: as JSON (vpr.loops/1), tables, charts and a page.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "base/json_fwd.h"
 #include "evaluation/loops.h"
+#include "report/chart.h"
 #include "report/run_info.h"
 #include "report/table.h"
 
@@ -32,5 +34,20 @@ Table loops_table(const Json& report);
 /// The revisits that nobody found and the loops that are wrong, the first 20 of each; empty where
 /// there are none.
 std::string loops_mistakes(const Json& report);
+
+/// Precision against recall of every frame's best loop. No series where the list has no scores.
+Chart loops_curve_chart(const LoopsEvaluation& evaluation);
+
+/// The trajectory seen along its shortest extent, as a plan: a line from frame to frame for every
+/// right and every wrong loop, and dots at the frames that have one, listed or not.
+Chart loops_map_chart(const LoopsEvaluation& evaluation);
+
+/// Writes loops and, with scores, precision-recall as SVG and PNG into the folder of an output.
+/// Throws Error(output).
+void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder);
+
+/// The page: a sentence, the table, the trajectory with what is right, wrong and missing, the curve
+/// where the list has scores, and the first wrong loops. `report`: of the evaluation.
+std::string loops_page(const LoopsEvaluation& evaluation, const Json& report);
 
 }  // namespace vpr

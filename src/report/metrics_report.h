@@ -1,6 +1,9 @@
-// Metrics, localisation and outcomes as parts of an evaluation report (vpr.report/1).
+// Metrics, localization and outcomes as parts of an evaluation report (vpr.report/1), and their
+// tables.
 #pragma once
 
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/json_fwd.h"
@@ -22,6 +25,9 @@ void add_judgement(Json& report, const Judgement& judgement);
 /// are the fixes.
 void add_metrics_protocol(Json& protocol, const Judgement& judgement, bool is_result);
 
+/// The text of a number or null in a table: "-", an integer, or a number with `digits` decimals.
+std::string shown(const Json& value, int digits = 4);
+
 /// Metrics of best matches and pairs, recall@K where there are ranks, and localisation, titled with
 /// what their numbers count.
 std::vector<Table> metrics_tables(const Json& report);
@@ -29,8 +35,8 @@ std::vector<Table> metrics_tables(const Json& report);
 /// The same as columns of one row, for CSV.
 void append_metrics(Table& table, const Json& report);
 
-/// The curve as at most `most` of its points, evenly spaced by their place, first and last among
-/// them.
-std::vector<CurvePoint> thinned(const Curve& curve, size_t most);
+/// Recall and precision at no more than `most` of the curve's points, evenly spaced by their place,
+/// first and last among them.
+std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t most);
 
 }  // namespace vpr

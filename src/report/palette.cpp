@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/matx.hpp>
 
+#include "evaluation/judgement.h"
 #include "ground_truth/ground_truth.h"
 
 namespace vpr {
@@ -69,6 +70,12 @@ cv::Vec3b bgr_of(Meaning meaning) {
 
 std::span<const std::string_view> series_colours() { return kSeries; }
 
+Meaning meaning_of(Fix fix) {
+  return fix == Fix::right   ? Meaning::right
+         : fix == Fix::wrong ? Meaning::wrong
+                             : Meaning::unjudged;
+}
+
 Meaning meaning_of(PlaceLabel label) {
   return label == PlaceLabel::same        ? Meaning::right
          : label == PlaceLabel::different ? Meaning::wrong
@@ -91,12 +98,6 @@ std::string palette_css() {
         "var(--series-{0}); }} .key.series-{0} {{ background: var(--series-{0}); }}\n",
         i);
   return css;
-}
-
-std::string legend_key(Meaning meaning) {
-  const PaletteColour& row = colour_of(meaning);
-  return fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ", row.name,
-                     row.words);
 }
 
 }  // namespace vpr

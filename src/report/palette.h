@@ -13,6 +13,7 @@ class Vec;
 
 namespace vpr {
 
+enum class Fix;
 enum class PlaceLabel;
 
 /// What is drawn.
@@ -58,6 +59,9 @@ std::string hex_of(Meaning meaning);
 /// Blue, green, red on white, as OpenCV stores pixels.
 cv::Vec<uint8_t, 3> bgr_of(Meaning meaning);
 
+/// What the fix of a frame means; it is not none.
+Meaning meaning_of(Fix fix);
+
 /// What a recognised pair means.
 Meaning meaning_of(PlaceLabel label);
 
@@ -66,8 +70,5 @@ std::span<const std::string_view> series_colours();
 
 /// The palette, and colours of curves, as CSS variables, for light and dark pages.
 std::string palette_css();
-
-/// A legend's entry in a page: a swatch and the words, which stay together.
-std::string legend_key(Meaning meaning);
 
 }  // namespace vpr

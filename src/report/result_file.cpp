@@ -1,6 +1,8 @@
 #include "report/result_file.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <vector>
@@ -111,9 +113,6 @@ struct Companions {
   }
 };
 
-// Scores of windows are whole numbers.
-Json score_json(double score) { return static_cast<int64_t>(score); }
-
 Json query_json(const Result& result) {
   Json json = {{"name", result.query_name},
                {"frames", result.query_frames},
@@ -147,15 +146,6 @@ Json extent_json(uint32_t window, uint32_t first, uint32_t last, size_t length) 
           {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
 }
 
-Json cluster_json(const Cluster& cluster, size_t length) {
-  return {
-      {"target", cluster.target},
-      {"query", extent_json(cluster.query_window, cluster.query_first, cluster.query_last, length)},
-      {"train", extent_json(cluster.train_window, cluster.train_first, cluster.train_last, length)},
-      {"hits", cluster.hits},
-      {"best_score", score_json(cluster.best_score)}};
-}
-
 // What depends on neither method nor query: provenance, machine and timing.
 void add_context(Json& json, const ResultContext& context) {
   json["provenance"] = provenance_json(context.run);
@@ -167,11 +157,14 @@ void add_context(Json& json, const ResultContext& context) {
   if (!context.files.empty()) json["files"] = context.files;
 }
 
-void add_clusters(Json& json, const Clusters& clusters, size_t length) {
-  json["totals"]["clusters"] = clusters.all.size();
-  json["clusters"] = Json::array();
-  for (const Cluster& cluster : clusters.all)
-    json["clusters"].push_back(cluster_json(cluster, length));
+Json number_or_null(double value) { return std::isnan(value) ? Json() : Json(value); }
+
+Json match_json(const Result& result, const Match& match) {
+  const size_t length = result.window_length();
+  return {{"sequence", result.targets[match.target].name},
+          {"frame", anchor_of(match.train, length)},
+          {"score", result.score().frame_value(match.score, length)},
+          {"sum", static_cast<int64_t>(match.score)}};
 }
 
 }  // namespace
@@ -208,6 +201,18 @@ std::string result_checksum(Json json) {
   return checksum(to_text(json));
 }
 
+Json clusters_json(const Clusters& clusters, size_t length) {
+  Json json = Json::array();
+  for (const Cluster& one : clusters.all)
+    json.push_back(
+        {{"target", one.target},
+         {"query", extent_json(one.query_window, one.query_first, one.query_last, length)},
+         {"train", extent_json(one.train_window, one.train_first, one.train_last, length)},
+         {"hits", one.hits},
+         {"best_score", static_cast<int64_t>(one.best_score)}});
+  return json;
+}
+
 Json result_json(const Result& result, const ResultContext& context) {
   Json json = {{"schema", "vpr.result/2"}, {"method", method_of(result.settings)}};
   json["settings"] = settings_in_force(result.settings);
@@ -227,7 +232,10 @@ Json result_json(const Result& result, const ResultContext& context) {
                       {"found_best", result.recall->found_best},
                       {"hits", result.recall->hits},
                       {"found_hits", result.hits.size()}};
-  if (result.clusters) add_clusters(json, *result.clusters, result.window_length());
+  if (result.clusters) {
+    json["totals"]["clusters"] = result.clusters->all.size();
+    json["clusters"] = clusters_json(*result.clusters, result.window_length());
+  }
   if (context.verified_cells)
     json["verification"] = {{"cells", *context.verified_cells}, {"differences", 0}};
   if (context.matrix) json["matrix"] = *context.matrix;
@@ -266,6 +274,33 @@ Json write_result(const fs::path& path, const Result& result, const ResultContex
   json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
   return json;
+}
+
+Json live_line(const LineFrame& frame, const Result* result, size_t window) {
+  Json line = {{"schema", "vpr.live/1"},
+               {"frame", frame.number},
+               {"name", frame.name},
+               {"readable", frame.is_readable},
+               {"match", nullptr},
+               {"margin", nullptr},
+               {"nowhere", nullptr},
+               {"rate", nullptr},
+               {"hits", 0},
+               {"recognised", false}};
+  if (result == nullptr) return line;
+  const size_t length = result->window_length();
+  if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
+  if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
+  if (result->path) {
+    const double nowhere = result->path->nowhere[window];
+    line["nowhere"] = number_or_null(
+        std::isnan(nowhere) ? nowhere : result->score().frame_value(nowhere, length));
+    line["rate"] = number_or_null(result->path->rates[window]);
+  }
+  const auto hits = std::ranges::count(result->hits, window, &Match::query);
+  line["hits"] = hits;
+  line["recognised"] = hits > 0;
+  return line;
 }
 
 }  // namespace vpr

@@ -1,5 +1,5 @@
 // Result files (vpr.result/2): RESULT.json and, named after it, RESULT.hits.npy, RESULT.best.npy
-// and the other arrays of kResultArrays.
+// and the other arrays of kResultArrays. Also the lines of a live query (vpr.live/1).
 #pragma once
 
 #include <array>
@@ -62,6 +62,9 @@ std::string result_checksum(Json json);
 /// A result file as it stands, its checksum verified. Throws as read_result does.
 Json read_result_json(const std::filesystem::path& path);
 
+/// "clusters" of a result.
+Json clusters_json(const Clusters& clusters, size_t window_length);
+
 /// The JSON without its companions' checksums.
 Json result_json(const Result& result, const ResultContext& context);
 
@@ -84,5 +87,16 @@ struct StoredResult {
 /// or of another version, if a companion is not the one that the JSON was written with, or an index
 /// is out of range.
 StoredResult read_result(const std::filesystem::path& path, const Monitor& monitor = {});
+
+/// The newest frame of a query.
+struct LineFrame {
+  size_t number = 0;
+  std::string name;
+  bool is_readable = true;
+};
+
+/// docs/live.schema.json. `window`: the query window of the result that ends with the frame; none
+/// where the frames before it do not fill one.
+Json live_line(const LineFrame& frame, const Result* result, size_t window);
 
 }  // namespace vpr

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "report/frame_axis.h"
+#include "report/chart_layout.h"
 
 namespace vpr {
 namespace {
@@ -111,11 +111,8 @@ std::vector<Meaning> meanings_of(const Judgement& judgement, const GroundTruth& 
   for (const QueryOutcome& query : judgement.outcomes.queries)
     if (query.has_match && query.verdict != Verdict::unreadable)
       meanings[query.frame] = Meaning::missed;
-  for (size_t frame = 0; frame < judgement.fixes.size(); ++frame) {
-    if (judgement.fixes[frame] == Fix::right) meanings[frame] = Meaning::right;
-    if (judgement.fixes[frame] == Fix::wrong) meanings[frame] = Meaning::wrong;
-    if (judgement.fixes[frame] == Fix::unjudged) meanings[frame] = Meaning::unjudged;
-  }
+  for (size_t frame = 0; frame < judgement.fixes.size(); ++frame)
+    if (judgement.fixes[frame] != Fix::none) meanings[frame] = meaning_of(judgement.fixes[frame]);
   return meanings;
 }
 

@@ -19,12 +19,22 @@ namespace {
 
 constexpr uint64_t kMostFrames = uint64_t{1} << 32;
 
+/// One number, or "-" for none, per query. `damage`: the message for anything else.
 template <class T>
-std::optional<T> number(std::string_view word) {
-  T value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return value;
+std::vector<std::optional<T>> read_numbers(const Fields& part, const std::string& key,
+                                           size_t queries, const char* damage) {
+  const std::string text = part.text(key);
+  const auto words = split_words(text);
+  if (words.size() != queries) part.fail("its outcomes do not fit each other");
+  std::vector<std::optional<T>> numbers;
+  for (const std::string_view word : words) {
+    std::optional<T>& number = numbers.emplace_back();
+    if (word == "-") continue;
+    const char* end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(word.data(), end, number.emplace());
+    if (error != std::errc{} || stop != end) part.fail(damage);
+  }
+  return numbers;
 }
 
 void set_verdict(QueryOutcome& query, char letter, const Fields& fields) {
@@ -60,44 +70,28 @@ Outcomes read_outcomes(const Fields& fields) {
   const uint64_t first = part.count("first_frame", kMostFrames);
   outcomes.window_length = first + 1;
   const std::string letters = part.text("best");
-  const std::string scores_text = part.text("scores");
-  const auto scores = split_words(scores_text);
+  const auto scores = read_numbers<double>(part, "scores", letters.size(), "a score is no number");
+  std::vector<std::optional<size_t>> ranks(letters.size());
   outcomes.has_ranks = part.has("ranks");
-  const std::string ranks_text = outcomes.has_ranks ? part.text("ranks") : "";
-  const auto ranks = split_words(ranks_text);
+  if (outcomes.has_ranks)
+    ranks = read_numbers<size_t>(part, "ranks", letters.size(), "a rank is no number");
+  std::vector<std::optional<double>> margins(letters.size());
   outcomes.has_margins = part.has("margins");
-  const std::string margins_text = outcomes.has_margins ? part.text("margins") : "";
-  const auto margins = split_words(margins_text);
+  if (outcomes.has_margins)
+    margins = read_numbers<double>(part, "margins", letters.size(), "a margin is not a number");
   if (fields.has("confidence")) outcomes.confidence = Confidence::margin;
-  if (scores.size() != letters.size() || (outcomes.has_ranks && ranks.size() != letters.size()) ||
-      (outcomes.has_margins && margins.size() != letters.size()) ||
-      (outcomes.confidence == Confidence::margin && !outcomes.has_margins))
+  if (outcomes.confidence == Confidence::margin && !outcomes.has_margins)
     fields.fail("its outcomes do not fit each other");
   for (size_t q = 0; q < letters.size(); ++q) {
     QueryOutcome& query = outcomes.queries.emplace_back();
     query.frame = first + q;
     set_verdict(query, letters[q], fields);
-    if (scores[q] != "-") {
-      const auto score = number<double>(scores[q]);
-      if (!score) fields.fail("a score is no number");
-      query.key = score_key(*score, outcomes.kind);
-    }
-    if (outcomes.has_ranks && ranks[q] != "-") {
-      query.rank = number<size_t>(ranks[q]);
-      if (!query.rank) fields.fail("a rank is no number");
-    }
-    if (outcomes.has_margins && margins[q] != "-") {
-      query.margin = number<double>(margins[q]);
-      if (!query.margin) fields.fail("a margin is not a number");
-    }
+    if (scores[q]) query.key = score_key(*scores[q], outcomes.kind);
+    query.rank = ranks[q];
+    query.margin = margins[q];
   }
   outcomes.query_frames = first + letters.size();
   return outcomes;
-}
-
-bool is_of_places(const Json& settings) {
-  return settings.is_object() &&
-         settings.contains(std::string(probability_kind().threshold_symbol));
 }
 
 // What replayed queries add to the words of a ground truth, with their walk behind it.
@@ -121,16 +115,12 @@ void read_walk(StoredReport& report, const Fields& fields) {
 }
 
 void read_path(StoredReport& report, const Fields& fields) {
-  if (!fields.has("localisation")) return;
   const Fields path = fields.object("localisation");
-  if (path.has("share") && path["share"].is_number()) report.share = path["share"].get<double>();
-  if (path.has("wrong")) report.wrong = path.count("wrong", kMostFrames);
+  if (path["share"].is_number()) report.share = path["share"].get<double>();
+  report.wrong = path.count("wrong", kMostFrames);
+  report.longest_gap = path.count("longest_gap_frames", kMostFrames);
   report.is_oracle = fields.has("oracle");
-  if (path.has("longest_gap_frames"))
-    report.longest_gap = path.count("longest_gap_frames", kMostFrames);
-  const Fields outcomes = fields.object("outcomes");
-  if (!outcomes.has("fixes")) return;
-  report.fixes = outcomes.text("fixes");
+  report.fixes = fields.object("outcomes").text("fixes");
   if (report.fixes.size() != report.outcomes.query_frames ||
       report.fixes.find_first_not_of("rwi.") != std::string::npos)
     fields.fail("its fixes do not fit its outcomes");
@@ -152,19 +142,15 @@ StoredReport read_report(const std::filesystem::path& path) {
 StoredReport stored_report(const Json& json, const std::string& where) {
   require_schema(json, "report", where, ErrorKind::data);
   const Fields fields(json, where);
-  if (!fields.has("outcomes"))
-    throw Error(ErrorKind::data, fmt::format("{}: has no outcomes of single queries; make it again "
-                                             "with vpr-eval",
-                                             where));
   StoredReport report;
   report.method = fields.text("method");
   report.query = fields.text("query");
   report.ground_truth = fields.object("protocol").text("ground_truth");
   const Fields provenance = fields.object("provenance");
-  if (provenance.has("ground_truth"))
-    report.ground_truth_fingerprint = provenance.text("ground_truth");
+  report.ground_truth_fingerprint = provenance.text("ground_truth");
   if (fields.has("name")) report.name = fields.text("name");
-  report.has_places = fields.has("settings") && is_of_places(json["settings"]);
+  report.has_places =
+      fields.object("settings").has(std::string(probability_kind().threshold_symbol));
   report.fingerprint = provenance.text(provenance.has("result") ? "result" : "scores");
   report.outcomes = read_outcomes(fields);
   read_walk(report, fields);
@@ -175,7 +161,6 @@ StoredReport stored_report(const Json& json, const std::string& where) {
 bool is_same_walk(const StoredReport& a, const StoredReport& b) { return a.walk == b.walk; }
 
 GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports) {
-  bool is_known = true;
   std::map<bool, std::string> of_kind;  // places or frames
   for (const StoredReport& report : reports) {
     if (!is_same_walk(report, reports.front())) {
@@ -184,15 +169,12 @@ GroundTruths compare_ground_truths(const std::vector<StoredReport>& reports) {
         return GroundTruths::different;
       continue;
     }
-    const auto& fingerprint = report.ground_truth_fingerprint;
-    is_known = is_known && fingerprint;
-    if (!fingerprint) continue;
-    const auto found = of_kind.emplace(report.has_places, *fingerprint).first;
-    if (found->second != *fingerprint) return GroundTruths::different;
+    const std::string& fingerprint = report.ground_truth_fingerprint;
+    if (of_kind.emplace(report.has_places, fingerprint).first->second != fingerprint)
+      return GroundTruths::different;
   }
   const bool agree = of_kind.size() < 2 || of_kind[true] == of_kind[false];
-  if (!agree) return GroundTruths::of_places_and_frames;
-  return is_known ? GroundTruths::same : GroundTruths::unknown;
+  return agree ? GroundTruths::same : GroundTruths::of_places_and_frames;
 }
 
 std::vector<std::string> report_names(const std::vector<StoredReport>& reports,

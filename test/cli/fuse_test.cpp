@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
-#include "report/live_line.h"
 #include "report/result_file.h"
 #include "support.h"
 #include "world.h"

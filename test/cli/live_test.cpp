@@ -7,7 +7,6 @@
 #include <opencv2/videoio.hpp>
 
 #include "base/json.h"
-#include "report/live_line.h"
 #include "report/result_file.h"
 #include "running.h"
 #include "support.h"

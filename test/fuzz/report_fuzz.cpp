@@ -3,7 +3,6 @@
 #include "fuzz.h"
 #include "report/comparison_page.h"
 #include "report/comparison_report.h"
-#include "report/comparison_tables.h"
 
 using namespace vpr;
 

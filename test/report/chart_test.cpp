@@ -7,9 +7,8 @@
 #include "base/error.h"
 #include "report/chart_layout.h"
 #include "report/charts.h"
-#include "report/png_file.h"
-#include "report/svg_raster.h"
-#include "report/sweep_file.h"
+#include "report/raster.h"
+#include "report/sweep_report.h"
 #include "support.h"
 
 using namespace vpr;

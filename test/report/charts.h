@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "report/chart.h"
-#include "report/chart_svg.h"
 #include "report/palette.h"
 
 namespace vpr::test {

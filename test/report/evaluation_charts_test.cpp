@@ -9,12 +9,11 @@
 #include "base/json.h"
 #include "report/chart_layout.h"
 #include "report/charts.h"
-#include "report/frame_axis.h"
-#include "report/loops_charts.h"
+#include "report/evaluation_report.h"
+#include "report/loops_report.h"
 #include "report/route_map.h"
-#include "report/score_picture.h"
-#include "report/scores_report.h"
-#include "report/sweep_file.h"
+#include "report/score_matrix.h"
+#include "report/sweep_report.h"
 #include "support.h"
 
 using namespace vpr;

@@ -10,11 +10,10 @@
 #include "base/json.h"
 #include "evaluation/metrics.h"
 #include "images/sequence.h"
+#include "report/evaluation_report.h"
 #include "report/gallery.h"
-#include "report/html_text.h"
-#include "report/score_picture.h"
-#include "report/scores_report.h"
-#include "report/thumbnails.h"
+#include "report/html_page.h"
+#include "report/score_matrix.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,7 +1,7 @@
 // Expected values as XML.
-#include "report/junit.h"
-
 #include <catch2/catch.hpp>
+
+#include "report/exports.h"
 
 using namespace vpr;
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "report/summary.h"
+#include "report/evaluation_tables.h"
 
 using namespace vpr;
 

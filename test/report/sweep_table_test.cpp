@@ -1,6 +1,6 @@
-#include "report/sweep_table.h"
-
 #include <catch2/catch.hpp>
+
+#include "report/sweep_report.h"
 
 using namespace vpr;
 

@@ -1,7 +1,6 @@
-#include "report/word_picture.h"
-
 #include <catch2/catch.hpp>
 
+#include "report/explanation_report.h"
 #include "report/palette.h"
 
 using namespace vpr;

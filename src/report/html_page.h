@@ -1,6 +1,8 @@
-// What all pages share: their style, tables, legends, and what scrolls.
+// The parts of all HTML pages: escaped text and data, style, tables and legends.
 #pragma once
 
+#include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +12,20 @@
 #include "report/table.h"
 
 namespace vpr {
+
+/// A text for element content and quoted attributes: & < > " ' become references; bytes that are
+/// not UTF-8 and control characters become U+FFFD.
+std::string html_escaped(std::string_view text);
+
+/// Bytes as base64 (RFC 4648), padded.
+std::string base64(std::span<const std::byte> bytes);
+
+/// A JSON for a script element of type application/json: nothing in it can end the element.
+std::string script_json(const Json& json);
+
+/// Replaces every {{name}} by its part, once: what is put in is not looked through again. Every
+/// name in the page must have a part.
+std::string fill_page(std::string_view page, const std::map<std::string, std::string>& parts);
 
 /// The files of src/report/html as they are embedded.
 struct HtmlParts {
@@ -36,5 +52,10 @@ std::string list_html(const Json& object);
 std::string legend_html(const std::vector<Meaning>& meanings);
 /// The same of curves that mean nothing but their order.
 std::string legend_html(const std::vector<std::string>& series);
+
+/// A page of several sections, which are HTML; the other texts are escaped.
+std::string sections_page(const std::string& title, const std::string& summary,
+                          const std::string& subtitle, const std::string& sections,
+                          const Json& protocol, const Json& provenance);
 
 }  // namespace vpr
