@@ -1,4 +1,4 @@
-// One image file to pixels.
+// Decoding of one image file, and limits on what codecs may do.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Frames as they come: of a folder that grows, a camera, a video, a list, or a pipe of paths.
+// Frames as they arrive: from a growing folder, a camera, a video, a list, or a pipe of paths.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// The frames of what the user names: a folder of images, a list of them, or a video; or arrays of
-// what describes them.
+// The frames of a sequence and their names: images, a list of them, a video, or arrays of
+// descriptors.
 #pragma once
 
 #include <filesystem>

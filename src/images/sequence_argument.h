@@ -1,4 +1,4 @@
-// What the user names on the command line: a folder, list or video, and a range of its frames.
+// A sequence on the command line: a folder, list or video, a range of its frames, and its name.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// The variants of FAB-MAP: log-likelihoods of all views for one observation.
+// FAB-MAP: the word model, and the variants that compute log-likelihoods of all views for one
+// observation.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// A forward filter over places and rates: where the query is, at whatever pace it goes, or nowhere.
+// A Bayes filter over places and rates, the cells that it runs on, and the second reading of a
+// track.
 #pragma once
 
 #include <array>

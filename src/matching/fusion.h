@@ -1,5 +1,5 @@
-// FAB-MAP and sequences together: standardized frame distances with what the words of the frame say
-// of training frames.
+// Fusion of standardized scores with FAB-MAP: the evidence of words for each training frame, and
+// how reliable either method has been so far.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,4 @@
-// Frame distances that another program computed: a matrix of scores in a .npy file, in whole
-// numbers.
+// A matrix of scores in a .npy file, and its values as integer frame distances.
 #pragma once
 
 #include <filesystem>

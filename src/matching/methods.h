@@ -1,4 +1,5 @@
-// The table of sequence matchers: help texts, --method and the contract tests read it.
+// The table of sequence matchers (help texts, --method and the contract tests read it), and
+// OpenABLE, which computes every cell by definition.
 #pragma once
 
 #include <span>

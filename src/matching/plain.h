@@ -1,5 +1,5 @@
-// The methods as the papers state them, one scalar operation after the other: the oracle that every
-// fast path is compared with, and the yardstick of speed-ups.
+// Reference implementations: distances, windows and standardized scores as the papers state them,
+// one scalar operation after the other. Also the yardstick of speed-ups.
 #pragma once
 
 #include <cstdint>

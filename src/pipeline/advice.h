@@ -1,4 +1,4 @@
-// What to say if a query recognizes nothing, or everything.
+// What to say if a query recognizes nothing, or everything, or has another frame rate.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// A query whose frames come one after the other.
+// A query whose frames arrive one after the other.
 #pragma once
 
 #include <memory>

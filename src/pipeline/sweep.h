@@ -1,4 +1,4 @@
-// A whole grid of settings for little more than the price of one query.
+// A grid of settings for little more than the time of one query.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// The automatic margin: how much better a best match is than elsewhere where all of them are wrong.
+// The automatic margin, and whether windows or training sequences show the same place.
 #pragma once
 
 #include <optional>

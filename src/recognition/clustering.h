@@ -1,4 +1,5 @@
-// Hits to recognized places: connected components (DBSCAN with min_points 1), or confirmed tracks.
+// Matches, and what they become: connected components (DBSCAN with min_points 1), confirmed tracks,
+// or runs of places.
 #pragma once
 
 #include <cstdint>

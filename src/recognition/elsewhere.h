@@ -1,4 +1,4 @@
-// A walk compared with itself: what looks most like here, but is elsewhere?
+// A training sequence compared with itself: after how many frames it shows another place.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// The table of scores: what the score of a match is, and all that follows from it.
+// The table of scores: what the score of a match is, how two are ordered, and thresholds on it.
 #pragma once
 
 #include <array>
