@@ -115,7 +115,7 @@ std::vector<SweepCell> sweep_cells(const Sweep& sweep) {
   std::vector<SweepCell> cells;
   for (const CellCounts& cell : sweep.cells)
     cells.push_back({std::to_string(cell.window), cell.threshold ? number(*cell.threshold) : "auto",
-                     score_of(cell, sweep.threshold_order).looseness,
+                     looseness_of(cell, sweep.threshold_order),
                      std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure),
                      cell.counts.hits, cell.counts.clusters, cell.counts.mixed_clusters,
                      cell.counts.distinct, cell.counts.best_match, cell.untrained});

@@ -14,7 +14,7 @@ namespace vpr {
 struct SweepCell {
   std::string window;
   std::string threshold;
-  std::optional<double> looseness;  ///< of the threshold, as SweepScore has it
+  std::optional<double> looseness;  ///< of the threshold, see looseness_of
   std::string scale;                ///< of the threshold: relative, bits, mean-z, probability
   LabelCounts hits;
   std::optional<LabelCounts> places;  ///< of sequences
