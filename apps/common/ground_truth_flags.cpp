@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "base/json.h"
+#include "base/named_table.h"
 #include "ground_truth/formats.h"
 #include "ground_truth/presets.h"
 
@@ -43,10 +44,8 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
 }  // namespace
 
 std::string ground_truth_help() {
-  std::vector<std::string_view> presets;
-  for (const GroundTruthPreset& preset : ground_truth_presets()) presets.push_back(preset.name);
   return fmt::format("file or folder, or a word: aligned, {}; formats below",
-                     fmt::join(presets, ", "));
+                     fmt::join(names_of(ground_truth_presets()), ", "));
 }
 
 void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
@@ -105,13 +104,7 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
 }
 
 bool any_given(const GroundTruthFlags& flags) {
-  bool has_paths = false;
-  GroundTruthOptions options = flags.options;
-  visit_paths(options, [&](const char*, const std::filesystem::path& path) {
-    has_paths = has_paths || !path.empty();
-  });
-  return flags.tolerance_frames || !flags.format.empty() || has_paths ||
-         value_to_json(flags.options) != value_to_json(GroundTruthOptions{});
+  return flags.tolerance_frames || !flags.format.empty() || flags.options != GroundTruthOptions{};
 }
 
 std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, DatabaseFamily family,

@@ -43,12 +43,7 @@ constexpr std::array kOutputs = {
     "descriptors", "junit",       "fixes-tum",       "pairs",        "save-loops"};
 
 bool has_name(const GivenFlag& flag, const char* name) {
-  return std::find(flag.names.begin(), flag.names.end(), name) != flag.names.end();
-}
-
-bool is_output(const GivenFlag& flag) {
-  return std::any_of(kOutputs.begin(), kOutputs.end(),
-                     [&](const char* name) { return has_name(flag, name); });
+  return std::ranges::find(flag.names, name) != flag.names.end();
 }
 
 /// Collects paths that exist; what can't be read is the command's to complain of.
@@ -165,7 +160,8 @@ void Session::print_result(const std::string& text, const Json& json) const {
 std::vector<fs::path> run_inputs(const std::vector<GivenFlag>& given) {
   Inputs inputs;
   for (const GivenFlag& flag : given) {
-    if (is_output(flag)) continue;
+    if (std::ranges::any_of(kOutputs, [&](const char* name) { return has_name(flag, name); }))
+      continue;
     for (const std::string& value : flag.values) {
       if (has_name(flag, "dataset")) inputs.add_dataset(value);
       inputs.add_value(value);

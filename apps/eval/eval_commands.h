@@ -6,12 +6,11 @@
 
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
-#include "ground_truth/ground_truth.h"
 #include "report/table.h"
 
 namespace vpr {
 
-/// All empty: the ground truth itself has to say.
+/// Numbers of frames. All empty: the ground truth itself has to state them.
 struct ScopeInputs {
   std::string result;
   std::string query;
@@ -19,12 +18,6 @@ struct ScopeInputs {
   std::optional<uint64_t> query_frames;
   std::optional<uint64_t> train_frames;
 };
-
-void add_scope_flags(const Command& command, ScopeInputs& inputs);
-
-/// Videos are read to count their frames. Throws Error(usage) if more than one source is given, or
-/// only one side.
-GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor);
 
 struct CheckInputs {
   std::string ground_truth;

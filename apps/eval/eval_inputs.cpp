@@ -29,9 +29,8 @@ namespace {
 /// Whether all that is asked for can be had without a ground truth: pictures of a result.
 bool only_looks(const Session& session, const EvalInputs& inputs) {
   return !inputs.result.empty() && wants_pictures(inputs.pictures) &&
-         inputs.expect.expected.empty() && inputs.map.folder.empty() &&
-         session.options.output.empty() && !session.options.json && !inputs.csv.any() &&
-         inputs.trajectory.file.empty();
+         inputs.expect.expected.empty() && inputs.map.empty() && session.options.output.empty() &&
+         !session.options.json && !inputs.csv.any() && inputs.fixes.empty();
 }
 
 /// What the flags or the data set name; poses of --poses, or the data set's.

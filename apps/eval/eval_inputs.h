@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/json.h"
-#include "base/json_fwd.h"
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "common/score_flags.h"
@@ -15,6 +14,7 @@
 #include "evaluation/score_matrix.h"
 #include "ground_truth/loop_list.h"
 #include "pipeline/evaluate.h"
+#include "report/outcome_csv.h"
 #include "report/result_file.h"
 #include "report/table.h"
 
@@ -27,11 +27,98 @@ struct CsvInputs {
   bool any() const { return !outcomes.empty() || !recognitions.empty(); }
 };
 
+struct ExpectInputs {
+  std::string expected;  ///< a file; empty: nothing is expected
+  bool update = false;   ///< the file takes over what is found
+  std::string junit;     ///< a file; empty: not asked for
+
+  bool any() const { return update || !expected.empty() || !junit.empty(); }
+};
+
+struct PairInputs {
+  std::string path;              ///< empty: not asked for
+  std::optional<uint64_t> most;  ///< K of --top-k
+
+  bool any() const { return most || !path.empty(); }
+};
+
+struct LoopInputs {
+  std::string path;   ///< of the list
+  std::string times;  ///< of a trajectory without times
+  std::string gap;
+  LoopFrames frames = LoopFrames::automatic;
+};
+
+struct PictureInputs {
+  std::string html;
+  std::string plots;
+  std::optional<std::string> query;  ///< a sequence, or a query's name in the data set
+  std::vector<std::string> train;
+};
+
+struct ScoreInputs {
+  ScoreFlags matrix;
+  std::string query_npy;      ///< descriptors that scores are computed of; empty: none
+  std::string reference_npy;  ///< of the references
+  DescriptorMetric metric = DescriptorMetric::cosine;
+  std::string predictions;  ///< lists of what a program found; empty: none
+  std::vector<uint64_t> recall_at;
+  uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
+  std::optional<double> threshold;
+  uint64_t window_length = 1;            ///< frames per row of --scores
+  std::string warp;                      ///< how the query was replayed; empty: it was not
+  std::optional<uint64_t> query_frames;  ///< of the query, before --warp
+  std::string name;                      ///< for tables; empty: the file's, or the method
+  std::string poses;                     ///< of the query, for metres
+
+  /// Whether there are scores, read or computed.
+  bool any() const { return !source().empty(); }
+  /// Where they come from.
+  const std::string& source() const {
+    if (!matrix.path.empty()) return matrix.path;
+    return query_npy.empty() ? predictions : query_npy;
+  }
+};
+
+struct EvalInputs {
+  std::vector<std::string> results;
+  std::string result;    ///< the one that is evaluated
+  std::string row_name;  ///< what its rows are called
+  std::vector<std::string> names;
+  std::string ground_truth;
+  std::string dataset;
+  GroundTruthFlags flags;
+  std::string protocols;
+  ExpectInputs expect;
+  TableFormat format = TableFormat::text;
+  std::optional<Confidence> confidence;
+  CsvInputs csv;
+  ScoreInputs scores;
+  PairInputs pairs;
+  PictureInputs pictures;
+  std::string map;       ///< a folder; empty: not asked for
+  std::string map_with;  ///< a second result
+  std::string fixes;     ///< a file of --fixes-tum; empty: not asked for
+  LoopInputs loops;
+
+  /// Whether an output is asked for that shows one result under one ground truth.
+  bool shows_one() const {
+    return !pictures.html.empty() || !pictures.plots.empty() || !map.empty() || !fixes.empty() ||
+           pairs.any();
+  }
+};
+
+/// An evaluation and its report, without "machine" and "timing".
+struct Evaluated {
+  Evaluation evaluation;
+  JudgedBy by;
+  Json report;
+};
+
 /// Rows of one result or several, below one header.
 struct CsvRows {
-  CsvRows();
-  std::string outcomes;
-  std::string recognitions;
+  std::string outcomes = outcomes_csv_header();
+  std::string recognitions = recognitions_csv_header();
 };
 
 void add_csv_options(const Command& app, CsvInputs& inputs);
@@ -45,14 +132,6 @@ void add_rows(CsvRows& rows, const CsvInputs& inputs, const Evaluation& evaluati
               const std::string& name);
 
 void write_csv_rows(const Session& session, const CsvInputs& inputs, const CsvRows& rows);
-
-struct ExpectInputs {
-  std::string expected;  ///< a file; empty: nothing is expected
-  bool update = false;   ///< the file takes over what is found
-  std::string junit;     ///< a file; empty: not asked for
-
-  bool any() const { return update || !expected.empty() || !junit.empty(); }
-};
 
 void add_expect_options(const Command& app, ExpectInputs& inputs);
 
@@ -70,16 +149,6 @@ std::string met_sentence(const ExpectInputs& inputs, const std::vector<CheckedVa
 
 /// Throws Error(expectation) with a line for each value that is not met, unless it was updated.
 void require_met(const ExpectInputs& inputs, const std::vector<CheckedValue>& values);
-
-struct EvalInputs;
-struct JudgedBy;
-
-struct PairInputs {
-  std::string path;              ///< empty: not asked for
-  std::optional<uint64_t> most;  ///< K of --top-k
-
-  bool any() const { return most || !path.empty(); }
-};
 
 void add_list_options(const Command& app, EvalInputs& inputs);
 
@@ -109,15 +178,6 @@ bool only_lists(const EvalInputs& inputs);
 /// Writes them, and says so.
 void run_lists(Session& session, const EvalInputs& inputs);
 
-struct EvalInputs;
-
-struct LoopInputs {
-  std::string path;   ///< of the list
-  std::string times;  ///< of a trajectory without times
-  std::string gap;
-  LoopFrames frames = LoopFrames::automatic;
-};
-
 /// Whether any of its flags is given.
 bool is_given(const LoopInputs& inputs);
 
@@ -127,30 +187,15 @@ void add_loop_options(const Command& app, LoopInputs& inputs);
 /// other evaluations or are missing, and as read_loop_list and read_trajectory do.
 void run_loops(Session& session, const EvalInputs& inputs);
 
-struct Evaluated;
-
-struct MapInputs {
-  std::string folder;
-  std::string with;  ///< a second result
-};
-
-void add_map_options(const Command& app, MapInputs& inputs);
+void add_map_options(const Command& app, EvalInputs& inputs);
 
 /// Throws Error(usage) for flags that do not go together, and as the checks of outputs do. Call it
 /// before long work.
-void check_map_inputs(const Session& session, const MapInputs& inputs, const std::string& dataset);
+void check_map_inputs(const Session& session, const EvalInputs& inputs);
 
-/// Draws the map. `second`: the evaluation of the other result, or none. Throws Error(usage) if the
-/// data set does not say where the query's frames were taken.
-void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
-               const Evaluated& first, const Evaluated* second);
-
-struct PictureInputs {
-  std::string html;
-  std::string plots;
-  std::optional<std::string> query;  ///< a sequence, or a query's name in the data set
-  std::vector<std::string> train;
-};
+/// Draws the map, if it is asked for, of the result and that of --map-with. Throws Error(usage) if
+/// the data set does not say where the query's frames were taken.
+void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated);
 
 void add_picture_options(const Command& app, PictureInputs& inputs);
 
@@ -160,35 +205,10 @@ bool wants_pictures(const PictureInputs& inputs);
 /// Throws as the checks of outputs do. Call it before long work.
 void check_picture_outputs(const Session& session, const PictureInputs& inputs);
 
-/// Writes what was asked for. `dataset`: its path, or empty. `report`: of the evaluation; the page
-/// opens with the sentence `summary`. Throws Error(usage) if sequences do not have as many frames
-/// as the evaluation.
-void write_pictures(Session& session, const PictureInputs& inputs, const std::string& dataset,
-                    const Evaluation& evaluation, const Json& report, const std::string& summary);
-
-struct ScoreInputs {
-  ScoreFlags matrix;
-  std::string query_npy;      ///< descriptors that scores are computed of; empty: none
-  std::string reference_npy;  ///< of the references
-  DescriptorMetric metric = DescriptorMetric::cosine;
-  std::string predictions;  ///< lists of what a program found; empty: none
-  std::vector<uint64_t> recall_at;
-  uint64_t stretch_frames = kRouteStretch;  ///< of the recall achievement rate
-  std::optional<double> threshold;
-  uint64_t window_length = 1;            ///< frames per row of --scores
-  std::string warp;                      ///< how the query was replayed; empty: it was not
-  std::optional<uint64_t> query_frames;  ///< of the query, before --warp
-  std::string name;                      ///< for tables; empty: the file's, or the method
-  std::string poses;                     ///< of the query, for metres
-
-  /// Whether there are scores, read or computed.
-  bool any() const { return !source().empty(); }
-  /// Where they come from.
-  const std::string& source() const {
-    if (!matrix.path.empty()) return matrix.path;
-    return query_npy.empty() ? predictions : query_npy;
-  }
-};
+/// Writes what was asked for; the page opens with the sentence `summary`. Throws Error(usage) if
+/// sequences do not have as many frames as the evaluation.
+void write_pictures(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
+                    const std::string& summary);
 
 void add_score_options(const Command& app, ScoreInputs& inputs);
 
@@ -224,52 +244,18 @@ void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judg
 /// Warns where the best score of all may be what vpr-query writes where there is none.
 void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);
 
-struct TrajectoryInputs {
-  std::string file;  ///< empty: not asked for
-};
+void add_trajectory_options(const Command& app, EvalInputs& inputs);
 
-void add_trajectory_options(const Command& app, TrajectoryInputs& inputs);
-
-/// Claims the output. Throws Error(usage) unless something has positions of training frames: a data
-/// set, or poses of a ground truth. Call it before long work.
-void claim_trajectory(const Session& session, const TrajectoryInputs& inputs, bool has_positions);
+/// Claims the output. Throws Error(usage) unless the data set or --ground-truth-reference has
+/// positions of training frames. Call it before long work.
+void claim_trajectory(const Session& session, const EvalInputs& inputs);
 
 /// Positions are of the data set's poses, or of the ground truth's, in any format of trajectories.
 /// Times are those of --query-times, where the query is judged by them and is not replayed. Throws
 /// Error(usage) if nothing has positions of training frames, and as read_train_poses and
 /// read_frame_times do.
-void write_trajectory(const Session& session, const TrajectoryInputs& inputs,
-                      const std::string& dataset, const Evaluation& evaluation,
-                      const std::optional<GroundTruthArgument>& truth,
+void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                       std::optional<double> frames_per_second);
-
-struct EvalInputs {
-  std::vector<std::string> results;
-  std::string result;    ///< the one that is evaluated
-  std::string row_name;  ///< what its rows are called
-  std::vector<std::string> names;
-  std::string ground_truth;
-  std::string dataset;
-  GroundTruthFlags flags;
-  std::string protocols;
-  ExpectInputs expect;
-  TableFormat format = TableFormat::text;
-  std::optional<Confidence> confidence;
-  CsvInputs csv;
-  ScoreInputs scores;
-  PairInputs pairs;
-  PictureInputs pictures;
-  MapInputs map;
-  TrajectoryInputs trajectory;
-  LoopInputs loops;
-};
-
-/// An evaluation and its report, without "machine" and "timing".
-struct Evaluated {
-  Evaluation evaluation;
-  JudgedBy by;
-  Json report;
-};
 
 /// Of result i alone, or of the scores.
 EvalInputs inputs_of(const EvalInputs& inputs, size_t i);

@@ -154,8 +154,8 @@ size_t write_pairs(const Session& session, const EvalInputs& inputs, const Score
 
 bool only_lists(const EvalInputs& inputs) {
   return !inputs.pairs.path.empty() && inputs.ground_truth.empty() && inputs.dataset.empty() &&
-         !wants_pictures(inputs.pictures) && inputs.expect.expected.empty() &&
-         inputs.map.folder.empty() && !inputs.csv.any();
+         !wants_pictures(inputs.pictures) && inputs.expect.expected.empty() && inputs.map.empty() &&
+         !inputs.csv.any();
 }
 
 void run_lists(Session& session, const EvalInputs& inputs) {

@@ -45,9 +45,9 @@ void refuse_others(const EvalInputs& inputs) {
   const bool has_others =
       !inputs.results.empty() || inputs.scores.any() || !inputs.ground_truth.empty() ||
       !inputs.dataset.empty() || !inputs.protocols.empty() || inputs.expect.any() ||
-      !inputs.trajectory.file.empty() || !inputs.map.folder.empty() || inputs.csv.any() ||
-      inputs.pairs.any() || inputs.pictures.query || !inputs.pictures.train.empty() ||
-      inputs.confidence || has_other_flags(inputs.flags);
+      !inputs.fixes.empty() || !inputs.map.empty() || inputs.csv.any() || inputs.pairs.any() ||
+      inputs.pictures.query || !inputs.pictures.train.empty() || inputs.confidence ||
+      has_other_flags(inputs.flags);
   if (has_others)
     throw Error(ErrorKind::usage,
                 "--loops judges a list by its trajectory alone: give --poses, --radius, --gap, "

@@ -27,48 +27,38 @@ Poses plan_poses(const std::vector<RoutePoint>& points) {
   return poses;
 }
 
-/// Where sequences of one map are: all in metres, or all on the earth and put on the plane that
-/// touches it where the first frame was taken.
-class OneMap {
- public:
-  Poses add(TrainPoses train) {
-    if (train.poses.empty()) return {};
-    if (is_on_earth_.value_or(train.is_on_earth) != train.is_on_earth)
-      throw Error(ErrorKind::data,
-                  "--fixes-tum: some training sequences have latitudes and longitudes and others "
-                  "metres; give all in one way");
-    is_on_earth_ = train.is_on_earth;
-    for (auto& pose : train.poses)
-      if (pose && train.is_on_earth) pose->position = on_plane(pose->position);
-    return std::move(train.poses);
-  }
-
- private:
-  std::array<double, 3> on_plane(const std::array<double, 3>& earth) {
-    if (!plane_) plane_.emplace(earth);
-    return plane_->local(earth);
-  }
-
-  std::optional<bool> is_on_earth_;
-  std::optional<LocalPlane> plane_;
-};
-
-// Where the frames of each sequence were taken, as the data set says it or else the ground truth;
-// of a sequence that is thinned, those of the frames that are kept.
+// Positions of the frames of each sequence, from the data set or else the ground truth; of a
+// thinned sequence, those of its kept frames. All are in meters on one map.
 TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluation,
                               const GroundTruthOptions& options, const Monitor& monitor) {
   if (evaluation.result && evaluation.result->result.places)
     return {dataset.place_poses.empty() ? Poses{}
                                         : plan_poses(read_place_positions(dataset.place_poses))};
   TrainPositions positions;
-  OneMap map;
+  std::optional<bool> is_on_earth;
+  std::optional<LocalPlane> plane;  // touches the earth at the first frame
+  const auto read = [&](const std::filesystem::path& path, const GroundTruthOptions& times) {
+    TrainPoses train = read_train_poses(path, times, monitor);
+    if (train.poses.empty()) return train.poses;
+    if (is_on_earth.value_or(train.is_on_earth) != train.is_on_earth)
+      throw Error(ErrorKind::data,
+                  "--fixes-tum: some training sequences have latitudes and longitudes and others "
+                  "metres; give all in one way");
+    is_on_earth = train.is_on_earth;
+    for (auto& pose : train.poses) {
+      if (!pose || !train.is_on_earth) continue;
+      if (!plane) plane.emplace(pose->position);
+      pose->position = plane->local(pose->position);
+    }
+    return train.poses;
+  };
   for (const auto& sequence : evaluation.judgement.layout.scope.sequences) {
     Poses& poses = positions.emplace_back();
     const auto train = std::ranges::find(dataset.train, sequence.name, &NamedSequence::name);
     if (train != dataset.train.end() && !train->poses.empty())
-      poses = map.add(read_train_poses(train->poses, {}, monitor));
+      poses = read(train->poses, {});
     else if (!options.reference.empty() && sequence.searched)
-      poses = map.add(read_train_poses(options.reference, options, monitor));
+      poses = read(options.reference, options);
     if (!sequence.kept || poses.empty()) continue;
     poses.resize(sequence.kept->recorded_frames);
     poses = replayed(poses, *sequence.kept);
@@ -87,8 +77,6 @@ FrameClock clock_of(const Evaluation& evaluation, const GroundTruthOptions& opti
 }
 
 }  // namespace
-
-CsvRows::CsvRows() : outcomes(outcomes_csv_header()), recognitions(recognitions_csv_header()) {}
 
 void add_csv_options(const Command& app, CsvInputs& inputs) {
   app.add_option("--outcomes-csv", inputs.outcomes,
@@ -193,38 +181,39 @@ void require_met(const ExpectInputs& inputs, const std::vector<CheckedValue>& va
                 fmt::format("{}: not met:\n  {}", inputs.expected, fmt::join(unmet, "\n  ")));
 }
 
-void add_trajectory_options(const Command& app, TrajectoryInputs& inputs) {
-  app.add_option("--fixes-tum", inputs.file,
+void add_trajectory_options(const Command& app, EvalInputs& inputs) {
+  app.add_option("--fixes-tum", inputs.fixes,
                  "write where each recognised frame is said to be as a TUM trajectory (time x y z "
                  "qx qy qz qw), as for evo; needs poses of training frames: --dataset, or "
                  "--ground-truth-reference")
       .type_name("FILE");
 }
 
-void claim_trajectory(const Session& session, const TrajectoryInputs& inputs, bool has_positions) {
-  if (inputs.file.empty()) return;
-  if (!has_positions)
+void claim_trajectory(const Session& session, const EvalInputs& inputs) {
+  if (inputs.fixes.empty()) return;
+  if (inputs.dataset.empty() && inputs.flags.options.reference.empty())
     throw Error(ErrorKind::usage,
                 "--fixes-tum needs to know where training frames were taken: by --dataset, whose "
                 "\"poses\" say it, or by --ground-truth-reference");
-  session.outputs.claim_file(inputs.file);
+  session.outputs.claim_file(inputs.fixes);
 }
 
-void write_trajectory(const Session& session, const TrajectoryInputs& inputs,
-                      const std::string& dataset, const Evaluation& evaluation,
-                      const std::optional<GroundTruthArgument>& truth,
+void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                       std::optional<double> frames_per_second) {
-  if (inputs.file.empty()) return;
+  if (inputs.fixes.empty()) return;
+  const Evaluation& evaluation = evaluated.evaluation;
+  const auto& truth = evaluated.by.ground_truth;
   const GroundTruthOptions options = truth ? truth->options : GroundTruthOptions{};
-  const TrainPositions positions = read_positions(
-      dataset.empty() ? Dataset{} : read_dataset(dataset), evaluation, options, session.monitor);
+  const TrainPositions positions =
+      read_positions(inputs.dataset.empty() ? Dataset{} : read_dataset(inputs.dataset), evaluation,
+                     options, session.monitor);
   if (std::ranges::all_of(positions, [](const auto& frames) { return frames.empty(); }))
     throw Error(ErrorKind::usage,
                 fmt::format("{}: no training sequence that was searched names \"poses\", which "
                             "--fixes-tum needs (of FAB-MAP \"place_poses\")",
-                            dataset));
+                            inputs.dataset));
   const FrameClock clock = clock_of(evaluation, options, frames_per_second, session.monitor);
-  session.outputs.file(inputs.file).write(fix_trajectory(evaluation, positions, clock));
+  session.outputs.file(inputs.fixes).write(fix_trajectory(evaluation, positions, clock));
 }
 
 }  // namespace vpr

@@ -154,62 +154,68 @@ void check_picture_outputs(const Session& session, const PictureInputs& inputs) 
   if (!inputs.plots.empty()) session.outputs.claim_folder(inputs.plots, is_marked_folder);
 }
 
-void write_pictures(Session& session, const PictureInputs& inputs, const std::string& dataset,
-                    const Evaluation& evaluation, const Json& report, const std::string& summary) {
+void write_pictures(Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
+                    const std::string& summary) {
+  const auto& [evaluation, by, report] = evaluated;
+  const PictureInputs& pictures = inputs.pictures;
   const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
-  if (!inputs.html.empty()) {
-    const FrameSources sources = find_frames(inputs, dataset, evaluation);
+  if (!pictures.html.empty()) {
+    const FrameSources sources = find_frames(pictures, inputs.dataset, evaluation);
     const std::string page = html_report(report, summary, evaluation.judgement, evaluation.truth,
                                          matrix, sources, session.monitor);
-    session.outputs.file(inputs.html).write(page);
+    session.outputs.file(pictures.html).write(page);
   }
-  if (inputs.plots.empty()) return;
+  if (pictures.plots.empty()) return;
   draw_evaluation(report, evaluation.judgement, evaluation.truth, matrix,
-                  session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
+                  session.outputs.folder(pictures.plots, is_marked_folder).temporary(),
                   session.monitor);
 }
 
-void add_map_options(const Command& app, MapInputs& inputs) {
-  app.add_option("--map", inputs.folder,
+void add_map_options(const Command& app, EvalInputs& inputs) {
+  app.add_option("--map", inputs.map,
                  "draw plan, training paths and recognitions along the query's path as SVG and PNG "
                  "into this folder; needs --dataset with poses")
       .group("Pictures")
       .type_name("FOLDER");
-  app.add_option("--map-with", inputs.with,
+  app.add_option("--map-with", inputs.map_with,
                  "a second result of the same query, on a map beside the first (FAB-MAP and "
                  "FastABLE, say)")
       .group("Pictures")
       .type_name("RESULT");
 }
 
-void check_map_inputs(const Session& session, const MapInputs& inputs, const std::string& dataset) {
-  if (inputs.folder.empty()) {
-    if (!inputs.with.empty())
-      throw Error(ErrorKind::usage, "--map-with needs --map FOLDER, where the map goes");
-    return;
-  }
-  if (dataset.empty())
+void check_map_inputs(const Session& session, const EvalInputs& inputs) {
+  if (inputs.map.empty() && !inputs.map_with.empty())
+    throw Error(ErrorKind::usage, "--map-with needs --map FOLDER, where the map goes");
+  if (inputs.map.empty()) return;
+  if (inputs.dataset.empty())
     throw Error(ErrorKind::usage,
                 "--map needs --dataset, whose \"poses\" say where frames were taken");
-  session.outputs.claim_folder(inputs.folder, is_marked_folder);
+  session.outputs.claim_folder(inputs.map, is_marked_folder);
 }
 
-void write_map(Session& session, const MapInputs& inputs, const std::string& dataset,
-               const Evaluated& first, const Evaluated* second) {
-  if (inputs.folder.empty()) return;
-  const RouteMap map = read_map(read_dataset(dataset), dataset, first.evaluation);
-  std::vector<MapPanel> panels = {panel_of(first)};
-  if (second != nullptr) {
+void write_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {
+  if (inputs.map.empty()) return;
+  std::optional<Evaluated> second;
+  if (!inputs.map_with.empty()) {
+    EvalInputs other = inputs;
+    other.result = inputs.map_with;
+    other.scores = {};
+    second = evaluate(session, other);
+  }
+  const RouteMap map = read_map(read_dataset(inputs.dataset), inputs.dataset, evaluated.evaluation);
+  std::vector<MapPanel> panels = {panel_of(evaluated)};
+  if (second) {
     panels.push_back(panel_of(*second));
-    const std::string& query = first.evaluation.query_name;
+    const std::string& query = evaluated.evaluation.query_name;
     const std::string& other = second->evaluation.query_name;
     if (other != query || panels[0].meanings.size() != panels[1].meanings.size())
       throw Error(ErrorKind::usage,
                   fmt::format("{}: is of the query {}, the first result of {}; give two results "
                               "of one query",
-                              inputs.with, other, query));
+                              inputs.map_with, other, query));
   }
-  draw_route_map(map, panels, session.outputs.folder(inputs.folder, is_marked_folder).temporary(),
+  draw_route_map(map, panels, session.outputs.folder(inputs.map, is_marked_folder).temporary(),
                  session.monitor);
 }
 

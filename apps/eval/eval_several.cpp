@@ -59,10 +59,7 @@ Table csv_table(const std::vector<Json>& reports, const std::vector<std::string>
 }
 
 void check_several(const EvalInputs& inputs) {
-  const PictureInputs& pictures = inputs.pictures;
-  if (inputs.scores.any() || inputs.expect.any() || !pictures.html.empty() ||
-      !pictures.plots.empty() || !inputs.map.folder.empty() || !inputs.trajectory.file.empty() ||
-      inputs.pairs.any())
+  if (inputs.scores.any() || inputs.expect.any() || inputs.shows_one())
     throw Error(
         ErrorKind::usage,
         "--scores, --expect, --html, --plot, --map, --fixes-tum and --pairs take one result. For "
@@ -79,9 +76,7 @@ void check_protocols(const EvalInputs& inputs) {
         "out --ground-truth, --dataset and --expect");
   if (inputs.results.size() != 1 || inputs.scores.any())
     throw Error(ErrorKind::usage, "--protocol takes one result of vpr-query, and no --scores");
-  const PictureInputs& pictures = inputs.pictures;
-  if (!pictures.html.empty() || !pictures.plots.empty() || !inputs.map.folder.empty() ||
-      inputs.csv.any() || !inputs.trajectory.file.empty() || inputs.pairs.any())
+  if (inputs.shows_one() || inputs.csv.any())
     throw Error(ErrorKind::usage,
                 "pictures, pairs and rows for data frames show one protocol: give it as "
                 "--ground-truth, as in "

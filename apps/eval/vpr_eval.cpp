@@ -63,16 +63,6 @@ void add_run(Evaluated& evaluated, const EvalInputs& inputs, RunInfo run, double
   evaluated.report["timing"] = timing_json({{"evaluate", seconds}});
 }
 
-void draw_map(Session& session, const EvalInputs& inputs, const Evaluated& evaluated) {
-  if (inputs.map.with.empty())
-    return write_map(session, inputs.map, inputs.dataset, evaluated, nullptr);
-  EvalInputs other = inputs;
-  other.result = inputs.map.with;
-  other.scores = {};
-  const Evaluated second = evaluate(session, other);
-  write_map(session, inputs.map, inputs.dataset, evaluated, &second);
-}
-
 // Of a thinned query, that of the frames that are kept.
 std::optional<double> rate_of_frames(const Evaluation& evaluation, const EvalInputs& inputs) {
   const auto& replay = evaluation.judgement.layout.scope.replay;
@@ -84,10 +74,9 @@ void claim_outputs(const Session& session, const EvalInputs& inputs) {
   session.claim_output();
   check_score_inputs(inputs.scores, !inputs.result.empty());
   check_picture_outputs(session, inputs.pictures);
-  check_map_inputs(session, inputs.map, inputs.dataset);
+  check_map_inputs(session, inputs);
   claim_csv_outputs(session, inputs.csv, !inputs.result.empty());
-  claim_trajectory(session, inputs.trajectory,
-                   !inputs.dataset.empty() || !inputs.flags.options.reference.empty());
+  claim_trajectory(session, inputs);
   check_lists(session, inputs);
 }
 
@@ -104,13 +93,12 @@ void run_one(Session& session, const EvalInputs& inputs) {
   const Json& report = evaluated.report;
   const std::vector<CheckedValue> values = check_expected(session, inputs.expect, expected, report);
   session.write_output(report);
-  write_pictures(session, inputs.pictures, inputs.dataset, evaluation, report, summary);
-  draw_map(session, inputs, evaluated);
+  write_pictures(session, inputs, evaluated, summary);
+  write_map(session, inputs, evaluated);
   CsvRows rows;
   add_rows(rows, inputs.csv, evaluation, inputs.row_name);
   write_csv_rows(session, inputs.csv, rows);
-  write_trajectory(session, inputs.trajectory, inputs.dataset, evaluation,
-                   evaluated.by.ground_truth, frames_per_second(inputs));
+  write_trajectory(session, inputs, evaluated, frames_per_second(inputs));
   write_pairs(session, inputs, evaluation.matrix ? &*evaluation.matrix : nullptr,
               evaluation.judgement.layout,
               evaluation.result ? &evaluation.result->result : nullptr);
@@ -172,13 +160,13 @@ int main(int argc, char** argv) {
   add_loop_options(app, inputs.loops);
   add_list_options(app, inputs);
   add_picture_options(app, inputs.pictures);
-  add_map_options(app, inputs.map);
+  add_map_options(app, inputs);
   app.add_option("--protocol", inputs.protocols,
                  "instead of a ground truth: one of these words, several with commas, or "
                  "nordland-all; a row for each");
   add_ground_truth_flags(app, inputs.flags);
   add_csv_options(app, inputs.csv);
-  add_trajectory_options(app, inputs.trajectory);
+  add_trajectory_options(app, inputs);
   EvalSettings settings{inputs};
   program.add_config(app, settings);
   add_setting(app, "--confidence", inputs.confidence,

@@ -49,13 +49,6 @@ FrameOutcomes outcomes_at(const std::vector<std::map<size_t, const QueryOutcome*
   return outcomes;
 }
 
-// The first method that does not agree with the first of all; as many as there are, if all do.
-size_t first_dispute(const FrameOutcomes& outcomes) {
-  size_t m = 0;
-  while (m < outcomes.size() && outcomes[m]->has_match == outcomes.front()->has_match) ++m;
-  return m;
-}
-
 uint64_t key_of(const Paired& method, size_t query) {
   return confidence_key(*method.queries[query], method.outcomes->confidence);
 }
@@ -66,17 +59,9 @@ void sort_by_confidence(Paired& method) {
                    [&](size_t a, size_t b) { return key_of(method, a) < key_of(method, b); });
 }
 
-// Indices of methods whose frames have partners.
-std::vector<size_t> with_partners(std::span<const NamedOutcomes> methods) {
-  std::vector<size_t> indices;
-  for (size_t m = 0; m < methods.size(); ++m)
-    if (methods[m].is_paired) indices.push_back(m);
-  return indices;
-}
-
 std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& comparison,
                             Disputed disputed) {
-  const std::vector<size_t> partners = with_partners(methods);
+  std::vector<size_t> partners;  // methods whose frames have partners
   std::vector<Paired> paired(methods.size());
   std::vector<std::map<size_t, const QueryOutcome*>> frames;  // of partners
   for (size_t m = 0; m < methods.size(); ++m) {
@@ -84,21 +69,27 @@ std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& 
     paired[m] = {{}, {}, &outcomes, methods[m].is_paired};
     auto judged = judged_by_frame(outcomes);
     comparison.own.push_back(judged.size());
-    if (methods[m].is_paired)
+    if (methods[m].is_paired) {
+      partners.push_back(m);
       frames.push_back(std::move(judged));
-    else
+    } else {
       for (const auto& entry : judged) paired[m].queries.push_back(entry.second);
+    }
   }
   for (const auto& entry : frames.front()) {
     const FrameOutcomes outcomes = outcomes_at(frames, entry.first);
-    const size_t dispute = first_dispute(outcomes);
-    if (dispute < outcomes.size()) {
+    const auto dispute = std::ranges::find_if(outcomes, [&](const QueryOutcome* outcome) {
+      return outcome->has_match != outcomes.front()->has_match;
+    });
+    if (dispute != outcomes.end()) {
       if (disputed == Disputed::refuse)
         throw Error(
             ErrorKind::data,
             fmt::format("{} and {} have different ground truths: only one has a match for "
                         "query frame {}",
-                        methods.front().name, methods[partners[dispute]].name, entry.first));
+                        methods.front().name,
+                        methods[partners[static_cast<size_t>(dispute - outcomes.begin())]].name,
+                        entry.first));
       ++comparison.disputed;
       continue;
     }

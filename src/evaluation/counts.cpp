@@ -26,16 +26,12 @@ void count(LabelCounts& counts, PlaceLabel label) {
   }
 }
 
-void add(LabelCounts& counts, const LabelCounts& more) {
-  counts.correct += more.correct;
-  counts.incorrect += more.incorrect;
-  counts.ignored += more.ignored;
-}
-
 void count_clusters(Counts& counts, const std::vector<JudgedCluster>& judged) {
   LabelCounts& clusters = counts.clusters.emplace();
   for (const JudgedCluster& cluster : judged) {
-    add(counts.hits, cluster.hits);
+    counts.hits.correct += cluster.hits.correct;
+    counts.hits.incorrect += cluster.hits.incorrect;
+    counts.hits.ignored += cluster.hits.ignored;
     count(clusters, cluster.label);
     if (cluster.is_mixed()) ++counts.mixed_clusters;
   }
@@ -76,9 +72,7 @@ void count(ViewCounts& counts, const Tally& tally) {
 
 // The view that a frame belongs to. The first view starts at the first frame.
 size_t view_of(const std::vector<uint32_t>& starts, size_t frame) {
-  return static_cast<size_t>(std::upper_bound(starts.begin(), starts.end(), frame) -
-                             starts.begin()) -
-         1;
+  return static_cast<size_t>(std::ranges::upper_bound(starts, frame) - starts.begin()) - 1;
 }
 
 void count_hits(CountsByView& counts, const Result& result, const GroundTruth& truth,

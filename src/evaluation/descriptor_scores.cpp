@@ -30,35 +30,28 @@ void require_descriptors(const Sequence& sequence) {
                                              sequence.argument.path.string()));
 }
 
-// Vectors [first, first + count) of length 1, in float64; NaN where one is missing.
-std::vector<double> unit_vectors(const ArrayRows& rows, size_t first, size_t count) {
+void scale_to_unit(std::span<double> vector) {
+  double largest = 0;
+  for (const double number : vector) largest = std::max(largest, std::abs(number));
+  double squares = 0;
+  for (double& number : vector) {
+    number /= largest;
+    squares += number * number;
+  }
+  const double norm = std::sqrt(squares);
+  for (double& number : vector) number /= norm;
+}
+
+// Vectors [first, first + count), of length 1 or as they are; NaN where one is missing.
+std::vector<double> read_vectors(const ArrayRows& rows, size_t first, size_t count, bool is_unit) {
   std::vector<double> vectors(count * rows.length());
   rows.read(first, count, vectors);
   for (size_t i = 0; i < count; ++i) {
     const std::span<double> vector(vectors.data() + i * rows.length(), rows.length());
     if (is_missing_vector(vector)) continue;
-    check_vector(vector, rows.where(first + i));
-    const auto largest =
-        std::abs(*std::max_element(vector.begin(), vector.end(),
-                                   [](double a, double b) { return std::abs(a) < std::abs(b); }));
-    double squares = 0;
-    for (double& number : vector) {
-      number /= largest;
-      squares += number * number;
-    }
-    const double norm = std::sqrt(squares);
-    for (double& number : vector) number /= norm;
-  }
-  return vectors;
-}
-
-// Vectors as they are.
-std::vector<double> plain_vectors(const ArrayRows& rows, size_t first, size_t count) {
-  std::vector<double> vectors(count * rows.length());
-  rows.read(first, count, vectors);
-  for (size_t i = 0; i < count; ++i) {
-    const std::span<const double> vector(vectors.data() + i * rows.length(), rows.length());
-    if (!is_missing_vector(vector)) check_numbers(vector, rows.where(first + i));
+    is_unit ? check_vector(vector, rows.where(first + i))
+            : check_numbers(vector, rows.where(first + i));
+    if (is_unit) scale_to_unit(vector);
   }
   return vectors;
 }
@@ -80,36 +73,34 @@ double sum_of_pairs(const double* a, const double* b, size_t length) {
 double product(double a, double b) { return a * b; }
 double squared_difference(double a, double b) { return (a - b) * (a - b); }
 
+double cosine_distance(const double* a, const double* b, size_t length) {
+  return 1 - sum_of_pairs<product>(a, b, length);
+}
+double euclidean_distance(const double* a, const double* b, size_t length) {
+  return std::sqrt(sum_of_pairs<squared_difference>(a, b, length));
+}
+
 /// How vectors are compared.
 struct VectorMetric {
-  std::vector<double> (*prepared)(const ArrayRows& rows, size_t first, size_t count);
+  bool is_of_unit_vectors;
   double (*distance)(const double* a, const double* b, size_t length);
 };
 
 /// A row for each DescriptorMetric.
-constexpr std::array<VectorMetric, 3> kMetrics = {{
-    {unit_vectors, [](const double* a, const double* b,
-                      size_t length) { return 1 - sum_of_pairs<product>(a, b, length); }},
-    {plain_vectors,
-     [](const double* a, const double* b, size_t length) {
-       return std::sqrt(sum_of_pairs<squared_difference>(a, b, length));
-     }},
-    {unit_vectors,
-     [](const double* a, const double* b, size_t length) {
-       return std::sqrt(sum_of_pairs<squared_difference>(a, b, length));
-     }},
-}};
+constexpr std::array<VectorMetric, 3> kMetrics = {
+    {{true, cosine_distance}, {false, euclidean_distance}, {true, euclidean_distance}}};
 
 // `distances` has a row of all references for each of the queries [first, first + count).
 void compute_distances(const VectorMetric& metric, const ArrayRows& query,
                        const ArrayRows& reference, size_t first, size_t count,
                        std::span<double> distances) {
   const size_t length = query.length();
-  const std::vector<double> asked = metric.prepared(query, first, count);
+  const std::vector<double> asked = read_vectors(query, first, count, metric.is_of_unit_vectors);
   const size_t block = std::max<size_t>(kReferenceNumbers / length, 1);
   for (size_t r = 0; r < reference.count(); r += block) {
     const size_t together = std::min(block, reference.count() - r);
-    const std::vector<double> known = metric.prepared(reference, r, together);
+    const std::vector<double> known =
+        read_vectors(reference, r, together, metric.is_of_unit_vectors);
     for (size_t q = 0; q < count; ++q)
       for (size_t i = 0; i < together; ++i)
         distances[q * reference.count() + r + i] =

@@ -31,6 +31,20 @@ size_t count_with_match(const GroundTruth& truth) {
   return count;
 }
 
+Fix fix_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::correct:
+      return Fix::right;
+    case Verdict::incorrect:
+      return Fix::wrong;
+    case Verdict::ignored:
+      return Fix::unjudged;
+    case Verdict::unreadable:
+      return Fix::none;
+  }
+  return Fix::none;
+}
+
 Fix fix_of(PlaceLabel label) {
   return label == PlaceLabel::same        ? Fix::right
          : label == PlaceLabel::different ? Fix::wrong
@@ -40,18 +54,8 @@ Fix fix_of(PlaceLabel label) {
 }  // namespace
 
 bool is_recognised(const Judgement& judgement, const QueryOutcome& query) {
-  const Fix fix = judgement.fixes[query.frame];
-  switch (query.verdict) {
-    case Verdict::correct:
-      return fix == Fix::right;
-    case Verdict::incorrect:
-      return fix == Fix::wrong;
-    case Verdict::ignored:
-      return fix == Fix::unjudged;
-    case Verdict::unreadable:
-      return false;
-  }
-  return false;
+  return query.verdict != Verdict::unreadable &&
+         judgement.fixes[query.frame] == fix_of(query.verdict);
 }
 
 void order_by(Judgement& judgement, Confidence confidence) {
@@ -178,12 +182,8 @@ std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth) {
 std::vector<Fix> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted) {
   std::vector<Fix> fixes(outcomes.query_frames, Fix::none);
   if (!accepted) return fixes;
-  for (const QueryOutcome& query : outcomes.queries) {
-    if (!query.best || query.key > *accepted) continue;
-    if (query.verdict == Verdict::correct) fixes[query.frame] = Fix::right;
-    if (query.verdict == Verdict::incorrect) fixes[query.frame] = Fix::wrong;
-    if (query.verdict == Verdict::ignored) fixes[query.frame] = Fix::unjudged;
-  }
+  for (const QueryOutcome& query : outcomes.queries)
+    if (query.best && query.key <= *accepted) fixes[query.frame] = fix_of(query.verdict);
   return fixes;
 }
 

@@ -96,10 +96,6 @@ Curve curve_of_best(const LoopJudgement& judgement, ScoreOrder order) {
   return curve_of(items, judgement.frames_with_loop(), order);
 }
 
-uint64_t count_true(const std::vector<bool>& values) {
-  return static_cast<uint64_t>(std::count(values.begin(), values.end(), true));
-}
-
 constexpr size_t kFirstLine = 2;  // behind the header
 
 bool is_hit(const Result& result, const Match& match) {
@@ -124,17 +120,19 @@ size_t first_own_place(const Result& result) {
 }  // namespace
 
 uint64_t LoopJudgement::count(PlaceLabel label) const {
-  return static_cast<uint64_t>(std::count_if(
-      loops.begin(), loops.end(), [&](const JudgedLoop& judged) { return judged.label == label; }));
+  return static_cast<uint64_t>(std::ranges::count(loops, label, &JudgedLoop::label));
 }
 
-uint64_t LoopJudgement::frames_with_loop() const { return count_true(has_loop); }
+uint64_t LoopJudgement::frames_with_loop() const {
+  return static_cast<uint64_t>(std::ranges::count(has_loop, true));
+}
 
-uint64_t LoopJudgement::frames_found() const { return count_true(is_found); }
+uint64_t LoopJudgement::frames_found() const {
+  return static_cast<uint64_t>(std::ranges::count(is_found, true));
+}
 
 uint64_t LoopJudgement::revisits_found() const {
-  return static_cast<uint64_t>(std::count_if(
-      revisits.begin(), revisits.end(), [](const Revisit& revisit) { return revisit.is_found; }));
+  return static_cast<uint64_t>(std::ranges::count(revisits, true, &Revisit::is_found));
 }
 
 std::optional<Revisit> LoopJudgement::longest_missed() const {

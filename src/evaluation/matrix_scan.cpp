@@ -76,8 +76,7 @@ void count_pairs(ScanPart& share, std::span<const uint64_t> keys) {
 
 void judge(QueryOutcome& query, ScanPart& share, std::span<const uint64_t> keys,
            const ScoreLayout& layout) {
-  const auto has_score = [](uint64_t key) { return key != kNoScore; };
-  if (std::none_of(keys.begin(), keys.end(), has_score)) {
+  if (std::ranges::all_of(keys, [](uint64_t key) { return key == kNoScore; })) {
     query.verdict = Verdict::unreadable;
     return;
   }

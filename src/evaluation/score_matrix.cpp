@@ -1,8 +1,8 @@
 #include "evaluation/score_matrix.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -17,81 +17,51 @@ namespace vpr {
 namespace {
 
 constexpr size_t kBlockValues = size_t{1} << 21;  // keys of one block, 16 MiB
-constexpr size_t kPieceValues = 512;              // read at once
-
-// Calls read(first, count, scores) for pieces of `count` scores, whose keys are `stride` apart.
-template <class Read>
-void read_keys(size_t count, ScoreOrder kind, uint64_t* keys, size_t stride, Read&& read) {
-  std::array<double, kPieceValues> scores;
-  for (size_t first = 0; first < count; first += kPieceValues) {
-    const size_t piece = std::min(kPieceValues, count - first);
-    read(first, piece, scores.data());
-    for (size_t i = 0; i < piece; ++i) keys[(first + i) * stride] = score_key(scores[i], kind);
-  }
-}
-
-size_t blocks_of(size_t count, size_t size) { return (count + size - 1) / size; }
-
 }  // namespace
 
-ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format)
-    : file_(std::in_place, path, format),
-      kind_(format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance),
-      queries_(file_->queries()),
-      references_(file_->references()) {}
-
-ScoreMatrix::ScoreMatrix(ComputedScores computed)
-    : computed_(std::move(computed)),
-      kind_(computed_.kind),
-      queries_(computed_.queries),
-      references_(computed_.references) {}
-
-void ScoreMatrix::compute_block(size_t first, size_t count, std::span<uint64_t> keys) const {
-  std::vector<double> distances(count * references_);
-  computed_.compute(first, count, distances);
-  for (size_t i = 0; i < distances.size(); ++i) keys[i] = score_key(distances[i], kind());
-}
-
-void ScoreMatrix::read_block(size_t first, size_t count, std::span<uint64_t> keys) const {
-  if (!file_) return compute_block(first, count, keys);
-  if (file_->is_query_major()) {
-    for (size_t q = 0; q < count; ++q)
-      read_keys(references_, kind_, keys.data() + q * references_, 1,
-                [&](size_t begin, size_t piece, double* scores) {
-                  file_->read_query(first + q, begin, piece, scores);
-                });
-    return file_->forget(first, count);
-  }
-  for (size_t r = 0; r < references_; ++r)
-    read_keys(count, kind_, keys.data() + r, references_,
-              [&](size_t begin, size_t piece, double* scores) {
-                file_->read_reference(r, first + begin, piece, scores);
-              });
-  file_->forget(0, references_);
+ScoreMatrix::ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format) {
+  const auto file = std::make_shared<const ScoreFile>(path, format);
+  scores_.queries = scores_.block = file->queries();
+  scores_.references = file->references();
+  scores_.kind = format.is_similarity ? ScoreOrder::similarity : ScoreOrder::distance;
+  scores_.fingerprint = [file](const Monitor& monitor) { return file->fingerprint(monitor); };
+  scores_.compute = [file](size_t first, size_t count, std::span<double> scores) {
+    const size_t references = file->references();
+    if (file->is_query_major()) {
+      for (size_t q = 0; q < count; ++q)
+        file->read_query(first + q, 0, references, scores.data() + q * references);
+      return file->forget(first, count);
+    }
+    std::vector<double> column(count);
+    for (size_t r = 0; r < references; ++r) {
+      file->read_reference(r, first, count, column.data());
+      for (size_t q = 0; q < count; ++q) scores[q * references + r] = column[q];
+    }
+    file->forget(0, references);
+  };
 }
 
 void ScoreMatrix::for_each_row(size_t workers, const Monitor& monitor, const std::string& step,
                                const RowBody& body) const {
-  if (queries_ == 0) return;
-  const size_t most = computed_.compute ? std::min(computed_.block, queries_) : queries_;
-  const size_t block = std::clamp<size_t>(kBlockValues / std::max<size_t>(1, references_), 1, most);
-  const size_t blocks = blocks_of(queries_, block);
-  StepCounter counter(monitor, step, queries_);
+  if (queries() == 0) return;
+  const size_t most = std::min(scores_.block, queries());
+  const size_t block =
+      std::clamp<size_t>(kBlockValues / std::max<size_t>(1, references()), 1, most);
+  StepCounter counter(monitor, step, queries());
   parallel_for(workers, monitor, [&](size_t worker) {
-    std::vector<uint64_t> keys(block * references_);
-    for (size_t b = worker; b < blocks; b += workers) {
-      const size_t first = b * block;
-      const size_t count = std::min(block, queries_ - first);
-      if (references_ > 0) read_block(first, count, keys);
+    std::vector<double> scores;
+    std::vector<uint64_t> keys;
+    for (size_t first = worker * block; first < queries(); first += workers * block) {
+      const size_t count = std::min(block, queries() - first);
+      scores.resize(count * references());
+      keys.resize(scores.size());
+      if (references() > 0) scores_.compute(first, count, scores);
+      for (size_t i = 0; i < scores.size(); ++i) keys[i] = score_key(scores[i], kind());
       for (size_t q = 0; q < count; ++q)
-        body(worker, first + q, std::span(keys).subspan(q * references_, references_));
+        body(worker, first + q, std::span(keys).subspan(q * references(), references()));
       counter.add(count);
     }
   });
-}
-
-std::string ScoreMatrix::fingerprint(const Monitor& monitor) const {
-  return file_ ? file_->fingerprint(monitor) : computed_.fingerprint(monitor);
 }
 
 const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {

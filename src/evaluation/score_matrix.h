@@ -17,7 +17,7 @@
 
 namespace vpr {
 
-/// Scores that are computed when they are asked for.
+/// Scores that are read or computed when they are asked for.
 struct ComputedScores {
   size_t queries = 0;
   size_t references = 0;
@@ -35,11 +35,11 @@ class ScoreMatrix {
   /// Throws as ScoreFile does.
   ScoreMatrix(const std::filesystem::path& path, const ScoreFormat& format);
 
-  explicit ScoreMatrix(ComputedScores computed);
+  explicit ScoreMatrix(ComputedScores scores) : scores_(std::move(scores)) {}
 
-  size_t queries() const { return queries_; }
-  size_t references() const { return references_; }
-  ScoreOrder kind() const { return kind_; }
+  size_t queries() const { return scores_.queries; }
+  size_t references() const { return scores_.references; }
+  ScoreOrder kind() const { return scores_.kind; }
 
   /// Keys (score_key) of all references of one query; they live while the call lasts.
   using RowBody = std::function<void(size_t worker, size_t query, std::span<const uint64_t> keys)>;
@@ -50,17 +50,10 @@ class ScoreMatrix {
                     const RowBody& body) const;
 
   /// Of the whole file, or of what scores are computed of, as provenance has it.
-  std::string fingerprint(const Monitor& monitor) const;
+  std::string fingerprint(const Monitor& monitor) const { return scores_.fingerprint(monitor); }
 
  private:
-  void compute_block(size_t first, size_t count, std::span<uint64_t> keys) const;
-  void read_block(size_t first, size_t count, std::span<uint64_t> keys) const;
-
-  std::optional<ScoreFile> file_;  ///< none: computed
-  ComputedScores computed_;
-  ScoreOrder kind_ = ScoreOrder::distance;
-  size_t queries_ = 0;
-  size_t references_ = 0;
+  ComputedScores scores_;
 };
 
 /// A row is a window of the query, a column a window of a training sequence, both indexed by their

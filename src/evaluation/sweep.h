@@ -26,20 +26,8 @@ struct CellCounts {
   std::optional<uint64_t> untrained = {};
 };
 
-/// What a choice looks at: hits, never clusters of them. As a threshold is loosened, hits only
-/// become more, and so do the incorrect ones; but clusters merge, and a wrong one vanishes in a
-/// right one.
-struct SweepScore {
-  uint64_t correct = 0;             ///< hits
-  uint64_t incorrect = 0;           ///< hits
-  uint64_t window = 0;              ///< c_l or c_w
-  std::optional<double> looseness;  ///< t_r, or -t_p, or less the margin: more is accepted where it
-                                    ///< is larger; none: automatic
-  std::optional<uint64_t> untrained = {};  ///< as CellCounts has it
-};
-
-/// The numbers of a cell that a recommendation looks at.
-SweepScore score_of(const CellCounts& cell, ScoreOrder order);
+/// Accepts more where it is larger: a t_r, or the negative of a t_p or a margin. None: automatic.
+std::optional<double> looseness_of(const CellCounts& cell, ScoreOrder order);
 
 /// What a grid allows to say.
 enum class Advice {
@@ -76,9 +64,9 @@ struct Recommendation {
   std::vector<size_t> pareto;  ///< cells that no other beats in both correct and incorrect hits
 };
 
-/// Chooses among the cells of a grid, which may be in any order.
-Recommendation recommend(std::span<const SweepScore> scores);
-/// The same for the cells of a sweep.
+/// Chooses among the cells of a grid, which may be in any order. Only hits count, never clusters:
+/// as a threshold is loosened, hits and incorrect hits only become more, but clusters merge, and an
+/// incorrect one vanishes in a correct one.
 Recommendation recommend(std::span<const CellCounts> cells, ScoreOrder order);
 
 /// What is known of the uncertainty of the recommended setting: 95 % intervals of its counts.

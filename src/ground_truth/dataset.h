@@ -49,6 +49,8 @@ struct GroundTruthOptions {
   std::optional<double> max_difference_s = {};
   std::optional<double> offset_s = {};            ///< is added to the query's times
   std::optional<double> reference_offset_s = {};  ///< is added to those of the training frames
+
+  bool operator==(const GroundTruthOptions&) const = default;
 };
 
 /// The options that are files, by their names in data set descriptions.

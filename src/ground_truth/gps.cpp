@@ -146,17 +146,6 @@ void read_in_order(NamedRows& rows, const GpsColumns& columns, const std::string
 /// a second where one was lost.
 constexpr double kUsualDifference = 1;
 
-std::vector<std::string> header_of(std::string_view line) {
-  std::vector<std::string> names;
-  for (std::string_view name : split(line, ',')) {
-    while (name.ends_with('\r')) name.remove_suffix(1);
-    if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
-      name = name.substr(1, name.size() - 2);
-    names.emplace_back(name);
-  }
-  return names;
-}
-
 // Throws if the path is of something else, with what to do about it.
 void require_gps_csv(const std::filesystem::path& path) {
   const StartedFile opened = open_start(path);
@@ -247,7 +236,7 @@ std::optional<Geographic> read_fix(const NamedRows& rows, const GpsColumns& colu
 }
 
 bool is_gps(const FileStart& start) {
-  return find_gps_columns(header_of(start.first_line)).has_value();
+  return find_gps_columns(header_names(start.first_line)).has_value();
 }
 
 Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::path& images,

@@ -171,17 +171,9 @@ PlaceLabel GroundTruth::label(size_t query, size_t sequence, size_t reference) c
 }
 
 void GroundTruth::label_row(size_t query, size_t sequence, std::span<PlaceLabel> labels) const {
-  std::fill(labels.begin(), labels.end(), PlaceLabel::different);
-  const auto frames = static_cast<int64_t>(labels.size());
-  for (const PlaceLabel label : {PlaceLabel::ignore, PlaceLabel::same}) {  // same wins
-    const int64_t reach = label == PlaceLabel::same ? tolerance_frames : 0;
-    for (const Pair& pair : pairs_of(query, sequence)) {
-      if (pair.label != label) continue;
-      const int64_t first = std::max<int64_t>(0, pair.first - reach);
-      const int64_t end = std::min(frames, pair.last() + reach + 1);
-      if (first < end) std::fill(labels.begin() + first, labels.begin() + end, label);
-    }
-  }
+  std::ranges::fill(labels, PlaceLabel::different);
+  for (const LabelRun& run : label_runs(*this, query, sequence, labels.size()))
+    std::ranges::fill(labels.subspan(run.first, run.last - run.first + 1), run.label);
 }
 
 bool GroundTruth::has_match(size_t query) const {

@@ -25,16 +25,12 @@ Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames
   if (frames.grows) rules.frames.reset();
   Poses poses;
   for (const auto& found : read_pose_csv(path, rules)) {
-    poses.emplace_back();
-    if (!found) continue;
-    Pose& pose = poses.back().emplace();
-    if (found->place)
+    if (found && found->is_on_earth)
       throw Error(ErrorKind::data,
                   fmt::format("{}: has latitudes and longitudes, which poses in metres can't be "
                               "compared with; give both sides so (format gps)",
                               path.string()));
-    pose.position = found->position;
-    pose.heading_deg = found->heading_deg;
+    poses.push_back(found ? std::optional(found->pose) : std::nullopt);
   }
   return poses;
 }
@@ -249,13 +245,10 @@ std::string read_euroc_poses(GroundTruthBuilder& builder) {
 }
 
 bool is_pose_csv(const FileStart& start) {
-  std::vector<std::string> names;
-  for (std::string_view name : split(start.first_line, ',')) {
-    if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
-      name = name.substr(1, name.size() - 2);
-    names.emplace_back(name);
-  }
-  return has_pose_columns(names);
+  const std::vector<std::string> names = header_names(start.first_line);
+  return std::ranges::all_of(std::array{"frame", "x", "y"}, [&](const char* column) {
+    return std::ranges::find(names, column) != names.end();
+  });
 }
 
 bool is_tum(const FileStart& start) { return has_numbers(start.first_line, 8); }

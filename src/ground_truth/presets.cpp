@@ -29,12 +29,6 @@ bool is_of_data_set(const GroundTruthPreset& preset, std::string_view group) {
          preset.name.starts_with(group.substr(0, group.size() - kAll.size() + 1));
 }
 
-std::vector<std::string> names() {
-  std::vector<std::string> names = names_of(kPresets);
-  names.insert(names.begin(), "nordland-all");
-  return names;
-}
-
 uint32_t step_for(const GroundTruthPreset& preset, const GroundTruthScope& scope) {
   for (const auto& sequence : scope.sequences)
     if (sequence.searched && scope.query_frames > 1 &&
@@ -59,7 +53,10 @@ std::vector<const GroundTruthPreset*> find_presets(const std::string& text) {
     const size_t before = found.size();
     for (const GroundTruthPreset& preset : kPresets)
       if (preset.name == name || is_of_data_set(preset, name)) found.push_back(&preset);
-    if (found.size() == before) refuse_name("protocol", name, names());
+    if (found.size() > before) continue;
+    std::vector<std::string> names = names_of(kPresets);
+    names.insert(names.begin(), "nordland-all");
+    refuse_name("protocol", name, names);
   }
   return found;
 }

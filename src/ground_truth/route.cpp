@@ -19,34 +19,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What the files read so far are in.
-struct MapPlane {
-  fs::path metres;  ///< a file that has x and y
-  fs::path gps;     ///< a file that has latitudes
-  std::optional<LocalPlane> plane;
-};
-
-void require_one_kind(const MapPlane& map) {
-  if (map.metres.empty() || map.gps.empty()) return;
-  throw Error(ErrorKind::data,
-              fmt::format("{} has latitudes and longitudes, and {} x and y in metres: give both in "
-                          "one way",
-                          map.gps.string(), map.metres.string()));
-}
-
-RoutePoint on_plane(MapPlane& map, const fs::path& path, const CsvPose& pose) {
-  (pose.place ? map.gps : map.metres) = path;
-  require_one_kind(map);
-  std::array<double, 3> position = pose.position;
-  if (pose.place) {
-    if (!map.plane) map.plane.emplace(position);
-    position = map.plane->local(position);
-  }
-  return {position[0], position[1], pose.floor};
-}
-
-const std::vector<std::string> kNeeded = {"frame", "x", "y"};
-
 /// Where a file has positions: in columns x and y, unless there are latitudes and longitudes.
 std::optional<GpsColumns> position_columns(const NamedRows& rows) {
   if (rows.has("x") && rows.has("y")) return std::nullopt;
@@ -59,17 +31,17 @@ std::optional<GpsColumns> position_columns(const NamedRows& rows) {
 
 // Nothing where the row has no fix.
 std::optional<CsvPose> read_row(const NamedRows& rows, const std::optional<GpsColumns>& gps) {
-  CsvPose pose;
+  CsvPose row;
   if (gps) {
-    pose.place = read_fix(rows, *gps);
-    if (!pose.place) return std::nullopt;
-    pose.position = earth_position(*pose.place);
+    const auto place = read_fix(rows, *gps);
+    if (!place) return std::nullopt;
+    row = {{earth_position(*place), {}, {}}, true, {}};
   } else {
-    pose.position = {rows.real("x"), rows.real("y"), 0};
+    row.pose.position = {rows.real("x"), rows.real("y"), 0};
   }
-  if (rows.has("heading")) pose.heading_deg = rows.real("heading");
-  pose.floor = rows.text("floor");
-  return pose;
+  if (rows.has("heading")) row.pose.heading_deg = rows.real("heading");
+  row.floor = rows.text("floor");
+  return row;
 }
 
 // The frame of the present row, as it counts in the range; nothing outside the range.
@@ -93,16 +65,30 @@ void require_room(const NamedRows& rows, const PoseCsvRules& rules, const Sequen
 
 Routes read_routes(const std::vector<fs::path>& paths) {
   Routes found;
-  MapPlane map;
+  std::optional<LocalPlane> plane;
+  fs::path metres;  // a file that has x and y
+  fs::path gps;     // a file that has latitudes
   for (const fs::path& path : paths) {
     Route& route = found.routes.emplace_back();
     if (path.empty()) continue;
-    for (const auto& pose : read_pose_csv(path, {})) {
+    for (const auto& row : read_pose_csv(path, {})) {
       route.emplace_back();
-      if (pose) route.back() = on_plane(map, path, *pose);
+      if (!row) continue;
+      (row->is_on_earth ? gps : metres) = path;
+      if (!metres.empty() && !gps.empty())
+        throw Error(ErrorKind::data,
+                    fmt::format("{} has latitudes and longitudes, and {} x and y in metres: give "
+                                "both in one way",
+                                gps.string(), metres.string()));
+      std::array<double, 3> position = row->pose.position;
+      if (row->is_on_earth) {
+        if (!plane) plane.emplace(position);
+        position = plane->local(position);
+      }
+      route.back() = {position[0], position[1], row->floor};
     }
   }
-  found.is_gps = map.plane.has_value();
+  found.is_gps = plane.has_value();
   return found;
 }
 
@@ -148,28 +134,18 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
   }
   std::vector<double> travelled_m;
   for (size_t frame = 0; frame < frames; ++frame) {
-    if (frame == 0) {
-      travelled_m.push_back(0);
-      continue;
-    }
     double square = 0;
-    for (size_t k = 0; k < 3; ++k) {
-      const double step = poses[frame]->position[k] - poses[frame - 1]->position[k];
+    for (size_t k = 0; frame > 0 && k < 3; ++k) {
+      const double step = poses[frame]->pose.position[k] - poses[frame - 1]->pose.position[k];
       square += step * step;
     }
     // Rounded correctly everywhere, which hypot is not.
-    travelled_m.push_back(travelled_m.back() + std::sqrt(square));
+    travelled_m.push_back(frame == 0 ? 0 : travelled_m.back() + std::sqrt(square));
   }
   if (!travelled_m.empty() && !std::isfinite(travelled_m.back()))
     throw Error(ErrorKind::data,
                 fmt::format("{}: its positions are too far apart for metres", path.string()));
   return travelled_m;
-}
-
-bool has_pose_columns(const std::vector<std::string>& header) {
-  return std::all_of(kNeeded.begin(), kNeeded.end(), [&](const std::string& column) {
-    return std::find(header.begin(), header.end(), column) != header.end();
-  });
 }
 
 std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& path,

@@ -15,12 +15,11 @@ namespace vpr {
 
 struct Monitor;
 
-/// Metres, and degrees.
+/// A row of a CSV of poses.
 struct CsvPose {
-  std::array<double, 3> position{};   ///< x, y and 0, or on the earth (gps.h)
-  std::optional<Geographic> place;    ///< of files with latitudes and longitudes
-  std::optional<double> heading_deg;  ///< none without such a column
-  std::string floor;                  ///< empty without such a column
+  Pose pose;                 ///< position: x, y and 0, or on the earth (gps.h)
+  bool is_on_earth = false;  ///< the file has latitudes and longitudes
+  std::string floor;         ///< empty without such a column
 };
 
 /// How many frames the sequence has: `frames` of them or, where that is not known, one more than
@@ -29,9 +28,6 @@ struct PoseCsvRules {
   std::optional<size_t> frames;
   size_t most_frames = 10'000'000;
 };
-
-/// Whether a header has the columns that poses need: frame, x and y.
-bool has_pose_columns(const std::vector<std::string>& header);
 
 /// One entry a frame; nothing for a frame without a line or, in a file that has latitudes and
 /// longitudes (gps.h) instead of x and y, without a fix. `path` may end in a range

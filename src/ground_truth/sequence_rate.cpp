@@ -82,17 +82,13 @@ class FrameClock {
   int64_t next(const LiveFrame& frame) {
     const std::string name = frame.file.stem().string();
     if (frames_ == 0 && is_named_by_time(frame.file)) unit_ = unit_of_time(name);
-    const int64_t time = unit_ ? named_time(frame, name) : even_time(frame);
+    const int64_t time = unit_ ? read_time({frame.file.string()}, name, *unit_) : even_time(frame);
     if (frames_ > 0 && time <= last_) refuse_time_order({frame.file.string()}, last_, time);
     ++frames_;
     return last_ = time;
   }
 
  private:
-  int64_t named_time(const LiveFrame& frame, const std::string& name) const {
-    return read_time({frame.file.string()}, name, *unit_);
-  }
-
   int64_t even_time(const LiveFrame& frame) const {
     if (!recorded_fps_)
       throw Error(ErrorKind::usage,

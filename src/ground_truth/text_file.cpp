@@ -1,13 +1,14 @@
 #include "ground_truth/text_file.h"
 
-#include <fmt/format.h>
-
-#include "base/error.h"
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include "base/text.h"
 #include <optional>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/text.h"
 
 namespace vpr {
 
@@ -57,6 +58,17 @@ std::vector<std::string_view> cells_of(std::string_view line) {
     cells.push_back(words.size() == 1 ? words.front() : part);
   }
   return cells;
+}
+
+std::vector<std::string> header_names(std::string_view line) {
+  std::vector<std::string> names;
+  for (std::string_view name : split(line, ',')) {
+    while (name.ends_with('\r')) name.remove_suffix(1);
+    if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
+      name = name.substr(1, name.size() - 2);
+    names.emplace_back(name);
+  }
+  return names;
 }
 
 NamedRows::NamedRows(const std::filesystem::path& path, const std::string& name,

@@ -1,12 +1,13 @@
 // Text files: locations for errors, strict numbers, the cells of a line, and CSV rows by column.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <cstdint>
-#include <optional>
 #include <vector>
-#include <filesystem>
+
 #include "base/csv.h"
 #include "base/mapped_file.h"
 
@@ -42,6 +43,9 @@ std::optional<double> parse_real(std::string_view text);
 /// The cells of a line, divided by commas, blanks around them left out, or by blanks where the line
 /// has no comma.
 std::vector<std::string_view> cells_of(std::string_view line);
+
+/// The names of the columns of a CSV by its first line, without quotes.
+std::vector<std::string> header_names(std::string_view line);
 
 /// Columns may stand in any order; those that nobody asks for are not looked at.
 class NamedRows {

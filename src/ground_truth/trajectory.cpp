@@ -126,11 +126,9 @@ Trajectory read_lines(const std::filesystem::path& path, const LineLayout& layou
 Trajectory read_csv_trajectory(const std::filesystem::path& path, std::optional<size_t> frames) {
   Trajectory found;
   found.name = path.string();
-  for (const auto& pose : read_pose_csv(path, {frames, kMostFrames})) {
-    found.poses.emplace_back();
-    if (!pose) continue;
-    found.poses.back() = Pose{pose->position, pose->heading_deg, {}};
-    found.is_on_earth = pose->place.has_value();
+  for (const auto& row : read_pose_csv(path, {frames, kMostFrames})) {
+    found.poses.push_back(row ? std::optional(row->pose) : std::nullopt);
+    if (row) found.is_on_earth = row->is_on_earth;
   }
   return found;
 }
