@@ -6,7 +6,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "database/family.h"
+#include "database/archive.h"
 #include "report/table.h"
 
 namespace vpr {

@@ -11,6 +11,7 @@
 #include "synth/progress.h"
 
 namespace vpr {
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -4,11 +4,9 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
-#include "bench/bench_file.h"
+#include "bench/bench_result.h"
 #include "bench/bench_tables.h"
-#include "bench/compare.h"
 #include "bench/generated.h"
-#include "bench/measure.h"
 #include "matching/plain.h"
 #include "support.h"
 

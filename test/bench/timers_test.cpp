@@ -3,7 +3,6 @@
 #include "bench/fabmap_bench.h"
 #include "bench/generated.h"
 #include "bench/matching_bench.h"
-#include "bench/matching_timers.h"
 #include "support.h"
 
 using namespace vpr;

@@ -7,11 +7,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/random.h"
-#include "descriptors/hog.h"
-#include "descriptors/illumination.h"
+#include "descriptors/whole_frame.h"
 #include "descriptors/ldb.h"
-#include "descriptors/shrink.h"
-#include "descriptors/thumbnail.h"
 
 using namespace vpr;
 

@@ -1,4 +1,4 @@
-#include "descriptors/centre_codes.h"
+#include "descriptors/whole_frame.h"
 
 #include <atomic>
 #include <bit>

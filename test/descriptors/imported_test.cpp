@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "descriptors/array_rows.h"
 #include "descriptors/frame_descriptors.h"
 #include "support.h"
 

@@ -14,7 +14,6 @@
 #include "descriptors/local_features.h"
 #include "ground_truth/ground_truth.h"
 #include "support.h"
-#include "synth/recording_truth.h"
 #include "synth/renderer.h"
 
 using namespace vpr;

@@ -8,8 +8,8 @@
 #include "base/parallel.h"
 #include "support.h"
 #include "synth/daylight.h"
-#include "synth/finish.h"
-#include "synth/outside.h"
+#include "synth/surfaces.h"
+#include "synth/scene.h"
 #include "synth/recording.h"
 #include "synth/renderer.h"
 

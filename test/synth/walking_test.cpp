@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 
 #include "support.h"
-#include "synth/hand.h"
 #include "synth/people.h"
 
 using namespace vpr;
