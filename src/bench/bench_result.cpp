@@ -15,7 +15,6 @@
 #include "report/json_fields.h"
 
 namespace vpr {
-
 namespace {
 
 // A line "Name:   123 kB" of a file below /proc.

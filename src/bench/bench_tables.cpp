@@ -11,7 +11,6 @@
 #include "base/json.h"
 
 namespace vpr {
-
 namespace {
 
 std::vector<std::string> names_of(const std::vector<BenchRow>& rows,

@@ -26,7 +26,6 @@
 #include "recognition/row_scan.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr size_t kCheckedCells = 300;

@@ -10,7 +10,6 @@
 #include "base/mapped_file.h"
 
 namespace vpr {
-
 namespace {
 
 namespace fs = std::filesystem;

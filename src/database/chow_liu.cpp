@@ -12,7 +12,6 @@
 #include "database/cooccurrence.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr double kScale = 0.98;

@@ -14,7 +14,6 @@
 #include "database/chow_liu.h"
 
 namespace vpr {
-
 namespace {
 
 /// Calls visit(group, frame, place index) for every view.

@@ -15,7 +15,6 @@
 #include "images/selection.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr const char* kCodesFile = "codes.npy";

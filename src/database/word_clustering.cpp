@@ -17,7 +17,6 @@
 #include "descriptors/vocabulary.h"
 
 namespace vpr {
-
 namespace {
 
 // Calls body(begin, end) for chunks of [0, points), in any order, from several threads.

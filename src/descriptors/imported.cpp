@@ -18,7 +18,6 @@
 #include "descriptors/frame_descriptors.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr std::array<std::string_view, 5> kTypes = {"<f2", "<f4", "<f8", "|u1", "|b1"};

@@ -17,7 +17,6 @@
 #include "descriptors/imported.h"
 
 namespace vpr {
-
 namespace {
 
 /// A pixel of a line, and the share of it in a pixel of the shorter line.

@@ -10,7 +10,6 @@
 #include "synth/scene.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr int kMargin = 24;         // rendered around the picture, for the roll of the camera

@@ -10,12 +10,29 @@
 #include "synth/scene.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr double kReachM = 14;
 constexpr double kInFrontM = 0.3;         // of the glass
 constexpr double kShareOfWindows = 0.35;  // of a wall that has some
+constexpr double kAmbientLight = 0.38;
+constexpr double kLampReachM = 8;
+constexpr double kLightStepM = 0.25;  // of baked light
+
+// How much daylight falls on a point, where 1 is what lamps give.
+double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point) {
+  double light = 0;
+  for (const DaylightSource& source : sources) {
+    const double dx = point.x - source.at.x, dy = point.y - source.at.y;
+    const double square = dx * dx + dy * dy;
+    if (square > kReachM * kReachM) continue;
+    const double towards = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
+                           std::sqrt(square + kInFrontM * kInFrontM);
+    if (towards > 0 && can_see(plan, point, source.at))
+      light += source.strength * std::min(1.0, towards) / (1 + square);
+  }
+  return light;
+}
 
 bool is_outer(const FloorPlan& plan, const Wall& wall) {
   const Point way = wall_direction(wall.side);
@@ -25,10 +42,6 @@ bool is_outer(const FloorPlan& plan, const Wall& wall) {
     if (plan.is_open({p.x + out.x * metres, p.y + out.y * metres})) return false;
   return true;
 }
-
-constexpr double kAmbientLight = 0.38;
-constexpr double kLampReachM = 8;
-constexpr double kLightStepM = 0.25;  // of baked light
 
 double light_at(const FloorPlan& plan, Point point) {
   double light = kAmbientLight;
@@ -93,20 +106,6 @@ std::vector<DaylightSource> daylight_sources(const World& world, const FloorName
     }
   }
   return sources;
-}
-
-double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point) {
-  double light = 0;
-  for (const DaylightSource& source : sources) {
-    const double dx = point.x - source.at.x, dy = point.y - source.at.y;
-    const double square = dx * dx + dy * dy;
-    if (square > kReachM * kReachM) continue;
-    const double towards = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
-                           std::sqrt(square + kInFrontM * kInFrontM);
-    if (towards > 0 && can_see(plan, point, source.at))
-      light += source.strength * std::min(1.0, towards) / (1 + square);
-  }
-  return light;
 }
 
 void light_wall(const Setting& setting, const Wall& wall, cv::Mat& picture) {

@@ -26,9 +26,6 @@ bool has_windows(const World& world, const FloorNames& names, const FloorPlan& p
 std::vector<DaylightSource> daylight_sources(const World& world, const FloorNames& names,
                                              const FloorPlan& plan);
 
-/// How much daylight falls on a point, where 1 is what lamps give.
-double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point);
-
 /// What is painted: a floor on a day.
 struct Setting {
   const World& world;

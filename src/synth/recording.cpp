@@ -20,8 +20,27 @@
 #include "synth/renderer.h"
 
 namespace vpr {
-
 namespace {
+
+// The camera of one view of a place: it stands still.
+CameraPose view_pose(const WorldPlace& place, size_t view) {
+  CameraPose pose;
+  pose.position = {place.x, place.y};
+  pose.heading_deg = place.headings[view];
+  return pose;
+}
+
+// frame,time,x,y,heading,floor
+std::string poses_csv(const RecordedWalk& recorded) {
+  std::string csv = "frame,time,x,y,heading,floor\n";
+  for (size_t i = 0; i < recorded.poses.size(); ++i) {
+    const CameraPose& pose = recorded.poses[i];
+    csv += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.2f},{}\n", i, pose.time_s, pose.position.x,
+                       pose.position.y, std::fmod(std::round(pose.heading_deg * 100) / 100, 360),
+                       recorded.walk->floor);
+  }
+  return csv;
+}
 
 /// Metres from a place, if the camera is on its floor and looks as one of its views does.
 std::optional<double> metres_to_place(const World& world, const std::string& floor,
@@ -270,24 +289,6 @@ std::vector<RecordedWalk> record_walks(const World& world) {
                   fmt::format("the place {} stands in a wall at x {}, y {}; move it", place.name,
                               place.x, place.y));
   return walks;
-}
-
-CameraPose view_pose(const WorldPlace& place, size_t view) {
-  CameraPose pose;
-  pose.position = {place.x, place.y};
-  pose.heading_deg = place.headings[view];
-  return pose;
-}
-
-std::string poses_csv(const RecordedWalk& recorded) {
-  std::string csv = "frame,time,x,y,heading,floor\n";
-  for (size_t i = 0; i < recorded.poses.size(); ++i) {
-    const CameraPose& pose = recorded.poses[i];
-    csv += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.2f},{}\n", i, pose.time_s, pose.position.x,
-                       pose.position.y, std::fmod(std::round(pose.heading_deg * 100) / 100, 360),
-                       recorded.walk->floor);
-  }
-  return csv;
 }
 
 std::vector<std::pair<std::string, std::string>> recording_texts(

@@ -23,12 +23,6 @@ struct RecordedWalk {
 /// place stands in a wall.
 std::vector<RecordedWalk> record_walks(const World& world);
 
-/// The camera of one view of a place: it stands still.
-CameraPose view_pose(const WorldPlace& place, size_t view);
-
-/// frame,time,x,y,heading,floor
-std::string poses_csv(const RecordedWalk& recorded);
-
 /// Names and texts of all files beside the frames' folders:
 /// - training and query frames show the same place if they are on one floor, at most same_place_m
 ///   apart and look the same way within same_heading_deg; they are ignored up to ignore_m;

@@ -14,7 +14,6 @@
 #include "synth/surfaces.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr int kAround = 4096;  // texels

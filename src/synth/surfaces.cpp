@@ -9,7 +9,6 @@
 #include "synth/world.h"
 
 namespace vpr {
-
 namespace {
 
 std::string letters(RandomEngine& engine, size_t count) {

@@ -11,7 +11,6 @@
 #include "synth/progress.h"
 
 namespace vpr {
-
 namespace {
 
 constexpr double kCornerM = 0.9;  // where a turn begins before a corner
@@ -47,7 +46,6 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
 
 double in_turn(double degrees) { return degrees - 360 * std::floor(degrees / 360); }
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr std::array<double, 2> kTremorHz = {4.7, 6.9};
 constexpr double kJoltHz = 8;
 constexpr double kJoltDecayS = 0.1;

@@ -11,7 +11,6 @@
 #include "synth/progress.h"
 
 namespace vpr {
-
 namespace {
 
 namespace fs = std::filesystem;
