@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <catch2/catch.hpp>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -46,6 +47,10 @@ std::string read_text(const fs::path& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return text.str();
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
 }
 
 std::vector<std::string> list_folder(const fs::path& folder) {
@@ -104,8 +109,13 @@ fs::path program_path(const std::string& program) { return fs::path(VPR_TEST_PRO
 
 fs::path source_path(const std::string& name) { return fs::path(VPR_TEST_SOURCE) / name; }
 
-RunOutcome run_program(const std::string& program, const std::vector<std::string>& arguments,
-                       const std::vector<std::string>& environment) {
+Words joined(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+RunOutcome run_program(const std::string& program, const Words& arguments,
+                       const Words& environment) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
   const std::string err = folder / "err";
@@ -115,12 +125,11 @@ RunOutcome run_program(const std::string& program, const std::vector<std::string
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), flags, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
-  std::vector<std::string> words = {program_path(program).string()};
-  words.insert(words.end(), arguments.begin(), arguments.end());
+  Words words = joined({program_path(program).string()}, arguments);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  std::vector<std::string> variables = environment;
+  Words variables = environment;
   for (char** variable = environ; *variable != nullptr; ++variable)
     variables.emplace_back(*variable);
   std::vector<char*> envp;
@@ -137,6 +146,16 @@ RunOutcome run_program(const std::string& program, const std::vector<std::string
   outcome.out = read_text(out);
   outcome.err = read_text(err);
   return outcome;
+}
+
+RunOutcome ok(const RunOutcome& outcome) {
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  return outcome;
+}
+
+RunOutcome run_ok(const std::string& program, const Words& arguments, const Words& environment) {
+  return ok(run_program(program, arguments, environment));
 }
 
 }  // namespace vpr::test

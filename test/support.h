@@ -30,6 +30,7 @@ class TemporaryFolder {
 
 void write_text(const std::filesystem::path& path, const std::string& text);
 std::string read_text(const std::filesystem::path& path);
+bool has(const std::string& text, const std::string& part);
 /// Names of everything in a folder, hidden files included, sorted.
 std::vector<std::string> list_folder(const std::filesystem::path& folder);
 
@@ -47,6 +48,14 @@ void write_array(const std::filesystem::path& path, const std::vector<T>& values
   }
   write_text(path, header + std::string(reinterpret_cast<const char*>(stored.data()),
                                         stored.size() * sizeof(T)));
+}
+
+/// The values of a .npy file.
+template <class T>
+std::vector<T> read_array(const std::filesystem::path& path) {
+  const NpyArray array(path);
+  const auto values = array.values<T>(array.shape().size());
+  return {values.begin(), values.end()};
 }
 
 /// A grey picture with seeded content.
@@ -70,14 +79,22 @@ class ChosenTarget {
 std::optional<std::filesystem::path> real_data(const std::string& folder);
 bool lacked_data();
 
+using Words = std::vector<std::string>;
+
+Words joined(Words words, const Words& more);
+
 struct RunOutcome {
   int exit_code = -1;
   std::string out;
   std::string err;
 };
 /// Runs one of our programs, without a shell. `environment`: NAME=VALUE.
-RunOutcome run_program(const std::string& program, const std::vector<std::string>& arguments,
-                       const std::vector<std::string>& environment = {});
+RunOutcome run_program(const std::string& program, const Words& arguments,
+                       const Words& environment = {});
+/// A run that must end with exit code 0.
+RunOutcome ok(const RunOutcome& outcome);
+RunOutcome run_ok(const std::string& program, const Words& arguments,
+                  const Words& environment = {});
 std::filesystem::path program_path(const std::string& program);
 std::filesystem::path source_path(const std::string& name);
 

@@ -3,9 +3,8 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "bench/bench_file.h"
+#include "bench/bench_result.h"
 #include "bench/bench_tables.h"
-#include "bench/compare.h"
 #include "bench/describe_bench.h"
 #include "bench/fabmap_bench.h"
 #include "bench/matching_bench.h"

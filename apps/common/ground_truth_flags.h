@@ -5,7 +5,7 @@
 #include <string>
 
 #include "command.h"
-#include "database/family.h"
+#include "database/archive.h"
 #include "ground_truth/dataset.h"
 
 namespace vpr {

@@ -14,7 +14,6 @@
 #include "evaluation/score_matrix.h"
 #include "ground_truth/loop_list.h"
 #include "pipeline/evaluate.h"
-#include "report/outcome_csv.h"
 #include "report/result_file.h"
 #include "report/table.h"
 

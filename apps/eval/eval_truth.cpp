@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "descriptors/array_rows.h"
+#include "descriptors/imported.h"
 #include "eval_commands.h"
 #include "evaluation/counts.h"
 #include "ground_truth/check.h"

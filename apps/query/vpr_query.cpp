@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
-#include "database/family.h"
+#include "database/archive.h"
 #include "images/selection.h"
 #include "matching/fabmap.h"
 #include "matching/lsh.h"

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "descriptors/array_rows.h"
 #include "descriptors/imported.h"
 #include "images/sequence.h"
 #include "images/sequence_argument.h"

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "database/fabmap_database.h"
-#include "database/family.h"
+#include "database/archive.h"
 #include "report/database_report.h"
 #include "train_inputs.h"
 

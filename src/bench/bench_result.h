@@ -1,16 +1,59 @@
-// The result of every benchmark: rows of times.
+// Repeated timing on the steady clock; what a benchmark measured, and its file (vpr.bench/2).
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/json.h"
-#include "bench/measure.h"
+#include "base/monitor.h"
 #include "report/chart.h"
+#include "report/run_info.h"
 
 namespace vpr {
+
+/// Repeated measurements of one time, in milliseconds.
+struct TimeSummary {
+  double median_ms = 0;
+  double lower_quartile_ms = 0;
+  double upper_quartile_ms = 0;
+  double least_ms = 0;
+  double most_ms = 0;
+  size_t repetitions = 0;
+};
+
+/// Order statistics (base/statistics.h) of times in milliseconds, of which there is at least one.
+TimeSummary summarise(std::vector<double> times_ms);
+
+/// How long to measure.
+struct Effort {
+  double seconds = 0.5;    ///< goes on at least so long, ...
+  size_t repetitions = 5;  ///< ... and at least so often, ...
+  size_t most = 10'000;    ///< ... but not more often
+  size_t warm_ups = 1;     ///< runs before, which do not count
+};
+
+/// Throws Error(usage) unless a measurement may take so long: above 0, at most an hour.
+void check_seconds(double seconds);
+
+/// Milliseconds of each run of `work`. Stops between runs when asked to.
+std::vector<double> time_repeatedly(const Effort& effort, const std::function<void()>& work,
+                                    const Monitor& monitor);
+
+/// Keeps the process, and threads that it starts from now on, on the first `cores` of its cores, so
+/// that the scheduler moves nothing; without effect where it has fewer.
+void pin_to_cores(size_t cores);
+
+/// Resets the process's highest resident memory, where the system can (Linux).
+void reset_peak_memory();
+/// Bytes at most in memory since; 0 where it is not known.
+size_t peak_memory();
+/// Bytes that the system could still give; 0 where it is not known.
+size_t available_memory();
 
 /// Names and numbers, in the order in which they are shown.
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
@@ -47,5 +90,12 @@ void add_speed_up(BenchResult& result, const std::string& work, const std::strin
 /// The row with this work and these parameters, or null.
 const BenchRow* find_row(const BenchResult& result, const std::string& work,
                          const NamedNumbers& parameters);
+
+/// Settings, rows, omitted measurements, provenance and machine.
+Json bench_json(const BenchResult& result, const RunInfo& run);
+
+/// Rows and name of a stored benchmark. Throws Error(input) if the file cannot be read, Error(data)
+/// if it is not a benchmark or is damaged.
+BenchResult read_bench(const std::filesystem::path& path);
 
 }  // namespace vpr

@@ -11,11 +11,9 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "bench/generated.h"
-#include "descriptors/centre_codes.h"
 #include "descriptors/frame_descriptors.h"
-#include "descriptors/hog.h"
 #include "descriptors/ldb.h"
-#include "descriptors/thumbnail.h"
+#include "descriptors/whole_frame.h"
 #include "images/decode.h"
 #include "images/frames.h"
 

@@ -11,7 +11,7 @@
 #include "base/random.h"
 #include "base/stopwatch.h"
 #include "bench/generated.h"
-#include "database/kmeans.h"
+#include "database/word_clustering.h"
 #include "matching/fabmap.h"
 #include "recognition/fabmap_posterior.h"
 

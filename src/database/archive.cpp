@@ -27,6 +27,10 @@ bool is_intact(std::string_view text) {
          fmt::format("{}{}{}", kChecksumStart, checksum(content), kChecksumEnd);
 }
 
+std::string method_name(const Archive& archive) {
+  return manifest_text(archive, archive.manifest(), "method");
+}
+
 }  // namespace
 
 bool is_database_folder(const fs::path& folder) {
@@ -137,6 +141,23 @@ const Json& manifest_list(const Archive& archive, const Json& object, const std:
   if (found == object.end() || !found->is_array())
     archive.fail(fmt::format("\"{}\" is no list", key));
   return *found;
+}
+
+DatabaseFamily database_family(const std::filesystem::path& path) {
+  const Archive archive(path);
+  const std::string name = method_name(archive);
+  if (const auto family = enum_value<DatabaseFamily>(name)) return *family;
+  throw Error(ErrorKind::data,
+              fmt::format("{}: is a database for {}, which is not known", archive.name(), name));
+}
+
+void require_family(const Archive& archive, DatabaseFamily family) {
+  const std::string name = method_name(archive);
+  const std::string_view needed = enum_name(family);
+  if (name != needed)
+    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, but one for {} is needed; "
+                                             "train it with vpr-train {}",
+                                             archive.name(), name, needed, needed));
 }
 
 }  // namespace vpr

@@ -1,6 +1,7 @@
 // The folder NAME.vprdb that every kind of database is: manifest.json and checksummed files.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -8,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/output.h"
@@ -82,5 +84,19 @@ size_t manifest_count(const Archive& archive, const Json& object, const std::str
 std::string manifest_text(const Archive& archive, const Json& object, const std::string& key);
 /// A list of a manifest; throws like that.
 const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key);
+
+/// What a database is for: the family of methods that it serves.
+enum class DatabaseFamily { sequences, fabmap };
+/// As manifests and vpr-train name them.
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<DatabaseFamily> = {"fastable",
+                                                                               "fabmap"};
+
+/// Reads the manifest only. Throws Error(input) if it is missing, Error(data) if it is damaged, or
+/// of a family that is not known.
+DatabaseFamily database_family(const std::filesystem::path& path);
+
+/// Throws Error(data) unless the database is of this family.
+void require_family(const Archive& archive, DatabaseFamily family);
 
 }  // namespace vpr

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/monitor.h"
@@ -41,5 +42,15 @@ class MutualInformation {
 /// word); the root is the smaller word of the best edge. Time O(words^2 frames / 64), memory
 /// O(words + words frames / 8). At least one word and one frame.
 ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const Monitor& monitor);
+
+/// A tree as files hold it: 4 x words numbers, row by row: parent, P(z), P(z|parent),
+/// P(z|not parent).
+std::vector<double> tree_rows(const ChowLiuTree& tree);
+
+/// The tree of such rows, none of which is trusted: parents are words and lead to a root (a word
+/// that is its own parent), and probabilities lie strictly between 1e-300 and 1, so that logarithms
+/// of their products are finite. `rows` holds a multiple of 4 numbers. Throws Error(data) that
+/// starts with `name`.
+ChowLiuTree tree_of_rows(std::span<const double> rows, const std::string& name);
 
 }  // namespace vpr

@@ -11,8 +11,7 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "database/archive.h"
-#include "database/family.h"
-#include "database/tree_rows.h"
+#include "database/chow_liu.h"
 
 namespace vpr {
 namespace {

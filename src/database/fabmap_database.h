@@ -1,7 +1,10 @@
-// The database of FAB-MAP: vocabulary, Chow-Liu tree, and the words of every view.
+// The database of FAB-MAP: vocabulary, Chow-Liu tree, and the words of every view; and the one that
+// scores of sequences are fused with.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,6 +13,7 @@
 #include "database/chow_liu.h"
 #include "database/word_index.h"
 #include "descriptors/local_features.h"
+#include "descriptors/vocabulary.h"
 
 namespace vpr {
 
@@ -90,5 +94,18 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 /// Byte-identical for the same content. The caller commits.
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
                            Outputs& outputs);
+
+/// What FAB-MAP knows of the training frames of a database of sequences: its database of the same
+/// frames, each of which is one of its views.
+struct FusedViews {
+  /// Of a frame that could not be decoded.
+  static constexpr uint32_t kNoView = std::numeric_limits<uint32_t>::max();
+
+  FabmapDatabase fabmap;
+  Vocabulary vocabulary;        ///< of it, for frames to be described by
+  std::vector<size_t> frames;   ///< of each training sequence
+  std::vector<uint32_t> views;  ///< by training frame, sequence after sequence
+  std::vector<WordSet> words;   ///< that the same frames show
+};
 
 }  // namespace vpr

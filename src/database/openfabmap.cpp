@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/npy.h"
 #include "base/text.h"
-#include "database/tree_rows.h"
+#include "database/chow_liu.h"
 #include "images/sequence_argument.h"
 
 namespace vpr {

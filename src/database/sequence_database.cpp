@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -9,15 +11,15 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "base/text.h"
-#include "database/family.h"
-#include "database/sequence_rates.h"
-#include "database/shared_places_json.h"
+#include "database/archive.h"
+#include "images/selection.h"
 
 namespace vpr {
 namespace {
 
 constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
+constexpr const char* kKeptFile = "kept.npy";  // of thinned sequences, the recording's frames
 constexpr const char* kStatisticsFile = "statistics.npy";
 
 Json sequence_to_json(const TrainSequence& sequence) {
@@ -26,7 +28,9 @@ Json sequence_to_json(const TrainSequence& sequence) {
                {"unreadable", sequence.unreadable}};
   if (sequence.typical_distance) json["typical_distance"] = *sequence.typical_distance;
   if (sequence.half_width) json["half_width"] = *sequence.half_width;
-  add_rate(json, sequence);
+  if (sequence.fps) json["fps"] = *sequence.fps;
+  if (sequence.kept)
+    json["thinned"] = {{"fps", sequence.kept->fps}, {"frames", sequence.kept->recorded_frames}};
   return json;
 }
 
@@ -37,15 +41,22 @@ double most_distance(const DescriptorShape& shape) {
       shape.element == ElementType::bits ? std::min(8 * shape.row_bytes(), kMost) : kMost);
 }
 
+// A number of a manifest above 0, or from 0 on, up to `most`.
+double read_number(const Archive& archive, const Json& json, const std::string& key,
+                   double most = std::numeric_limits<double>::max(), bool may_be_zero = false) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number())
+    archive.fail(fmt::format("\"{}\" is no number", key));
+  const auto number = found->get<double>();
+  if (!(number >= 0 && number <= most) || (number == 0 && !may_be_zero))
+    archive.fail(fmt::format("\"{}\" is out of range", key));
+  return number;
+}
+
 // A mean frame distance.
 double read_typical_distance(const Archive& archive, const Json& json,
                              const DescriptorShape& shape) {
-  const auto found = json.find("typical_distance");
-  if (found == json.end() || !found->is_number()) archive.fail("\"typical_distance\" is no number");
-  const auto typical = found->get<double>();
-  if (!(typical >= 0 && typical <= most_distance(shape)))
-    archive.fail("\"typical_distance\" is out of range");
-  return typical;
+  return read_number(archive, json, "typical_distance", most_distance(shape), true);
 }
 
 size_t read_half_width(const Archive& archive, const Json& json, size_t frame_count) {
@@ -94,6 +105,36 @@ std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, si
   return frames;
 }
 
+void write_kept(ArchiveWriter& writer, const std::vector<TrainSequence>& sequences) {
+  std::vector<int32_t> rows;
+  for (const TrainSequence& sequence : sequences)
+    if (sequence.kept)
+      rows.insert(rows.end(), sequence.kept->sources.begin(), sequence.kept->sources.end());
+  if (!rows.empty()) writer.add_array(kKeptFile, std::span<const int32_t>(rows), {rows.size()});
+}
+
+void read_kept(const Archive& archive, std::vector<TrainSequence>& sequences) {
+  const Json& list = archive.manifest()["sequences"];
+  const auto is_thinned = [](const Json& json) { return json.contains("thinned"); };
+  if (std::none_of(list.begin(), list.end(), is_thinned)) return;
+  const NpyArray array = archive.array(kKeptFile);
+  const auto rows = array.values<int32_t>(1);
+  size_t next = 0;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    if (!is_thinned(list[s])) continue;
+    const Json& json = list[s]["thinned"];
+    if (!json.is_object()) archive.fail("\"thinned\" is no object");
+    const size_t frames = sequences[s].frame_count();
+    if (frames > rows.size() - next) archive.fail("kept.npy does not fit its sequences");
+    auto kept = kept_frames(rows.subspan(next, frames), manifest_count(archive, json, "frames"),
+                            read_number(archive, json, "fps"));
+    if (!kept) archive.fail("kept.npy holds frames out of range or order");
+    sequences[s].kept = std::move(kept);
+    next += frames;
+  }
+  if (next != rows.size()) archive.fail("kept.npy does not fit its sequences");
+}
+
 std::vector<TrainSequence> read_sequences(const Archive& archive,
                                           const std::vector<std::string_view>& frame_names,
                                           const DescriptorShape& shape) {
@@ -110,13 +151,14 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
     sequence.unreadable = read_unreadable(archive, json, count);
     sequence.typical_distance = read_typical_distance(archive, json, shape);
     sequence.half_width = read_half_width(archive, json, count);
+    if (json.contains("fps")) sequence.fps = read_number(archive, json, "fps");
     sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
                                 frame_names.begin() + ptrdiff_t(first + count));
     first += count;
   }
   if (sequences.empty() || first != frame_names.size())
     archive.fail("its numbers of frames do not fit frames.txt");
-  read_rates(archive, sequences);
+  read_kept(archive, sequences);
   return sequences;
 }
 
@@ -143,12 +185,7 @@ std::vector<ThresholdTable> read_thresholds(const Archive& archive,
   for (const Json& json : manifest_list(archive, archive.manifest(), "thresholds")) {
     ThresholdTable& table = tables.emplace_back();
     table.window_length = manifest_count(archive, json, "c_l");
-    const auto factor = json.find("safety_factor");
-    if (factor == json.end() || !factor->is_number())
-      archive.fail("\"safety_factor\" is no number");
-    table.safety_factor = factor->get<double>();
-    if (!(table.safety_factor > 0 && table.safety_factor <= 1e6))
-      archive.fail("\"safety_factor\" is out of range");
+    table.safety_factor = read_number(archive, json, "safety_factor", 1e6);
     for (const Json& item : manifest_list(archive, json, "closest"))
       table.closest.push_back(
           read_closest(archive, item, table.window_length, table.closest.size(), sequences));
@@ -156,6 +193,22 @@ std::vector<ThresholdTable> read_thresholds(const Archive& archive,
       archive.fail("its thresholds do not fit its sequences");
   }
   return tables;
+}
+
+std::vector<std::pair<size_t, size_t>> read_shared_places(const Archive& archive,
+                                                          size_t sequences) {
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (const Json& item : manifest_list(archive, archive.manifest(), "shared_places")) {
+    if (!item.is_array() || item.size() != 2 || !item[0].is_number_unsigned() ||
+        !item[1].is_number_unsigned())
+      archive.fail("its \"shared_places\" are no pairs of sequences");
+    const std::pair pair(item[0].get<size_t>(), item[1].get<size_t>());
+    if (pair.first >= pair.second || pair.second >= sequences ||
+        (!pairs.empty() && pair <= pairs.back()))
+      archive.fail("its \"shared_places\" are out of range or order");
+    pairs.push_back(pair);
+  }
+  return pairs;
 }
 
 const DescriptorKind& read_kind(const Archive& archive) {
@@ -175,17 +228,6 @@ size_t read_length(const Archive& archive, const DescriptorKind& kind) {
   if (length == 0 || length > most_elements(kind.shape.element))
     archive.fail("\"length\" is out of range");
   return length;
-}
-
-// Of coordinates: what 1 is.
-double read_unit(const Archive& archive, const DescriptorKind& kind) {
-  if (kind.shape.element != ElementType::coordinates) return 0;
-  const auto found = archive.manifest().find("unit");
-  if (found == archive.manifest().end() || !found->is_number())
-    archive.fail("\"unit\" is no number");
-  const auto unit = found->get<double>();
-  if (!(unit > 0 && std::isfinite(unit))) archive.fail("\"unit\" is out of range");
-  return unit;
 }
 
 NpyArray read_codes(const Archive& archive, size_t frame_count, const DescriptorShape& shape) {
@@ -251,8 +293,12 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   database.sequences = read_sequences(archive, frame_names, shape);
   database.thresholds = read_thresholds(archive, database.sequences);
   const size_t frames = frame_names.size();
-  database.descriptors = {
-      &kind, {}, read_codes(archive, frames, shape), shape.length, read_unit(archive, kind)};
+  const bool has_unit = shape.element == ElementType::coordinates;
+  database.descriptors = {&kind,
+                          {},
+                          read_codes(archive, frames, shape),
+                          shape.length,
+                          has_unit ? read_number(archive, archive.manifest(), "unit") : 0};
   database.statistics = read_statistics(archive, frames, shape);
   database.shared_places = read_shared_places(archive, database.sequences.size());
   return database;
@@ -280,8 +326,10 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
   manifest["thresholds"] = Json::array();
   for (const ThresholdTable& table : database.thresholds)
     manifest["thresholds"].push_back(thresholds_to_json(table));
-  if (database.shared_places)
-    manifest["shared_places"] = shared_places_to_json(*database.shared_places);
+  if (database.shared_places) {
+    manifest["shared_places"] = Json::array();
+    for (const auto& [a, b] : *database.shared_places) manifest["shared_places"].push_back({a, b});
+  }
   if (database.statistics) manifest["statistics"] = statistics_to_json(*database.statistics);
   manifest["provenance"] = {
       {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};

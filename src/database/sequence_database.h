@@ -2,6 +2,7 @@
 // sequences.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <span>

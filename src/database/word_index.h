@@ -1,4 +1,4 @@
-// An inverted index: which views show a word. FAB-MAP's queries touch nothing else of the views.
+// The words of many views as databases keep them, and for every word the views that show it.
 #pragma once
 
 #include <algorithm>
@@ -6,9 +6,25 @@
 #include <span>
 #include <vector>
 
-#include "database/view_words.h"
+#include "descriptors/descriptor_rows.h"
 
 namespace vpr {
+
+/// Word sets of many views, one after the other: view v has words[offsets[v]] ..
+/// words[offsets[v+1]].
+struct ViewWords {
+  std::vector<uint64_t> offsets = {0};
+  std::vector<uint32_t> words;
+
+  size_t views() const { return offsets.size() - 1; }
+  std::span<const uint32_t> view(size_t v) const {
+    return {words.data() + offsets[v], static_cast<size_t>(offsets[v + 1] - offsets[v])};
+  }
+  void add(std::span<const uint32_t> view_words) {
+    words.insert(words.end(), view_words.begin(), view_words.end());
+    offsets.push_back(words.size());
+  }
+};
 
 /// Views in blocks of 65536, so that two bytes name one, and the sums of a block stay in a cache.
 inline constexpr size_t kIndexBlock = 65536;

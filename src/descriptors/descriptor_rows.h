@@ -1,4 +1,5 @@
-// Frame descriptors of any kind as rows of bytes, the way they are stored and compared.
+// Frame descriptors of any kind as rows of bytes, the way they are stored and compared; and the
+// visual words of a frame.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +9,11 @@
 #include <vector>
 
 #include "descriptors/ldb.h"
-#include "descriptors/word_set.h"
 
 namespace vpr {
+
+/// Word ids, rising, each once: what a frame or view shows.
+using WordSet = std::vector<uint32_t>;
 
 /// What a descriptor is made of, and so what it is compared by: bits, signed whole numbers of 8 or
 /// of 16 bits (vectors, of which only directions count), coordinates of 16 bits (points, in one

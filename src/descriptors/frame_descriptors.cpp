@@ -12,11 +12,8 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
-#include "descriptors/centre_codes.h"
-#include "descriptors/hog.h"
-#include "descriptors/illumination.h"
 #include "descriptors/imported.h"
-#include "descriptors/thumbnail.h"
+#include "descriptors/whole_frame.h"
 
 namespace vpr {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "descriptors/descriptor_rows.h"
 #include "descriptors/local_features.h"
 #include "descriptors/nearest_centre.h"
-#include "descriptors/word_set.h"
 
 namespace vpr {
 

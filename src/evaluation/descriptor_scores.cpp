@@ -11,9 +11,8 @@
 
 #include "base/checksum.h"
 #include "base/error.h"
-#include "descriptors/array_rows.h"
-#include "descriptors/frame_descriptors.h"
 #include "descriptors/imported.h"
+#include "descriptors/frame_descriptors.h"
 #include "matching/frame_distances.h"
 
 namespace vpr {

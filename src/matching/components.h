@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/monitor.h"
-#include "database/train_components.h"
+#include "database/train_statistics.h"
 #include "matching/frame_distances.h"
 #include "matching/score_kernels.h"
 

@@ -10,7 +10,6 @@
 
 #include "base/enum_names.h"
 #include "database/chow_liu.h"
-#include "database/view_words.h"
 #include "database/word_index.h"
 
 namespace vpr {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "database/train_components.h"
+#include "database/train_statistics.h"
 #include "matching/frame_runs.h"
 
 namespace vpr {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "database/fused_views.h"
+#include "database/fabmap_database.h"
 #include "database/train_statistics.h"
 #include "matching/fabmap.h"
 #include "matching/frame_distances.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "database/train_components.h"
+#include "database/train_statistics.h"
 
 namespace vpr {
 

@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/monitor.h"
-#include "database/fused_views.h"
+#include "database/fabmap_database.h"
 #include "database/sequence_database.h"
 #include "descriptors/vocabulary.h"
 #include "recognition/query_settings.h"

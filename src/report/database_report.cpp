@@ -7,7 +7,8 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "database/family.h"
+#include "database/archive.h"
+#include "report/table.h"
 
 namespace vpr {
 namespace {

@@ -247,7 +247,7 @@ Chart sweep_chart(const Sweep& sweep) {
   chart.x.from_zero = true;
   chart.y.label = "correct hits";
   const auto looseness = [&](const CellCounts* cell) {
-    return score_of(*cell, sweep.threshold_order).looseness;
+    return looseness_of(*cell, sweep.threshold_order);
   };
   for (const std::string& window : distinct_texts(sweep, window_text)) {
     Series series{fmt::format("{} {}", sweep.score->window_symbol, window), {}};

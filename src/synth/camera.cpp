@@ -1,11 +1,13 @@
 #include "synth/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/outside.h"
+#include "synth/scene.h"
 
 namespace vpr {
 namespace {
@@ -62,6 +64,34 @@ void cast_through_glass(const Canvas& canvas, const Scene& scene, const WallHit&
   if (scene.reflections > 0) cast_mirrored(canvas, scene, hit, column);
 }
 
+constexpr double kMeanBrightness = 112;  // what the automatic exposure aims at
+constexpr double kDaylightBrightness = 1.5;
+
+double brightness(const Texel& texel, const Conditions& conditions) {
+  const double day = texel[3] / 255.0;
+  return (texel[0] + texel[1] + texel[2]) / 3.0 *
+         (day * conditions.daylight * kDaylightBrightness + (1 - day) * conditions.lamps);
+}
+
+constexpr int kMostBlur = 31;
+constexpr size_t kNoiseValues = size_t{1} << 16;
+constexpr int kNoiseUnit = 64;  // one standard deviation
+
+// Sums of twelve uniform numbers: near enough to normal ones, and the same everywhere.
+const std::array<int16_t, kNoiseValues>& noise_values() {
+  static const auto kValues = [] {
+    std::array<int16_t, kNoiseValues> values;
+    RandomEngine engine = named_engine(0, "sensor noise");
+    for (int16_t& value : values) {
+      double sum = -6;
+      for (int i = 0; i < 12; ++i) sum += uniform_unit(engine);
+      value = static_cast<int16_t>(std::lround(sum * kNoiseUnit));
+    }
+    return values;
+  }();
+  return kValues;
+}
+
 }  // namespace
 
 Camera make_camera(const World& world) {
@@ -107,6 +137,61 @@ cv::Mat upright(const Canvas& canvas, const Camera& camera, double roll_deg) {
   cv::warpAffine(canvas.turned, picture, map, {camera.width, camera.height},
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return picture;
+}
+
+double metered_brightness(const Canvas& canvas, const std::vector<const Column*>& columns,
+                          const Conditions& conditions) {
+  constexpr double kFloorAndCeiling = 110;
+  double sum = 0;
+  for (const Column* column : columns) {
+    double wall = 0;
+    for (const Texel& texel : column->strip) wall += std::min(255.0, brightness(texel, conditions));
+    wall /= static_cast<double>(column->strip.size());
+    const double share = std::min(1.0, kRoomHeightM * canvas.focal / column->depth / canvas.rows());
+    sum += share * wall + (1 - share) * kFloorAndCeiling * conditions.lamps;
+  }
+  return sum / static_cast<double>(columns.size());
+}
+
+Light make_light(double brightness, const Conditions& conditions, double drift) {
+  const double gain =
+      std::clamp(std::pow(kMeanBrightness / std::max(brightness, 1.0), 0.8), 0.3, 3.0) *
+      conditions.exposure * drift * 256;
+  const std::array<double, 3> balance = {1 - 0.14 * conditions.warmth, 1.0,
+                                         1 + 0.14 * conditions.warmth};
+  const std::array<double, 3> sky = {1.06, 1.0, 0.96};
+  Light light;
+  for (size_t c = 0; c < 3; ++c) {
+    const double limit = 30000;
+    light.lamps[c] =
+        static_cast<int>(std::lround(std::min(limit, gain * conditions.lamps * balance[c])));
+    light.day[c] = static_cast<int>(std::lround(
+        std::min(limit, gain * conditions.daylight * kDaylightBrightness * balance[c] * sky[c])));
+  }
+  return light;
+}
+
+void blur_by_turning(cv::Mat& picture, double sideways, double upwards) {
+  const auto odd = [](double pixels) {  // so that nothing is shifted
+    const double way = std::min<double>(kMostBlur, std::abs(pixels));
+    return 2 * static_cast<int>(std::lround((way - 1) / 2)) + 1;
+  };
+  const cv::Size size(std::max(1, odd(sideways)), std::max(1, odd(upwards)));
+  if (size.area() > 1) cv::blur(picture, picture, size);
+}
+
+void add_noise(cv::Mat& picture, double deviation, RandomEngine& engine) {
+  const auto& values = noise_values();
+  const int factor = static_cast<int>(std::lround(deviation * 256));
+  const size_t bytes = static_cast<size_t>(picture.cols) * 3;
+  for (int y = 0; y < picture.rows; ++y) {
+    uint8_t* row = picture.ptr<uint8_t>(y);
+    size_t from = engine();  // another stretch of the values for each row
+    for (size_t i = 0; i < bytes; ++i) {
+      const int noise = values[(from + i) % kNoiseValues] * factor / (256 * kNoiseUnit);
+      row[i] = cv::saturate_cast<uint8_t>(row[i] + noise);
+    }
+  }
 }
 
 }  // namespace vpr

@@ -1,14 +1,18 @@
-// Where a camera looks on the floor plan: a ray for each column of its picture, and the strip of
-// wall that the ray hits.
+// A camera on the floor plan: a ray for each column of its picture and the strip of wall that the
+// ray hits; automatic exposure; and what the sensor adds.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <numbers>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
+#include "base/random.h"
 #include "synth/scene.h"
 #include "synth/walking.h"
+#include "synth/world.h"
 
 namespace vpr {
 
@@ -63,5 +67,37 @@ std::vector<Column> cast_columns(const Canvas& canvas, const Scene& scene, int e
 
 /// The canvas turned upright by the camera's roll (degrees, clockwise), cut to the picture's size.
 cv::Mat upright(const Canvas& canvas, const Camera& camera, double roll_deg);
+
+/// Factors of 256 by which lamp-lit and daylit texels are multiplied: blue, green, red.
+struct Light {
+  std::array<int, 3> lamps{};
+  std::array<int, 3> day{};
+};
+
+inline constexpr int kMeteredColumns = 16;  ///< every so manieth column of a picture is metered
+
+/// How bright a canvas is, in grey values before exposure, by some of its columns.
+double metered_brightness(const Canvas& canvas, const std::vector<const Column*>& columns,
+                          const Conditions& conditions);
+
+/// The light under automatic exposure that was metered to `brightness`, and aims at a mean grey
+/// value. `drift` is a factor of that exposure.
+Light make_light(double brightness, const Conditions& conditions, double drift);
+
+/// Turns a texel (blue, green, red, daylight share of 255) into the grey values of a pixel.
+inline void shine(const std::array<int, 4>& texel, const Light& light, std::array<int, 3>& out) {
+  for (size_t c = 0; c < 3; ++c) {
+    const int factor = light.lamps[c] + ((light.day[c] - light.lamps[c]) * texel[3] >> 8);
+    out[c] = std::min(255, texel[c] * factor >> 8);
+  }
+}
+
+inline constexpr double kShutterS = 1.0 / 50;  ///< where no other time is stated
+
+/// Blurs by the way that the picture moves while the shutter is open, in pixels.
+void blur_by_turning(cv::Mat& picture, double sideways, double upwards);
+
+/// Adds normal noise of a standard deviation in grey values to every channel of every pixel.
+void add_noise(cv::Mat& picture, double deviation, RandomEngine& engine);
 
 }  // namespace vpr

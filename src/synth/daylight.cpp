@@ -1,8 +1,13 @@
 #include "synth/daylight.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "base/parallel.h"
+#include "synth/scene.h"
 
 namespace vpr {
 namespace {
@@ -10,6 +15,24 @@ namespace {
 constexpr double kReachM = 14;
 constexpr double kInFrontM = 0.3;         // of the glass
 constexpr double kShareOfWindows = 0.35;  // of a wall that has some
+constexpr double kAmbientLight = 0.38;
+constexpr double kLampReachM = 8;
+constexpr double kLightStepM = 0.25;  // of baked light
+
+// How much daylight falls on a point, where 1 is what lamps give.
+double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point) {
+  double light = 0;
+  for (const DaylightSource& source : sources) {
+    const double dx = point.x - source.at.x, dy = point.y - source.at.y;
+    const double square = dx * dx + dy * dy;
+    if (square > kReachM * kReachM) continue;
+    const double towards = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
+                           std::sqrt(square + kInFrontM * kInFrontM);
+    if (towards > 0 && can_see(plan, point, source.at))
+      light += source.strength * std::min(1.0, towards) / (1 + square);
+  }
+  return light;
+}
 
 bool is_outer(const FloorPlan& plan, const Wall& wall) {
   const Point way = wall_direction(wall.side);
@@ -18,6 +41,43 @@ bool is_outer(const FloorPlan& plan, const Wall& wall) {
   for (double metres = 0.25; metres < 500; metres += kPlanCellM)
     if (plan.is_open({p.x + out.x * metres, p.y + out.y * metres})) return false;
   return true;
+}
+
+double light_at(const FloorPlan& plan, Point point) {
+  double light = kAmbientLight;
+  for (const Lamp& lamp : plan.lamps) {
+    const double dx = lamp.at.x - point.x, dy = lamp.at.y - point.y, square = dx * dx + dy * dy;
+    if (square < kLampReachM * kLampReachM && can_see(plan, point, lamp.at))
+      light += lamp.power * 1.5 / (1.6 + square);
+  }
+  return light;
+}
+
+uint8_t daylight_share(float daylight, float light) {
+  return static_cast<uint8_t>(std::min<double>(kGlassDaylight - 1, 255 * daylight / light));
+}
+
+Baked bake_along(const Setting& setting, const Wall& wall, int texels) {
+  const Point way = wall_direction(wall.side);
+  const int steps = std::max(2, static_cast<int>(wall.length_m / kLightStepM));
+  const bool daylit = !setting.daylight.empty();
+  cv::Mat light(1, steps, CV_32F), daylight(1, steps, CV_32F, cv::Scalar(0));
+  for (int i = 0; i < steps; ++i) {
+    const double metres = (i + 0.5) * wall.length_m / steps;
+    const double corner = std::min(metres, wall.length_m - metres);
+    const Point p{wall.start.x + way.x * metres + way.y * 0.05,
+                  wall.start.y + way.y * metres - way.x * 0.05};
+    double all = light_at(setting.plan, p);
+    if (daylit) {
+      daylight.at<float>(0, i) = static_cast<float>(daylight_at(setting.plan, setting.daylight, p));
+      all += daylight.at<float>(0, i);
+    }
+    light.at<float>(0, i) = static_cast<float>(all * (1 - 0.25 * std::exp(-corner / 0.3)));
+  }
+  cv::resize(light, light, {texels, 1}, 0, 0, cv::INTER_LINEAR);
+  if (!daylit) return {light, {}};
+  cv::resize(daylight, daylight, {texels, 1}, 0, 0, cv::INTER_LINEAR);
+  return {light, daylight};
 }
 
 }  // namespace
@@ -48,18 +108,53 @@ std::vector<DaylightSource> daylight_sources(const World& world, const FloorName
   return sources;
 }
 
-double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point) {
-  double light = 0;
-  for (const DaylightSource& source : sources) {
-    const double dx = point.x - source.at.x, dy = point.y - source.at.y;
-    const double square = dx * dx + dy * dy;
-    if (square > kReachM * kReachM) continue;
-    const double towards = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
-                           std::sqrt(square + kInFrontM * kInFrontM);
-    if (towards > 0 && can_see(plan, point, source.at))
-      light += source.strength * std::min(1.0, towards) / (1 + square);
+void light_wall(const Setting& setting, const Wall& wall, cv::Mat& picture) {
+  const Baked along = bake_along(setting, wall, picture.cols);
+  for (int y = 0; y < picture.rows; ++y) {
+    const double height = 1 - static_cast<double>(y) / picture.rows;
+    const double vertical = 0.74 + 0.32 * height - 0.2 * std::exp(-height / 0.04);
+    for (int x = 0; x < picture.cols; ++x) {
+      auto& texel = picture.at<cv::Vec4b>(y, x);
+      if (texel[3] != 0) continue;
+      const float light = along.light.at<float>(0, x);
+      for (int c = 0; c < 3; ++c)
+        texel[c] = cv::saturate_cast<uint8_t>(texel[c] * vertical * light);
+      if (!along.daylight.empty()) texel[3] = daylight_share(along.daylight.at<float>(0, x), light);
+    }
   }
-  return light;
+}
+
+Baked light_map(const Setting& setting, const Monitor& monitor) {
+  const FloorPlan& plan = setting.plan;
+  cv::Mat map(plan.rows * 2, plan.columns * 2, CV_32F, cv::Scalar(kAmbientLight));
+  cv::Mat daylight(map.size(), CV_32F, cv::Scalar(0));
+  parallel_for(static_cast<size_t>(map.rows), monitor, [&](size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < map.cols; ++x) {
+      const Point p{plan.origin.x + (x + 0.5) * kLightStepM,
+                    plan.origin.y + (y + 0.5) * kLightStepM};
+      if (!plan.is_open(p)) continue;
+      const double day = daylight_at(plan, setting.daylight, p);
+      daylight.at<float>(y, x) = static_cast<float>(day);
+      map.at<float>(y, x) = static_cast<float>(light_at(plan, p) + day);
+    }
+  });
+  return {map, setting.daylight.empty() ? cv::Mat() : daylight};
+}
+
+void shade(cv::Mat& picture, const Baked& baked, double factor) {
+  cv::Mat light, daylight;
+  cv::resize(baked.light, light, picture.size(), 0, 0, cv::INTER_LINEAR);
+  if (!baked.daylight.empty())
+    cv::resize(baked.daylight, daylight, picture.size(), 0, 0, cv::INTER_LINEAR);
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) {
+      auto& texel = picture.at<cv::Vec4b>(y, x);
+      for (int c = 0; c < 3; ++c)
+        texel[c] = cv::saturate_cast<uint8_t>(texel[c] * light.at<float>(y, x) * factor);
+      if (!daylight.empty())
+        texel[3] = daylight_share(daylight.at<float>(y, x), light.at<float>(y, x));
+    }
 }
 
 }  // namespace vpr

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "synth/texture.h"
+#include "synth/surfaces.h"
 #include "synth/world.h"
 
 namespace vpr {

@@ -1,7 +1,7 @@
 // What stands and hangs on the walls: doors, boards, posters, lockers, radiators, windows.
 #pragma once
 
-#include "synth/wall_brush.h"
+#include "synth/surfaces.h"
 
 namespace vpr {
 

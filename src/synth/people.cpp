@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/wall_brush.h"
+#include "synth/surfaces.h"
 
 namespace vpr {
 namespace {

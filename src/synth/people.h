@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/random.h"
-#include "synth/texture.h"
+#include "synth/surfaces.h"
 #include "synth/walking.h"
 
 namespace vpr {

@@ -1,13 +1,37 @@
-// Writes a rendered world as a data set: frames, poses, plan, places and ground truth.
+// A rendered world: its frames, poses, ground truth, and the data set that names it all.
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
+#include "synth/walking.h"
 #include "synth/world.h"
 
 namespace vpr {
+
+/// A walk and the camera's pose of each of its frames.
+struct RecordedWalk {
+  const Walk* walk = nullptr;  ///< of the world
+  std::vector<CameraPose> poses;
+};
+
+/// The poses of all walks, in the order of the world. Throws Error(usage) if a walk or a view of a
+/// place stands in a wall.
+std::vector<RecordedWalk> record_walks(const World& world);
+
+/// Names and texts of all files beside the frames' folders:
+/// - training and query frames show the same place if they are on one floor, at most same_place_m
+///   apart and look the same way within same_heading_deg; they are ignored up to ignore_m;
+/// - a query frame shows a place if it is within place_radius_m and looks as one of its views does
+///   within same_heading_deg; it is ignored up to place_ignore_m;
+/// - stretches of pretraining walks that would show a place, or be ignored, are left out.
+/// Walls are not asked: places on two sides of a thin one count as near.
+std::vector<std::pair<std::string, std::string>> recording_texts(
+    const World& world, const std::vector<RecordedWalk>& walks);
 
 /// How much was rendered.
 struct RecordingSize {

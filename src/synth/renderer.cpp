@@ -6,9 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/lighting.h"
-#include "synth/outside.h"
-#include "synth/sensor.h"
+#include "synth/camera.h"
+#include "synth/scene.h"
 
 namespace vpr {
 namespace {

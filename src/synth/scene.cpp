@@ -2,18 +2,52 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
-#include "synth/baked_light.h"
+#include "synth/daylight.h"
 #include "synth/furnishing.h"
-#include "synth/outside.h"
-#include "synth/planes.h"
+#include "synth/surfaces.h"
 
 namespace vpr {
 namespace {
+
+constexpr int kAround = 4096;  // texels
+constexpr int kHigh = 1024;    // for tangents from 1 to -1
+constexpr int kHorizon = kHigh / 2;
+constexpr double kOpen = 255;  // daylight share of what is outside
+
+cv::Scalar shine(double blue, double green, double red) { return {blue, green, red, kOpen}; }
+
+void paint_house(cv::Mat& picture, RandomEngine& engine) {
+  const int left = static_cast<int>(uniform_below(engine, kAround));
+  const int width = static_cast<int>(between(engine, 120, 420));
+  const int height = static_cast<int>(between(engine, 40, 190));
+  const double tone = between(engine, 70, 200);
+  const cv::Scalar front = shine(tone * between(engine, 0.8, 1), tone * 0.97, tone);
+  cv::rectangle(picture, cv::Rect(left, kHorizon - height, width, height + 30), front, cv::FILLED);
+  const double dark = between(engine, 0.35, 0.7);
+  for (int y = kHorizon - height + 12; y < kHorizon; y += 26)
+    for (int x = left + 10; x + 12 < left + width; x += 24)
+      cv::rectangle(picture, cv::Rect(x, y, 12, 15),
+                    shine(front[0] * dark, front[1] * dark, front[2] * dark), cv::FILLED);
+}
+
+void paint_tree(cv::Mat& picture, RandomEngine& engine) {
+  const int x = static_cast<int>(uniform_below(engine, kAround));
+  const int size = static_cast<int>(between(engine, 20, 85));
+  for (int i = 0; i < 14; ++i) {
+    const double shade = between(engine, 50, 130);
+    const int up = static_cast<int>(between(engine, 0, size));
+    const int aside = static_cast<int>(between(engine, -size, size));
+    const cv::Point leaf(x + aside, kHorizon - size / 2 - up);
+    cv::circle(picture, leaf, size / 3 + 2, shine(shade * 0.55, shade, shade * 0.75), cv::FILLED);
+  }
+}
 
 // Of two floors alike, and of corridors alike, the same things stand in the same slots.
 RandomEngine slot_style(const World& world, size_t floor, const FloorNames& names, size_t wall,
@@ -111,7 +145,122 @@ Texture paint_wall(const Setting& setting, size_t index) {
   return make_wall_texture(picture);
 }
 
+constexpr int kTile = static_cast<int>(0.6 * kPlanTexelsPerMetre);
+
+cv::Mat plan_picture(const FloorPlan& plan) {
+  const int cell = static_cast<int>(kPlanCellM * kPlanTexelsPerMetre);
+  return cv::Mat(plan.rows * cell, plan.columns * cell, CV_8UC4, cv::Scalar(0));
+}
+
+cv::Rect room_on_plan(const Room& room, const FloorPlan& plan) {
+  const auto texels = [](double metres) {
+    return static_cast<int>(std::lround(metres * kPlanTexelsPerMetre));
+  };
+  return {texels(room.x - plan.origin.x), texels(room.y - plan.origin.y), texels(room.width),
+          texels(room.depth)};
+}
+
+// Calls with every room whose finish is its own: corridors first, halls over them.
+template <class Painter>
+void for_rooms(const Setting& setting, cv::Mat& picture, Painter&& paint) {
+  if (setting.world.variety.finishes == 0) return;
+  for (const RoomKind kind : {RoomKind::corridor, RoomKind::hall})
+    for (size_t i = 0; i < setting.planned.rooms.size(); ++i) {
+      const Room& room = setting.planned.rooms[i];
+      if (room.kind == kind) paint(setting.rooms[i], picture, room_on_plan(room, setting.plan));
+    }
+}
+
+void hang_ceilings(const Setting& setting, cv::Mat& picture, RandomEngine& engine) {
+  const cv::Scalar base = colour(196, 204, 206);
+  lay_tiles(picture, cv::Rect(0, 0, picture.cols, picture.rows), kTile, engine, base, 0.02,
+            colour(130, 136, 138));
+  for_rooms(setting, picture, [&](const Finish& finish, cv::Mat& all, const cv::Rect& part) {
+    const cv::Scalar own = base * finish.ceiling;
+    lay_tiles(all, part, kTile, engine, own, 0.02, own * 0.66);
+    const int step = kTile / 3;
+    if (!finish.has_slats) return;
+    for (int y = part.y; y < part.y + part.height; y += step)
+      cv::rectangle(all, cv::Rect(part.x, y, part.width, step / 2), own * 0.5, cv::FILLED);
+  });
+}
+
+Texture paint_floor(const Setting& setting, const Baked& light) {
+  RandomEngine engine = named_engine(setting.world.seed, "ground/" + setting.names.plan);
+  cv::Mat picture = plan_picture(setting.plan);
+  const double tone = between(engine, 95, 150);
+  const double red = tone * between(engine, 1, 1.12);
+  const cv::Scalar base = colour(tone * between(engine, 0.8, 1), tone, red);
+  const cv::Rect whole(0, 0, picture.cols, picture.rows);
+  lay_tiles(picture, whole, kTile, engine, base, 0.06, base * 0.72);
+  for_rooms(setting, picture, [&](const Finish& finish, cv::Mat& all, const cv::Rect& part) {
+    const cv::Scalar own = base * finish.flooring;
+    const int tile = static_cast<int>(finish.flooring_tile_m * kPlanTexelsPerMetre);
+    lay_tiles(all, part, tile, engine, own, 0.06, own * 0.72);
+    const int border = 2 * static_cast<int>(0.35 * kPlanTexelsPerMetre);
+    if (finish.has_runner) cv::rectangle(all, part, own * 0.45, border);
+  });
+  RandomEngine detail = named_engine(setting.world.seed, "dirt/" + setting.names.own);
+  roughen(picture, detail, 9, 9);
+  shade(picture, light, 0.95);
+  return make_texture(picture);
+}
+
+Texture paint_ceiling(const Setting& setting, const Baked& light) {
+  const FloorPlan& plan = setting.plan;
+  RandomEngine engine = named_engine(setting.world.seed, "ceiling/" + setting.names.plan);
+  cv::Mat picture = plan_picture(plan);
+  hang_ceilings(setting, picture, engine);
+  RandomEngine detail = named_engine(setting.world.seed, "ceiling-detail/" + setting.names.own);
+  roughen(picture, detail, 6, 4);
+  for (int i = 0; i < plan.rows * plan.columns / 20; ++i)  // detectors and nozzles
+    cv::circle(picture,
+               {static_cast<int>(uniform_below(detail, static_cast<uint64_t>(picture.cols))),
+                static_cast<int>(uniform_below(detail, static_cast<uint64_t>(picture.rows)))},
+               4, colour(90, 92, 95), cv::FILLED);
+  shade(picture, light, 0.72);
+  for (const Lamp& lamp : plan.lamps) {
+    if (uniform_unit(detail) < 0.06) continue;  // a broken one
+    const auto x = static_cast<int>((lamp.at.x - plan.origin.x - 0.6) * kPlanTexelsPerMetre);
+    const auto y = static_cast<int>((lamp.at.y - plan.origin.y - 0.3) * kPlanTexelsPerMetre);
+    cv::rectangle(picture, cv::Rect(x, y, 2 * kTile, kTile), colour(255, 255, 255), cv::FILLED);
+    for (int bar = kTile / 2; bar < 2 * kTile; bar += kTile / 2)
+      cv::line(picture, {x + bar, y}, {x + bar, y + kTile}, colour(215, 220, 222));
+  }
+  return make_texture(picture);
+}
+
 }  // namespace
+
+Texture make_panorama(uint64_t seed) {
+  RandomEngine engine = named_engine(seed, "outside");
+  cv::Mat picture(kHigh, kAround, CV_8UC4);
+  for (int y = 0; y < kHigh; ++y) {
+    const double up = static_cast<double>(kHorizon - y) / kHorizon;
+    picture.row(y).setTo(up > 0 ? shine(250 - 20 * up, 240 - 45 * up, 232 - 80 * up)
+                                : shine(95 + 30 * up, 125 + 30 * up, 118 + 30 * up));
+  }
+  for (int i = 0; i < 16; ++i) {  // clouds
+    const int down = static_cast<int>(between(engine, 0, 0.6 * kHorizon));
+    const cv::Point middle(static_cast<int>(uniform_below(engine, kAround)), down);
+    cv::ellipse(
+        picture, middle,
+        {static_cast<int>(between(engine, 80, 300)), static_cast<int>(between(engine, 15, 50))}, 0,
+        0, 360, shine(246, 244, 240), cv::FILLED, cv::LINE_AA);
+  }
+  for (int i = 0; i < 20; ++i) paint_house(picture, engine);
+  for (int i = 0; i < 40; ++i) paint_tree(picture, engine);
+  return make_wall_texture(picture);
+}
+
+void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
+                    std::vector<cv::Vec4b>& strip) {
+  const double turn = std::atan2(direction.y, direction.x) / (2 * std::numbers::pi);
+  const double texels = pixel_rad / (2 * std::numbers::pi) * kAround;
+  // Clockwise, as one sees it who turns to the right.
+  filter_strip(panorama, choose_level(panorama, texels), (0.5 - turn) * kAround,
+               std::max(1.0, texels), strip);
+}
 
 Scene make_scene(const World& world, size_t floor, const Monitor& monitor, uint64_t day) {
   const Floor& planned = plan_floor(world, floor);

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "synth/hand.h"
 #include "synth/progress.h"
 
 namespace vpr {
@@ -44,6 +43,12 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
                               "its path, or lower its shake",
                               walk.name, point.x, point.y));
 }
+
+double in_turn(double degrees) { return degrees - 360 * std::floor(degrees / 360); }
+
+constexpr std::array<double, 2> kTremorHz = {4.7, 6.9};
+constexpr double kJoltHz = 8;
+constexpr double kJoltDecayS = 0.1;
 
 }  // namespace
 
@@ -86,12 +91,6 @@ double Path::heading_at(double way_m) const {
   if (from.x == to.x && from.y == to.y) return 0;
   return std::atan2(to.y - from.y, to.x - from.x) * 360 / kTurn;
 }
-
-namespace {
-
-double in_turn(double degrees) { return degrees - 360 * std::floor(degrees / 360); }
-
-}  // namespace
 
 double heading_difference(double a_deg, double b_deg) {
   return std::abs(std::remainder(a_deg - b_deg, 360.0));
@@ -175,6 +174,45 @@ CameraPose held_by(const World& world, const std::string& name, CameraPose pose)
   pose.roll_deg += hold.roll_deg;
   pose.heading_deg += hold.heading_deg;
   return pose;
+}
+
+Hold::Hold(const World& world, const std::string& name) {
+  const double hands = world.variety.hands;
+  if (hands == 0) return;
+  RandomEngine engine = named_engine(world.seed, "hand/" + name);
+  const auto draw = [&](double most) { return hands * most * (2 * uniform_unit(engine) - 1); };
+  height_m = draw(0.12);
+  pitch_deg = draw(4);
+  roll_deg = draw(2);
+  heading_deg = draw(3);
+  aside_m = draw(0.15);
+  sway = std::max(0.2, 1 + draw(0.4));
+}
+
+Tremor::Tremor(RandomEngine& engine, double most_deg) : most_deg_(most_deg) {
+  for (double& phase : phases_) phase = kTurn * uniform_unit(engine);
+}
+
+Swing Tremor::at(double time_s) const {
+  double sines = 0, rates = 0;
+  for (size_t i = 0; i < 2; ++i) {
+    const double turned = kTurn * kTremorHz[i] * time_s + phases_[i];
+    sines += std::sin(turned);
+    rates += kTurn * kTremorHz[i] * std::cos(turned);
+  }
+  return {most_deg_ * sines / 2, most_deg_ * rates / 2};
+}
+
+Swing Jolt::at(double steps) const {
+  if (most_deg_ == 0 || steps < 1) return {};
+  const double struck = std::floor(steps);
+  RandomEngine engine = named_engine(seed_, fmt::format("jolt/{}/{:.0f}", name_, struck));
+  const double most = most_deg_ * (0.3 + 1.4 * uniform_unit(engine));
+  const double since_s = (steps - struck) / kStepsPerS;
+  const double pulse = kTurn * kJoltHz;
+  const double left = most * std::exp(-since_s / kJoltDecayS);
+  const double sine = std::sin(pulse * since_s), cosine = std::cos(pulse * since_s);
+  return {left * sine, left * (pulse * cosine - sine / kJoltDecayS)};
 }
 
 }  // namespace vpr

@@ -2,10 +2,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 
 TEST_CASE("fields may be quoted, rows may end in CR LF, empty lines are left out") {
   const auto rows = parse_csv(
@@ -23,7 +23,7 @@ TEST_CASE("fields may be quoted, rows may end in CR LF, empty lines are left out
 
 TEST_CASE("quotes that do not end, or stand inside a field, are damage") {
   const std::string text = GENERATE("a,\"b", "a\"b,c", "\"a\"b");
-  CHECK(test::error_kind([&] { parse_csv(text, "t"); }) == ErrorKind::data);
+  CHECK(error_kind([&] { parse_csv(text, "t"); }) == ErrorKind::data);
 }
 
 TEST_CASE("what is written is read back") {

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "base/text.h"
 #include "support.h"
 
@@ -49,6 +48,7 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<Fruit> = {"apple", "
 }
 
 using namespace vpr;
+using namespace vpr::test;
 
 TEST_CASE("settings survive a trip through JSON") {
   Outer outer;
@@ -71,7 +71,7 @@ TEST_CASE("keys that are absent keep their value") {
 
 TEST_CASE("an unknown key is refused with the nearest known one") {
   Outer outer;
-  const auto text = test::error_text(
+  const auto text = error_text(
       [&] { value_from_json(Json::parse(R"({"raito": 1})"), outer, "a.json", "outer"); });
   CHECK(text == "a.json: unknown key \"raito\"; did you mean \"ratio\"?");
 }
@@ -82,7 +82,7 @@ TEST_CASE("values of another type or range are refused") {
                R"({"name": 3})", R"({"fruit": "plum"})", R"({"inner": 3})", R"({"limit": true})",
                R"({"list": [1]})", R"({"count": 99999999999999999999})");
   Outer outer;
-  CHECK(test::error_kind([&] { value_from_json(Json::parse(bad), outer, "t", "outer"); }) ==
+  CHECK(error_kind([&] { value_from_json(Json::parse(bad), outer, "t", "outer"); }) ==
         ErrorKind::usage);
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("the edit distance counts inserts, deletes, replacements and swaps") {
 
 TEST_CASE("schemas of another kind or version are told apart") {
   const auto text = [](const char* schema) {
-    return test::error_text([&] {
+    return error_text([&] {
       require_schema(Json{{"schema", schema}}, "result", "r.json", ErrorKind::data);
     });
   };
@@ -108,7 +108,7 @@ TEST_CASE("schemas of another kind or version are told apart") {
                       "again",
                       other));
   CHECK(text("vpr.report/1") == "r.json: expected schema vpr.result/1, found vpr.report/1");
-  CHECK(test::error_kind([] { require_schema(Json(3), "result", "r", ErrorKind::data); }) ==
+  CHECK(error_kind([] { require_schema(Json(3), "result", "r", ErrorKind::data); }) ==
         ErrorKind::data);
 }
 

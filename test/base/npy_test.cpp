@@ -2,14 +2,14 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 
 namespace {
 
-std::filesystem::path write_example(const test::TemporaryFolder& folder) {
+std::filesystem::path write_example(const TemporaryFolder& folder) {
   const std::vector<int32_t> values = {1, -2, 3, 4, 5, 6};
   Output file(folder / "a.npy", Existing::refuse);
   write_npy<int32_t>(file, values, {2, 3});
@@ -25,22 +25,22 @@ TEST_CASE("an npy header is NumPy's, padded to 64 bytes") {
   CHECK(header.substr(0, 10) == std::string("\x93NUMPY\x01\x00\x76\x00", 10));
   CHECK(header.substr(10, 57) == "{'descr': '<i4', 'fortran_order': False, 'shape': (2, 3),");
   CHECK(header.back() == '\n');
-  CHECK(npy_header("|u1", {7}).find("'shape': (7,), }") != std::string::npos);
+  CHECK(has(npy_header("|u1", {7}), "'shape': (7,), }"));
 }
 
 TEST_CASE("an array that was written is read back") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const NpyArray array(write_example(folder));
   CHECK(array.shape() == std::vector<size_t>{2, 3});
   const auto values = array.values<int32_t>(2);
   CHECK(std::vector<int32_t>(values.begin(), values.end()) ==
         std::vector<int32_t>{1, -2, 3, 4, 5, 6});
-  CHECK(test::error_kind([&] { array.values<float>(2); }) == ErrorKind::data);
-  CHECK(test::error_kind([&] { array.values<int32_t>(1); }) == ErrorKind::data);
+  CHECK(error_kind([&] { array.values<float>(2); }) == ErrorKind::data);
+  CHECK(error_kind([&] { array.values<int32_t>(1); }) == ErrorKind::data);
 }
 
 TEST_CASE("an empty array is read back") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   Output file(folder / "e.npy", Existing::refuse);
   write_npy<int32_t>(file, {}, {0, 4});
   file.commit();
@@ -48,28 +48,28 @@ TEST_CASE("an empty array is read back") {
 }
 
 TEST_CASE("every truncation of an array is refused") {
-  const test::TemporaryFolder folder;
-  const std::string whole = test::read_text(write_example(folder));
+  const TemporaryFolder folder;
+  const std::string whole = read_text(write_example(folder));
   for (size_t size = 0; size < whole.size(); ++size) {
-    test::write_text(folder / "cut.npy", whole.substr(0, size));
-    REQUIRE(test::error_kind([&] { NpyArray(folder / "cut.npy"); }) == ErrorKind::data);
+    write_text(folder / "cut.npy", whole.substr(0, size));
+    REQUIRE(error_kind([&] { NpyArray(folder / "cut.npy"); }) == ErrorKind::data);
   }
-  test::write_text(folder / "cut.npy", whole + "x");
-  CHECK(test::error_kind([&] { NpyArray(folder / "cut.npy"); }) == ErrorKind::data);
+  write_text(folder / "cut.npy", whole + "x");
+  CHECK(error_kind([&] { NpyArray(folder / "cut.npy"); }) == ErrorKind::data);
 }
 
 TEST_CASE("headers that lie are refused") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string shape =
       GENERATE("(9999999999999999999, 3)", "(4611686018427387904, 4)", "(-1, 3)", "(2, 3", "(a,)",
                "(18446744073709551615, 18446744073709551615)");
   std::string text = "{'descr': '<i4', 'fortran_order': False, 'shape': " + shape + ", }";
   text.resize(118, ' ');
-  test::write_text(folder / "l.npy",
-                   std::string("\x93NUMPY\x01\x00\x76\x00", 10) + text + std::string(24, 'x'));
-  CHECK(test::error_kind([&] { NpyArray(folder / "l.npy"); }) == ErrorKind::data);
+  write_text(folder / "l.npy",
+             std::string("\x93NUMPY\x01\x00\x76\x00", 10) + text + std::string(24, 'x'));
+  CHECK(error_kind([&] { NpyArray(folder / "l.npy"); }) == ErrorKind::data);
 }
 
 TEST_CASE("a missing array is an input error") {
-  CHECK(test::error_kind([] { NpyArray("/nonexistent/a.npy"); }) == ErrorKind::input);
+  CHECK(error_kind([] { NpyArray("/nonexistent/a.npy"); }) == ErrorKind::input);
 }

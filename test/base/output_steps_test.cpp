@@ -56,6 +56,7 @@ extern "C" int rename(const char* from, const char* to) noexcept {
 }
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -65,8 +66,7 @@ using Names = std::vector<std::string>;
 bool is_any(const std::filesystem::path&) { return true; }
 
 // Two files and a folder over old ones, and a file that was not there.
-void write_outputs(const test::TemporaryFolder& folder, int failing,
-                   bool has_plain_renames = false) {
+void write_outputs(const TemporaryFolder& folder, int failing, bool has_plain_renames = false) {
   Outputs outputs(Existing::replace);
   outputs.file(folder / "main").write("new");
   outputs.file(folder / "companion").write("new");
@@ -82,15 +82,15 @@ void write_outputs(const test::TemporaryFolder& folder, int failing,
   calls.is_on = false;
 }
 
-void write_old(const test::TemporaryFolder& folder) {
+void write_old(const TemporaryFolder& folder) {
   std::filesystem::create_directory(folder / "db");
-  for (const char* name : {"main", "companion", "db/note"}) test::write_text(folder / name, "old");
+  for (const char* name : {"main", "companion", "db/note"}) write_text(folder / name, "old");
 }
 
 }  // namespace
 
 TEST_CASE("everything is flushed before the first rename, and the folder after the last") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   write_old(folder);
   write_outputs(folder, -1);
   const auto first = std::find(calls.names.begin(), calls.names.end(), "rename");
@@ -98,7 +98,7 @@ TEST_CASE("everything is flushed before the first rename, and the folder after t
   CHECK(std::count(calls.names.begin(), first, "flush folder") == 1);
   CHECK(calls.names.back() == "flush folder");
   CHECK(std::count(first, calls.names.end(), "rename") == 4);
-  CHECK(test::list_folder(folder.path()) == Names{"companion", "db", "fresh", "main"});
+  CHECK(list_folder(folder.path()) == Names{"companion", "db", "fresh", "main"});
 }
 
 TEST_CASE("whichever step fails, each output is whole, and the error says which are new") {
@@ -106,22 +106,21 @@ TEST_CASE("whichever step fails, each output is whole, and the error says which 
   int failing = 0;
   for (bool has_failed = true; has_failed; ++failing) {
     INFO("step " << failing);
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     write_old(folder);
     const std::string sentence =
-        test::error_text([&] { write_outputs(folder, failing, has_plain_renames); });
+        error_text([&] { write_outputs(folder, failing, has_plain_renames); });
     has_failed = !sentence.empty();
     bool is_any_old = false;
     for (const std::string name : {"main", "companion", "db"}) {
       const fs::path path = folder / (name == "db" ? "db/note" : name);
-      const bool is_new = test::read_text(path) == "new";
-      const bool is_said = sentence.find((folder / name).string() + " is new") != std::string::npos;
+      const bool is_new = read_text(path) == "new";
+      const bool is_said = has(sentence, (folder / name).string() + " is new");
       CHECK(is_new == (!has_failed || is_said));
       is_any_old = is_any_old || !is_new;
       if (name == "main" && is_new) CHECK_FALSE(is_any_old);
     }
-    for (const std::string& name : test::list_folder(folder.path()))
-      CHECK_FALSE(name.starts_with("."));
+    for (const std::string& name : list_folder(folder.path())) CHECK_FALSE(name.starts_with("."));
   }
   CHECK(failing > 9);
 }

@@ -1,6 +1,5 @@
 #include "base/output.h"
 
-#include <algorithm>
 #include <csignal>
 #include <thread>
 
@@ -12,6 +11,7 @@
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -45,7 +45,7 @@ void run_and_kill(Work&& work) {
 }  // namespace
 
 TEST_CASE("outputs of a run appear together, the main one last in its place") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   Outputs outputs(Existing::refuse);
   outputs.claim_file(folder / "main.json");
   outputs.claim_file(folder / "page.html");
@@ -53,91 +53,90 @@ TEST_CASE("outputs of a run appear together, the main one last in its place") {
   outputs.file(folder / "page.html").write("page");
   outputs.file(folder / "main.json").write("main");
   write_part(outputs.folder(folder / "plots", is_marked_folder).temporary() / "a.png", "a");
-  for (const std::string& name : test::list_folder(folder.path()))
+  for (const std::string& name : list_folder(folder.path()))
     CHECK(name.starts_with(".vpr-partial-"));
   outputs.commit();
-  CHECK(test::list_folder(folder.path()) == Names{"main.json", "page.html", "plots"});
-  CHECK(test::read_text(folder / "main.json") == "main");
-  CHECK(test::list_folder(folder / "plots") == Names{".vpr-files", "a.png"});
+  CHECK(list_folder(folder.path()) == Names{"main.json", "page.html", "plots"});
+  CHECK(read_text(folder / "main.json") == "main");
+  CHECK(list_folder(folder / "plots") == Names{".vpr-files", "a.png"});
 }
 
 TEST_CASE("without a commit, everything is as it was") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "a", "old");
+  const TemporaryFolder folder;
+  write_text(folder / "a", "old");
   {
     Outputs outputs(Existing::replace);
     outputs.file(folder / "a").write("new");
     outputs.file(folder / "b").write("new");
   }
-  CHECK(test::list_folder(folder.path()) == Names{"a"});
-  CHECK(test::read_text(folder / "a") == "old");
+  CHECK(list_folder(folder.path()) == Names{"a"});
+  CHECK(read_text(folder / "a") == "old");
 }
 
 TEST_CASE("an existing file is refused, before the work and at its end") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   Output late(folder / "a", Existing::refuse);
-  test::write_text(folder / "a", "first");  // somebody else was faster
-  CHECK(test::error_kind([&] { late.commit(); }) == ErrorKind::usage);
-  CHECK(test::error_kind([&] { write_file(folder / "a", "x", Existing::refuse); }) ==
-        ErrorKind::usage);
-  CHECK(test::read_text(folder / "a") == "first");
+  write_text(folder / "a", "first");  // somebody else was faster
+  CHECK(error_kind([&] { late.commit(); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { write_file(folder / "a", "x", Existing::refuse); }) == ErrorKind::usage);
+  CHECK(read_text(folder / "a") == "first");
   write_file(folder / "a", "second", Existing::replace);
-  CHECK(test::read_text(folder / "a") == "second");
+  CHECK(read_text(folder / "a") == "second");
 }
 
 TEST_CASE("a missing parent folder and a folder in the way are errors") {
-  const test::TemporaryFolder folder;
-  CHECK(test::error_kind([&] { Output(folder / "no/a", Existing::refuse); }) == ErrorKind::output);
-  CHECK(test::error_kind([&] { Output(folder.path(), Existing::replace); }) == ErrorKind::usage);
+  const TemporaryFolder folder;
+  CHECK(error_kind([&] { Output(folder / "no/a", Existing::refuse); }) == ErrorKind::output);
+  CHECK(error_kind([&] { Output(folder.path(), Existing::replace); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a folder is replaced in one step, and only one of ours") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto write = [&](const std::string& text, Existing existing) {
     Output output(folder / "db", existing, holds_note);
     write_file(output.temporary() / "note", text, Existing::refuse);
     output.commit();
   };
   write("one", Existing::refuse);
-  CHECK(test::error_kind([&] { write("two", Existing::refuse); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { write("two", Existing::refuse); }) == ErrorKind::usage);
   write("two", Existing::replace);
-  CHECK(test::read_text(folder / "db/note") == "two");
-  CHECK(test::list_folder(folder.path()) == Names{"db"});
+  CHECK(read_text(folder / "db/note") == "two");
+  CHECK(list_folder(folder.path()) == Names{"db"});
   fs::create_directory(folder / "home");
-  test::write_text(folder / "home/letter", "dear");
-  CHECK(test::error_kind([&] { Output(folder / "home", Existing::replace, holds_note); }) ==
+  write_text(folder / "home/letter", "dear");
+  CHECK(error_kind([&] { Output(folder / "home", Existing::replace, holds_note); }) ==
         ErrorKind::usage);
-  CHECK(test::read_text(folder / "home/letter") == "dear");
+  CHECK(read_text(folder / "home/letter") == "dear");
 }
 
 TEST_CASE("a full disk is an output error") {
   if (!fs::exists("/dev/full")) return;
   Output file(fs::temp_directory_path() / "vpr-full-test", Existing::replace);
-  CHECK(test::error_kind([&] { file.reserve(uint64_t{1} << 60); }) == ErrorKind::output);
+  CHECK(error_kind([&] { file.reserve(uint64_t{1} << 60); }) == ErrorKind::output);
 }
 
 TEST_CASE("what is no regular file is not replaced") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   fs::create_symlink("/dev/null", folder / "null");
-  CHECK(test::error_kind([&] { write_file(folder / "null", "x", Existing::replace); }) ==
+  CHECK(error_kind([&] { write_file(folder / "null", "x", Existing::replace); }) ==
         ErrorKind::usage);
 }
 
 TEST_CASE("a target that another program made meanwhile stays") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   {
     Outputs outputs(Existing::refuse);
     outputs.file(folder / "main").write("mine");
     outputs.file(folder / "companion").write("mine");
-    test::write_text(folder / "main", "another's");
-    CHECK(test::error_kind([&] { outputs.commit(); }) == ErrorKind::usage);
+    write_text(folder / "main", "another's");
+    CHECK(error_kind([&] { outputs.commit(); }) == ErrorKind::usage);
   }
-  CHECK(test::list_folder(folder.path()) == Names{"main"});
-  CHECK(test::read_text(folder / "main") == "another's");
+  CHECK(list_folder(folder.path()) == Names{"main"});
+  CHECK(read_text(folder / "main") == "another's");
 }
 
 TEST_CASE("two runs that replace the same outputs at once leave those of one of them") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Names names = {"main", "page", "plot", "list"};
   const auto run = [&](const std::string& text) {
     Outputs outputs(Existing::replace);
@@ -149,28 +148,28 @@ TEST_CASE("two runs that replace the same outputs at once leave those of one of 
     std::thread other([&] { run("a"); });
     run("b");
     other.join();
-    const std::string main = test::read_text(folder / "main");
-    for (const std::string& name : names) REQUIRE(test::read_text(folder / name) == main);
+    const std::string main = read_text(folder / "main");
+    for (const std::string& name : names) REQUIRE(read_text(folder / name) == main);
   }
-  CHECK(test::list_folder(folder.path()).size() == names.size());
+  CHECK(list_folder(folder.path()).size() == names.size());
 }
 
 TEST_CASE("what can't be written is found out when it is claimed") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   Outputs outputs(Existing::refuse);
   const auto claim = [&](const std::string& name) {
-    return test::error_kind([&] { outputs.claim_file(folder / name); });
+    return error_kind([&] { outputs.claim_file(folder / name); });
   };
   CHECK(claim("no/a") == ErrorKind::output);
   CHECK(claim(std::string(256, 'x')) == ErrorKind::output);
   CHECK_FALSE(claim(std::string(255, 'x')));
   outputs.file(folder / std::string(255, 'x')).write("long");
   outputs.commit();
-  CHECK(test::read_text(folder / std::string(255, 'x')) == "long");
+  CHECK(read_text(folder / std::string(255, 'x')) == "long");
 }
 
 TEST_CASE("a folder that is not one's own is found out when an output in it is claimed") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   fs::permissions(folder.path(), fs::perms(0755));
   for (const auto& [name, mode] : {std::pair("open", 0777), std::pair("closed", 0555)}) {
     fs::create_directory(folder / name);
@@ -180,7 +179,7 @@ TEST_CASE("a folder that is not one's own is found out when an output in it is c
   if (user == 0) REQUIRE(::seteuid(65534) == 0);  // root may write everywhere
   const auto claim = [&](const std::string& name) {
     Outputs outputs(Existing::refuse);
-    return test::error_kind([&] { outputs.claim_file(folder / name); });
+    return error_kind([&] { outputs.claim_file(folder / name); });
   };
   const auto open = claim("open/a");
   const auto closed = claim("closed/a");
@@ -190,43 +189,43 @@ TEST_CASE("a folder that is not one's own is found out when an output in it is c
 }
 
 TEST_CASE("one path for two outputs is refused, whatever it is called") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   fs::create_directory(folder / "sub");
   Outputs outputs(Existing::replace);
   outputs.claim_file(folder / "a");
   for (const char* name : {"a", "sub/../a", "./a"})
-    CHECK(test::error_kind([&] { outputs.claim_file(folder / name); }) == ErrorKind::usage);
-  CHECK(test::error_kind([&] { outputs.claim_folder(folder / "a/", is_marked_folder); }) ==
+    CHECK(error_kind([&] { outputs.claim_file(folder / name); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { outputs.claim_folder(folder / "a/", is_marked_folder); }) ==
         ErrorKind::usage);
   outputs.file(folder / "a");
-  CHECK(test::error_kind([&] { outputs.file(folder / "a"); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { outputs.file(folder / "a"); }) == ErrorKind::usage);
 }
 
 TEST_CASE("an input is no output, by any of its names, before or after it is claimed") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "gt.csv", "labels");
+  const TemporaryFolder folder;
+  write_text(folder / "gt.csv", "labels");
   fs::create_symlink("gt.csv", folder / "link.csv");
   Outputs outputs(Existing::replace);
   outputs.protect(folder / "link.csv");
   outputs.protect(folder / "none");
-  CHECK(test::error_kind([&] { outputs.claim_file(folder / "gt.csv"); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { outputs.claim_file(folder / "gt.csv"); }) == ErrorKind::usage);
   fs::create_directories(folder / "db/walk");
-  test::write_text(folder / "db/note", "old");
+  write_text(folder / "db/note", "old");
   outputs.protect(folder / "db/walk");
-  CHECK(test::error_text([&] {
-          outputs.claim_folder(folder / "db", [](const fs::path&) { return true; });
-        }).find("holds an input") != std::string::npos);
+  CHECK(has(error_text(
+                [&] { outputs.claim_folder(folder / "db", [](const fs::path&) { return true; }); }),
+            "holds an input"));
   outputs.release(folder / "db");
   outputs.claim_folder(folder / "db", [](const fs::path&) { return true; });
-  test::write_text(folder / "later.csv", "labels");
+  write_text(folder / "later.csv", "labels");
   outputs.claim_file(folder / "later.csv");
-  CHECK(test::error_kind([&] { outputs.protect(folder / "later.csv"); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { outputs.protect(folder / "later.csv"); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a folder that is extended in place is replaced with the other outputs, or not at all") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   fs::create_directory(folder / "db");
-  test::write_text(folder / "db/note", "old");
+  write_text(folder / "db/note", "old");
   const auto extend = [&](const std::string& text, bool somebody_is_faster) {
     Outputs outputs(Existing::refuse);
     outputs.protect(folder / "db");
@@ -236,33 +235,33 @@ TEST_CASE("a folder that is extended in place is replaced with the other outputs
     write_part(outputs.folder(folder / "db", holds_note).temporary() / "note", text);
     outputs.file(folder / "list").write(text);
     CHECK(outputs.has_outputs());
-    if (somebody_is_faster) test::write_text(folder / "list", "another's");
+    if (somebody_is_faster) write_text(folder / "list", "another's");
     outputs.commit();
     CHECK_FALSE(outputs.has_outputs());
   };
-  CHECK(test::error_kind([&] { extend("new", true); }) == ErrorKind::usage);
-  CHECK(test::read_text(folder / "db/note") == "old");
+  CHECK(error_kind([&] { extend("new", true); }) == ErrorKind::usage);
+  CHECK(read_text(folder / "db/note") == "old");
   fs::remove(folder / "list");
   extend("new", false);
-  CHECK(test::read_text(folder / "db/note") == "new");
-  CHECK(test::list_folder(folder.path()) == Names{"db", "list"});
+  CHECK(read_text(folder / "db/note") == "new");
+  CHECK(list_folder(folder.path()) == Names{"db", "list"});
 }
 
 TEST_CASE("temporaries can't be foreseen, and are made through no link") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Output a(folder / "a", Existing::refuse);
   const Output same(folder / "a", Existing::refuse);
   CHECK(a.temporary() != same.temporary());
   CHECK(a.temporary().filename().string().size() < 60);
-  test::write_text(folder / "victim", "mine");
+  write_text(folder / "victim", "mine");
   fs::create_symlink("victim", folder / "link");
-  CHECK(test::error_kind([&] { write_part(folder / "link", "x"); }) == ErrorKind::output);
-  CHECK(test::read_text(folder / "victim") == "mine");
+  CHECK(error_kind([&] { write_part(folder / "link", "x"); }) == ErrorKind::output);
+  CHECK(read_text(folder / "victim") == "mine");
 }
 
 TEST_CASE(
     "what a killed process left is removed by the next one, what a living one writes is not") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   run_and_kill([&] {
     Outputs outputs(Existing::refuse);
     outputs.file(folder / "a").write("half");
@@ -270,21 +269,21 @@ TEST_CASE(
     outputs.claim_file(folder / "other");
     ::raise(SIGKILL);
   });
-  CHECK(test::list_folder(folder.path()).size() == 3);
+  CHECK(list_folder(folder.path()).size() == 3);
   Outputs living(Existing::refuse);
   living.file(folder / "a").write("mine");
   living.claim_folder(folder / "plots", is_marked_folder);
-  CHECK(test::list_folder(folder.path()).size() == 3);  // two, and what was left of "other"
+  CHECK(list_folder(folder.path()).size() == 3);  // two, and what was left of "other"
   Outputs second(Existing::refuse);
   second.claim_file(folder / "a");
   second.claim_file(folder / "other");
-  CHECK(test::list_folder(folder.path()).size() == 4);
+  CHECK(list_folder(folder.path()).size() == 4);
   living.commit();
-  CHECK(test::read_text(folder / "a") == "mine");
+  CHECK(read_text(folder / "a") == "mine");
 }
 
 TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto write = [&](const std::string& name) {
     Output output(folder / "plots", Existing::replace, is_marked_folder);
     write_part(output.temporary() / name, "x");
@@ -292,54 +291,54 @@ TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
   };
   write("a.png");
   write("b.png");
-  CHECK(test::list_folder(folder / "plots") == Names{".vpr-files", "b.png"});
-  test::write_text(folder / "plots/c.png", "mine");
-  CHECK(test::error_kind([&] { write("a.png"); }) == ErrorKind::usage);
+  CHECK(list_folder(folder / "plots") == Names{".vpr-files", "b.png"});
+  write_text(folder / "plots/c.png", "mine");
+  CHECK(error_kind([&] { write("a.png"); }) == ErrorKind::usage);
   fs::remove(folder / "plots/c.png");
   fs::remove(folder / "plots/b.png");
   fs::create_directories(folder / "plots/b.png/thesis");
-  CHECK(test::error_kind([&] { write("a.png"); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { write("a.png"); }) == ErrorKind::usage);
   CHECK(fs::exists(folder / "plots/b.png/thesis"));
   fs::create_directory(folder / "frames");
-  test::write_text(folder / "frames/0.png", "mine");
-  CHECK(test::error_kind([&] { Output(folder / "frames", Existing::replace, is_marked_folder); }) ==
+  write_text(folder / "frames/0.png", "mine");
+  CHECK(error_kind([&] { Output(folder / "frames", Existing::replace, is_marked_folder); }) ==
         ErrorKind::usage);
 }
 
 TEST_CASE("an error says the name of an output, not that under which it is being made") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   Outputs outputs(Existing::refuse);
   outputs.claim_file(folder / "main");
   const Output& plots = outputs.folder(folder / "plots", is_marked_folder);
   const std::string sentence =
-      test::error_text([&] { write_part(plots.temporary() / "none/a.png", "x"); });
-  CHECK(sentence.find(".vpr-partial-") != std::string::npos);
+      error_text([&] { write_part(plots.temporary() / "none/a.png", "x"); });
+  CHECK(has(sentence, ".vpr-partial-"));
   CHECK(outputs.with_targets(sentence) ==
         (folder / "plots/none/a.png").string() + ": can't be written: No such file or directory");
 }
 
 TEST_CASE("folders that can't be made or read are errors of output") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   make_part_folder(folder / "a");
   for (const char* name : {"a", "none/b"})
-    CHECK(test::error_kind([&] { make_part_folder(folder / name); }) == ErrorKind::output);
-  CHECK(test::error_kind([&] { entries_of(folder / "none"); }) == ErrorKind::output);
-  CHECK(test::error_kind([&] { holds_note(folder / "none"); }) == ErrorKind::output);
+    CHECK(error_kind([&] { make_part_folder(folder / name); }) == ErrorKind::output);
+  CHECK(error_kind([&] { entries_of(folder / "none"); }) == ErrorKind::output);
+  CHECK(error_kind([&] { holds_note(folder / "none"); }) == ErrorKind::output);
   CHECK(entries_of(folder.path()).size() == 1);
 }
 
 TEST_CASE("an old folder that was set aside is put back, unless it was replaced") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path temporary = Output(folder / "db", Existing::refuse, holds_note).temporary();
   const fs::path aside = folder / (".vpr-old" + temporary.filename().string());
   const auto set_aside = [&](const std::string& text) {
     fs::create_directory(aside);
-    test::write_text(aside / "note", text);
+    write_text(aside / "note", text);
     const Output next(folder / "db", Existing::replace, holds_note);
   };
   set_aside("old");
-  CHECK(test::read_text(folder / "db/note") == "old");
+  CHECK(read_text(folder / "db/note") == "old");
   set_aside("older");
-  CHECK(test::read_text(folder / "db/note") == "old");
-  CHECK(test::list_folder(folder.path()) == Names{"db"});
+  CHECK(read_text(folder / "db/note") == "old");
+  CHECK(list_folder(folder.path()) == Names{"db"});
 }

@@ -1,3 +1,4 @@
+// Random numbers, statistics and checksums.
 #include "base/statistics.h"
 
 #include <algorithm>
@@ -5,7 +6,28 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/checksum.h"
+#include "base/random.h"
+
 using namespace vpr;
+
+TEST_CASE("random numbers are those of the standard's engine, on every machine") {
+  RandomEngine engine;  // the standard states the 10000th value of a default one
+  engine.discard(9999);
+  CHECK(engine() == 9981545732273789042ULL);
+}
+
+TEST_CASE("uniform numbers stay below their bound and reach every value") {
+  RandomEngine engine(1);
+  std::vector<int> seen(7, 0);
+  for (int i = 0; i < 7000; ++i) ++seen.at(uniform_below(engine, 7));
+  for (const int count : seen) CHECK(std::abs(count - 1000) < 150);
+  CHECK(uniform_below(engine, 1) == 0);
+  for (int i = 0; i < 1000; ++i) {
+    const double u = uniform_unit(engine);
+    REQUIRE((u >= 0 && u < 1));
+  }
+}
 
 TEST_CASE("the median is the middle value or the mean of the two middle ones") {
   CHECK(median({3}) == 3);
@@ -57,4 +79,19 @@ TEST_CASE("intervals of a Poisson mean are the exact ones of tables") {
   CHECK(poisson_interval(10).high == Approx(18.3904).epsilon(1e-4));
   CHECK(poisson_interval(1000).low == Approx(938.97).epsilon(1e-4));
   CHECK(poisson_interval(1000).high == Approx(1063.94).epsilon(1e-4));
+}
+
+TEST_CASE("checksums are XXH3's 128-bit values") {
+  CHECK(checksum("") == "xxh3:99aa06d3014798d86001c324468d497f");  // published test vector
+  CHECK(checksum("a") != checksum("b"));
+}
+
+TEST_CASE("a stream gives the checksum of the whole however it is cut") {
+  const std::string text(1000, 'x');
+  ChecksumStream stream;
+  stream.add(std::as_bytes(std::span(text).first(1)));
+  stream.add(std::as_bytes(std::span(text).subspan(1, 700)));
+  stream.add({});
+  stream.add(std::as_bytes(std::span(text).subspan(701)));
+  CHECK(stream.text() == checksum(text));
 }

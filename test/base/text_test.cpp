@@ -1,16 +1,16 @@
+// Text: parts, words, plurals, control characters and tables of names.
 #include "base/text.h"
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "base/named_table.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
+using Parts = std::vector<std::string_view>;
 
 namespace {
-
-using Parts = std::vector<std::string_view>;
 
 struct Row {
   std::string_view name;
@@ -46,7 +46,43 @@ TEST_CASE("rows are found by name, and the nearest is named where there is none"
   CHECK(find_named(kRows, "row", "second").value == 2);
   CHECK(find_named(kRows, "row", "first").value == 1);
   CHECK(names_of(kRows) == std::vector<std::string>{"first", "second", "first"});
-  CHECK(test::error_kind([] { find_named(kRows, "row", "secnod"); }) == ErrorKind::usage);
-  CHECK(test::error_text([] { find_named(kRows, "row", "secnod"); }) ==
+  CHECK(error_kind([] { find_named(kRows, "row", "secnod"); }) == ErrorKind::usage);
+  CHECK(error_text([] { find_named(kRows, "row", "secnod"); }) ==
         "unknown row \"secnod\"; did you mean second? There are first, second, first");
+}
+
+TEST_CASE("a single thing has no plural") {
+  CHECK(counted(0, "hit") == "0 hits");
+  CHECK(counted(1, "hit") == "1 hit");
+  CHECK(counted(2, "incorrect hit") == "2 incorrect hits");
+  CHECK(counted(1, "query", "queries") == "1 query");
+  CHECK(counted(3, "query", "queries") == "3 queries");
+}
+
+TEST_CASE("text without control characters is shown as it is") {
+  for (const char* text :
+       {"", "walk 3", "a\\x1b", "\u00e4 \u20ac \U0001f642", "\xc2\xa0-\xc2\xb5"}) {
+    CHECK(printable(text) == text);
+    CHECK(printable_line(text) == text);
+  }
+}
+
+TEST_CASE("control characters are shown, and not obeyed") {
+  CHECK(printable("\x1b[2J \x1b]0;t\a") == "\\x1b[2J \\x1b]0;t\\x07");
+  CHECK(printable("-\r\t-\x7f-") == "-\\x0d\\x09-\\x7f-");
+  CHECK(printable(std::string("-\0-", 3)) == "-\\x00-");
+  CHECK(printable("\xc2\x9b[2J") ==
+        "\\xc2\\x9b[2J");  // an escape sequence's start in one character
+  CHECK(printable("\xc2\x80\xc2\x9f\xc2\xa0") == "\\xc2\\x80\\xc2\\x9f\xc2\xa0");
+}
+
+TEST_CASE("bytes that are no UTF-8 are shown as numbers") {
+  CHECK(printable("-\x9b[2J") == "-\\x9b[2J");
+  CHECK(printable("\xc0\x9b") == "\\xc0\\x9b");  // an escape in two bytes
+  CHECK(printable("\xe4") == "\\xe4");
+}
+
+TEST_CASE("a line feed ends a line, but never within a name") {
+  CHECK(printable("-\n-") == "-\n-");
+  CHECK(printable_line("-\n-") == "-\\x0a-");
 }

@@ -1,13 +1,12 @@
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "bench/fabmap_bench.h"
 #include "bench/generated.h"
 #include "bench/matching_bench.h"
-#include "bench/matching_timers.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 
 namespace {
 
@@ -52,7 +51,7 @@ TEST_CASE("a window that does not fit is left out, and said") {
   const BenchResult result = bench_matching(settings, {}, 1, select_kernels(), {});
   CHECK(result.left_out.size() == 2);
   settings.databases = {};
-  CHECK(test::error_kind([&] { bench_matching(settings, {}, 1, select_kernels(), {}); }) ==
+  CHECK(error_kind([&] { bench_matching(settings, {}, 1, select_kernels(), {}); }) ==
         ErrorKind::usage);
 }
 
@@ -65,9 +64,9 @@ TEST_CASE("nothing is timed where a distance is wrong") {
   };
   const MatchingCase example(train, walk_again(train, 0, 50, 30, 2),
                              {5, size_t{1} << 30, broken, {}, 1});
-  CHECK(test::error_kind([&] { check_methods(example, {"fastable-online"}, {}); }) ==
+  CHECK(error_kind([&] { check_methods(example, {"fastable-online"}, {}); }) ==
         ErrorKind::expectation);
-  CHECK(!test::error_kind([&] { check_methods(example, {"openable"}, {}); }));
+  CHECK(!error_kind([&] { check_methods(example, {"openable"}, {}); }));
 }
 
 TEST_CASE("recorded codes are timed as far as the recording goes") {
@@ -95,7 +94,7 @@ TEST_CASE("a database that does not fit the memory is left out") {
   const BenchResult result = bench_matching(settings, {}, 1, select_kernels(), {});
   CHECK(result.rows.empty());
   REQUIRE(result.left_out.size() == 1);
-  CHECK(result.left_out[0].find("MiB") != std::string::npos);
+  CHECK(has(result.left_out[0], "MiB"));
 }
 
 TEST_CASE("FAB-MAP's variants are timed for every number of places") {
@@ -129,7 +128,7 @@ TEST_CASE("vectors are timed by the methods that take any distances, after a che
   }
   MatchingBenchSettings settings = small_settings();
   settings.precision = 12;
-  CHECK(test::error_kind([&] { bench_matching(settings, {}, 1, select_kernels(), {}); }) ==
+  CHECK(error_kind([&] { bench_matching(settings, {}, 1, select_kernels(), {}); }) ==
         ErrorKind::usage);
 }
 

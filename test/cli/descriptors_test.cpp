@@ -1,28 +1,20 @@
 // Descriptors that another program computed, as a user brings them.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/json.h"
-#include "base/npy.h"
 #include "base/random.h"
-#include "support.h"
 #include "world.h"
 
 using namespace vpr;
-using test::check_failure;
-using test::printed_json;
-using test::run_program;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-using Words = std::vector<std::string>;
 
 constexpr size_t kLength = 48;
 
@@ -37,24 +29,22 @@ std::vector<float> random_rows(size_t count, uint64_t seed) {
 /// 60 training frames, and a query of 24 that are frames 30 to 53 again, a little changed, at other
 /// lengths. Between them frame 12 is missing where `with_gap` is set.
 struct Arrays {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   Arrays() {
     const std::vector<float> train = random_rows(60, 1);
     const std::vector<float> noise = random_rows(24, 2);
     std::vector<float> query;
     for (size_t i = 0; i < noise.size(); ++i)
       query.push_back(0.01F * (train[30 * kLength + i] + 0.3F * noise[i]));
-    test::write_array(path("db.npy"), train, {60, kLength});
-    test::write_array(path("q.npy"), query, {24, kLength}, true);
+    write_array(path("db.npy"), train, {60, kLength});
+    write_array(path("q.npy"), query, {24, kLength}, true);
     std::string names;
     for (int i = 0; i < 60; ++i) names += fmt::format("db/{:03}.jpg\n", i);
-    test::write_text(path("names.txt"), names);
+    write_text(path("names.txt"), names);
     for (const char* precision : {"8", "16"})
-      REQUIRE(run_program("vpr-train",
-                          {"descriptors", "--npy", path("db.npy"), "--sequence", "one=0:28",
+      run_ok("vpr-train", {"descriptors", "--npy", path("db.npy"), "--sequence", "one=0:28",
                            "--sequence", "two=28:60", "--names", path("names.txt"), "--c-l", "5",
-                           "--precision", precision, "-o", database(precision)})
-                  .exit_code == 0);
+                           "--precision", precision, "-o", database(precision)});
   }
   std::string path(const std::string& name) const { return folder / name; }
   std::string database(const std::string& precision = "8") const {
@@ -67,26 +57,24 @@ const Arrays& arrays() {
   return kShared;
 }
 
-test::RunOutcome query(Words words, const std::string& precision = "8") {
-  words.insert(words.begin(),
-               {arrays().database(precision), "--query-npy", arrays().path("q.npy"), "--json"});
-  return run_program("vpr-query", words);
+RunOutcome query(Words words, const std::string& precision = "8") {
+  return run_program("vpr-query", joined({arrays().database(precision), "--query-npy",
+                                          arrays().path("q.npy"), "--json"},
+                                         words));
 }
 
 }  // namespace
 
 TEST_CASE("a database of imported descriptors says what it holds") {
-  const Json narrow =
-      printed_json(run_program("vpr-train", {"info", arrays().database(), "--json"}));
+  const Json narrow = printed_json("vpr-train", {"info", arrays().database(), "--json"});
   CHECK(narrow["descriptor"] == "vectors8");
   CHECK(narrow["length"] == kLength);
   REQUIRE(narrow["sequences"].size() == 2);
   CHECK(narrow["sequences"][1]["name"] == "two");
   CHECK(narrow["sequences"][1]["frames"] == 32);
   const auto text = run_program("vpr-train", {"info", arrays().database("16")});
-  CHECK(text.out.find("2 sequences, 60 frames, vectors of 48 numbers") != std::string::npos);
-  CHECK(test::read_text(arrays().path("db8.vprdb/frames.txt")) ==
-        test::read_text(arrays().path("names.txt")));
+  CHECK(has(text.out, "2 sequences, 60 frames, vectors of 48 numbers"));
+  CHECK(read_text(arrays().path("db8.vprdb/frames.txt")) == read_text(arrays().path("names.txt")));
 }
 
 TEST_CASE("every decision and score takes imported descriptors, and cells are verified") {
@@ -98,11 +86,10 @@ TEST_CASE("every decision and score takes imported descriptors, and cells are ve
           Words{"--c-l", "5", "--method", "openable", "--t-r", "0.5"},
           Words{"--c-l", "5", "--method", "fastable-online", "--t-r", "0.5"},
           Words{"--c-l", "4", "--rates", "1/2,1,2", "--t-r", "0.5"}}) {
-      Words all = words;
       const bool has_rates = words[2] == "--rates";
-      if (!has_rates) all.insert(all.end(), {"--verify", "60"});
       INFO(fmt::format("{} bits, {}", precision, fmt::join(words, " ")));
-      const Json json = printed_json(query(all, precision));
+      const Json json = printed_json(
+          query(joined(words, has_rates ? Words{} : Words{"--verify", "60"}), precision));
       CHECK(json["totals"]["hits"] > 0);
       CHECK(json.contains("verification") == !has_rates);
       for (const Json& best : json["clusters"]) {
@@ -120,63 +107,56 @@ TEST_CASE("every decision and score takes imported descriptors, and cells are ve
 }
 
 TEST_CASE("imported descriptors are evaluated and swept like any other") {
-  const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", arrays().path("db.npy") + "@30:54",
-                                    "--c-l", "5", "-o", out / "part.vprdb"})
-              .exit_code == 0);
-  REQUIRE(run_program("vpr-query", {out / "part.vprdb", "--query", arrays().path("q.npy"), "--c-l",
-                                    "5", "--t-r", "0.5", "-o", out / "r.json"})
-              .exit_code == 0);
-  const Json report = printed_json(
-      run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0",
-                               "--html", out / "r.html", "--json"}));
+  const TemporaryFolder out;
+  run_ok("vpr-train", {"descriptors", "--npy", arrays().path("db.npy") + "@30:54", "--c-l", "5",
+                       "-o", out / "part.vprdb"});
+  run_ok("vpr-query", {out / "part.vprdb", "--query", arrays().path("q.npy"), "--c-l", "5", "--t-r",
+                       "0.5", "-o", out / "r.json"});
+  const Json report =
+      printed_json("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0",
+                                "--html", out / "r.html", "--json"});
   CHECK(report["best_match"]["rate"] == 1.0);
-  check_failure(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--query",
-                                         arrays().path("q.npy"), "--html", out / "r2.html"}),
+  check_failure("vpr-eval",
+                {out / "r.json", "--ground-truth", "aligned", "--query", arrays().path("q.npy"),
+                 "--html", out / "r2.html"},
                 2, "pictures need the images");
-  const Json sweep = printed_json(
-      run_program("vpr-tune", {"fastable", out / "part.vprdb", "--query", arrays().path("q.npy"),
-                               "--ground-truth", "aligned", "--c-l", "1,5", "--json"}));
-  CHECK(sweep.dump().find("recommend") != std::string::npos);
+  const Json sweep =
+      printed_json("vpr-tune", {"fastable", out / "part.vprdb", "--query", arrays().path("q.npy"),
+                                "--ground-truth", "aligned", "--c-l", "1,5", "--json"});
+  CHECK(has(sweep.dump(), "recommend"));
 }
 
 TEST_CASE("more sequences are added, of the same descriptors only") {
-  const test::TemporaryFolder out;
-  const auto added = run_program("vpr-train", {"add", arrays().database(), "--train",
-                                               arrays().path("q.npy"), "-o", out / "more.vprdb"});
-  CHECK(added.exit_code == 0);
-  test::write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
-  check_failure(run_program("vpr-train", {"add", arrays().database(), "--train", out / "short.npy",
-                                          "-o", out / "x.vprdb"}),
+  const TemporaryFolder out;
+  run_ok("vpr-train",
+         {"add", arrays().database(), "--train", arrays().path("q.npy"), "-o", out / "more.vprdb"});
+  write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
+  check_failure("vpr-train",
+                {"add", arrays().database(), "--train", out / "short.npy", "-o", out / "x.vprdb"},
                 4, "short.npy: its descriptors have 10 numbers, those of the database 48");
-  check_failure(run_program("vpr-query",
-                            {arrays().database(), "--query-npy", out / "short.npy", "--c-l", "2"}),
+  check_failure("vpr-query", {arrays().database(), "--query-npy", out / "short.npy", "--c-l", "2"},
                 4, "descriptors of the database have 48 numbers, those of the query 10");
-  check_failure(run_program("vpr-train", {"descriptors", "--npy", arrays().path("db.npy"), "--npy",
-                                          out / "short.npy", "-o", out / "x.vprdb"}),
+  check_failure("vpr-train",
+                {"descriptors", "--npy", arrays().path("db.npy"), "--npy", out / "short.npy", "-o",
+                 out / "x.vprdb"},
                 4, "10 numbers, those of the database 48");
 }
 
 TEST_CASE("images and descriptors of another kind are refused, and what is wrong is named") {
-  const test::TemporaryFolder out;
-  const std::string images = test::world().walk("back");
-  check_failure(run_program("vpr-query", {arrays().database(), "--query", images}), 4,
+  const TemporaryFolder out;
+  const std::string images = world().walk("back");
+  check_failure("vpr-query", {arrays().database(), "--query", images}, 4,
                 "described by another program");
-  check_failure(
-      run_program("vpr-query", {test::world().database(), "--query-npy", arrays().path("q.npy")}),
-      4, "holds descriptors, but frames of the database are described by ldb");
-  check_failure(
-      run_program("vpr-query", {test::world().fabmap(), "--query-npy", arrays().path("q.npy")}), 4,
-      "images are needed");
-  check_failure(run_program("vpr-query", {arrays().database(), "--query-npy", images}), 2,
-                "is no .npy file");
-  check_failure(run_program("vpr-query", {arrays().database(), "--query-npy",
-                                          arrays().path("q.npy"), "--query", images}),
-                2, "--query-npy alone");
+  check_failure("vpr-query", {world().database(), "--query-npy", arrays().path("q.npy")}, 4,
+                "holds descriptors, but frames of the database are described by ldb");
+  check_failure("vpr-query", {world().fabmap(), "--query-npy", arrays().path("q.npy")}, 4,
+                "images are needed");
+  check_failure("vpr-query", {arrays().database(), "--query-npy", images}, 2, "is no .npy file");
+  check_failure("vpr-query",
+                {arrays().database(), "--query-npy", arrays().path("q.npy"), "--query", images}, 2,
+                "--query-npy alone");
   const auto train = [&](Words words) {
-    words.insert(words.begin(), "descriptors");
-    words.insert(words.end(), {"-o", out / "x.vprdb"});
-    return run_program("vpr-train", words);
+    return run_program("vpr-train", joined({"descriptors", "-o", out / "x.vprdb"}, words));
   };
   const std::string db = arrays().path("db.npy");
   check_failure(train({}), 2, "--npy");
@@ -191,49 +171,46 @@ TEST_CASE("images and descriptors of another kind are refused, and what is wrong
   check_failure(train({"--npy", db, "--sequence", "a=0:9", "--sequence", "a=9:20"}), 2,
                 "two sequences are called a");
   check_failure(train({"--npy", db, "--npy", db + "@0:9", "--sequence", "a=0:9"}), 2, "one --npy");
-  test::write_text(out / "few.txt", "a\nb\n");
+  write_text(out / "few.txt", "a\nb\n");
   check_failure(train({"--npy", db, "--names", out / "few.txt"}), 4, "few.txt: names 2 frames");
   std::vector<float> values(12, 1);
   values[7] = std::numeric_limits<float>::quiet_NaN();
-  test::write_array(out / "nan.npy", values, {4, 3});
+  write_array(out / "nan.npy", values, {4, 3});
   check_failure(train({"--npy", out / "nan.npy"}), 4, "nan.npy: row 2: number 1 is nan");
-  test::write_text(out / "cut.npy", test::read_text(db).substr(0, 1000));
+  write_text(out / "cut.npy", read_text(db).substr(0, 1000));
   check_failure(train({"--npy", out / "cut.npy"}), 4, "truncated");
   CHECK_FALSE(fs::exists(out / "x.vprdb"));
 }
 
 TEST_CASE("rows that are missing keep their index and never match") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::vector<float> values = random_rows(30, 5);
   std::fill_n(values.begin() + 12 * kLength, kLength, std::numeric_limits<float>::quiet_NaN());
-  test::write_array(out / "gap.npy", values, {30, kLength});
-  check_failure(
-      run_program("vpr-train", {"descriptors", "--npy", out / "gap.npy", "-o", out / "g.vprdb"}), 4,
-      "row 12 is missing");
-  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", out / "gap.npy", "--skip-unreadable",
-                                    "--c-l", "3", "-o", out / "g.vprdb"})
-              .exit_code == 0);
-  const Json json = printed_json(
-      run_program("vpr-query", {out / "g.vprdb", "--query-npy", out / "gap.npy", "--c-l", "3",
-                                "--t-r", "0.01", "--skip-unreadable", "--json"}));
+  write_array(out / "gap.npy", values, {30, kLength});
+  check_failure("vpr-train", {"descriptors", "--npy", out / "gap.npy", "-o", out / "g.vprdb"}, 4,
+                "row 12 is missing");
+  run_ok("vpr-train", {"descriptors", "--npy", out / "gap.npy", "--skip-unreadable", "--c-l", "3",
+                       "-o", out / "g.vprdb"});
+  const Json json =
+      printed_json("vpr-query", {out / "g.vprdb", "--query-npy", out / "gap.npy", "--c-l", "3",
+                                 "--t-r", "0.01", "--skip-unreadable", "--json"});
   CHECK(json["totals"]["hits"] == 28 - 3);  // windows that frame 12 is in have none
 }
 
 TEST_CASE("bits from files match as LDB does, by hashing too") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   RandomEngine engine(7);
   std::vector<uint8_t> codes(50 * 9);
   for (uint8_t& byte : codes) byte = static_cast<uint8_t>(uniform_below(engine, 256));
-  test::write_array(out / "db.npy", codes, {50, 9});
+  write_array(out / "db.npy", codes, {50, 9});
   const std::vector<uint8_t> part(codes.begin() + 20 * 9, codes.begin() + 40 * 9);
-  test::write_array(out / "q.npy", part, {20, 9}, true);
-  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--bits", "--c-l", "4",
-                                    "-o", out / "b.vprdb"})
-              .exit_code == 0);
+  write_array(out / "q.npy", part, {20, 9}, true);
+  run_ok("vpr-train",
+         {"descriptors", "--npy", out / "db.npy", "--bits", "--c-l", "4", "-o", out / "b.vprdb"});
   for (const std::string method : {"fastable", "lsh"}) {
-    const Json json = printed_json(run_program(
+    const Json json = printed_json(
         "vpr-query", {out / "b.vprdb", "--query-npy", out / "q.npy", "--c-l", "4", "--t-r", "3",
-                      "--t-r-scale", "bits", "--method", method, "--json"}));
+                      "--t-r-scale", "bits", "--method", method, "--json"});
     CHECK(json["totals"]["hits"] == 17);
   }
   check_failure(query({"--c-l", "4", "--method", "lsh", "--t-r", "3", "--t-r-scale", "bits"}), 2,
@@ -241,54 +218,44 @@ TEST_CASE("bits from files match as LDB does, by hashing too") {
 }
 
 TEST_CASE("imported descriptors stand in data sets, lists and folders") {
-  const test::TemporaryFolder out;
-  const NpyArray file(arrays().path("db.npy"));
-  const auto values = file.values<float>(2);
+  const TemporaryFolder out;
+  const auto values = read_array<float>(arrays().path("db.npy"));
   for (const char* name : {"train", "query"}) {
     fs::create_directory(out / name);
     for (size_t i = 0; i < 12; ++i)
-      test::write_array(out / name / fmt::format("{}.npy", i),
-                        std::vector<float>(values.begin() + ptrdiff_t(i * kLength),
-                                           values.begin() + ptrdiff_t((i + 1) * kLength)),
-                        {kLength});
+      write_array(out / name / fmt::format("{}.npy", i),
+                  std::vector<float>(values.begin() + ptrdiff_t(i * kLength),
+                                     values.begin() + ptrdiff_t((i + 1) * kLength)),
+                  {kLength});
   }
-  REQUIRE(run_program("vpr-train",
-                      {"descriptors", "--npy", out / "train", "--c-l", "3", "-o", out / "f.vprdb"})
-              .exit_code == 0);
-  const Json json =
-      printed_json(run_program("vpr-query", {out / "f.vprdb", "--query-npy", out / "query", "--c-l",
-                                             "3", "--t-r", "0.01", "--json"}));
+  run_ok("vpr-train", {"descriptors", "--npy", out / "train", "--c-l", "3", "-o", out / "f.vprdb"});
+  const Json json = printed_json("vpr-query", {out / "f.vprdb", "--query-npy", out / "query",
+                                               "--c-l", "3", "--t-r", "0.01", "--json"});
   CHECK(json["totals"]["hits"] == 10);
 }
 
 TEST_CASE("descriptors go out and come in again with the same distances") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const auto distances = [&](const std::string& database, const std::string& query) {
-    REQUIRE(run_program("vpr-query", {database, "--query", query, "--c-l", "1", "--t-r", "0.1",
-                                      "--save-matrix", out / "d.npy", "--force", "--quiet"})
-                .exit_code == 0);
-    const NpyArray matrix(out / "d.npy");
-    const auto values = matrix.values<int32_t>(2);
-    return std::vector<int32_t>(values.begin(), values.end());
+    run_ok("vpr-query", {database, "--query", query, "--c-l", "1", "--t-r", "0.1", "--save-matrix",
+                         out / "d.npy", "--force", "--quiet"});
+    return read_array<int32_t>(out / "d.npy");
   };
   const auto exported = [&](const std::string& database, const std::string& name) {
-    REQUIRE(run_program("vpr-train", {"export", database, "--descriptors", out / name}).exit_code ==
-            0);
+    run_ok("vpr-train", {"export", database, "--descriptors", out / name});
     return (out / name).string();
   };
   const auto imported = [&](const std::string& array, const Words& flags) {
-    Words words = {"descriptors", "--npy", array, "-o", array + ".vprdb", "--quiet"};
-    words.insert(words.end(), flags.begin(), flags.end());
-    REQUIRE(run_program("vpr-train", words).exit_code == 0);
+    run_ok("vpr-train",
+           joined({"descriptors", "--npy", array, "-o", array + ".vprdb", "--quiet"}, flags));
     return array + ".vprdb";
   };
-  const std::string one = test::world().walk("one");
-  const std::string back = test::world().walk("back");
+  const std::string one = world().walk("one");
+  const std::string back = world().walk("back");
   for (const std::string kind : {"ldb", "hog"}) {
     for (const auto& [name, frames] : {std::pair("one", one), std::pair("back", back)})
-      REQUIRE(run_program("vpr-train", {"fastable", "--train", frames, "--descriptor", kind, "-o",
-                                        out / (kind + name + ".vprdb"), "--quiet"})
-                  .exit_code == 0);
+      run_ok("vpr-train", {"fastable", "--train", frames, "--descriptor", kind, "-o",
+                           out / (kind + name + ".vprdb"), "--quiet"});
     const std::string train = exported(out / (kind + "one.vprdb"), kind + "one.npy");
     const std::string query = exported(out / (kind + "back.vprdb"), kind + "back.npy");
     const Words flags = kind == "ldb" ? Words{"--bits"} : Words{"--precision", "8"};
@@ -297,27 +264,26 @@ TEST_CASE("descriptors go out and come in again with the same distances") {
   exported(arrays().database(), "vectors.npy");
   CHECK(NpyArray(out / "vectors.npy").shape() == std::vector<size_t>{60, kLength});
   const auto export_it = [&](Words words) {
-    words.insert(words.begin(), "export");
-    return run_program("vpr-train", words);
+    return run_program("vpr-train", joined({"export"}, words));
   };
   check_failure(export_it({arrays().database()}), 2, "--descriptors");
   check_failure(export_it({arrays().database(), "--descriptors", out / "vectors.npy"}), 2,
                 "vectors.npy");
-  check_failure(export_it({test::world().fabmap(), "--descriptors", out / "x.npy"}), 4, "fabmap");
+  check_failure(export_it({world().fabmap(), "--descriptors", out / "x.npy"}), 4, "fabmap");
 }
 
 TEST_CASE("descriptors are evaluated without a database, up to recall@100") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::vector<float> train = random_rows(150, 8);
   const std::vector<float> noise = random_rows(150, 9);
   std::vector<float> query;
   for (size_t i = 0; i < noise.size(); ++i) query.push_back(0.2F * train[i] + noise[i]);
-  test::write_array(out / "db.npy", train, {150, kLength});
-  test::write_array(out / "q.npy", query, {150, kLength}, true);
-  const Json report = printed_json(run_program(
-      "vpr-eval",
-      {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy", "--recall-at", "5,10,100",
-       "--ground-truth", "aligned", "--tolerance", "0", "--html", out / "page.html", "--json"}));
+  write_array(out / "db.npy", train, {150, kLength});
+  write_array(out / "q.npy", query, {150, kLength}, true);
+  const Json report =
+      printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
+                                "--recall-at", "5,10,100", "--ground-truth", "aligned",
+                                "--tolerance", "0", "--html", out / "page.html", "--json"});
   // By the definition, one product after the other.
   std::map<size_t, double> expected;
   for (size_t q = 0; q < 150; ++q) {
@@ -344,14 +310,13 @@ TEST_CASE("descriptors are evaluated without a database, up to recall@100") {
 }
 
 TEST_CASE("descriptors without a database must fit each other") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::string db = arrays().path("db.npy");
-  test::write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
-  test::write_array<uint8_t>(out / "bits.npy", {1, 2, 3, 7, 1, 4}, {3, 2});
-  test::write_array<uint8_t>(out / "wide.npy", {1, 2, 3, 7, 1, 2}, {2, 3});
+  write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
+  write_array<uint8_t>(out / "bits.npy", {1, 2, 3, 7, 1, 4}, {3, 2});
+  write_array<uint8_t>(out / "wide.npy", {1, 2, 3, 7, 1, 2}, {2, 3});
   const auto evaluate = [&](Words words) {
-    words.insert(words.end(), {"--ground-truth", "aligned", "--json"});
-    return run_program("vpr-eval", words);
+    return run_program("vpr-eval", joined(words, {"--ground-truth", "aligned", "--json"}));
   };
   const Json bits = printed_json(
       evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "bits.npy"}));
@@ -361,7 +326,7 @@ TEST_CASE("descriptors without a database must fit each other") {
   check_failure(evaluate({"--query-npy", out / "bits.npy", "--reference-npy", out / "wide.npy"}), 4,
                 "is an array transposed?");
   check_failure(evaluate({"--query-npy", db, "--reference-npy", out / "bits.npy"}), 4, "type <f4");
-  check_failure(evaluate({"--query-npy", db, "--reference-npy", test::world().walk("back")}), 4,
+  check_failure(evaluate({"--query-npy", db, "--reference-npy", world().walk("back")}), 4,
                 "is no .npy file of descriptors");
   check_failure(evaluate({"--query-npy", db}), 2, "go together");
   check_failure(evaluate({"--query-npy", db, "--reference-npy", db, "--similarity"}), 2,
@@ -370,32 +335,31 @@ TEST_CASE("descriptors without a database must fit each other") {
                 "--recall-at takes 1");
   std::vector<float> values(12, 1);
   values[7] = std::numeric_limits<float>::quiet_NaN();
-  test::write_array(out / "nan.npy", values, {4, 3});
+  write_array(out / "nan.npy", values, {4, 3});
   check_failure(evaluate({"--query-npy", out / "nan.npy", "--reference-npy", out / "nan.npy"}), 4,
                 "nan.npy: row 2: number 1 is nan");
 }
 
 TEST_CASE("frames are described by other built-in descriptors") {
-  const test::TemporaryFolder out;
-  const std::string one = test::world().walk("one");
+  const TemporaryFolder out;
+  const std::string one = world().walk("one");
   for (const std::string name : {"thumbnail", "hog"}) {
-    REQUIRE(run_program("vpr-train", {"fastable", "--train", one, "--descriptor", name, "--c-l",
-                                      "5", "-o", out / (name + ".vprdb")})
-                .exit_code == 0);
-    const Json json = printed_json(
-        run_program("vpr-query", {out / (name + ".vprdb"), "--query", test::world().walk("back"),
-                                  "--c-l", "5", "--t-r", "0.5", "--verify", "50", "--json"}));
+    run_ok("vpr-train", {"fastable", "--train", one, "--descriptor", name, "--c-l", "5", "-o",
+                         out / (name + ".vprdb")});
+    const Json json =
+        printed_json("vpr-query", {out / (name + ".vprdb"), "--query", world().walk("back"),
+                                   "--c-l", "5", "--t-r", "0.5", "--verify", "50", "--json"});
     CHECK(json["verification"]["differences"] == 0);
     CHECK(json["totals"]["hits"] > 0);
   }
-  check_failure(run_program("vpr-train", {"fastable", "--train", one, "--descriptor", "thumb", "-o",
-                                          out / "x.vprdb"}),
-                2, "choose one of ldb, thumbnail, hog");
+  check_failure("vpr-train",
+                {"fastable", "--train", one, "--descriptor", "thumb", "-o", out / "x.vprdb"}, 2,
+                "choose one of ldb, thumbnail, hog");
 }
 
 TEST_CASE("chords tell frames apart that are nearer than the unit of cosine distances") {
   // A thousandth of a radian from frame to frame, of which 1 - cos is a sixtieth of a unit.
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::vector<double> train;
   std::vector<double> query;
   for (size_t i = 0; i < 30; ++i) {
@@ -405,52 +369,46 @@ TEST_CASE("chords tell frames apart that are nearer than the unit of cosine dist
       query.push_back(train.back() * static_cast<double>(i + 1));  // lengths do not count
     }
   }
-  test::write_array(out / "db.npy", train, {30, 12});
-  test::write_array(out / "q.npy", query, {30, 12});
+  write_array(out / "db.npy", train, {30, 12});
+  write_array(out / "q.npy", query, {30, 12});
   for (const auto& [metric, least] : {std::pair("chord", 1.0), std::pair("cosine", 0.0)}) {
     INFO(metric);
     const auto trained =
-        run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric", metric,
-                                  "--c-l", "3", "-o", out / "db.vprdb", "--force"});
-    REQUIRE(trained.exit_code == 0);
-    CHECK((trained.err.find("--metric chord tells them apart") == std::string::npos) ==
-          (least == 1));
-    const Json result = printed_json(run_program(
+        run_ok("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric", metric, "--c-l",
+                             "3", "-o", out / "db.vprdb", "--force"});
+    CHECK(has(trained.err, "--metric chord tells them apart") == (least == 0));
+    const Json result = printed_json(
         "vpr-query", {out / "db.vprdb", "--query-npy", out / "q.npy", "--c-l", "1", "--t-r", "0.2",
-                      "--verify", "50", "-o", out / "r.json", "--json", "--force"}));
+                      "--verify", "50", "-o", out / "r.json", "--json", "--force"});
     CHECK(result["verification"]["differences"] == 0);
-    const Json report = printed_json(run_program(
-        "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0", "--json"}));
+    const Json report = printed_json(
+        "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0", "--json"});
     const auto right = report["best_match"]["rate"].get<double>();
     CHECK((least == 1 ? right == 1 : right < 0.5));
     // In float64 both orders are the same.
-    CHECK(printed_json(run_program(
-              "vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
-                           "--metric", metric, "--ground-truth", "aligned", "--tolerance", "0",
-                           "--json"}))["metrics"]["recall_at"]["1"] == 1.0);
+    CHECK(printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
+                                    "--metric", metric, "--ground-truth", "aligned", "--tolerance",
+                                    "0", "--json"})["metrics"]["recall_at"]["1"] == 1.0);
   }
-  REQUIRE(run_program("vpr-train", {"descriptors", "--npy", out / "q.npy", "--metric", "chord",
-                                    "--c-l", "3", "-o", out / "far.vprdb"})
-              .exit_code == 0);
-  CHECK(printed_json(run_program(
-            "vpr-train", {"info", out / "far.vprdb", "--json"}))["descriptor"] == "directions");
+  run_ok("vpr-train", {"descriptors", "--npy", out / "q.npy", "--metric", "chord", "--c-l", "3",
+                       "-o", out / "far.vprdb"});
+  CHECK(printed_json("vpr-train", {"info", out / "far.vprdb", "--json"})["descriptor"] ==
+        "directions");
   // What is exported has length 1.
-  REQUIRE(run_program("vpr-train", {"export", out / "far.vprdb", "--descriptors", out / "x.npy"})
-              .exit_code == 0);
-  const NpyArray exported(out / "x.npy");
-  const auto values = exported.values<float>(2);
+  run_ok("vpr-train", {"export", out / "far.vprdb", "--descriptors", out / "x.npy"});
+  const auto values = read_array<float>(out / "x.npy");
   for (size_t i = 0; i < values.size(); ++i)
     CHECK(std::abs(values[i] - train[i] / std::sqrt(6)) < 1.0 / 32000);
   std::fill_n(query.begin(), 12, 0.0);
-  test::write_array(out / "zero.npy", query, {30, 12});
-  check_failure(run_program("vpr-query", {out / "far.vprdb", "--query-npy", out / "zero.npy",
-                                          "--c-l", "3", "--t-r", "0.2"}),
+  write_array(out / "zero.npy", query, {30, 12});
+  check_failure("vpr-query",
+                {out / "far.vprdb", "--query-npy", out / "zero.npy", "--c-l", "3", "--t-r", "0.2"},
                 4, "row 0: is a vector of zeros");
 }
 
 TEST_CASE("vectors whose lengths count are compared by Euclidean distances") {
   // Train and query have the same directions: only lengths tell places apart.
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   RandomEngine engine(9);
   std::vector<double> train;
   std::vector<double> query;
@@ -462,50 +420,46 @@ TEST_CASE("vectors whose lengths count are compared by Euclidean distances") {
       query.push_back(length * direction + 0.001 * (uniform_unit(engine) - 0.5));
     }
   }
-  test::write_array(out / "db.npy", train, {30, 12});
-  test::write_array(out / "q.npy", query, {30, 12});
-  const auto trained = run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric",
-                                                 "l2", "--c-l", "3", "-o", out / "db.vprdb"});
-  INFO(trained.err);
-  REQUIRE(trained.exit_code == 0);
-  const Json info = printed_json(run_program("vpr-train", {"info", out / "db.vprdb", "--json"}));
+  write_array(out / "db.npy", train, {30, 12});
+  write_array(out / "q.npy", query, {30, 12});
+  run_ok("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric", "l2", "--c-l", "3", "-o",
+                       out / "db.vprdb"});
+  const Json info = printed_json("vpr-train", {"info", out / "db.vprdb", "--json"});
   CHECK(info["descriptor"] == "points");
-  const Json result = printed_json(
-      run_program("vpr-query", {out / "db.vprdb", "--query-npy", out / "q.npy", "--c-l", "3",
-                                "--t-r", "0.2", "--verify", "50", "-o", out / "r.json", "--json"}));
+  const Json result =
+      printed_json("vpr-query", {out / "db.vprdb", "--query-npy", out / "q.npy", "--c-l", "3",
+                                 "--t-r", "0.2", "--verify", "50", "-o", out / "r.json", "--json"});
   CHECK(result["verification"]["differences"] == 0);
-  CHECK(printed_json(
-            run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance",
-                                     "0", "--json"}))["best_match"]["rate"] == 1.0);
+  CHECK(printed_json("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0",
+                                  "--json"})["best_match"]["rate"] == 1.0);
   for (const auto& [metric, least] : {std::pair("l2", 1.0), std::pair("cosine", 0.0)}) {
-    const Json report = printed_json(run_program(
+    const Json report = printed_json(
         "vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy", "--metric",
-                     metric, "--ground-truth", "aligned", "--tolerance", "0", "--json"}));
+                     metric, "--ground-truth", "aligned", "--tolerance", "0", "--json"});
     const auto recall = report["metrics"]["recall_at"]["1"].get<double>();
     CHECK(recall >= least);
     CHECK((recall == 1) == (least == 1));
   }
   // What is exported is what was imported, to half a unit.
-  REQUIRE(run_program("vpr-train", {"export", out / "db.vprdb", "--descriptors", out / "x.npy"})
-              .exit_code == 0);
-  const NpyArray exported(out / "x.npy");
-  const auto values = exported.values<float>(2);
+  run_ok("vpr-train", {"export", out / "db.vprdb", "--descriptors", out / "x.npy"});
+  const auto values = read_array<float>(out / "x.npy");
   const double longest = 3.9 * std::sqrt(6.2);
   for (size_t i = 0; i < values.size(); ++i)
     CHECK(std::abs(values[i] - train[i]) < longest / 32000);
   // Added vectors have the same unit, and what is far out of range is refused.
-  REQUIRE(run_program("vpr-train",
-                      {"add", out / "db.vprdb", "--train", out / "q.npy", "-o", out / "more.vprdb"})
-              .exit_code == 0);
+  run_ok("vpr-train",
+         {"add", out / "db.vprdb", "--train", out / "q.npy", "-o", out / "more.vprdb"});
   for (double& number : query) number *= 3;
-  test::write_array(out / "far.npy", query, {30, 12});
-  check_failure(run_program("vpr-query", {out / "db.vprdb", "--query-npy", out / "far.npy", "--c-l",
-                                          "3", "--t-r", "0.2"}),
-                4, "more than twice as long");
-  check_failure(run_program("vpr-train", {"descriptors", "--npy", out / "db.npy", "--metric", "l2",
-                                          "--precision", "8", "-o", out / "y.vprdb"}),
+  write_array(out / "far.npy", query, {30, 12});
+  check_failure("vpr-query",
+                {out / "db.vprdb", "--query-npy", out / "far.npy", "--c-l", "3", "--t-r", "0.2"}, 4,
+                "more than twice as long");
+  check_failure("vpr-train",
+                {"descriptors", "--npy", out / "db.npy", "--metric", "l2", "--precision", "8", "-o",
+                 out / "y.vprdb"},
                 2, "--precision");
-  check_failure(run_program("vpr-eval", {"--scores", out / "db.npy", "--distance", "--metric", "l2",
-                                         "--ground-truth", "aligned"}),
-                2, "--metric");
+  check_failure(
+      "vpr-eval",
+      {"--scores", out / "db.npy", "--distance", "--metric", "l2", "--ground-truth", "aligned"}, 2,
+      "--metric");
 }

@@ -5,36 +5,28 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/json.h"
-#include "base/npy.h"
-#include "base/simd.h"
 #include "cli/world.h"
 #include "database/fabmap_database.h"
-#include "support.h"
 
 using namespace vpr;
-using test::check_failure;
-using test::run_program;
-using test::world;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
 
-test::RunOutcome run_train(std::vector<std::string> more) {
-  std::vector<std::string> words = {
-      "fabmap", "--pretrain", world().walk("other"), "--features", "sift", "--words", "60"};
-  words.insert(words.end(), more.begin(), more.end());
-  return run_program("vpr-train", words);
+const std::string kGreyImage = "P5\n32 32\n255\n" + std::string(1024, '\x80');
+
+RunOutcome run_train(Words more) {
+  return run_program("vpr-train", joined({"fabmap", "--pretrain", world().walk("other"),
+                                          "--features", "sift", "--words", "60"},
+                                         more));
 }
 
-test::RunOutcome run_query(std::vector<std::string> more) {
-  std::vector<std::string> words = {world().fabmap(), "--query", world().walk("back"), "--t-p",
-                                    "0.5"};
-  words.insert(words.end(), more.begin(), more.end());
-  return run_program("vpr-query", words);
+RunOutcome run_query(Words more) {
+  return run_program(
+      "vpr-query",
+      joined({world().fabmap(), "--query", world().walk("back"), "--t-p", "0.5"}, more));
 }
-
-Json parse(const std::string& text) { return Json::parse(text); }
 
 void copy_database(const fs::path& from, const fs::path& to) {
   fs::remove_all(to);
@@ -49,7 +41,7 @@ std::array<fs::path, 4> openfabmap_files(const fs::path& path, const fs::path& f
     std::vector<uint8_t> values(views.views() * words);
     for (size_t v = 0; v < views.views(); ++v)
       for (const uint32_t word : views.view(v)) values[v * words + word] = 1;
-    test::write_array<uint8_t>(folder / name, values, {views.views(), words});
+    write_array<uint8_t>(folder / name, values, {views.views(), words});
     return folder / name;
   };
   for (const char* name : {"vocabulary.npy", "tree.npy"}) fs::copy_file(path / name, folder / name);
@@ -57,8 +49,8 @@ std::array<fs::path, 4> openfabmap_files(const fs::path& path, const fs::path& f
           matrix("bow-pretrain.npy", database.pretrain), matrix("bow-train.npy", database.views)};
 }
 
-test::RunOutcome import_openfabmap_files(const std::array<fs::path, 4>& files,
-                                         const std::string& output) {
+RunOutcome import_openfabmap_files(const std::array<fs::path, 4>& files,
+                                   const std::string& output) {
   return run_program("vpr-train", {"fabmap", "--from-openfabmap", "--features", "sift",
                                    "--vocabulary", files[0], "--tree", files[1], "--pretrain-bow",
                                    files[2], "--train-bow", files[3], "-o", output});
@@ -72,80 +64,57 @@ std::string without_last_bit(std::string text) {
 }  // namespace
 
 TEST_CASE("a FAB-MAP database is byte-identical for any number of threads and SIMD target") {
-  const test::TemporaryFolder out;
-  std::vector<std::string> targets = simd_targets();
+  const TemporaryFolder out;
+  Words targets = simd_targets();
   for (const std::string& target : {targets.front(), targets.back()}) {
     fs::remove_all(out / "t.vprdb");
-    std::vector<std::string> words = {"fabmap",
-                                      "--pretrain",
-                                      world().walk("other"),
-                                      "--train",
-                                      world().walk("one"),
-                                      "--features",
-                                      "sift",
-                                      "--words",
-                                      "60",
-                                      "--threads",
-                                      "1",
-                                      "-o",
-                                      out / "t.vprdb"};
-    REQUIRE(run_program("vpr-train", words, {"VPR_SIMD=" + target}).exit_code == 0);
-    for (const std::string& name : test::list_folder(world().fabmap())) {
+    run_ok("vpr-train",
+           {"fabmap", "--pretrain", world().walk("other"), "--train", world().walk("one"),
+            "--features", "sift", "--words", "60", "--threads", "1", "-o", out / "t.vprdb"},
+           {"VPR_SIMD=" + target});
+    for (const std::string& name : list_folder(world().fabmap())) {
       INFO(target << " " << name);
-      CHECK(test::read_text(out / "t.vprdb" / name) ==
-            test::read_text(fs::path(world().fabmap()) / name));
+      CHECK(read_text(out / "t.vprdb" / name) == read_text(fs::path(world().fabmap()) / name));
     }
   }
 }
 
 TEST_CASE("adding views gives the database of training them together") {
-  const test::TemporaryFolder out;
-  REQUIRE(run_train({"--train", world().walk("one"), "--train", world().walk("back"), "-o",
-                     out / "both.vprdb"})
-              .exit_code == 0);
-  REQUIRE(run_program("vpr-train", {"add", world().fabmap(), "--train", world().walk("back"), "-o",
-                                    out / "added.vprdb"})
-              .exit_code == 0);
-  for (const std::string& name : test::list_folder(out / "both.vprdb"))
-    CHECK(test::read_text(out / "both.vprdb" / name) ==
-          test::read_text(out / "added.vprdb" / name));
+  const TemporaryFolder out;
+  ok(run_train(
+      {"--train", world().walk("one"), "--train", world().walk("back"), "-o", out / "both.vprdb"}));
+  run_ok("vpr-train",
+         {"add", world().fabmap(), "--train", world().walk("back"), "-o", out / "added.vprdb"});
+  for (const std::string& name : list_folder(out / "both.vprdb"))
+    CHECK(read_text(out / "both.vprdb" / name) == read_text(out / "added.vprdb" / name));
 }
 
 TEST_CASE("imported from its vocabulary, tree and words, a database gives the same posteriors") {
-  const test::TemporaryFolder out;
-  REQUIRE(
-      run_program("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
-                                world().walk("one"), "--features", "sift", "--words", "60",
-                                "--clustering", "radius", "--radius", "300", "-o", out / "r.vprdb"})
-          .exit_code == 0);
+  const TemporaryFolder out;
+  run_ok("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
+                       world().walk("one"), "--features", "sift", "--words", "60", "--clustering",
+                       "radius", "--radius", "300", "-o", out / "r.vprdb"});
   const auto files = openfabmap_files(out / "r.vprdb", out.path());
-  REQUIRE(import_openfabmap_files(files, out / "i.vprdb").exit_code == 0);
+  ok(import_openfabmap_files(files, out / "i.vprdb"));
   for (const std::string name : {"r", "i"})
-    REQUIRE(run_program("vpr-query", {out / (name + ".vprdb"), "--query", world().walk("back"),
-                                      "--save-posteriors", out / (name + ".npy"), "--json"})
-                .exit_code == 0);
-  CHECK(test::read_text(out / "r.npy") == test::read_text(out / "i.npy"));
+    run_ok("vpr-query", {out / (name + ".vprdb"), "--query", world().walk("back"),
+                         "--save-posteriors", out / (name + ".npy"), "--json"});
+  CHECK(read_text(out / "r.npy") == read_text(out / "i.npy"));
 }
 
 TEST_CASE("with --loop, a recording that comes back recognises its own frames, none too near") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   fs::create_directory(out / "lap");
-  auto names = test::list_folder(world().walk("one"));
-  std::erase_if(names,
-                [](const std::string& name) { return fs::path(name).extension() == ".csv"; });
+  const Words names = images_of(world().walk("one"));
   for (size_t lap = 0; lap < 2; ++lap)
     for (size_t i = 0; i < names.size(); ++i)
       fs::copy(fs::path(world().walk("one")) / names[i],
                out / "lap" / (std::to_string(lap * names.size() + i) + ".png"));
-  REQUIRE(run_train({"-o", out / "v.vprdb"}).exit_code == 0);
-  check_failure(run_program("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--json"}), 2,
-                "--loop");
-  REQUIRE(run_program("vpr-query",
-                      {out / "v.vprdb", "--query", out / "lap", "--loop", "--loop-gap", "20",
-                       "--t-p", "0.2", "--save-posteriors", out / "p.npy", "-o", out / "r.json"})
-              .exit_code == 0);
-  const NpyArray best(out / "r.best.npy");
-  const auto rows = best.values<int32_t>(2);
+  ok(run_train({"-o", out / "v.vprdb"}));
+  check_failure("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--json"}, 2, "--loop");
+  run_ok("vpr-query", {out / "v.vprdb", "--query", out / "lap", "--loop", "--loop-gap", "20",
+                       "--t-p", "0.2", "--save-posteriors", out / "p.npy", "-o", out / "r.json"});
+  const auto rows = read_array<int32_t>(out / "r.best.npy");
   const auto lap = static_cast<int32_t>(names.size());
   size_t right = 0;
   for (int32_t frame = 0; frame < 2 * lap; ++frame) {
@@ -165,13 +134,12 @@ TEST_CASE("with --loop, a recording that comes back recognises its own frames, n
 }
 
 TEST_CASE("an explanation lists words, and draws them") {
-  const test::TemporaryFolder out;
-  const auto outcome =
-      run_query({"--explain", "20", "--train-images", world().walk("one"), "-o", out / "r.json"});
-  REQUIRE(outcome.exit_code == 0);
-  CHECK(outcome.out.find("Frame 20:") != std::string::npos);
-  CHECK(test::read_text(out / "r.explain.png").substr(1, 3) == "PNG");
-  const Json explanation = parse(test::read_text(out / "r.json"))["explanation"];
+  const TemporaryFolder out;
+  const auto outcome = ok(
+      run_query({"--explain", "20", "--train-images", world().walk("one"), "-o", out / "r.json"}));
+  CHECK(has(outcome.out, "Frame 20:"));
+  CHECK(read_text(out / "r.explain.png").substr(1, 3) == "PNG");
+  const Json explanation = file_json(out / "r.json")["explanation"];
   REQUIRE(explanation["places"].size() == 3);
   for (const Json& place : explanation["places"]) {
     CHECK(place["for"][0]["log_odds"].get<double>() >= place["for"][1]["log_odds"].get<double>());
@@ -184,52 +152,46 @@ TEST_CASE("an explanation lists words, and draws them") {
 }
 
 TEST_CASE("a frame without features keeps its index; all of them are no vocabulary") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   fs::create_directory(out / "grey");
-  for (const char* name : {"1.pgm", "2.pgm"})
-    test::write_text(out / "grey" / name, "P5\n32 32\n255\n" + std::string(1024, '\x80'));
-  check_failure(run_program("vpr-train", {"fabmap", "--pretrain", out / "grey", "--train",
-                                          world().walk("one"), "-o", out / "x.vprdb"}),
-                2, "none of the 2 --pretrain frames has a surf feature");
-  check_failure(run_program("vpr-train", {"fabmap", "--pretrain", out / "grey", "--clustering",
-                                          "radius", "-o", out / "x.vprdb"}),
-                2, "larger pictures, or another kind of --features");
-  REQUIRE(
-      run_program("vpr-query", {world().fabmap(), "--query", out / "grey", "-o", out / "r.json"})
-          .exit_code == 0);
+  for (const char* name : {"1.pgm", "2.pgm"}) write_text(out / "grey" / name, kGreyImage);
+  check_failure(
+      "vpr-train",
+      {"fabmap", "--pretrain", out / "grey", "--train", world().walk("one"), "-o", out / "x.vprdb"},
+      2, "none of the 2 --pretrain frames has a surf feature");
+  check_failure(
+      "vpr-train",
+      {"fabmap", "--pretrain", out / "grey", "--clustering", "radius", "-o", out / "x.vprdb"}, 2,
+      "larger pictures, or another kind of --features");
+  run_ok("vpr-query", {world().fabmap(), "--query", out / "grey", "-o", out / "r.json"});
   const NpyArray best(out / "r.best.npy");
   CHECK(best.shape()[0] == 2);
   CHECK(best.values<int32_t>(2)[1] == -1);
 }
 
 TEST_CASE("frames without features are counted, and warned of with their share") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   fs::copy(world().walk("one"), out / "walk");
-  const auto frames = test::list_folder(out / "walk").size();
+  const auto frames = list_folder(out / "walk").size();
   for (size_t i = 0; i < frames; ++i)
-    test::write_text(out / "walk" / fmt::format("zz{}.pgm", i),
-                     "P5\n32 32\n255\n" + std::string(1024, '\x80'));
+    write_text(out / "walk" / fmt::format("zz{}.pgm", i), kGreyImage);
   const auto query =
-      run_program("vpr-query", {world().fabmap(), "--query", out / "walk", "-o", out / "r.json"});
-  REQUIRE(query.exit_code == 0);
-  CHECK(query.err.find("have no sift feature") != std::string::npos);
-  CHECK(query.out.find(fmt::format("{} frames without features", frames)) != std::string::npos);
-  CHECK(parse(test::read_text(out / "r.json"))["query"]["featureless"] == frames);
-  const auto trained = run_train({"--train", out / "walk", "-o", out / "w.vprdb", "--json"});
-  REQUIRE(trained.exit_code == 0);
-  CHECK(trained.err.find("larger pictures") != std::string::npos);
-  CHECK(parse(trained.out)["featureless_views"] == frames);
+      run_ok("vpr-query", {world().fabmap(), "--query", out / "walk", "-o", out / "r.json"});
+  CHECK(has(query.err, "have no sift feature"));
+  CHECK(has(query.out, fmt::format("{} frames without features", frames)));
+  CHECK(file_json(out / "r.json")["query"]["featureless"] == frames);
+  const auto trained = ok(run_train({"--train", out / "walk", "-o", out / "w.vprdb", "--json"}));
+  CHECK(has(trained.err, "larger pictures"));
+  CHECK(Json::parse(trained.out)["featureless_views"] == frames);
   CHECK(run_query({"--json"}).err.empty());
 }
 
 TEST_CASE("a query that recognizes nothing states the highest probability, and no smaller t_p") {
-  const auto nothing = run_program(
-      "vpr-query", {world().fabmap(), "--query", world().walk("back"), "--t-p", "0.9999"});
-  REQUIRE(nothing.exit_code == 0);
+  const auto nothing =
+      run_ok("vpr-query", {world().fabmap(), "--query", world().walk("back"), "--t-p", "0.9999"});
   INFO(nothing.out);
-  CHECK(nothing.out.find("no probability is above t_p 0.9999. The highest is 0.") !=
-        std::string::npos);
-  CHECK(nothing.out.find("--t-p") == std::string::npos);
+  CHECK(has(nothing.out, "no probability is above t_p 0.9999. The highest is 0."));
+  CHECK_FALSE(has(nothing.out, "--t-p"));
 }
 
 TEST_CASE("a flag of the other family is refused with the name of its counterpart") {
@@ -238,65 +200,57 @@ TEST_CASE("a flag of the other family is refused with the name of its counterpar
 }
 
 TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   fs::copy(world().walk("one"), out / "one");
-  const std::string broken = test::list_folder(out / "one")[3];
-  test::write_text(out / "one" / broken, "broken");
-  REQUIRE(
-      run_train({"--train", out / "one", "--skip-unreadable", "-o", out / "b.vprdb"}).exit_code ==
-      0);
+  const std::string broken = list_folder(out / "one")[3];
+  write_text(out / "one" / broken, "broken");
+  ok(run_train({"--train", out / "one", "--skip-unreadable", "-o", out / "b.vprdb"}));
   fs::create_directory(out / "grey");
-  test::write_text(out / "grey/1.pgm", "P5\n32 32\n255\n" + std::string(1024, '\x80'));
-  REQUIRE(run_program("vpr-query", {out / "b.vprdb", "--query", out / "grey", "--save-posteriors",
-                                    out / "p.npy", "-o", out / "r.json"})
-              .exit_code == 0);
+  write_text(out / "grey/1.pgm", kGreyImage);
+  run_ok("vpr-query", {out / "b.vprdb", "--query", out / "grey", "--save-posteriors", out / "p.npy",
+                       "-o", out / "r.json"});
   const NpyArray posteriors(out / "p.npy");
   const double floor = 0.01 / static_cast<double>(posteriors.shape()[1]);
   CHECK(posteriors.values<double>(2)[1 + 3] == Approx(floor));
   // A grey frame after the broken one, with nothing else to be like.
   fs::copy(out / "grey/1.pgm", out / "one/zz.pgm");
-  REQUIRE(run_train({"-o", out / "v.vprdb"}).exit_code == 0);
-  REQUIRE(run_program("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop",
-                                    "--skip-unreadable", "--t-p", "0.5", "-o", out / "l.json"})
-              .exit_code == 0);
+  ok(run_train({"-o", out / "v.vprdb"}));
+  run_ok("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop", "--skip-unreadable",
+                       "--t-p", "0.5", "-o", out / "l.json"});
   const NpyArray hits(out / "l.hits.npy");
   for (size_t i = 0; i < hits.shape()[0]; ++i) CHECK(hits.values<int32_t>(2)[4 * i + 3] != 3);
 }
 
 TEST_CASE("a FAB-MAP database does not depend on the instruction sets that OpenCV finds") {
   const std::string features = GENERATE(as<std::string>(), "sift", "kaze", "akaze", "orb");
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   for (const std::string disabled :
        {"", "AVX2,AVX512-SKX", "SSE4.1,SSE4.2,FP16,AVX,AVX2,AVX512-SKX"})
-    REQUIRE(run_program("vpr-train",
-                        {"fabmap", "--pretrain", world().walk("other") + "@0:8", "--features",
-                         features, "--words", "20", "--train", world().walk("one") + "@0:8", "-o",
-                         out / ("without " + disabled)},
-                        {"OPENCV_CPU_DISABLE=" + disabled})
-                .exit_code == 0);
-  for (const std::string& name : test::list_folder(out / "without "))
-    for (const std::string& other : test::list_folder(out.path()))
-      CHECK(test::read_text(out / "without " / name) == test::read_text(out / other / name));
+    run_ok(
+        "vpr-train",
+        {"fabmap", "--pretrain", world().walk("other") + "@0:8", "--features", features, "--words",
+         "20", "--train", world().walk("one") + "@0:8", "-o", out / ("without " + disabled)},
+        {"OPENCV_CPU_DISABLE=" + disabled});
+  for (const std::string& name : list_folder(out / "without "))
+    for (const std::string& other : list_folder(out.path()))
+      CHECK(read_text(out / "without " / name) == read_text(out / other / name));
 }
 
 TEST_CASE("a pretraining frame that can't be decoded is left out, and is none without words") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   fs::copy(world().walk("other"), out / "broken");
-  test::write_text(out / "broken/00001a.jpg", "broken");
+  write_text(out / "broken/00001a.jpg", "broken");
   for (const std::string& folder : {world().walk("other"), (out / "broken").string()})
-    REQUIRE(
-        run_program("vpr-train", {"fabmap", "--pretrain", folder, "--features", "orb", "--words",
-                                  "40", "--train", world().walk("one"), "--skip-unreadable", "-o",
-                                  out / (fs::path(folder).filename().string() + ".vprdb")})
-            .exit_code == 0);
-  for (const std::string& name : test::list_folder(out / "other.vprdb"))
-    CHECK(test::read_text(out / "other.vprdb" / name) ==
-          test::read_text(out / "broken.vprdb" / name));
+    run_ok("vpr-train", {"fabmap", "--pretrain", folder, "--features", "orb", "--words", "40",
+                         "--train", world().walk("one"), "--skip-unreadable", "-o",
+                         out / (fs::path(folder).filename().string() + ".vprdb")});
+  for (const std::string& name : list_folder(out / "other.vprdb"))
+    CHECK(read_text(out / "other.vprdb" / name) == read_text(out / "broken.vprdb" / name));
 }
 
 TEST_CASE("FAB-MAP settings out of range") {
   using Wrong = std::vector<std::array<std::string, 3>>;  // flag, value, a word of the sentence
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   for (const auto& [flag, value, word] : Wrong{{"--t-p", "1.5", "t_p must be"},
                                                {"--t-p", "nan", "\"--t-p\""},
                                                {"--c-w", "0", "c_w must be"},
@@ -305,9 +259,9 @@ TEST_CASE("FAB-MAP settings out of range") {
                                                {"--word-model", "x", "\"--word-model\""},
                                                {"--loop-gap", "-1", "\"--loop-gap\""},
                                                {"--new-place", "never", "\"--new-place\""}})
-    check_failure(run_program("vpr-query", {world().fabmap(), "--query", world().walk("back"), flag,
-                                            value, "--json"}),
-                  2, word);
+    check_failure("vpr-query",
+                  {world().fabmap(), "--query", world().walk("back"), flag, value, "--json"}, 2,
+                  word);
   for (const auto& [flag, value, word] : Wrong{{"--words", "0", "from 2 to 10000000"},
                                                {"--words", "1", "from 2 to 10000000"},
                                                {"--words", "100000000", "from 2 to 10000000"},
@@ -315,26 +269,25 @@ TEST_CASE("FAB-MAP settings out of range") {
                                                {"--words", "999999", "give fewer --words"},
                                                {"--place", "x", "NAME=SEQUENCE"},
                                                {"--clustering", "tree", "\"--clustering\""}})
-    check_failure(
-        run_program("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
-                                  world().walk("one"), flag, value, "-o", out / "x.vprdb"}),
-        2, word);
-  CHECK(test::list_folder(out.path()).empty());
+    check_failure("vpr-train",
+                  {"fabmap", "--pretrain", world().walk("other"), "--train", world().walk("one"),
+                   flag, value, "-o", out / "x.vprdb"},
+                  2, word);
+  CHECK(list_folder(out.path()).empty());
 }
 
 TEST_CASE("every file of a FAB-MAP database is tried broken") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const fs::path broken = out / "d.vprdb";
-  for (const std::string& name : test::list_folder(world().fabmap())) {
+  for (const std::string& name : list_folder(world().fabmap())) {
     INFO(name);
-    const std::string whole = test::read_text(fs::path(world().fabmap()) / name);
+    const std::string whole = read_text(fs::path(world().fabmap()) / name);
     for (const std::string& text :
          {without_last_bit(whole), whole.substr(0, whole.size() / 2), std::string()}) {
       copy_database(world().fabmap(), broken);
-      test::write_text(broken / name, text);
-      check_failure(run_program("vpr-train", {"info", broken}), 4, "d.vprdb");
-      check_failure(run_program("vpr-query", {broken, "--query", world().walk("back"), "--json"}),
-                    4, "d.vprdb");
+      write_text(broken / name, text);
+      check_failure("vpr-train", {"info", broken}, 4, "d.vprdb");
+      check_failure("vpr-query", {broken, "--query", world().walk("back"), "--json"}, 4, "d.vprdb");
     }
     copy_database(world().fabmap(), broken);
     fs::remove(broken / name);
@@ -344,45 +297,38 @@ TEST_CASE("every file of a FAB-MAP database is tried broken") {
 }
 
 TEST_CASE("every file of a FAB-MAP result is tried broken") {
-  const test::TemporaryFolder out;
-  REQUIRE(run_query({"-o", out / "r.json"}).exit_code == 0);
+  const TemporaryFolder out;
+  ok(run_query({"-o", out / "r.json"}));
   const auto eval = [&] {
     return run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"});
   };
-  REQUIRE(eval().exit_code == 0);
+  ok(eval());
   for (const std::string name : {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy",
                                  "r.best_scores.npy", "r.new_place.npy"}) {
     INFO(name);
-    const std::string whole = test::read_text(out / name);
+    const std::string whole = read_text(out / name);
     for (const std::string& text :
          {whole.substr(0, whole.size() / 2), without_last_bit(whole), std::string()}) {
-      test::write_text(out / name, text);
+      write_text(out / name, text);
       // The last byte of a JSON file is a line end, which another byte may replace.
       if (name != "r.json" || text.size() < whole.size()) check_failure(eval(), 4, "r.");
     }
-    test::write_text(out / name, whole);
+    write_text(out / name, whole);
   }
 }
 
 TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by query") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::string walk = world().walk("one");
-  const std::vector<std::string> files = test::list_folder(walk);
-  const auto frames = static_cast<size_t>(std::count_if(
-      files.begin(), files.end(), [](const std::string& name) { return name.ends_with(".png"); }));
+  const size_t frames = images_of(walk).size();
   const size_t half = frames / 2;
-  REQUIRE(run_train({"--place", fmt::format("a={}@0:{}", walk, half), "--place",
-                     fmt::format("b={}@{}:{}", walk, half, frames), "-o", out / "p.vprdb"})
-              .exit_code == 0);
-  REQUIRE(
-      run_program("vpr-train", {"fastable", "--train", walk, "--c-l", "4", "-o", out / "s.vprdb"})
-          .exit_code == 0);
-  REQUIRE(run_program("vpr-query", {out / "p.vprdb", "--query", walk, "-o", out / "p.json"})
-              .exit_code == 0);
-  REQUIRE(run_program("vpr-query", {out / "s.vprdb", "--query", walk, "--c-l", "4", "--t-r", "0.3",
-                                    "-o", out / "s.json"})
-              .exit_code == 0);
-  const Json result = parse(test::read_text(out / "p.json"));
+  ok(run_train({"--place", fmt::format("a={}@0:{}", walk, half), "--place",
+                fmt::format("b={}@{}:{}", walk, half, frames), "-o", out / "p.vprdb"}));
+  run_ok("vpr-train", {"fastable", "--train", walk, "--c-l", "4", "-o", out / "s.vprdb"});
+  run_ok("vpr-query", {out / "p.vprdb", "--query", walk, "-o", out / "p.json"});
+  run_ok("vpr-query",
+         {out / "s.vprdb", "--query", walk, "--c-l", "4", "--t-r", "0.3", "-o", out / "s.json"});
+  const Json result = file_json(out / "p.json");
   CHECK(result["targets"][0]["frames"] == 2);
   CHECK(result["places"]["names"] == Json{"a", "b"});
   CHECK(result["places"]["views"] == frames);
@@ -391,20 +337,17 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
     std::string pairs = "query,reference\n";
     for (size_t frame = 0; frame + unknown < frames; ++frame)
       pairs += fmt::format("{},{}\n", frame, frame < half ? 0 : 1);
-    test::write_text(out / "places.csv", pairs);
+    write_text(out / "places.csv", pairs);
     const auto evaluate = [&](const std::string& name, const std::string& truth) {
-      REQUIRE(run_program("vpr-eval", {out / (name + ".json"), "--ground-truth", truth, "--force",
-                                       "-o", out / (name + "-report.json")})
-                  .exit_code == 0);
+      run_ok("vpr-eval", {out / (name + ".json"), "--ground-truth", truth, "--force", "-o",
+                          out / (name + "-report.json")});
     };
     evaluate("p", out / "places.csv");
     evaluate("s", "aligned");
-    const auto run = run_program(
-        "vpr-eval", {"compare", out / "p-report.json", out / "s-report.json", "--json"});
-    INFO(run.err);
-    REQUIRE(run.exit_code == 0);
-    CHECK(run.err.find("ground truths of their own") != std::string::npos);
-    return parse(run.out);
+    const auto run =
+        run_ok("vpr-eval", {"compare", out / "p-report.json", out / "s-report.json", "--json"});
+    CHECK(has(run.err, "ground truths of their own"));
+    return Json::parse(run.out);
   };
   const Json all = compare(0);
   CHECK(all["ground_truths"] == "of-places-and-frames");
@@ -419,21 +362,19 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
 }
 
 TEST_CASE("OpenFABMAP's files, broken") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const auto files = openfabmap_files(world().fabmap(), out.path());
   for (const fs::path& file : files) {
     INFO(file);
-    const std::string whole = test::read_text(file);
+    const std::string whole = read_text(file);
     for (const std::string& text :
          {whole.substr(0, whole.size() / 2), std::string("x: 3\n"), std::string()}) {
-      test::write_text(file, text);
-      const auto outcome = import_openfabmap_files(files, out / "x.vprdb");
-      CHECK(outcome.exit_code == 4);
-      CHECK(outcome.err.find(file.filename().string()) != std::string::npos);
+      write_text(file, text);
+      check_failure(import_openfabmap_files(files, out / "x.vprdb"), 4, file.filename().string());
     }
     fs::remove(file);
     CHECK(import_openfabmap_files(files, out / "x.vprdb").exit_code == 3);
-    test::write_text(file, whole);
+    write_text(file, whole);
   }
   CHECK(!fs::exists(out / "x.vprdb"));
 }

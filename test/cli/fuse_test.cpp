@@ -1,45 +1,27 @@
 // FAB-MAP and sequences together, as a user asks for them.
 #include <catch2/catch.hpp>
 
-#include "base/json.h"
 #include "report/result_file.h"
-#include "support.h"
 #include "world.h"
 
 using namespace vpr;
-using test::check_failure;
-using test::printed_json;
-using test::run_program;
-using test::world;
+using namespace vpr::test;
 
 namespace {
 
 /// A database of the walk that the world's FAB-MAP database has.
 const std::string& database() {
-  static const test::TemporaryFolder kFolder;
+  static const TemporaryFolder kFolder;
   static const std::string kPath = [] {
     const std::string path = kFolder / "one.vprdb";
-    REQUIRE(run_program("vpr-train",
-                        {"fastable", "--train", world().walk("one"), "--c-l", "10", "-o", path})
-                .exit_code == 0);
+    run_ok("vpr-train", {"fastable", "--train", world().walk("one"), "--c-l", "10", "-o", path});
     return path;
   }();
   return kPath;
 }
 
-test::RunOutcome query(std::vector<std::string> words) {
-  words.insert(words.begin(), {database(), "--query", world().walk("again")});
-  return run_program("vpr-query", words);
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = text.find('\n', at);
-    lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return lines;
+RunOutcome query(Words words) {
+  return run_program("vpr-query", joined({database(), "--query", world().walk("again")}, words));
 }
 
 }  // namespace
@@ -63,11 +45,9 @@ TEST_CASE("a fused query says with what it was fused") {
 }
 
 TEST_CASE("an automatic margin of fused scores is warned of") {
-  const auto said = [](std::vector<std::string> words) {
-    words.insert(words.begin(), {"--fuse", world().fabmap()});
-    const auto outcome = query(words);
-    CHECK(outcome.exit_code == 0);
-    return outcome.err.find("was made for scores that are not fused") != std::string::npos;
+  const auto said = [](Words words) {
+    const auto outcome = ok(query(joined({"--fuse", world().fabmap()}, words)));
+    return has(outcome.err, "was made for scores that are not fused");
   };
   CHECK(said({"--c-l", "10", "--decide", "margin"}));
   CHECK_FALSE(said({"--c-l", "10", "--t-r", "-2"}));
@@ -76,33 +56,30 @@ TEST_CASE("an automatic margin of fused scores is warned of") {
 }
 
 TEST_CASE("a result's settings ask for the same database again") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string result = folder / "r.json";
-  REQUIRE(query({"--fuse", world().fabmap(), "--fuse-beta", "0.5", "--c-l", "10", "--t-r", "-2",
-                 "-o", result})
-              .exit_code == 0);
+  ok(query({"--fuse", world().fabmap(), "--fuse-beta", "0.5", "--c-l", "10", "--t-r", "-2", "-o",
+            result}));
   check_failure(query({"--config", result}), 2, "--fuse");
   const Json json = printed_json(query({"--config", result, "--fuse", world().fabmap(), "--json"}));
   CHECK(json["settings"]["fuse_beta"] == 0.5);
 }
 
 TEST_CASE("what is followed says what the whole fused query says") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::string list;
-  for (const std::string& name : test::list_folder(world().walk("again")))
-    if (name.ends_with(".png")) list += world().walk("again") + "/" + name + "\n";
-  test::write_text(folder / "list.txt", list);
-  const auto asked = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {database(), "--query", folder / "list.txt", "--fuse",
-                                 world().fabmap(), "--c-l", "10", "--decide", "margin"});
-    return run_program("vpr-query", words);
+  for (const std::string& name : images_of(world().walk("again")))
+    list += world().walk("again") + "/" + name + "\n";
+  write_text(folder / "list.txt", list);
+  const auto asked = [&](Words words) {
+    return run_program("vpr-query", joined({database(), "--query", folder / "list.txt", "--fuse",
+                                            world().fabmap(), "--c-l", "10", "--decide", "margin"},
+                                           words));
   };
-  REQUIRE(asked({"-o", folder / "r.json"}).exit_code == 0);
+  ok(asked({"-o", folder / "r.json"}));
   const Result whole = read_result(folder / "r.json").result;
-  const auto followed = asked({"--follow", "--quiet"});
-  INFO(followed.err);
-  REQUIRE(followed.exit_code == 0);
-  const std::vector<std::string> lines = lines_of(followed.out);
+  const auto followed = ok(asked({"--follow", "--quiet"}));
+  const Words lines = lines_of(followed.out);
   REQUIRE(lines.size() == whole.query_frames);
   for (size_t window = 0; window < whole.best.size(); ++window) {
     const Json line = Json::parse(lines[window + 9]);
@@ -114,22 +91,21 @@ TEST_CASE("what is followed says what the whole fused query says") {
 TEST_CASE("what can't be fused is refused with what to do") {
   check_failure(query({"--fuse", world().fabmap(), "--score", "raw"}), 2, "--score raw");
   check_failure(query({"--fuse", database(), "--t-r", "-2"}), 4, "fabmap");
-  check_failure(run_program("vpr-query", {world().database(), "--query", world().walk("again"),
-                                          "--fuse", world().fabmap(), "--t-r", "-2"}),
+  check_failure("vpr-query",
+                {world().database(), "--query", world().walk("again"), "--fuse", world().fabmap(),
+                 "--t-r", "-2"},
                 4, "two");
-  check_failure(run_program("vpr-query", {world().fabmap(), "--query", world().walk("again"),
-                                          "--fuse", world().fabmap()}),
-                2, "--fuse");
+  check_failure("vpr-query",
+                {world().fabmap(), "--query", world().walk("again"), "--fuse", world().fabmap()}, 2,
+                "--fuse");
   check_failure(query({"--fuse", world().fabmap(), "--fuse-beta", "3"}), 2, "fuse_beta");
 }
 
 TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them") {
   const auto outcome =
-      run_program("vpr-tune", {"fastable", database(), "--query", world().walk("again"),
-                               "--ground-truth", "aligned", "--tolerance", "1000", "--fuse",
-                               world().fabmap(), "--c-l", "5,10", "--t-r", "-3:-0.5:0.5"});
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-  CHECK(outcome.out.find("--fuse " + world().fabmap()) != std::string::npos);
-  CHECK(outcome.out.find("--fuse-beta 0.2") != std::string::npos);
+      run_ok("vpr-tune", {"fastable", database(), "--query", world().walk("again"),
+                          "--ground-truth", "aligned", "--tolerance", "1000", "--fuse",
+                          world().fabmap(), "--c-l", "5,10", "--t-r", "-3:-0.5:0.5"});
+  CHECK(has(outcome.out, "--fuse " + world().fabmap()));
+  CHECK(has(outcome.out, "--fuse-beta 0.2"));
 }

@@ -4,34 +4,27 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/json.h"
 #include "cli/world.h"
-#include "support.h"
 
 using namespace vpr;
-using test::check_failure;
-using test::printed_json;
-using test::run_program;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
 
 /// Eight frames against themselves, c_l 2, with a ground truth of pairs.
 struct Walk {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   Walk() {
     fs::create_directory(folder / "one");
     for (int i = 0; i < 8; ++i)
-      test::write_image(folder / "one" / fmt::format("{}.png", i), static_cast<uint64_t>(i) + 1);
-    REQUIRE(run_program("vpr-train",
-                        {"fastable", "--c-l", "2", "--train", folder / "one", "-o", database()})
-                .exit_code == 0);
-    REQUIRE(run_program("vpr-query", {database(), "--query", folder / "one", "--c-l", "2", "--t-r",
-                                      "0.9", "-o", folder / "r.json"})
-                .exit_code == 0);
+      write_image(folder / "one" / fmt::format("{}.png", i), static_cast<uint64_t>(i) + 1);
+    run_ok("vpr-train", {"fastable", "--c-l", "2", "--train", folder / "one", "-o", database()});
+    run_ok("vpr-query", {database(), "--query", folder / "one", "--c-l", "2", "--t-r", "0.9", "-o",
+                         folder / "r.json"});
     std::string pairs = "query,reference,label\n0,7,same\n5,3,ignore\n";
     for (int i = 0; i < 7; ++i) pairs += fmt::format("{},{},same\n", i, i == 4 ? 5 : i);
-    test::write_text(folder / "g.csv", pairs);
+    write_text(folder / "g.csv", pairs);
   }
   std::string database() const { return folder / "one.vprdb"; }
   std::string path(const std::string& name) const { return folder / name; }
@@ -43,19 +36,17 @@ const Walk& walk() {
 }
 
 void convert(const std::string& from, const std::string& to, const fs::path& output) {
-  const auto outcome = run_program("vpr-eval", {"convert", from, "--query-frames", "8",
-                                                "--train-frames", "8", "--to", to, "-o", output});
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
+  run_ok("vpr-eval",
+         {"convert", from, "--query-frames", "8", "--train-frames", "8", "--to", to, "-o", output});
 }
 
 }  // namespace
 
 TEST_CASE("a result counts the same in every format that can hold its ground truth") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const auto counts = [&](const std::string& ground_truth) {
-    const Json report = printed_json(
-        run_program("vpr-eval", {walk().path("r.json"), "--ground-truth", ground_truth, "--json"}));
+    const Json report =
+        printed_json("vpr-eval", {walk().path("r.json"), "--ground-truth", ground_truth, "--json"});
     return report["counts"].dump() + report["best_match"].dump();
   };
   const std::string expected = counts(walk().path("g.csv"));
@@ -67,27 +58,25 @@ TEST_CASE("a result counts the same in every format that can hold its ground tru
     CHECK(counts(out / name) == expected);
   }
   convert(out / "g.npz", "pairs", out / "g.npz.csv");
-  CHECK(test::read_text(out / "g.npz.csv") ==
+  CHECK(read_text(out / "g.npz.csv") ==
         "query,reference,label\n0,0,same\n0,7,same\n1,1,same\n2,2,same\n3,3,same\n4,5,same\n"
         "5,3,ignore\n5,5,same\n6,6,same\n");
 }
 
 TEST_CASE("sequences and results say how many frames there are") {
-  const test::TemporaryFolder out;
-  for (const std::vector<std::string>& scope :
-       {std::vector<std::string>{"--query", walk().path("one"), "--train", walk().path("one@0:5")},
-        std::vector<std::string>{"--query-frames", "8", "--train-frames", "5"}}) {
-    std::vector<std::string> words = {"check", "aligned", "--json"};
-    words.insert(words.end(), scope.begin(), scope.end());
-    const Json report = printed_json(run_program("vpr-eval", words));
+  const TemporaryFolder out;
+  for (const Words& scope :
+       {Words{"--query", walk().path("one"), "--train", walk().path("one@0:5")},
+        Words{"--query-frames", "8", "--train-frames", "5"}}) {
+    const Json report = printed_json("vpr-eval", joined({"check", "aligned", "--json"}, scope));
     CHECK(report["frames"]["query"] == 8);
     CHECK(report["frames"]["train"] == 5);
     CHECK(report["pairs"]["same"] == 5);
     CHECK(report["findings"]["queries_without_match"] == 3);
     CHECK(report["findings"]["one_sided"].is_null());
   }
-  const Json report = printed_json(run_program(
-      "vpr-eval", {"check", walk().path("g.csv"), "--result", walk().path("r.json"), "--json"}));
+  const Json report = printed_json(
+      "vpr-eval", {"check", walk().path("g.csv"), "--result", walk().path("r.json"), "--json"});
   CHECK(report["pairs"]["same"] == 8);
   CHECK(report["pairs"]["ignored"] == 1);
   CHECK(report["findings"]["one_sided"]["count"] == 2);
@@ -96,8 +85,8 @@ TEST_CASE("sequences and results say how many frames there are") {
 }
 
 TEST_CASE("a check of a damaged ground truth says what is wrong, and ends with 4") {
-  const test::TemporaryFolder out;
-  test::write_text(out / "g.csv", "query,reference,label\n0,0,\n0,0,ignore\n9,0,\n");
+  const TemporaryFolder out;
+  write_text(out / "g.csv", "query,reference,label\n0,0,\n0,0,ignore\n9,0,\n");
   const auto outcome =
       run_program("vpr-eval", {"check", out / "g.csv", "--query-frames", "3", "--train-frames", "3",
                                "--json", "-o", out / "c.json"});
@@ -109,22 +98,21 @@ TEST_CASE("a check of a damaged ground truth says what is wrong, and ends with 4
   const auto table = run_program(
       "vpr-eval", {"check", out / "g.csv", "--query-frames", "3", "--train-frames", "3"});
   CHECK(table.exit_code == 4);
-  CHECK(table.out.find("line 4: query 9 is out of range") != std::string::npos);
-  check_failure(
-      run_program("vpr-eval", {"convert", out / "g.csv", "--query-frames", "3", "--train-frames",
-                               "3", "--to", "matrix", "-o", out / "m.npz"}),
-      4, "damaged");
+  CHECK(has(table.out, "line 4: query 9 is out of range"));
+  check_failure("vpr-eval",
+                {"convert", out / "g.csv", "--query-frames", "3", "--train-frames", "3", "--to",
+                 "matrix", "-o", out / "m.npz"},
+                4, "damaged");
   CHECK_FALSE(fs::exists(out / "m.npz"));
-  test::write_text(out / "cut.npy", "\x93NUMPY");
-  check_failure(run_program("vpr-eval", {"check", out / "cut.npy"}), 4, "cut.npy");
+  write_text(out / "cut.npy", "\x93NUMPY");
+  check_failure("vpr-eval", {"check", out / "cut.npy"}, 4, "cut.npy");
 }
 
 TEST_CASE("mistakes of convert and check") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::string pairs = walk().path("g.csv");
-  const auto convert_to = [&](const std::string& to, std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"convert", pairs, "--to", to, "-o", out / "x"});
-    return run_program("vpr-eval", more);
+  const auto convert_to = [&](const std::string& to, Words more = {}) {
+    return run_program("vpr-eval", joined({"convert", pairs, "--to", to, "-o", out / "x"}, more));
   };
   check_failure(convert_to("aligned"), 2, "--to takes pairs, matrix");
   check_failure(convert_to("matrices"), 2, "did you mean matrix");
@@ -135,26 +123,24 @@ TEST_CASE("mistakes of convert and check") {
   check_failure(convert_to("matrix", {"--from", "tum"}), 2, "--ground-truth-reference");
   check_failure(convert_to("matrix", {"--radius", "3"}), 2, "radius_m");
   check_failure(convert_to("matrix", {"--matrix-rows", "rows"}), 2, "matrix-rows");
-  check_failure(run_program("vpr-eval", {"convert", pairs, "--to", "matrix"}), 2, "-o");
-  check_failure(run_program("vpr-eval", {"convert", out / "no", "--to", "matrix", "-o", out / "x"}),
-                3, "no");
-  check_failure(run_program("vpr-eval", {"check", "aligned"}), 2, "frames");
-  check_failure(run_program("vpr-eval", {}), 2, "result");
-  CHECK(test::list_folder(out.path()).empty());
+  check_failure("vpr-eval", {"convert", pairs, "--to", "matrix"}, 2, "-o");
+  check_failure("vpr-eval", {"convert", out / "no", "--to", "matrix", "-o", out / "x"}, 3, "no");
+  check_failure("vpr-eval", {"check", "aligned"}, 2, "frames");
+  check_failure("vpr-eval", {}, 2, "result");
+  CHECK(list_folder(out.path()).empty());
   // What can't be said is said to be lost.
-  const auto lossy = convert_to("matrix");
-  CHECK(lossy.exit_code == 0);
-  CHECK(lossy.err.find("1 pair to ignore") != std::string::npos);
+  const auto lossy = ok(convert_to("matrix"));
+  CHECK(has(lossy.err, "1 pair to ignore"));
 }
 
 TEST_CASE("one command counts a result under every protocol") {
-  const Json all = printed_json(
-      run_program("vpr-eval", {walk().path("r.json"), "--protocol", "nordland-all", "--json"}));
+  const Json all =
+      printed_json("vpr-eval", {walk().path("r.json"), "--protocol", "nordland-all", "--json"});
   REQUIRE(all["protocols"].size() == 4);
   for (const Json& protocol : all["protocols"]) {
     const std::string name = protocol["name"].get<std::string>();
-    const Json report = printed_json(
-        run_program("vpr-eval", {walk().path("r.json"), "--ground-truth", name, "--json"}));
+    const Json report =
+        printed_json("vpr-eval", {walk().path("r.json"), "--ground-truth", name, "--json"});
     CHECK(report["counts"] == protocol["report"]["counts"]);
     CHECK(report["protocol"]["ground_truth"].get<std::string>().starts_with(name));
   }
@@ -162,125 +148,103 @@ TEST_CASE("one command counts a result under every protocol") {
                                               "nordland-25m,nordland-exact", "--format", "csv"});
   CHECK(table.out.starts_with("protocol,"));
   CHECK(table.out.find("\nnordland-25m,") < table.out.find("\nnordland-exact,"));
-  check_failure(run_program("vpr-eval", {walk().path("r.json"), "--protocol", "nordland"}), 2,
-                "nordland-all");
-  check_failure(run_program("vpr-eval", {walk().path("r.json"), "--protocol", "nordland-all",
-                                         "--ground-truth", "aligned"}),
+  check_failure("vpr-eval", {walk().path("r.json"), "--protocol", "nordland"}, 2, "nordland-all");
+  check_failure("vpr-eval",
+                {walk().path("r.json"), "--protocol", "nordland-all", "--ground-truth", "aligned"},
                 2, "--protocol");
 }
 
 TEST_CASE("vpr-query and vpr-tune take every format, and data sets name it") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   convert(walk().path("g.csv"), "matrix", out / "g.npz");
   const auto picture = [&](const std::string& ground_truth) {
     const std::string name = out / "d.png";
-    const auto outcome =
-        run_program("vpr-query",
-                    {walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9",
-                     "--save-matrix", name, "--ground-truth", ground_truth, "--json", "--force"});
-    INFO(outcome.err);
-    REQUIRE(outcome.exit_code == 0);
-    return test::read_text(name);
+    run_ok("vpr-query",
+           {walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9",
+            "--save-matrix", name, "--ground-truth", ground_truth, "--json", "--force"});
+    return read_text(name);
   };
   CHECK(picture(walk().path("g.csv")) == picture(out / "g.npz"));
   CHECK(picture("aligned") != picture(out / "g.npz"));
-  const auto tune = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {"fastable", walk().database(), "--c-l", "2", "--t-r",
-                                      "0.9",      "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return printed_json(run_program("vpr-tune", words))["cells"].dump();
+  const auto tune = [&](Words more) {
+    Words words =
+        joined({"fastable", walk().database(), "--c-l", "2", "--t-r", "0.9", "--json"}, more);
+    return printed_json("vpr-tune", words)["cells"].dump();
   };
   const std::string expected =
       tune({"--query", walk().path("one"), "--ground-truth", walk().path("g.csv")});
   CHECK(tune({"--query", walk().path("one"), "--ground-truth", out / "g.npz"}) == expected);
-  test::write_text(out / "d.json",
-                   fmt::format(R"({{"schema": "vpr.dataset/1", "name": "d", "queries": [
+  write_text(out / "d.json", fmt::format(R"({{"schema": "vpr.dataset/1", "name": "d", "queries": [
       {{"name": "one", "sequence": "{}", "ground_truth": {{"path": "g.npz",
         "matrix_rows": "reference"}}}}]}})",
-                               walk().path("one")));
+                                         walk().path("one")));
   CHECK(tune({"--dataset", out / "d.json"}) == expected);
-  CHECK(printed_json(run_program("vpr-eval", {walk().path("r.json"), "--dataset", out / "d.json",
-                                              "--json"}))["counts"] ==
-        printed_json(run_program("vpr-eval", {walk().path("r.json"), "--ground-truth",
-                                              walk().path("g.csv"), "--json"}))["counts"]);
+  CHECK(printed_json("vpr-eval",
+                     {walk().path("r.json"), "--dataset", out / "d.json", "--json"})["counts"] ==
+        printed_json("vpr-eval", {walk().path("r.json"), "--ground-truth", walk().path("g.csv"),
+                                  "--json"})["counts"]);
 }
 
 TEST_CASE("several results make one table, with a row and a name for each") {
-  const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-query", {walk().database(), "--query", walk().path("one"), "--c-l", "3",
-                                    "--t-r", "0.9", "-o", out / "long.json", "--quiet"})
-              .exit_code == 0);
-  std::vector<std::string> words = {walk().path("r.json"), out / "long.json", "--ground-truth",
-                                    walk().path("g.csv")};
-  auto csv = words;
-  csv.insert(csv.end(), {"--format", "csv", "--name", "c_l 2", "--name", "c_l 3", "--outcomes-csv",
-                         out / "o.csv", "--recognitions-csv", out / "p.csv"});
-  const auto table = run_program("vpr-eval", csv);
-  INFO(table.err);
-  REQUIRE(table.exit_code == 0);
+  const TemporaryFolder out;
+  run_ok("vpr-query", {walk().database(), "--query", walk().path("one"), "--c-l", "3", "--t-r",
+                       "0.9", "-o", out / "long.json", "--quiet"});
+  Words words = {walk().path("r.json"), out / "long.json", "--ground-truth", walk().path("g.csv")};
+  const auto table =
+      run_ok("vpr-eval",
+             joined(words, {"--format", "csv", "--name", "c_l 2", "--name", "c_l 3",
+                            "--outcomes-csv", out / "o.csv", "--recognitions-csv", out / "p.csv"}));
   CHECK(table.out.starts_with("name,method,query,c_l,"));
   CHECK(std::count(table.out.begin(), table.out.end(), '\n') == 3);
-  CHECK(table.out.find("\nc_l 3,fastable,one,3,") != std::string::npos);
-  const std::string outcomes = test::read_text(out / "o.csv");
+  CHECK(has(table.out, "\nc_l 3,fastable,one,3,"));
+  const std::string outcomes = read_text(out / "o.csv");
   CHECK(std::count(outcomes.begin(), outcomes.end(), '\n') == 1 + 7 + 6);
-  CHECK(outcomes.find("\nc_l 2,one,0,1,one,1,") != std::string::npos);
-  CHECK(test::read_text(out / "p.csv").starts_with("name,query,sequence,first_frame,frame,"));
-  auto json = words;
-  json.insert(json.end(), {"--json", "-o", out / "reports.json"});
-  const Json reports = printed_json(run_program("vpr-eval", json));
+  CHECK(has(outcomes, "\nc_l 2,one,0,1,one,1,"));
+  CHECK(read_text(out / "p.csv").starts_with("name,query,sequence,first_frame,frame,"));
+  const Json reports =
+      printed_json("vpr-eval", joined(words, {"--json", "-o", out / "reports.json"}));
   CHECK(reports["schema"] == "vpr.reports/1");
   CHECK(reports["reports"][1]["name"] == "long");
   CHECK(reports["reports"][1]["report"]["settings"]["c_l"] == 3);
-  auto mistaken = words;
-  mistaken.insert(mistaken.end(), {"--name", "one only"});
-  check_failure(run_program("vpr-eval", mistaken), 2, "2 results and 1 names");
-  mistaken = words;
-  mistaken.insert(mistaken.end(), {"--html", out / "x.html"});
-  check_failure(run_program("vpr-eval", mistaken), 2, "one result");
+  check_failure("vpr-eval", joined(words, {"--name", "one only"}), 2, "2 results and 1 names");
+  check_failure("vpr-eval", joined(words, {"--html", out / "x.html"}), 2, "one result");
   const std::string text = run_program("vpr-eval", words).out;
-  CHECK(text.find("By view") != std::string::npos);
+  CHECK(has(text, "By view"));
 }
 
 TEST_CASE("what says how a ground truth is read needs one") {
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--tolerance", "3"}, {"--radius", "2"}}) {
-    std::vector<std::string> query = {
-        walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9", "--json"};
-    query.insert(query.end(), words.begin(), words.end());
-    check_failure(run_program("vpr-query", query), 2, "--save-matrix");
-  }
+  for (const std::string flag : {"--tolerance", "--radius"})
+    check_failure("vpr-query",
+                  {walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9",
+                   "--json", flag, "3"},
+                  2, "--save-matrix");
 }
 
 TEST_CASE("poses by time and anchors are taken from flags and from data sets") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::string poses;
   for (int i = 0; i <= 10; ++i) poses += fmt::format("{:.1f} {} 0 0 0 0 0 1\n", 100 + i * 0.1, i);
-  test::write_text(folder / "p.tum", poses);
-  test::write_text(folder / "t.txt", "0\n0.25\n0.5\n");
-  test::write_text(folder / "late.txt", "50\n51\n");
+  write_text(folder / "p.tum", poses);
+  write_text(folder / "t.txt", "0\n0.25\n0.5\n");
+  write_text(folder / "late.txt", "50\n51\n");
   const std::string path = folder / "p.tum";
   const auto check = [&](const std::string& times, const std::string& offset) {
     return run_program("vpr-eval", {"check", path, "--ground-truth-reference", path, "--radius",
                                     "1", "--query-times", folder / times, "--offset", offset,
                                     "--max-difference", "0.06", "--json"});
   };
-  const auto run = check("t.txt", "100");
-  REQUIRE(run.exit_code == 0);
-  const Json found = Json::parse(run.out);
+  const Json found = printed_json(check("t.txt", "100"));
   CHECK(found["frames"]["query"] == 3);
   CHECK(found["pairs"]["same"] == 2 + 2 + 3);  // at 0, 2.5 and 5 metres
   CHECK(found["protocol"] ==
         "tum poses at the times of query frames, the nearest within 0.06 s, query times +100 s: "
         "within 1 m");
-  const auto apart = check("late.txt", "0");
-  CHECK(apart.exit_code == 4);
-  CHECK(apart.err.find("they are of 50 to 51 s, and " + path + " is of 100 to 101 s") !=
-        std::string::npos);
+  check_failure(check("late.txt", "0"), 4,
+                "they are of 50 to 51 s, and " + path + " is of 100 to 101 s");
   // Flags that a format does not use are refused.
-  test::write_text(folder / "walk.anchors.csv", "query,reference\n0,0\n4,8\n");
+  write_text(folder / "walk.anchors.csv", "query,reference\n0,0\n4,8\n");
   const std::string anchors = folder / "walk.anchors.csv";
   CHECK(run_program("vpr-eval", {"check", anchors, "--offset", "3"}).exit_code == 2);
-  const auto line = run_program("vpr-eval", {"check", anchors, "--tolerance", "1", "--json"});
-  REQUIRE(line.exit_code == 0);
-  CHECK(Json::parse(line.out)["pairs"]["same"] == 2 + 3 * 3 + 2);
+  CHECK(printed_json("vpr-eval", {"check", anchors, "--tolerance", "1",
+                                  "--json"})["pairs"]["same"] == 2 + 3 * 3 + 2);
 }

@@ -1,58 +1,51 @@
-// What programs say of themselves: help, versions, and what may have been meant.
+// What programs say of themselves: help, versions, completions and what may have been meant.
 #include "common/help.h"
 
-#include <sstream>
+#include <algorithm>
 
 #include <catch2/catch.hpp>
 
-#include "support.h"
+#include "cli/world.h"
 
 using namespace vpr;
-using test::run_program;
+using namespace vpr::test;
 
 namespace {
 
-const std::vector<std::vector<std::string>> kCommands = {{"vpr-train"},
-                                                         {"vpr-train", "fastable"},
-                                                         {"vpr-train", "fabmap"},
-                                                         {"vpr-train", "info"},
-                                                         {"vpr-train", "add"},
-                                                         {"vpr-train", "export"},
-                                                         {"vpr-query"},
-                                                         {"vpr-eval"},
-                                                         {"vpr-eval", "compare"},
-                                                         {"vpr-eval", "convert"},
-                                                         {"vpr-eval", "check"},
-                                                         {"vpr-tune"},
-                                                         {"vpr-tune", "fastable"},
-                                                         {"vpr-tune", "fabmap"},
-                                                         {"vpr-tune", "threshold"},
-                                                         {"vpr-bench"},
-                                                         {"vpr-bench", "matching"},
-                                                         {"vpr-bench", "describe"},
-                                                         {"vpr-bench", "fabmap"},
-                                                         {"vpr-bench", "realtime"},
-                                                         {"vpr-bench", "compare"},
-                                                         {"vpr-synth"}};
+const std::vector<Words> kCommands = {{"vpr-train"},
+                                      {"vpr-train", "fastable"},
+                                      {"vpr-train", "fabmap"},
+                                      {"vpr-train", "info"},
+                                      {"vpr-train", "add"},
+                                      {"vpr-train", "export"},
+                                      {"vpr-query"},
+                                      {"vpr-eval"},
+                                      {"vpr-eval", "compare"},
+                                      {"vpr-eval", "convert"},
+                                      {"vpr-eval", "check"},
+                                      {"vpr-tune"},
+                                      {"vpr-tune", "fastable"},
+                                      {"vpr-tune", "fabmap"},
+                                      {"vpr-tune", "threshold"},
+                                      {"vpr-bench"},
+                                      {"vpr-bench", "matching"},
+                                      {"vpr-bench", "describe"},
+                                      {"vpr-bench", "fabmap"},
+                                      {"vpr-bench", "realtime"},
+                                      {"vpr-bench", "compare"},
+                                      {"vpr-synth"}};
 
-test::RunOutcome run_command(std::vector<std::string> words, const std::string& flag) {
+RunOutcome run_command(Words words, const std::string& flag) {
   const std::string program = words.front();
   words.erase(words.begin());
   words.push_back(flag);
   return run_program(program, words);
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 }  // namespace
 
-TEST_CASE("no line of any help is longer than 100 columns; common options come last") {
-  for (const std::vector<std::string>& words : kCommands) {
+TEST_CASE("every command has a version, and help of 100 columns with common options last") {
+  for (const Words& words : kCommands) {
     const auto run = run_command(words, "--help");
     INFO(words.front() << " " << words.back());
     REQUIRE(run.exit_code == 0);
@@ -60,10 +53,13 @@ TEST_CASE("no line of any help is longer than 100 columns; common options come l
       INFO(line);
       CHECK(line.size() <= kHelpWidth);
     }
+    const auto version = ok(run_command(words, "--version"));
+    CHECK(version.out.starts_with(words.front() + " "));
+    CHECK(lines_of(version.out).size() == 1);
     const size_t common = run.out.find("\nCommon options:\n");
     REQUIRE(common != std::string::npos);
     CHECK(run.out.find("--version", common) != std::string::npos);
-    CHECK(run.out.find("Example:\n") != std::string::npos);
+    CHECK(has(run.out, "Example:\n"));
     for (const std::string own : {"\nOptions:\n", "\nGround truth:\n", "\nPictures:\n"}) {
       const size_t at = run.out.find(own);
       if (at != std::string::npos) CHECK(at < common);
@@ -71,17 +67,8 @@ TEST_CASE("no line of any help is longer than 100 columns; common options come l
   }
 }
 
-TEST_CASE("every command knows its version") {
-  for (const std::vector<std::string>& words : kCommands) {
-    const auto run = run_command(words, "--version");
-    CHECK(run.exit_code == 0);
-    CHECK(run.out.starts_with(words.front() + " "));
-    CHECK(lines_of(run.out).size() == 1);
-  }
-}
-
 TEST_CASE("a mistyped flag or command is named, with the nearest") {
-  const auto said = [](const std::string& program, const std::vector<std::string>& words) {
+  const auto said = [](const std::string& program, const Words& words) {
     const auto run = run_program(program, words);
     CHECK(run.exit_code == 2);
     CHECK(lines_of(run.err).size() == 1);
@@ -100,9 +87,7 @@ TEST_CASE("a mistyped flag or command is named, with the nearest") {
 }
 
 TEST_CASE("a mistyped word for a ground truth is named, with the nearest; a missing file is one") {
-  const auto word = run_program("vpr-eval", {"check", "algned"});
-  CHECK(word.exit_code == 2);
-  CHECK(word.err.find("did you mean aligned?") != std::string::npos);
+  check_failure("vpr-eval", {"check", "algned"}, 2, "did you mean aligned?");
   CHECK(run_program("vpr-eval", {"check", "aligned.csv"}).exit_code == 3);
 }
 
@@ -141,6 +126,42 @@ TEST_CASE("the help of a command has its own examples, and not those of its prog
   const size_t example = help.find("\nExample:\n");
   REQUIRE(example != std::string::npos);
   CHECK(help.find("Example:\n", example + 2) == std::string::npos);
-  CHECK(help.find("vpr-eval result.json") == std::string::npos);
+  CHECK_FALSE(has(help, "vpr-eval result.json"));
   CHECK(help.find("\n\nExit codes:\n", example) != std::string::npos);
+}
+
+TEST_CASE("every program writes completions and a manual page that know all its flags") {
+  for (const std::string program :
+       {"vpr-train", "vpr-query", "vpr-eval", "vpr-tune", "vpr-bench", "vpr-synth"}) {
+    const std::string help = run_program(program, {"--help"}).out;
+    for (const std::string kind : {"bash", "man"}) {
+      const auto run = run_ok(program, {"--completion", kind});
+      for (size_t at = 0; (at = help.find("\n  --", at)) != std::string::npos; ++at) {
+        const size_t end = help.find_first_of(" \n,", at + 5);
+        std::string name = help.substr(at + 5, end - at - 5);
+        if (kind == "man")
+          for (size_t dash = 0; (dash = name.find('-', dash)) != std::string::npos; dash += 2)
+            name.replace(dash, 1, "\\-");
+        INFO(program << " " << kind << " " << name);
+        CHECK(has(run.out, name));
+      }
+    }
+    CHECK(run_program(program, {"--completion", "zsh"}).exit_code == 2);
+  }
+}
+
+TEST_CASE("a manual page has no line that troff would take for a request by mistake") {
+  const std::string page = run_program("vpr-eval", {"--completion", "man"}).out;
+  size_t begin = 0;
+  while (begin < page.size()) {
+    const size_t end = page.find('\n', begin);
+    const std::string line = page.substr(begin, end - begin);
+    if (!line.empty() && line[0] == '.') {
+      const std::string request = line.substr(0, 3);
+      const Words known = {".TH", ".SH", ".SS", ".TP", ".PP", ".nf", ".fi", ".br"};
+      CHECK(std::find(known.begin(), known.end(), request) != known.end());
+    }
+    CHECK((line.empty() || line[0] != '\''));
+    begin = end + 1;
+  }
 }

@@ -1,4 +1,4 @@
-// vpr-query --follow: frames as they come.
+// vpr-query --follow, and the filter over places and rates, as a user asks for them.
 #include <csignal>
 #include <fstream>
 
@@ -6,54 +6,36 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "base/json.h"
 #include "report/result_file.h"
 #include "running.h"
-#include "support.h"
 #include "world.h"
 
 using namespace vpr;
-using test::run_program;
-using test::Running;
-using test::world;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<std::string> words_of(const std::string& query, std::vector<std::string> more) {
-  more.insert(more.begin(), {world().database(), "--query", query});
-  return more;
+Words words_of(const std::string& query, Words more) {
+  return joined({world().database(), "--query", query}, more);
 }
 
 // The frames of a walk as a list, which has an end.
 std::string list_of(const fs::path& walk, const fs::path& list, const std::string& more = "") {
   std::string text;
-  for (const std::string& name : test::list_folder(walk))
-    if (name.ends_with(".png")) text += (walk / name).string() + "\n";
-  test::write_text(list, text + more);
+  for (const std::string& name : images_of(walk)) text += (walk / name).string() + "\n";
+  write_text(list, text + more);
   return list.string();
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (size_t begin = 0, end = 0; (end = text.find('\n', begin)) != std::string::npos;
-       begin = end + 1)
-    lines.push_back(text.substr(begin, end - begin));
-  return lines;
-}
-
 // What the whole query says, in the words of --follow.
-std::vector<std::string> offline_lines(const std::string& query, std::vector<std::string> words,
-                                       const std::vector<std::string>& names) {
-  const test::TemporaryFolder folder;
-  words.insert(words.end(), {"-o", folder / "r.json", "--quiet"});
-  const auto outcome = run_program("vpr-query", words_of(query, words));
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
+Words offline_lines(const std::string& query, Words words, const Words& names) {
+  const TemporaryFolder folder;
+  run_ok("vpr-query", words_of(query, joined(words, {"-o", folder / "r.json", "--quiet"})));
   const Result result = read_result(folder / "r.json").result;
   REQUIRE(result.query_frames == names.size());
   const size_t length = result.window_length();
-  std::vector<std::string> lines;
+  Words lines;
   for (size_t frame = 0; frame < names.size(); ++frame) {
     const auto& gaps = result.query_unreadable;
     const bool is_gap = std::find(gaps.begin(), gaps.end(), frame) != gaps.end();
@@ -64,18 +46,22 @@ std::vector<std::string> offline_lines(const std::string& query, std::vector<std
   return lines;
 }
 
+RunOutcome query(Words words, const Words& environment = {}) {
+  return run_program("vpr-query",
+                     joined({world().database(), "--method", "filter", "--query"}, words),
+                     environment);
+}
+
 }  // namespace
 
 TEST_CASE("a recording followed to its end says what the whole query says, byte for byte") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path walk = world().walk("back");
   const std::string list =
       list_of(walk, folder / "list.txt", "nowhere.png\n" + (walk / "00003.png").string() + "\n");
-  std::vector<std::string> names;
-  for (const std::string& name : test::list_folder(walk))
-    if (name.ends_with(".png")) names.push_back(name);
+  Words names = images_of(walk);
   names.insert(names.end(), {"nowhere.png", "00003.png"});
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+  for (const Words& words : std::vector<Words>{
            {"--c-l", "10"},
            {"--c-l", "10", "--method", "fastable-online", "--decide", "margin"},
            {"--c-l", "5", "--t-r", "150", "--t-r-scale", "bits"},
@@ -83,37 +69,31 @@ TEST_CASE("a recording followed to its end says what the whole query says, byte 
            {"--c-l", "5", "--score", "standardized", "--decide", "margin", "--threads", "3"},
            {"--method", "filter"}}) {
     INFO(words.back());
-    std::vector<std::string> all = words;
-    all.emplace_back("--skip-unreadable");
+    const Words all = joined(words, {"--skip-unreadable"});
     const auto expected = offline_lines(list, all, names);
-    all.emplace_back("--follow");
-    const auto live = run_program("vpr-query", words_of(list, all));
-    INFO(live.err);
-    CHECK(live.exit_code == 0);
+    const auto live = run_ok("vpr-query", words_of(list, joined(all, {"--follow"})));
     CHECK(lines_of(live.out) == expected);
-    CHECK(live.out.find("\"recognised\":true") != std::string::npos);
-    CHECK(live.err.find("from frame to line") != std::string::npos);
+    CHECK(has(live.out, "\"recognised\":true"));
+    CHECK(has(live.err, "from frame to line"));
   }
 }
 
 TEST_CASE("a folder is followed as it is filled, until Ctrl-C") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path walk = world().walk("back");
-  std::vector<std::string> names;
-  for (const std::string& name : test::list_folder(walk))
-    if (name.ends_with(".png")) names.push_back(name);
+  Words names = images_of(walk);
   names.resize(20);
   const auto expected = offline_lines(walk.string() + "@0:20", {"--method", "filter"}, names);
   fs::create_directory(folder / "frames");
   Running live("vpr-query", words_of(folder / "frames", {"--method", "filter", "--follow"}));
   for (size_t frame = 0; frame < names.size(); ++frame) {
-    const std::string picture = test::read_text(walk / names[frame]);
+    const std::string picture = read_text(walk / names[frame]);
     if (frame % 2 == 0) {  // in two halves; in one, by another name
       std::ofstream file(folder / ("frames/" + names[frame]), std::ios::binary);
       file << picture.substr(0, picture.size() / 2) << std::flush;
       file << picture.substr(picture.size() / 2);
     } else {
-      test::write_text(folder / "frames/.part", picture);
+      write_text(folder / "frames/.part", picture);
       fs::rename(folder / "frames/.part", folder / ("frames/" + names[frame]));
     }
     CHECK(live.line() == expected[frame]);
@@ -122,7 +102,7 @@ TEST_CASE("a folder is followed as it is filled, until Ctrl-C") {
   const auto outcome = live.finish();
   CHECK(outcome.exit_code == 130);
   CHECK(outcome.out.empty());
-  CHECK(outcome.err.find("20 frames; from frame to line") != std::string::npos);
+  CHECK(has(outcome.err, "20 frames; from frame to line"));
 }
 
 TEST_CASE("image paths on standard input are followed to their end") {
@@ -140,13 +120,13 @@ TEST_CASE("image paths on standard input are followed to their end") {
   live.write((walk / "00002.png").string());  // without a line feed
   live.close_input();
   CHECK(Json::parse(live.line())["frame"] == 2);
-  CHECK(live.finish().exit_code == 0);
+  ok(live.finish());
 }
 
 TEST_CASE("a video is followed to its end") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder / "walk.avi";
-  std::vector<std::string> names;
+  Words names;
   {
     cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {160, 120});
     REQUIRE(writer.isOpened());
@@ -155,20 +135,15 @@ TEST_CASE("a video is followed to its end") {
       if (i >= 2) names.push_back(fmt::format("#{}", i));
     }
   }
-  const std::vector<std::string> words = {"--c-l",        "3",        "--score",
-                                          "standardized", "--decide", "margin"};
+  const Words words = {"--c-l", "3", "--score", "standardized", "--decide", "margin"};
   const auto expected = offline_lines(path + "@2:12", words, names);
-  std::vector<std::string> all = words;
-  all.emplace_back("--follow");
-  const auto live = run_program("vpr-query", words_of(path + "@2:12", all));
-  INFO(live.err);
-  CHECK(live.exit_code == 0);
+  const auto live = run_ok("vpr-query", words_of(path + "@2:12", joined(words, {"--follow"})));
   CHECK(lines_of(live.out) == expected);
 }
 
 TEST_CASE("what can't be followed is refused with a sentence") {
   const std::string back = world().walk("back");
-  for (const auto& [words, named] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+  for (const auto& [words, named] : std::vector<std::pair<Words, std::string>>{
            {{"--t-r", "0.5"}, "relative"},
            {{"--score", "standardized-offline"}, "standardized-offline"},
            {{"--rates", "1,2"}, "rates"},
@@ -178,23 +153,79 @@ TEST_CASE("what can't be followed is refused with a sentence") {
            {{"--verify", "3"}, "--verify"},
            {{"-o", "r.json"}, "--output"},
            {{"--save-matrix", "m.npy"}, "--save-matrix"}}) {
-    std::vector<std::string> all = words;
-    all.emplace_back("--follow");
-    test::check_failure(run_program("vpr-query", words_of(back, all)), 2, named);
+    check_failure("vpr-query", words_of(back, joined(words, {"--follow"})), 2, named);
   }
-  test::check_failure(run_program("vpr-query", words_of(back + "@0:5", {"--follow"})), 2, "range");
-  test::check_failure(run_program("vpr-query", {world().fabmap(), "--query", back, "--follow"}), 2,
-                      "--follow");
-  test::check_failure(
-      run_program("vpr-query", {world().database(), "--query-npy", "q.npy", "--follow"}), 2,
-      "--query-npy");
-  test::check_failure(run_program("vpr-query", words_of("/dev/null", {"--follow"})), 3, "camera");
-  test::check_failure(run_program("vpr-query", words_of("/dev/null", {})), 3, "--follow");
-  test::check_failure(run_program("vpr-query", words_of("/dev/video99", {"--follow"})), 3,
-                      "no such");
-  const test::TemporaryFolder folder;
+  check_failure("vpr-query", words_of(back + "@0:5", {"--follow"}), 2, "range");
+  check_failure("vpr-query", {world().fabmap(), "--query", back, "--follow"}, 2, "--follow");
+  check_failure("vpr-query", {world().database(), "--query-npy", "q.npy", "--follow"}, 2,
+                "--query-npy");
+  check_failure("vpr-query", words_of("/dev/null", {"--follow"}), 3, "camera");
+  check_failure("vpr-query", words_of("/dev/null", {}), 3, "--follow");
+  check_failure("vpr-query", words_of("/dev/video99", {"--follow"}), 3, "no such");
+  const TemporaryFolder folder;
   const std::string list = list_of(back, folder / "list.txt", "nowhere.png\n");
   const auto unreadable = run_program("vpr-query", words_of(list, {"--follow", "--quiet"}));
   CHECK(unreadable.exit_code == 3);
-  CHECK(lines_of(unreadable.out).size() + 1 == lines_of(test::read_text(list)).size());
+  CHECK(lines_of(unreadable.out).size() + 1 == lines_of(read_text(list)).size());
+}
+
+TEST_CASE("a walk is recognised by --method filter alone, at its pace and at twice that") {
+  const TemporaryFolder folder;
+  const std::string back = world().walk("back");
+  for (const std::string range : {"", "@::2"}) {
+    INFO(range);
+    const std::string path = folder / ("r" + std::to_string(range.size()) + ".json");
+    const Json json = printed_json(query({back + range, "-o", path, "--json"}));
+    CHECK(json["settings"]["method"] == "filter");
+    CHECK(json["settings"]["c_l"] == 1);
+    CHECK(json["settings"]["score"] == "standardized");
+    CHECK(json["settings"]["decide"] == "margin");
+    CHECK(json["settings"]["margin"] == 3);
+    CHECK(json["settings"]["filter"]["sharpness"] == 0.5);
+    CHECK(json["totals"]["hits"] > 0);
+    CHECK(json["files"]["path"]["rows"] == json["query"]["frames"]);
+    CHECK(json["clusters"].size() == 1);  // one track, whatever its rate
+    if (!range.empty()) continue;
+    const Json report =
+        printed_json("vpr-eval", {path, "--ground-truth", world().truth("back"), "--json"});
+    CHECK(report["counts"]["hits"]["correct"] == json["totals"]["hits"]);
+    CHECK(report["counts"]["hits"]["incorrect"] == 0);
+    CHECK(report["confidence"] == "margin");
+    CHECK(report["protocol"]["hits"] ==
+          "best matches with a path score better than the best one elsewhere by at least the "
+          "margin");
+    // The last frame's rate: both walks have one pace.
+    const auto values = read_array<double>(folder / "r0.path.npy");
+    CHECK(values[values.size() - 2] == Approx(1).epsilon(0.3));
+    // The result's settings give it again, also on other threads and another SIMD target.
+    const auto again = query({back, "--config", path, "--threads", "3", "--json"},
+                             {"VPR_SIMD=" + simd_targets().back()});
+    CHECK(printed_json(again)["clusters"] == json["clusters"]);
+  }
+}
+
+TEST_CASE("a query of one frame, and one with a gap, are filtered") {
+  const std::string back = world().walk("back");
+  const Json one = printed_json(query({back + "@0:1", "--json"}));
+  CHECK(one["totals"]["hits"] == 0);
+  CHECK(one["query"]["windows"] == 1);
+  const TemporaryFolder folder;
+  write_text(folder / "list.txt", back + "/00000.png\nnowhere.png\n" + back + "/00001.png\n");
+  ok(query({folder / "list.txt", "--skip-unreadable", "--json"}));
+}
+
+TEST_CASE("what the filter implies can't be asked for otherwise") {
+  const std::string back = world().walk("back");
+  for (const auto& [words, named] : std::vector<std::pair<Words, std::string>>{
+           {{"--c-l", "5"}, "--c-l"},
+           {{"--score", "raw"}, "--score raw"},
+           {{"--decide", "threshold"}, "--decide"},
+           {{"--margin-width", "4"}, "filter.near_views"},
+           {{"--t-r", "-1"}, "t_r"},
+           {{"--verify", "3"}, "leave it out with --method filter"}}) {
+    check_failure(query(joined({back}, words)), 2, named);
+  }
+  const TemporaryFolder folder;
+  write_text(folder / "c.json", R"({"filter": {"jump": 2}})");
+  check_failure(query({back, "--config", folder / "c.json"}), 2, "filter.jump");
 }

@@ -1,23 +1,18 @@
 // vpr-eval --loops as a user runs it.
-#include <filesystem>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/json.h"
-#include "base/npy.h"
-#include "base/simd.h"
 #include "cli/world.h"
-#include "support.h"
 
 using namespace vpr;
-using test::run_program;
+using namespace vpr::test;
 
 namespace {
 
 /// Three laps of a square of 40 frames, a second and a metre apart.
 struct Laps {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   std::string poses = folder / "laps.txt";
   std::string loops = folder / "closures.csv";
 
@@ -29,13 +24,12 @@ struct Laps {
       const int y = at < 10 ? 0 : at < 20 ? at - 10 : at < 30 ? 10 : 40 - at;
       text += fmt::format("{} {} {} 0 0 0 0 1\n", 100 + frame, x, y);
     }
-    test::write_text(poses, text);
-    test::write_text(loops, "query,match,score\n50,10,0.9\n70,5,0.6\n90,10,0.5\n50,49,0.4\n");
+    write_text(poses, text);
+    write_text(loops, "query,match,score\n50,10,0.9\n70,5,0.6\n90,10,0.5\n50,49,0.4\n");
   }
 
-  test::RunOutcome run(std::vector<std::string> more) const {
-    more.insert(more.begin(), {"--loops", loops, "--poses", poses});
-    return run_program("vpr-eval", more);
+  RunOutcome run(Words more) const {
+    return run_program("vpr-eval", joined({"--loops", loops, "--poses", poses}, more));
   }
 };
 
@@ -66,36 +60,33 @@ TEST_CASE("a list of loop closures is judged by its trajectory, and drawn on it"
   CHECK(report["wrong_loops"][0]["query"] == 70);
   CHECK(report["metrics"]["recall_at_100_precision"].get<double>() == Approx(1 / 80.0));
   CHECK(report["trajectory"]["duration_s"] == 119);
-  CHECK(test::list_folder(plots) == std::vector<std::string>{".vpr-files", "loops.png", "loops.svg",
-                                                             "precision-recall.png",
-                                                             "precision-recall.svg"});
-  const std::string page = test::read_text(laps.folder / "p.html");
-  CHECK(page.find("1 of 3 loops are wrong. 2 of 80 frames near an earlier one have a right loop") !=
-        std::string::npos);
-  CHECK(page.find("line 3: frame 70 at frame 5") != std::string::npos);
-  CHECK(page.find("frame with a right loop") != std::string::npos);
-  CHECK(page.find("{{") == std::string::npos);
-  CHECK(test::read_text(plots + "/loops.svg").find("wrong loop") != std::string::npos);
+  CHECK(list_folder(plots) == Words{".vpr-files", "loops.png", "loops.svg", "precision-recall.png",
+                                    "precision-recall.svg"});
+  const std::string page = read_text(laps.folder / "p.html");
+  CHECK(has(page, "1 of 3 loops are wrong. 2 of 80 frames near an earlier one have a right loop"));
+  CHECK(has(page, "line 3: frame 70 at frame 5"));
+  CHECK(has(page, "frame with a right loop"));
+  CHECK_FALSE(has(page, "{{"));
+  CHECK(has(read_text(plots + "/loops.svg"), "wrong loop"));
 }
 
 TEST_CASE("a list without scores has no curve, and its table names what is wrong") {
   const Laps laps;
-  test::write_text(laps.loops, "170 130\n170.0 105\n");
-  const auto run = laps.run({"--radius", "1", "--gap", "20", "--name", "mine"});
-  REQUIRE(run.exit_code == 0);
-  CHECK(run.out.find("1 of 2 loops are wrong.") != std::string::npos);
-  CHECK(run.out.find("line 2: frame 70 at frame 5, 11.18 m away") != std::string::npos);
-  CHECK(run.out.find("mine (within 1.0 m, 20 frames apart)") != std::string::npos);
-  CHECK(run.out.find("R@100P") == std::string::npos);
+  write_text(laps.loops, "170 130\n170.0 105\n");
+  const auto run = ok(laps.run({"--radius", "1", "--gap", "20", "--name", "mine"}));
+  CHECK(has(run.out, "1 of 2 loops are wrong."));
+  CHECK(has(run.out, "line 2: frame 70 at frame 5, 11.18 m away"));
+  CHECK(has(run.out, "mine (within 1.0 m, 20 frames apart)"));
+  CHECK_FALSE(has(run.out, "R@100P"));
 }
 
 TEST_CASE("--loops says what it needs, and refuses bad lists with file and line") {
   const Laps laps;
-  const auto refused = [&](const std::vector<std::string>& words, int code, const char* sentence) {
+  const auto refused = [&](const Words& words, int code, const char* sentence) {
     const auto run = laps.run(words);
     CHECK(run.exit_code == code);
     INFO(run.err);
-    CHECK(run.err.find(sentence) != std::string::npos);
+    CHECK(has(run.err, sentence));
   };
   refused({"--gap", "3", "--similarity"}, 2, "--radius 2");
   refused({"--radius", "1", "--similarity"}, 2, "--gap 30s");
@@ -124,14 +115,13 @@ TEST_CASE("--loops says what it needs, and refuses bad lists with file and line"
             "0 to 1e9 seconds");
   }
   CHECK_FALSE(std::filesystem::exists(out));
-  test::write_text(laps.loops, "30,2\n2,30\n");
+  write_text(laps.loops, "30,2\n2,30\n");
   refused({"--radius", "1", "--gap", "3"}, 4, "closures.csv, line 2: frame 2 closes a loop");
-  test::write_text(laps.loops, "30,2\n300,2\n");
+  write_text(laps.loops, "30,2\n300,2\n");
   refused({"--radius", "1", "--gap", "3"}, 4, "closures.csv, line 2: there is no frame 300");
-  CHECK(run_program("vpr-eval", {"--loops", laps.loops, "--radius", "1", "--gap", "3"})
-            .err.find("--poses trajectory.txt") != std::string::npos);
-  CHECK(run_program("vpr-eval", {"--gap", "3", "--ground-truth", "aligned"}).err.find("--loops") !=
-        std::string::npos);
+  CHECK(has(run_program("vpr-eval", {"--loops", laps.loops, "--radius", "1", "--gap", "3"}).err,
+            "--poses trajectory.txt"));
+  CHECK(has(run_program("vpr-eval", {"--gap", "3", "--ground-truth", "aligned"}).err, "--loops"));
 }
 
 namespace {
@@ -139,7 +129,7 @@ namespace {
 /// Two laps of the same 20 rendered frames, and then others; frames are called by times, half a
 /// second apart.
 struct RenderedLaps {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   std::string frames = folder / "walk";
   std::string poses = folder / "poses.csv";
   std::string result = folder / "r.json";
@@ -150,21 +140,21 @@ struct RenderedLaps {
     std::string text = "frame,x,y\n";
     for (int f = 0; f < 50; ++f) {
       const int shown = f < 40 ? f % 20 : f - 20;
-      fs::copy_file(fmt::format("{}/{:05}.png", test::world().walk("one"), shown),
+      fs::copy_file(fmt::format("{}/{:05}.png", world().walk("one"), shown),
                     fmt::format("{}/{}.{}.png", frames, 100 + f / 2, f % 2 * 5));
       text += fmt::format("{},{},0\n", f, shown);
     }
-    test::write_text(poses, text);
+    write_text(poses, text);
   }
 
-  test::RunOutcome query(std::vector<std::string> more) const {
-    more.insert(more.begin(), {"--loop", "--query", frames, "--c-l", "4", "--force"});
-    return run_program("vpr-query", more);
+  RunOutcome query(Words more) const {
+    return run_program("vpr-query",
+                       joined({"--loop", "--query", frames, "--c-l", "4", "--force"}, more));
   }
-  Json judge(const std::string& list, std::vector<std::string> more) const {
-    more.insert(more.begin(),
-                {"--loops", list, "--poses", poses, "--radius", "0.5", "--gap", "15", "--json"});
-    return test::printed_json(run_program("vpr-eval", more));
+  Json judge(const std::string& list, Words more) const {
+    return printed_json("vpr-eval", joined({"--loops", list, "--poses", poses, "--radius", "0.5",
+                                            "--gap", "15", "--json"},
+                                           more));
   }
 };
 
@@ -175,10 +165,7 @@ TEST_CASE("a walk against its own past gives loops that vpr-eval judges") {
   const std::string list = laps.folder / "loops.csv";
   for (const char* score : {"raw", "standardized"}) {
     INFO(score);
-    const auto run =
-        laps.query({"--loop-gap", "15", "--score", score, "-o", laps.result, "--save-loops", list});
-    INFO(run.err);
-    REQUIRE(run.exit_code == 0);
+    ok(laps.query({"--loop-gap", "15", "--score", score, "-o", laps.result, "--save-loops", list}));
     const Json by_result = laps.judge(laps.result, {});
     const Json by_list = laps.judge(list, {"--distance"});
     CHECK(by_list["loops"] == by_result["loops"]);
@@ -192,18 +179,15 @@ TEST_CASE("a walk against its own past gives loops that vpr-eval judges") {
     CHECK(by_result["loops"]["too_near"] == 0);
   }
   // The identical frames of the second lap are at distance 0.
-  const auto near = laps.query(
-      {"--loop-gap", "15", "--t-r", "1", "--save-loops", list, "-o", laps.result, "--json"});
-  REQUIRE(near.exit_code == 0);
-  CHECK(Json::parse(near.out)["totals"]["hits"] == 17);
+  CHECK(printed_json(laps.query({"--loop-gap", "15", "--t-r", "1", "--save-loops", list, "-o",
+                                 laps.result, "--json"}))["totals"]["hits"] == 17);
   const Json right = laps.judge(list, {"--distance"});
   CHECK(right["loops"]["listed"] == 17);
   CHECK(right["loops"]["wrong"] == 0);
   // The settings of a result ask for the same again.
-  const auto again = run_program("vpr-query", {"--query", laps.frames, "--config", laps.result,
-                                               "--save-loops", laps.folder / "again.csv"});
-  REQUIRE(again.exit_code == 0);
-  CHECK(test::read_text(laps.folder / "again.csv") == test::read_text(list));
+  const auto again = run_ok("vpr-query", {"--query", laps.frames, "--config", laps.result,
+                                          "--save-loops", laps.folder / "again.csv"});
+  CHECK(read_text(laps.folder / "again.csv") == read_text(list));
 }
 
 TEST_CASE("a gap of seconds is by the names of frames, or by times") {
@@ -214,32 +198,29 @@ TEST_CASE("a gap of seconds is by the names of frames, or by times") {
   const std::string times = laps.folder / "times.txt";
   std::string text;
   for (int f = 0; f < 50; ++f) text += fmt::format("{}\n", 7 + 0.5 * f);
-  test::write_text(times, text);
-  REQUIRE(laps.query({"--loop-gap", "15", "--save-loops", frames}).exit_code == 0);
-  REQUIRE(laps.query({"--loop-gap", "7.5s", "--save-loops", seconds}).exit_code == 0);
-  REQUIRE(laps.query({"--loop-gap", "7.5s", "--times", times, "--save-loops", listed}).exit_code ==
-          0);
-  CHECK(test::read_text(seconds) == test::read_text(frames));
-  CHECK(test::read_text(listed) == test::read_text(frames));
-  test::write_text(times, "1\n2\n3\n");
-  test::check_failure(laps.query({"--loop-gap", "7.5s", "--times", times}), 4, "3 times");
+  write_text(times, text);
+  ok(laps.query({"--loop-gap", "15", "--save-loops", frames}));
+  ok(laps.query({"--loop-gap", "7.5s", "--save-loops", seconds}));
+  ok(laps.query({"--loop-gap", "7.5s", "--times", times, "--save-loops", listed}));
+  CHECK(read_text(seconds) == read_text(frames));
+  CHECK(read_text(listed) == read_text(frames));
+  write_text(times, "1\n2\n3\n");
+  check_failure(laps.query({"--loop-gap", "7.5s", "--times", times}), 4, "3 times");
   // Names that may as well be numbers of frames are used, and this is said.
-  const auto counted = run_program("vpr-query", {"--loop", "--loop-gap", "15s", "--c-l", "4",
-                                                 "--query", test::world().walk("one")});
-  CHECK(counted.exit_code == 0);
-  CHECK(counted.err.find("if they count frames") != std::string::npos);
+  const auto counted = run_ok(
+      "vpr-query", {"--loop", "--loop-gap", "15s", "--c-l", "4", "--query", world().walk("one")});
+  CHECK(has(counted.err, "if they count frames"));
 }
 
 TEST_CASE("--loop without a database says what does not go with it") {
   const RenderedLaps laps;
-  const auto refused = [&](std::vector<std::string> words, const char* word) {
+  const auto refused = [&](Words words, const char* word) {
     INFO(word);
-    words.insert(words.begin(), {"--loop-gap", "15"});
-    test::check_failure(laps.query(words), 2, word);
+    check_failure(laps.query(joined({"--loop-gap", "15"}, words)), 2, word);
   };
-  test::check_failure(laps.query({}), 2, "--loop-gap 300");
-  test::check_failure(laps.query({"--loop-gap", "soon"}), 2, "--loop-gap");
-  refused({test::world().database()}, "leave the database out");
+  check_failure(laps.query({}), 2, "--loop-gap 300");
+  check_failure(laps.query({"--loop-gap", "soon"}), 2, "--loop-gap");
+  refused({world().database()}, "leave the database out");
   refused({"--follow"}, "--follow");
   refused({"--warp", "2"}, "--warp");
   refused({"--method", "lsh"}, "lsh");
@@ -251,17 +232,17 @@ TEST_CASE("--loop without a database says what does not go with it") {
   refused({"--times", laps.poses}, "30s");
   refused({"--descriptor", "ldp"}, "ldb");
   refused({"--c-l", "51"}, "--c-l");
-  const auto other = [&](std::vector<std::string> words, const char* word) {
+  const auto other = [&](Words words, const char* word) {
     INFO(word);
-    words.insert(words.begin(), {test::world().database(), "--query", laps.frames});
-    test::check_failure(run_program("vpr-query", words), 2, word);
+    check_failure("vpr-query", joined({world().database(), "--query", laps.frames}, words), 2,
+                  word);
   };
   other({"--save-loops", laps.folder / "l.csv"}, "--loop");
   other({"--descriptor", "hog"}, "--loop");
-  const auto fabmap = [&](std::vector<std::string> words, const char* word) {
+  const auto fabmap = [&](Words words, const char* word) {
     INFO(word);
-    words.insert(words.begin(), {test::world().fabmap(), "--query", laps.frames, "--loop"});
-    test::check_failure(run_program("vpr-query", words), 2, word);
+    check_failure("vpr-query", joined({world().fabmap(), "--query", laps.frames, "--loop"}, words),
+                  2, word);
   };
   fabmap({"--loop-gap", "30s"}, "frames");
   fabmap({"--descriptor", "hog"}, "FAB-MAP");
@@ -270,11 +251,8 @@ TEST_CASE("--loop without a database says what does not go with it") {
 TEST_CASE("FAB-MAP's own frames are loops, too") {
   const RenderedLaps laps;
   const std::string list = laps.folder / "loops.csv";
-  const auto run =
-      run_program("vpr-query", {test::world().fabmap(), "--query", laps.frames, "--loop",
-                                "--loop-gap", "14", "--save-loops", list, "-o", laps.result});
-  INFO(run.err);
-  REQUIRE(run.exit_code == 0);
+  run_ok("vpr-query", {world().fabmap(), "--query", laps.frames, "--loop", "--loop-gap", "14",
+                       "--save-loops", list, "-o", laps.result});
   const Json by_result = laps.judge(laps.result, {});
   CHECK(laps.judge(list, {"--similarity"})["loops"] == by_result["loops"]);
   CHECK(by_result["loops"]["too_near"] == 0);
@@ -283,13 +261,13 @@ TEST_CASE("FAB-MAP's own frames are loops, too") {
 TEST_CASE("a picture and a matrix of a walk against its past have what was compared") {
   const RenderedLaps laps;
   const std::string matrix = laps.folder / "m.npy";
-  REQUIRE(laps.query({"--loop-gap", "15", "--save-matrix", matrix}).exit_code == 0);
+  ok(laps.query({"--loop-gap", "15", "--save-matrix", matrix}));
   const NpyArray cells(matrix);
   REQUIRE(cells.shape() == std::vector<size_t>{47, 47});
   const auto values = cells.values<int32_t>(2);
   for (size_t j = 0; j < 47; ++j)
     for (size_t i = 0; i < 47; ++i) CHECK((values[j * 47 + i] == -1) == (i + 15 > j));
-  CHECK(laps.query({"--loop-gap", "15", "--save-matrix", laps.folder / "m.png"}).exit_code == 0);
+  ok(laps.query({"--loop-gap", "15", "--save-matrix", laps.folder / "m.png"}));
 }
 
 TEST_CASE("loops of a walk are the same for any threads and any SIMD target") {
@@ -298,13 +276,11 @@ TEST_CASE("loops of a walk are the same for any threads and any SIMD target") {
   for (const char* threads : {"1", "3"})
     for (const std::string& target : simd_targets()) {
       const std::string list = laps.folder / "loops.csv";
-      REQUIRE(run_program(
-                  "vpr-query",
-                  {"--loop", "--query", laps.frames, "--c-l", "4", "--loop-gap", "15", "--score",
-                   "standardized", "--threads", threads, "--save-loops", list, "--force"},
-                  {"VPR_SIMD=" + target})
-                  .exit_code == 0);
-      if (expected.empty()) expected = test::read_text(list);
-      CHECK(test::read_text(list) == expected);
+      run_ok("vpr-query",
+             {"--loop", "--query", laps.frames, "--c-l", "4", "--loop-gap", "15", "--score",
+              "standardized", "--threads", threads, "--save-loops", list, "--force"},
+             {"VPR_SIMD=" + target});
+      if (expected.empty()) expected = read_text(list);
+      CHECK(read_text(list) == expected);
     }
 }

@@ -8,38 +8,36 @@
 #include "support.h"
 
 using namespace vpr;
-using test::run_program;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
 
-using Names = std::vector<std::string>;
+using Names = Words;
 
 /// Two recordings of 14 frames, and the database of the first.
 struct Walks {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   Walks() {
     for (const std::string name : {"one", "two"}) {
       fs::create_directory(folder / name);
       for (int i = 0; i < 14; ++i)
-        test::write_image(folder / name / (std::to_string(10 + i) + ".png"),
-                          uint64_t(i + (name == "two" ? 100 : 0)));
+        write_image(folder / name / (std::to_string(10 + i) + ".png"),
+                    uint64_t(i + (name == "two" ? 100 : 0)));
     }
-    REQUIRE(run_program("vpr-train", {"fastable", "--train", path("one"), "-o", path("d.vprdb")})
-                .exit_code == 0);
+    run_ok("vpr-train", {"fastable", "--train", path("one"), "-o", path("d.vprdb")});
   }
   std::string path(const std::string& name) const { return folder / name; }
-  test::RunOutcome query(std::vector<std::string> more) const {
-    more.insert(more.begin(), {path("d.vprdb"), "--c-l", "3", "--t-r", "0.8"});
-    return run_program("vpr-query", more);
+  RunOutcome query(Words more) const {
+    return run_program("vpr-query", joined({path("d.vprdb"), "--c-l", "3", "--t-r", "0.8"}, more));
   }
-  std::string read(const std::string& name) const { return test::read_text(path(name)); }
+  std::string read(const std::string& name) const { return read_text(path(name)); }
 };
 
-void check_sentence(const test::RunOutcome& outcome, int exit_code, const std::string& word) {
+void check_sentence(const RunOutcome& outcome, int exit_code, const std::string& word) {
   INFO(outcome.err);
   CHECK(outcome.exit_code == exit_code);
-  CHECK(outcome.err.find(word) != std::string::npos);
+  CHECK(has(outcome.err, word));
 }
 
 }  // namespace
@@ -51,48 +49,43 @@ TEST_CASE("a matrix that is not the result's own is refused") {
                                     "--ground-truth", "aligned"});
   };
   for (const std::string name : {"a", "b"})
-    REQUIRE(walks
-                .query({"--query", walks.path(name == "a" ? "two" : "one"), "-o",
-                        walks.path(name + ".json"), "--save-matrix", walks.path(name + ".npy")})
-                .exit_code == 0);
+    ok(walks.query({"--query", walks.path(name == "a" ? "two" : "one"), "-o",
+                    walks.path(name + ".json"), "--save-matrix", walks.path(name + ".npy")}));
   CHECK(Json::parse(walks.read("a.json"))["files"].contains("matrix"));
-  CHECK(eval("a.npy").exit_code == 0);
+  ok(eval("a.npy"));
   check_sentence(eval("b.npy"), 4, "is not the matrix that");
-  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("c.json")}).exit_code == 0);
+  ok(walks.query({"--query", walks.path("two"), "-o", walks.path("c.json")}));
   fs::rename(walks.path("c.json"), walks.path("a.json"));  // which names no matrix
   for (const std::string kind : {"hits", "hit_scores", "best", "best_scores"})
     fs::rename(walks.path("c." + kind + ".npy"), walks.path("a." + kind + ".npy"));
-  const auto unknown = eval("a.npy");
-  CHECK(unknown.exit_code == 0);
-  CHECK(unknown.err.find("names no matrix") != std::string::npos);
+  const auto unknown = ok(eval("a.npy"));
+  CHECK(has(unknown.err, "names no matrix"));
 }
 
 TEST_CASE("frames that a result claims and nobody has cost nothing") {
   const Walks walks;
-  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
+  ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
   Json result = Json::parse(walks.read("r.json"));
   result["targets"][0]["frames"] = 2147483647;
   result.erase("checksum");
   result["checksum"] = result_checksum(result);
-  test::write_text(walks.path("r.json"), to_text(result));
-  const auto eval = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), walks.path("r.json"));
-    return run_program("vpr-eval", more).exit_code;
+  write_text(walks.path("r.json"), to_text(result));
+  const auto eval = [&](Words more) {
+    return run_program("vpr-eval", joined({walks.path("r.json")}, more)).exit_code;
   };
   CHECK(eval({"--html", walks.path("unknown.html")}) == 0);
   CHECK(eval({"--ground-truth", "aligned", "--html", walks.path("e.html"), "--plot",
               walks.path("plots"), "-o", walks.path("e.json"), "--recognitions-csv",
               walks.path("e.csv")}) == 0);
-  CHECK(run_program("vpr-eval", {"convert", "aligned", "--result", walks.path("r.json"), "--to",
-                                 "pairs", "-o", walks.path("pairs.csv")})
-            .exit_code == 0);
+  run_ok("vpr-eval", {"convert", "aligned", "--result", walks.path("r.json"), "--to", "pairs", "-o",
+                      walks.path("pairs.csv")});
 }
 
 TEST_CASE("an output never replaces what its run reads, with --force either") {
   const Walks walks;
-  test::write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
-  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
-  const auto before = test::list_folder(walks.folder.path());
+  write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
+  ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
+  const auto before = list_folder(walks.folder.path());
   const auto eval = [&](const std::string& output) {
     return run_program("vpr-eval", {walks.path("r.json"), "--ground-truth", walks.path("gt.csv"),
                                     "--force", "-o", walks.path(output)});
@@ -105,19 +98,18 @@ TEST_CASE("an output never replaces what its run reads, with --force either") {
   };
   for (const char* name : {"two/11.png", "d.vprdb/manifest.json"})
     check_sentence(query(name), 2, "is an input of this run");
-  CHECK(query("r.json").exit_code == 0);
-  CHECK(run_program("vpr-train", {"add", walks.path("d.vprdb"), "--train", walks.path("two"),
-                                  "--force", "-o", walks.path("d.vprdb")})
-            .exit_code == 0);
-  CHECK(test::list_folder(walks.folder.path()) == before);
+  ok(query("r.json"));
+  run_ok("vpr-train", {"add", walks.path("d.vprdb"), "--train", walks.path("two"), "--force", "-o",
+                       walks.path("d.vprdb")});
+  CHECK(list_folder(walks.folder.path()) == before);
   CHECK(walks.read("gt.csv") == "query,ref\n3,3\n");
 }
 
 TEST_CASE("the files that a data set names are inputs, too") {
   const Walks walks;
-  test::write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
-  test::write_text(walks.path("dataset.json"),
-                   R"({"schema": "vpr.dataset/1", "name": "w", "train": [{"name": "one",
+  write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
+  write_text(walks.path("dataset.json"),
+             R"({"schema": "vpr.dataset/1", "name": "w", "train": [{"name": "one",
                    "sequence": "one"}], "queries": [{"name": "two", "sequence": "two",
                    "ground_truth": {"format": "pairs", "path": "gt.csv"}}]})");
   for (const char* output : {"gt.csv", "two/10.png", "one/10.png"})
@@ -128,11 +120,11 @@ TEST_CASE("the files that a data set names are inputs, too") {
 
 TEST_CASE("outputs of an evaluation come together or not at all") {
   const Walks walks;
-  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
-  const auto before = test::list_folder(walks.folder.path());
-  const auto eval = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), {walks.path("r.json"), "--ground-truth", "aligned"});
-    return run_program("vpr-eval", more);
+  ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
+  const auto before = list_folder(walks.folder.path());
+  const auto eval = [&](Words more) {
+    return run_program("vpr-eval",
+                       joined({walks.path("r.json"), "--ground-truth", "aligned"}, more));
   };
   // The page fails, after the report was made: the sequence is not the one that was evaluated.
   fs::create_directory(walks.path("short"));
@@ -141,16 +133,16 @@ TEST_CASE("outputs of an evaluation come together or not at all") {
                        walks.path("short")}),
                  2, "frames");
   fs::remove_all(walks.path("short"));
-  CHECK(test::list_folder(walks.folder.path()) == before);
+  CHECK(list_folder(walks.folder.path()) == before);
   for (const char* other : {"e.json", "../", "./e.json"})
     CHECK(eval({"-o", walks.path("e.json"), "--html", walks.path(other), "--force"}).exit_code ==
           2);
-  CHECK(test::list_folder(walks.folder.path()) == before);
+  CHECK(list_folder(walks.folder.path()) == before);
 }
 
 TEST_CASE("what can't be written is found out before the work") {
   const Walks walks;
-  const auto before = test::list_folder(walks.folder.path());
+  const auto before = list_folder(walks.folder.path());
   const auto train = [&](const std::string& name) {
     return run_program("vpr-train",
                        {"fastable", "--train", walks.path("one"), "-o", walks.path(name)});
@@ -160,17 +152,17 @@ TEST_CASE("what can't be written is found out before the work") {
                               walks.path(std::string(248, 'x') + ".json")}),
                  3, "can't be written");
   check_sentence(train(std::string(256, 'x')), 3, "can't be written");
-  CHECK(test::list_folder(walks.folder.path()) == before);
-  CHECK(train(std::string(255, 'x')).exit_code == 0);
+  CHECK(list_folder(walks.folder.path()) == before);
+  ok(train(std::string(255, 'x')));
 }
 
 TEST_CASE("a folder of pictures is never taken for one of plots") {
   const Walks walks;
-  REQUIRE(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}).exit_code == 0);
+  ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
   fs::create_directories(walks.path("one/sub.png/thesis"));
-  const auto frames = test::list_folder(walks.path("one"));
+  const auto frames = list_folder(walks.path("one"));
   check_sentence(run_program("vpr-eval", {walks.path("r.json"), "--ground-truth", "aligned",
                                           "--plot", walks.path("one"), "--force"}),
                  2, "is not replaced");
-  CHECK(test::list_folder(walks.path("one")) == frames);
+  CHECK(list_folder(walks.path("one")) == frames);
 }

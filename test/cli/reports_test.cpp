@@ -1,77 +1,60 @@
 // What vpr-eval gives to others: expectations, XML, trajectories and pages of whole data sets.
-#include <filesystem>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/json.h"
-#include "base/npy.h"
 #include "cli/world.h"
 #include "ground_truth/route.h"
-#include "support.h"
 
 using namespace vpr;
-using test::run_program;
-using test::world;
+using namespace vpr::test;
 
 namespace {
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// A result of the world's query, of single frames or longer windows.
-std::string query(const test::TemporaryFolder& out, const std::string& name,
+std::string query(const TemporaryFolder& out, const std::string& name,
                   const std::string& length = "1") {
-  REQUIRE(
-      run_program("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l", length,
-                                "--t-r", "0.3", "-o", out / (name + ".json"), "--quiet"})
-          .exit_code == 0);
+  run_ok("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l", length, "--t-r",
+                       "0.3", "-o", out / (name + ".json"), "--quiet"});
   return out / (name + ".json");
 }
 
-test::RunOutcome evaluate(const std::string& result, const std::vector<std::string>& more) {
-  std::vector<std::string> words = {result, "--dataset", world().dataset()};
-  words.insert(words.end(), more.begin(), more.end());
-  return run_program("vpr-eval", words);
+RunOutcome evaluate(const std::string& result, const Words& more) {
+  return run_program("vpr-eval", joined({result, "--dataset", world().dataset()}, more));
 }
 
 }  // namespace
 
 TEST_CASE("a baseline is made, met, missed and updated") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::string result = query(out, "r");
   const std::string baseline = out / "baseline.json";
-  test::check_failure(evaluate(result, {"--expect", baseline}), 3, "With --update it is made");
+  check_failure(evaluate(result, {"--expect", baseline}), 3, "With --update it is made");
   CHECK(evaluate(result, {"--update"}).exit_code == 2);
   CHECK(evaluate(result, {"--junit", out / "j.xml"}).exit_code == 2);
-  REQUIRE(evaluate(result, {"--expect", baseline, "--update"}).exit_code == 0);
-  const auto met = evaluate(result, {"--expect", baseline});
-  CHECK(met.exit_code == 0);
+  ok(evaluate(result, {"--expect", baseline, "--update"}));
+  const auto met = ok(evaluate(result, {"--expect", baseline}));
   CHECK(has(met.out, "expected values are met."));
-  test::write_text(baseline, R"({"schema": "vpr.expected/1",
+  write_text(baseline, R"({"schema": "vpr.expected/1",
       "best_match": {"rate": {"min": 2}, "queries": {"min": 1}}})");
   const auto missed = evaluate(result, {"--expect", baseline, "--junit", out / "j.xml"});
   CHECK(missed.exit_code == 5);
   CHECK(has(missed.err, "best_match.rate: expected at least 2, found "));
-  CHECK(has(test::read_text(out / "j.xml"), "tests=\"2\" failures=\"1\""));
-  const auto updated = evaluate(result, {"--expect", baseline, "--update"});
-  CHECK(updated.exit_code == 0);
+  CHECK(has(read_text(out / "j.xml"), "tests=\"2\" failures=\"1\""));
+  const auto updated = ok(evaluate(result, {"--expect", baseline, "--update"}));
   CHECK(has(updated.out, "updated; 1 of 2 expected values were not met."));
-  const Json kept = Json::parse(test::read_text(baseline));
+  const Json kept = file_json(baseline);
   CHECK(kept["best_match"]["queries"]["min"] == 1);
   CHECK(kept["best_match"]["rate"]["min"].get<double>() <= 1);
-  CHECK(evaluate(result, {"--expect", baseline}).exit_code == 0);
+  ok(evaluate(result, {"--expect", baseline}));
 }
 
 TEST_CASE("fixes are written as a trajectory of training positions") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::string result = query(out, "r");
-  REQUIRE(
-      evaluate(result, {"--fixes-tum", out / "f.txt", "--outcomes-csv", out / "o.csv"}).exit_code ==
-      0);
+  ok(evaluate(result, {"--fixes-tum", out / "f.txt", "--outcomes-csv", out / "o.csv"}));
   // Of single frames the closest hit is the best match, which the rows name.
-  const Json dataset = Json::parse(test::read_text(world().dataset()));
+  const Json dataset = file_json(world().dataset());
   const auto folder = std::filesystem::path(world().dataset()).parent_path();
   std::map<std::string, std::vector<std::optional<RoutePoint>>> routes;
   for (const Json& train : dataset["train"])
@@ -80,11 +63,11 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
   const double rate = dataset.value("fps", 1.0);
   std::string expected =
       dataset.contains("fps") ? "# time (s) x y z qx qy qz qw\n" : "# time x y z qx qy qz qw\n";
-  std::istringstream rows(test::read_text(out / "o.csv"));
+  std::istringstream rows(read_text(out / "o.csv"));
   std::string line;
   std::getline(rows, line);
   while (std::getline(rows, line)) {
-    std::vector<std::string> cells;
+    Words cells;
     std::istringstream row(line);
     for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
     if (cells[9] == "none") continue;
@@ -93,22 +76,20 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
     expected += fmt::format("{:.6f} {:.6f} {:.6f} 0 0 0 0 1\n", std::stod(cells[3]) / rate,
                             point->x, point->y);
   }
-  CHECK(test::read_text(out / "f.txt") == expected);
+  CHECK(read_text(out / "f.txt") == expected);
   CHECK(std::count(expected.begin(), expected.end(), '\n') > 5);
   CHECK(run_program("vpr-eval", {result, "--ground-truth", "aligned", "--fixes-tum", out / "g.txt"})
             .exit_code == 2);
 }
 
 TEST_CASE("fixes are written from a trajectory with times, of another rate than the frames") {
-  const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-query",
-                      {world().database(), "--query", world().walk("one"), "--c-l", "1",
-                       "--only-sequence", "one", "--t-r", "0.3", "-o", out / "r.json", "--quiet"})
-              .exit_code == 0);
+  const TemporaryFolder out;
+  run_ok("vpr-query", {world().database(), "--query", world().walk("one"), "--c-l", "1",
+                       "--only-sequence", "one", "--t-r", "0.3", "-o", out / "r.json", "--quiet"});
   // The walk against itself: a metre a second up a slope, 4 poses and 2 frames a second.
   std::string poses;
   std::string times;
-  const Json dataset = Json::parse(test::read_text(world().dataset()));
+  const Json dataset = file_json(world().dataset());
   const auto folder = std::filesystem::path(world().dataset()).parent_path();
   const auto frames =
       static_cast<int>(read_routes({folder / dataset["train"][0]["poses"].get<std::string>()})
@@ -122,80 +103,63 @@ TEST_CASE("fixes are written from a trajectory with times, of another rate than 
     const std::string height = i == 0 ? "0" : fmt::format("{:.6f}", 1.0 * i);
     expected += fmt::format("{} {:.6f} 0.000000 {} 0 0 0 1\n", 100 + 0.5 * i, 0.5 * i, height);
   }
-  test::write_text(out / "poses.tum", poses);
-  test::write_text(out / "times.txt", times);
-  const auto outcome = run_program(
-      "vpr-eval", {out / "r.json", "--ground-truth", out / "poses.tum", "--ground-truth-reference",
-                   out / "poses.tum", "--radius", "0.1", "--query-times", out / "times.txt",
-                   "--reference-times", out / "times.txt", "--fixes-tum", out / "f.txt"});
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-  CHECK(test::read_text(out / "f.txt") == expected);
+  write_text(out / "poses.tum", poses);
+  write_text(out / "times.txt", times);
+  run_ok("vpr-eval",
+         {out / "r.json", "--ground-truth", out / "poses.tum", "--ground-truth-reference",
+          out / "poses.tum", "--radius", "0.1", "--query-times", out / "times.txt",
+          "--reference-times", out / "times.txt", "--fixes-tum", out / "f.txt"});
+  CHECK(read_text(out / "f.txt") == expected);
 }
 
 TEST_CASE("a folder of results and reports becomes one table and one page") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::filesystem::create_directories(out / "all/more");
   const std::string first = query(out, "all/first");
   query(out, "all/more/second", "3");
-  REQUIRE(evaluate(first, {"-o", out / "all/first.report.json", "--name", "mine"}).exit_code == 0);
-  test::write_text(out / "all/other.json", R"({"schema": "another"})");
-  const std::vector<std::string> words = {"report", out / "all", "--dataset", world().dataset()};
-  auto page_words = words;
-  page_words.insert(page_words.end(), {"--html", out / "all.html", "-o", out / "all.json"});
-  const auto run = run_program("vpr-eval", page_words);
-  INFO(run.err);
-  REQUIRE(run.exit_code == 0);
+  ok(evaluate(first, {"-o", out / "all/first.report.json", "--name", "mine"}));
+  write_text(out / "all/other.json", R"({"schema": "another"})");
+  const Words words = {"report", out / "all", "--dataset", world().dataset()};
+  const auto run =
+      run_ok("vpr-eval", joined(words, {"--html", out / "all.html", "-o", out / "all.json"}));
   CHECK(has(run.out, "R@1: frames with a right best match (over all"));
   CHECK(has(run.out, "\nmine "));  // a result that has its report is there once
   CHECK(has(run.out, "\nfastable, c_l 3"));
-  const Json json = Json::parse(test::read_text(out / "all.json"));
+  const Json json = file_json(out / "all.json");
   CHECK(json["schema"] == "vpr.reports/1");
   REQUIRE(json["reports"].size() == 2);
-  const std::string page = test::read_text(out / "all.html");
+  const std::string page = read_text(out / "all.html");
   CHECK(has(page, "2 methods on 1 query"));
   CHECK(has(page, "<svg class=\"lanes\""));
-  auto csv_words = words;
-  csv_words.insert(csv_words.end(), {"--format", "csv"});
-  const std::string csv = run_program("vpr-eval", csv_words).out;
-  CHECK(csv.rfind("method,query,metric,value,frames,oracle\n", 0) == 0);
+  const std::string csv = run_program("vpr-eval", joined(words, {"--format", "csv"})).out;
+  CHECK(csv.starts_with("method,query,metric,value,frames,oracle\n"));
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 2 * 5);
   // Without a ground truth, reports alone.
-  const auto alone = run_program("vpr-eval", {"report", out / "all"});
-  CHECK(alone.exit_code == 0);
+  const auto alone = run_ok("vpr-eval", {"report", out / "all"});
   CHECK_FALSE(has(alone.out, "c_l 3"));
   CHECK(run_program("vpr-eval", {"report", out / "none"}).exit_code == 3);
   CHECK(run_program("vpr-eval", {"report", out / "all/more"}).exit_code == 3);
   std::filesystem::copy(out / "all/first.report.json", out / "all/again.json");
-  const auto clash = run_program("vpr-eval", {"report", out / "all"});
-  CHECK(clash.exit_code == 2);
-  CHECK(has(clash.err, "are both of mine on"));
+  check_failure("vpr-eval", {"report", out / "all"}, 2, "are both of mine on");
 }
 
 TEST_CASE("a method that answers few frames does not win by them") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::filesystem::create_directory(out / "all");
   // Ten frames: windows of 5 end at 6 frames and are all right; frames alone are right in 9 of 10.
   const auto report = [&](const std::string& name, size_t size, size_t mistakes,
                           const std::string& window) {
     std::vector<float> scores(size * size, 50);
     for (size_t q = 0; q < size; ++q) scores[q * size + (q < mistakes ? size - 1 : q)] = float(q);
-    Output file(out / (name + ".npy"), Existing::replace);
-    write_npy<float>(file, scores, {size, size});
-    file.commit();
-    REQUIRE(
-        run_program("vpr-eval", {"--scores", out / (name + ".npy"), "--distance",
-                                 "--rows-are-windows-of", window, "--ground-truth", "aligned",
-                                 "--name", name, "-o", out / ("all/" + name + ".json"), "--quiet"})
-            .exit_code == 0);
+    write_array(out / (name + ".npy"), scores, {size, size});
+    run_ok("vpr-eval", {"--scores", out / (name + ".npy"), "--distance", "--rows-are-windows-of",
+                        window, "--ground-truth", "aligned", "--name", name, "-o",
+                        out / ("all/" + name + ".json"), "--quiet"});
   };
   report("frames", 10, 1, "1");
   report("windows", 6, 0, "5");
-  const auto run =
-      run_program("vpr-eval", {"report", out / "all", "--html", out / "all.html", "--json"});
-  INFO(run.err);
-  REQUIRE(run.exit_code == 0);
-  const Json json = Json::parse(run.out);
+  const Json json =
+      printed_json("vpr-eval", {"report", out / "all", "--html", out / "all.html", "--json"});
   CHECK(json["reports"][1]["report"]["metrics"]["recall_at"]["1"] == 1);
   CHECK(json["reports"][1]["report"]["localisation"]["frames_with_match"] == 10);
   const std::string text = run_program("vpr-eval", {"report", out / "all"}).out;
@@ -203,20 +167,18 @@ TEST_CASE("a method that answers few frames does not win by them") {
   CHECK(has(text, "windows  0.6000 (6 of 10)\n"));
   CHECK(has(text, "over all frames of the query that have a match"));
   CHECK(has(text, "0.6000 (6 of 10, oracle)"));
-  CHECK(has(test::read_text(out / "all.html"), "right: frames, R@1 0.9000 (9 of 10)."));
+  CHECK(has(read_text(out / "all.html"), "right: frames, R@1 0.9000 (9 of 10)."));
 }
 
 TEST_CASE("results of several window lengths are shown over the same frames") {
-  const test::TemporaryFolder out;
-  const auto run = run_program("vpr-eval", {query(out, "one"), query(out, "two", "9"), "--dataset",
-                                            world().dataset(), "--format", "csv"});
-  INFO(run.err);
-  REQUIRE(run.exit_code == 0);
-  std::vector<std::string> of_frames;
+  const TemporaryFolder out;
+  const auto run = run_ok("vpr-eval", {query(out, "one"), query(out, "two", "9"), "--dataset",
+                                       world().dataset(), "--format", "csv"});
+  Words of_frames;
   std::istringstream rows(run.out);
   std::string line;
   std::getline(rows, line);
-  std::vector<std::string> columns;
+  Words columns;
   std::istringstream head(line);
   for (std::string cell; std::getline(head, cell, ',');) columns.push_back(cell);
   const auto at = std::find(columns.begin(), columns.end(), "of frames") - columns.begin();
@@ -231,28 +193,26 @@ TEST_CASE("results of several window lengths are shown over the same frames") {
 }
 
 TEST_CASE("results where reports are wanted, and pages of several, are answered with what to do") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::string result = query(out, "r");
-  test::check_failure(run_program("vpr-eval", {"compare", result, result}), 2,
-                      "Make one first: vpr-eval " + result);
-  test::check_failure(run_program("vpr-eval", {result, result, "--ground-truth", "aligned",
-                                               "--html", out / "p.html"}),
-                      2, "vpr-eval report FOLDER --html");
+  check_failure("vpr-eval", {"compare", result, result}, 2, "Make one first: vpr-eval " + result);
+  check_failure("vpr-eval", {result, result, "--ground-truth", "aligned", "--html", out / "p.html"},
+                2, "vpr-eval report FOLDER --html");
 }
 
 TEST_CASE("a folder's table replaces none of the reports and results it is made of") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::filesystem::create_directories(out / "all");
   const std::string result = query(out, "all/first");
-  REQUIRE(evaluate(result, {"-o", out / "all/report.json"}).exit_code == 0);
+  ok(evaluate(result, {"-o", out / "all/report.json"}));
   const auto write = [&](const std::string& name) {
     return run_program("vpr-eval", {"report", out / "all", "-o", out / name, "--force"});
   };
   for (const char* name : {"all/report.json", "all/first.json", "all/first.hits.npy"}) {
-    const std::string before = test::read_text(out / name);
-    test::check_failure(write(name), 2, "is an input of this run");
-    CHECK(test::read_text(out / name) == before);
+    const std::string before = read_text(out / name);
+    check_failure(write(name), 2, "is an input of this run");
+    CHECK(read_text(out / name) == before);
   }
-  CHECK(write("all/table.json").exit_code == 0);
-  CHECK(write("all/table.json").exit_code == 0);  // an earlier table is no input
+  ok(write("all/table.json"));
+  ok(write("all/table.json"));  // an earlier table is no input
 }

@@ -1,41 +1,44 @@
-// Standardized scores as a user asks for them.
+// Standardized scores, and decisions by margin, as a user asks for them.
 #include <algorithm>
-#include <filesystem>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "base/json.h"
-#include "base/npy.h"
-#include "support.h"
+#include "printed.h"
 
 using namespace vpr;
-using test::run_program;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
 
 struct Walks {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   Walks() {
     uint64_t seed = 0;
     for (const char* name : {"one", "two", "query"}) {
       fs::create_directory(folder / name);
-      for (int i = 0; i < 12; ++i)
-        test::write_image(folder / name / fmt::format("{:02}.png", i), ++seed);
+      for (int i = 0; i < 20; ++i) write_image(folder / name / fmt::format("{:02}.png", i), ++seed);
     }
-    for (int i = 4; i < 10; ++i)  // a revisit of the second walk
+    for (int i = 4; i < 14; ++i)  // a revisit of the second walk
       fs::copy_file(folder / "two" / fmt::format("{:02}.png", i),
                     folder / "query" / fmt::format("{:02}.png", i),
                     fs::copy_options::overwrite_existing);
-    REQUIRE(run_program("vpr-train", {"fastable", "--train", folder / "one", "--train",
-                                      folder / "two", "--c-l", "3", "-o", database()})
-                .exit_code == 0);
+    run_ok("vpr-train", {"fastable", "--train", folder / "one", "--train", folder / "two", "--c-l",
+                         "3", "-o", database()});
+    std::string truth = "query,sequence,reference\n";
+    for (int i = 4; i < 14; ++i) truth += fmt::format("{0},two,{0}\n", i);
+    write_text(folder / "truth.csv", truth);
   }
   std::string database() const { return folder / "db.vprdb"; }
-  test::RunOutcome query(std::vector<std::string> words) const {
-    words.insert(words.begin(), {database(), "--query", folder / "query", "--c-l", "3"});
-    return run_program("vpr-query", words);
+  RunOutcome query(Words words) const {
+    return run_program("vpr-query",
+                       joined({database(), "--query", folder / "query", "--c-l", "3"}, words));
+  }
+  std::string refusal(Words words) const {
+    const RunOutcome outcome = query(std::move(words));
+    CHECK(outcome.exit_code == 2);
+    return outcome.err;
   }
 };
 
@@ -44,16 +47,11 @@ const Walks& walks() {
   return kShared;
 }
 
-Json parse(const std::string& text) { return Json::parse(text); }
-
 }  // namespace
 
 TEST_CASE("negative thresholds on the command line, and what the result says of the scores") {
-  const auto outcome =
-      walks().query({"--score", "standardized", "--t-r", "-1.5", "--verify", "50", "--json"});
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-  const Json json = parse(outcome.out);
+  const Json json = printed_json(
+      walks().query({"--score", "standardized", "--t-r", "-1.5", "--verify", "50", "--json"}));
   CHECK(json["settings"]["score"] == "standardized");
   CHECK(json["settings"]["t_r"] == -1.5);
   CHECK(json["settings"]["t_r_scale"] == "mean-z");
@@ -63,13 +61,11 @@ TEST_CASE("negative thresholds on the command line, and what the result says of 
   CHECK(json["totals"]["hits"] > 0);
   CHECK(json["verification"]["differences"] == 0);
   for (const Json& place : json["clusters"]) CHECK(place["best_score"] < -3 * 1536);
-  CHECK(walks()
-            .query({"--score", "standardized", "--t-r", "-1.5", "--t-r-scale", "mean-z", "--json"})
-            .exit_code == 0);
+  ok(walks().query(
+      {"--score", "standardized", "--t-r", "-1.5", "--t-r-scale", "mean-z", "--json"}));
 }
 
 TEST_CASE("scales and settings that mean nothing for a score are usage errors") {
-  using Words = std::vector<std::string>;
   for (const Words& words :
        {Words{"--score", "standardized", "--t-r", "0.4", "--t-r-scale", "relative"},
         Words{"--score", "standardized", "--t-r", "200", "--t-r-scale", "bits"},
@@ -80,9 +76,7 @@ TEST_CASE("scales and settings that mean nothing for a score are usage errors") 
         Words{"--score", "standardized", "--safety-factor", "0.9"},
         Words{"--score", "standardized"}, Words{"--score", "standardised"},
         Words{"--score", "standardized", "--max-memory", "10"}}) {
-    Words all = words;
-    all.emplace_back("--json");
-    const auto outcome = walks().query(all);
+    const auto outcome = walks().query(joined(words, {"--json"}));
     INFO(fmt::format("{}", outcome.err));
     CHECK(outcome.exit_code == 2);
     CHECK(outcome.out.empty());
@@ -90,38 +84,31 @@ TEST_CASE("scales and settings that mean nothing for a score are usage errors") 
 }
 
 TEST_CASE("every setting of standardized scores can stand in the configuration") {
-  test::write_text(walks().folder / "c.json",
-                   R"({"score": "standardized", "t_r": -1, "standardization": {"forgetting": 0.9,
+  write_text(walks().folder / "c.json",
+             R"({"score": "standardized", "t_r": -1, "standardization": {"forgetting": 0.9,
                        "start_weight": 3, "deviation_floor": 20, "view_change": 0,
                        "lag_views": 1}})");
-  const auto outcome =
-      walks().query({"--config", walks().folder / "c.json", "--verify", "100", "--json"});
-  REQUIRE(outcome.exit_code == 0);
-  CHECK(parse(outcome.out)["settings"]["standardization"]["lag_views"] == 1);
-  test::write_text(walks().folder / "t.json",
-                   R"({"statistics": {"neighbour_frames": 2, "samples": 7, "seed": 3}})");
-  REQUIRE(run_program("vpr-train",
-                      {"fastable", "--train", walks().folder / "one", "--config",
-                       walks().folder / "t.json", "-o", walks().folder / "s.vprdb", "--force"})
-              .exit_code == 0);
-  const Json manifest = parse(test::read_text(walks().folder / "s.vprdb/manifest.json"));
+  CHECK(printed_json(walks().query({"--config", walks().folder / "c.json", "--verify", "100",
+                                    "--json"}))["settings"]["standardization"]["lag_views"] == 1);
+  write_text(walks().folder / "t.json",
+             R"({"statistics": {"neighbour_frames": 2, "samples": 7, "seed": 3}})");
+  run_ok("vpr-train", {"fastable", "--train", walks().folder / "one", "--config",
+                       walks().folder / "t.json", "-o", walks().folder / "s.vprdb", "--force"});
+  const Json manifest = Json::parse(read_text(walks().folder / "s.vprdb/manifest.json"));
   CHECK(manifest["statistics"]["samples"] == 7);
   CHECK(manifest["statistics"]["seed"] == 3);
 }
 
 TEST_CASE("frames that can't be read have no score, and the matrix says so") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   fs::copy(walks().folder / "query", folder / "query");
-  test::write_text(folder / "query/05.png", "no image");
-  REQUIRE(run_program("vpr-query",
-                      {walks().database(), "--query", folder / "query", "--c-l", "3", "--score",
+  write_text(folder / "query/05.png", "no image");
+  run_ok("vpr-query", {walks().database(), "--query", folder / "query", "--c-l", "3", "--score",
                        "standardized", "--t-r", "0", "--skip-unreadable", "--save-matrix",
-                       folder / "m.npy", "--verify", "60", "-o", folder / "r.json"})
-              .exit_code == 0);
+                       folder / "m.npy", "--verify", "60", "-o", folder / "r.json"});
   const NpyArray best(folder / "r.best.npy");
   const auto rows = best.values<int32_t>(2);
-  const NpyArray score_file(folder / "r.best_scores.npy");
-  const auto scores = score_file.values<double>(1);
+  const auto scores = read_array<double>(folder / "r.best_scores.npy");
   const NpyArray matrix(folder / "m.npy");
   const auto cells = matrix.values<int32_t>(2);
   const size_t cols = matrix.shape()[1];
@@ -135,12 +122,11 @@ TEST_CASE("frames that can't be read have no score, and the matrix says so") {
                               cells.begin() + ptrdiff_t((window + 1) * cols)) == scores[window]);
   }
   // The result and its matrix give the same metrics: windows without scores are in neither.
-  test::write_text(folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n9,two,9\n");
-  const auto metrics = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {folder / "r.json", "--ground-truth", folder / "pairs.csv",
-                                      "--json"};
-    words.insert(words.end(), more.begin(), more.end());
-    return parse(run_program("vpr-eval", words).out)["metrics"]["single_best"];
+  write_text(folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n9,two,9\n");
+  const auto metrics = [&](Words more) {
+    Words words =
+        joined({folder / "r.json", "--ground-truth", folder / "pairs.csv", "--json"}, more);
+    return Json::parse(run_program("vpr-eval", words).out)["metrics"]["single_best"];
   };
   const Json own = metrics({});
   const Json of_matrix = metrics({"--scores", folder / "m.npy"});
@@ -149,7 +135,7 @@ TEST_CASE("frames that can't be read have no score, and the matrix says so") {
 }
 
 TEST_CASE("vpr-tune sweeps thresholds of scores") {
-  test::write_text(walks().folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n");
+  write_text(walks().folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n");
   const auto sweep = [](const std::string& truth, const std::string& thresholds) {
     return run_program(
         "vpr-tune",
@@ -159,10 +145,81 @@ TEST_CASE("vpr-tune sweeps thresholds of scores") {
   const std::string pairs = walks().folder / "pairs.csv";
   CHECK(sweep("aligned", "-3:-1:1").exit_code == 2);  // aligned needs a single training sequence
   CHECK(sweep(pairs, "-3:-1:1,auto").exit_code == 2);
-  const auto counted = sweep(pairs, "-3:-1:1");
-  INFO(counted.err);
-  REQUIRE(counted.exit_code == 0);
-  const Json cells = parse(counted.out)["cells"];
+  const Json cells = printed_json(sweep(pairs, "-3:-1:1"))["cells"];
   REQUIRE(cells.size() == 6);
   for (const Json& cell : cells) CHECK(cell["t_r_scale"] == "mean-z");
+}
+
+TEST_CASE("a query by margin recognises the revisit, and vpr-eval judges by either confidence") {
+  const fs::path result = walks().folder / "r.json";
+  const Json json = printed_json(
+      walks().query({"--decide", "margin", "--margin", "400", "-o", result, "--force", "--json"}));
+  CHECK(json["settings"]["decide"] == "margin");
+  CHECK(json["settings"]["margin"] == 400.0);
+  CHECK_FALSE(json["settings"].contains("t_r"));
+  CHECK(json["targets"][1]["margin"] == 400.0);
+  CHECK(json["totals"]["hits"] == 8);
+  CHECK(json["files"].contains("margins"));
+  const auto report = [&](Words more) {
+    return printed_json(
+        "vpr-eval",
+        joined({result, "--ground-truth", walks().folder / "truth.csv", "--json"}, more));
+  };
+  const Json by_score = report({"--confidence", "score"});
+  CHECK(by_score["counts"]["hits"]["correct"] == 8);
+  CHECK(by_score["counts"]["hits"]["incorrect"] == 0);
+  CHECK(by_score["metrics"]["by_margin"]["recall_at_100_precision"] >= 0.8);
+  CHECK_FALSE(by_score.contains("confidence"));
+  const fs::path page = walks().folder / "page.html";
+  const Json by_margin = report({"--html", page, "--force"});  // as the result was decided
+  CHECK(by_margin["confidence"] == "margin");
+  CHECK(by_margin["protocol"]["hits"] ==
+        "best matches with a distance better than the best one elsewhere by at least the margin");
+  CHECK(by_margin["metrics"]["single_best"] == by_score["metrics"]["by_margin"]);
+  CHECK(by_margin["metrics"]["by_score"]["average_precision"] ==
+        by_score["metrics"]["single_best"]["average_precision"]);
+  CHECK(by_margin["protocol"]["single_best"].get<std::string>().starts_with("a margin accepts"));
+  const std::string html = read_text(page);
+  CHECK(has(html, "margin asked for"));
+  CHECK(has(html, "What a margin recognizes"));
+  CHECK(has(html, "the margin per frame, or more"));
+  CHECK(has(html, "<label for=\"threshold\">Margin</label>"));
+  CHECK(has(html, "\"asked\":400.0"));
+  CHECK_FALSE(has(html, "below the threshold"));
+  const auto table =
+      run_program("vpr-eval", {result, "--ground-truth", walks().folder / "truth.csv"});
+  CHECK(has(table.out, "the same by score"));
+}
+
+TEST_CASE("margins that can't be, and settings that decide nothing, are refused with what to do") {
+  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "-1"}), "from 0 to 65535"));
+  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "nan"}), "\"auto\""));
+  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "1e9"}), "bits a frame"));
+  CHECK(has(walks().refusal({"--decide", "margin", "--margin", "65", "--score", "standardized"}),
+            "from 0 to 64 deviations"));
+  CHECK(has(walks().refusal({"--margin", "10"}), "--decide margin"));
+  CHECK(has(walks().refusal({"--decide", "margin", "--t-r", "0.5"}), "--decide threshold"));
+  CHECK(has(walks().refusal({"--decide", "margin", "--method", "lsh"}), "lsh finds some"));
+  CHECK(has(walks().refusal({"--decide", "margin", "--same-place", "one=three"}),
+            "the database has one, two"));
+  CHECK(has(walks().refusal({"--decide", "maybe"}), "margin"));
+}
+
+TEST_CASE("vpr-tune sweeps margins, and its recommendation is a query's settings") {
+  const fs::path best = walks().folder / "best.json";
+  const Json json =
+      printed_json("vpr-tune", {"fastable", walks().database(), "--query", walks().folder / "query",
+                                "--ground-truth", walks().folder / "truth.csv", "--c-l", "3",
+                                "--decide", "margin", "--margin", "2,400:440:10", "--save-config",
+                                best, "--force", "--json"});
+  CHECK(json["cells"][0]["margin"] == 2.0);
+  CHECK_FALSE(json["cells"][0].contains("t_r"));
+  const Json config = Json::parse(read_text(best));
+  CHECK(config["decide"] == "margin");
+  CHECK(printed_json("vpr-query", {walks().database(), "--query", walks().folder / "query",
+                                   "--config", best, "--json"})["totals"]["hits"] > 0);
+  const auto refused =
+      run_program("vpr-tune", {"fastable", walks().database(), "--query", walks().folder / "query",
+                               "--ground-truth", walks().folder / "truth.csv", "--margin", "1"});
+  CHECK(refused.exit_code == 2);
 }

@@ -1,6 +1,5 @@
 // docs/common.schema.json defines the settings as their structs do: keys, types, names and order
 // follow visit_fields; descriptions, and bounds that a type does not imply, stand in the schema.
-#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <fstream>
@@ -22,6 +21,7 @@
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 
 namespace {
 
@@ -200,7 +200,7 @@ const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& pla
 TEST_CASE("settings are described in the schemas as programs read and write them") {
   const char* mode = std::getenv("VPR_SCHEMAS");
   for (const auto& [name, generators] : places()) {
-    const auto path = test::source_path(fmt::format("docs/{}.schema.json", name));
+    const auto path = source_path(fmt::format("docs/{}.schema.json", name));
     Json schema = read_json(path, ErrorKind::input);
     for (const auto& [where, generate] : generators) {
       Json& old = schema[Json::json_pointer(where)];

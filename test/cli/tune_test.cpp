@@ -1,44 +1,49 @@
 // vpr-tune as a user runs it.
 #include <catch2/catch.hpp>
 
-#include "base/json.h"
 #include "cli/world.h"
-#include "support.h"
 
 using namespace vpr;
-using test::run_program;
-using test::world;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
 
-Json parse(const std::string& text) { return Json::parse(text); }
-
-std::vector<std::string> fastable(std::vector<std::string> more) {
-  std::vector<std::string> words = {
-      "fastable",       world().database(),    "--query", world().walk("back"),
-      "--ground-truth", world().truth("back"), "--c-l",   "2,10:20:10",
-      "--t-r",          "0.3:0.5:0.1,auto"};
-  words.insert(words.end(), more.begin(), more.end());
+Words fastable(Words more) {
+  Words words =
+      joined({"fastable", world().database(), "--query", world().walk("back"), "--ground-truth",
+              world().truth("back"), "--c-l", "2,10:20:10", "--t-r", "0.3:0.5:0.1,auto"},
+             more);
   return words;
+}
+
+Words calibrate(Words more, std::string truth = "") {
+  if (truth.empty()) truth = world().truth("back");
+  return joined({"calibrate", world().database(), "--query", world().walk("back"), "--ground-truth",
+                 truth, "--c-l", "5,10"},
+                more);
+}
+
+Json query_with(const std::string& config, const TemporaryFolder& out) {
+  run_ok("vpr-query", {world().database(), "--query", world().walk("back"), "--config", config,
+                       "--force", "-o", out / "r.json"});
+  return printed_json("vpr-eval",
+                      {out / "r.json", "--ground-truth", world().truth("back"), "--json"});
 }
 
 }  // namespace
 
 TEST_CASE("a sweep's counts are those of vpr-query and vpr-eval, one by one") {
-  const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-tune", fastable({"-o", out / "s.json"})).exit_code == 0);
-  const Json cells = parse(test::read_text(out / "s.json"))["cells"];
+  const TemporaryFolder out;
+  run_ok("vpr-tune", fastable({"-o", out / "s.json"}));
+  const Json cells = file_json(out / "s.json")["cells"];
   REQUIRE(cells.size() == 3 * 4);
   for (const Json& cell : cells) {
     const std::string t_r = cell["t_r"].is_string() ? "auto" : cell["t_r"].dump();
-    REQUIRE(run_program("vpr-query",
-                        {world().database(), "--query", world().walk("back"), "--c-l",
-                         cell["c_l"].dump(), "--t-r", t_r, "--force", "-o", out / "r.json"})
-                .exit_code == 0);
-    const Json report = parse(
-        run_program("vpr-eval", {out / "r.json", "--ground-truth", world().truth("back"), "--json"})
-            .out);
+    run_ok("vpr-query", {world().database(), "--query", world().walk("back"), "--c-l",
+                         cell["c_l"].dump(), "--t-r", t_r, "--force", "-o", out / "r.json"});
+    const Json report = printed_json(
+        "vpr-eval", {out / "r.json", "--ground-truth", world().truth("back"), "--json"});
     INFO(cell.dump());
     CHECK(cell["counts"] == report["counts"]);
     CHECK(cell["best_match"]["correct"] == report["best_match"]["correct"]);
@@ -46,22 +51,19 @@ TEST_CASE("a sweep's counts are those of vpr-query and vpr-eval, one by one") {
 }
 
 TEST_CASE("FAB-MAP's sweep has the counts of single queries, too") {
-  const test::TemporaryFolder out;
-  REQUIRE(run_program("vpr-tune", {"fabmap", world().fabmap(), "--query", world().walk("back"),
-                                   "--ground-truth", "aligned", "--tolerance", "25", "--c-w", "1:3",
-                                   "--t-p", "0.2,0.6,0.99", "-o", out / "s.json"})
-              .exit_code == 0);
-  const Json cells = parse(test::read_text(out / "s.json"))["cells"];
+  const TemporaryFolder out;
+  run_ok("vpr-tune",
+         {"fabmap", world().fabmap(), "--query", world().walk("back"), "--ground-truth", "aligned",
+          "--tolerance", "25", "--c-w", "1:3", "--t-p", "0.2,0.6,0.99", "-o", out / "s.json"});
+  const Json cells = file_json(out / "s.json")["cells"];
   REQUIRE(cells.size() == 9);
   uint64_t correct = 0;
   for (const Json& cell : cells) {
-    REQUIRE(run_program("vpr-query", {world().fabmap(), "--query", world().walk("back"), "--c-w",
-                                      cell["c_w"].dump(), "--t-p", cell["t_p"].dump(), "--force",
-                                      "-o", out / "r.json"})
-                .exit_code == 0);
-    const Json report = parse(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned",
-                                                       "--tolerance", "25", "--json"})
-                                  .out);
+    run_ok("vpr-query",
+           {world().fabmap(), "--query", world().walk("back"), "--c-w", cell["c_w"].dump(), "--t-p",
+            cell["t_p"].dump(), "--force", "-o", out / "r.json"});
+    const Json report = printed_json(
+        "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "25", "--json"});
     CHECK(cell["counts"] == report["counts"]);
     correct += cell["counts"]["hits"]["correct"].get<uint64_t>();
   }
@@ -69,13 +71,11 @@ TEST_CASE("FAB-MAP's sweep has the counts of single queries, too") {
 }
 
 TEST_CASE("a sweep is byte-identical for any number of threads") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::string first;
   for (const char* threads : {"1", "2", "5"}) {
-    REQUIRE(
-        run_program("vpr-tune", fastable({"--threads", threads, "--force", "-o", out / "s.json"}))
-            .exit_code == 0);
-    Json json = parse(test::read_text(out / "s.json"));
+    run_ok("vpr-tune", fastable({"--threads", threads, "--force", "-o", out / "s.json"}));
+    Json json = file_json(out / "s.json");
     json.erase("machine");
     json.erase("timing");
     if (first.empty()) first = json.dump();
@@ -84,34 +84,30 @@ TEST_CASE("a sweep is byte-identical for any number of threads") {
 }
 
 TEST_CASE("the recommended setting is reported on another sequence") {
-  const test::TemporaryFolder out;
-  const auto outcome = run_program(
-      "vpr-tune",
-      fastable({"--validate", world().walk("again"), "--validate-ground-truth",
-                world().truth("again"), "--heat-map", out / "h.png", "-o", out / "s.json"}));
-  REQUIRE(outcome.exit_code == 0);
-  CHECK(outcome.out.find("recommended: c_l") != std::string::npos);
-  CHECK(outcome.err.find("not seen") == std::string::npos);
-  const Json query = parse(test::read_text(out / "s.json"))["queries"][0];
+  const TemporaryFolder out;
+  const auto outcome =
+      run_ok("vpr-tune",
+             fastable({"--validate", world().walk("again"), "--validate-ground-truth",
+                       world().truth("again"), "--heat-map", out / "h.png", "-o", out / "s.json"}));
+  CHECK(has(outcome.out, "recommended: c_l"));
+  CHECK_FALSE(has(outcome.err, "not seen"));
+  const Json query = file_json(out / "s.json")["queries"][0];
   CHECK(query["validation"]["query"] == "again");
   CHECK(query["intervals"]["correct_hits"][0] <= query["intervals"]["correct_hits"][1]);
-  CHECK(test::read_text(out / "h.png").substr(1, 3) == "PNG");
-  const auto same = run_program(
-      "vpr-tune", fastable({"--validate", world().walk("back"), "--validate-ground-truth",
-                            world().truth("back"), "--json"}));
-  CHECK(same.exit_code == 0);
-  CHECK(same.err.find("not seen") != std::string::npos);
+  CHECK(read_text(out / "h.png").substr(1, 3) == "PNG");
+  const auto same =
+      run_ok("vpr-tune", fastable({"--validate", world().walk("back"), "--validate-ground-truth",
+                                   world().truth("back"), "--json"}));
+  CHECK(has(same.err, "not seen"));
 }
 
 TEST_CASE("automatic thresholds are listed with their frames, and kept with --write") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   fs::copy(world().database(), out / "w.vprdb");
-  const auto outcome =
-      run_program("vpr-tune", {"threshold", out / "w.vprdb", "--c-l", "5,10", "--write", "--json"});
-  REQUIRE(outcome.exit_code == 0);
-  const Json thresholds = parse(outcome.out)["thresholds"];
+  const Json thresholds = printed_json("vpr-tune", {"threshold", out / "w.vprdb", "--c-l", "5,10",
+                                                    "--write", "--json"})["thresholds"];
   REQUIRE(thresholds.size() == 4);
-  const Json info = parse(run_program("vpr-train", {"info", out / "w.vprdb", "--json"}).out);
+  const Json info = printed_json("vpr-train", {"info", out / "w.vprdb", "--json"});
   for (const Json& t_r : info["sequences"][0]["t_r"])
     for (const Json& item : thresholds)
       if (item["sequence"] == info["sequences"][0]["name"] && item["c_l"] == t_r["c_l"])
@@ -129,11 +125,11 @@ TEST_CASE("lists and ranges of vpr-tune") {
     CHECK(outcome.exit_code == exit_code);
     return outcome.out;
   };
-  CHECK(parse(check("5", "auto", 0))["cells"].size() == 1);
-  CHECK(parse(check("5", "auto,0.3", 0))["cells"].size() == 2);
-  CHECK(parse(check("5", "0.3,auto,0.4,auto", 0))["cells"].size() == 3);
-  CHECK(parse(check("5,5,4:5", "0.2:0.4:0.1,0.3", 0))["cells"].size() == 2 * 3);
-  CHECK(parse(check("5", "0.1:0.9:0.2", 0))["cells"][4]["t_r"] == 0.9);
+  CHECK(Json::parse(check("5", "auto", 0))["cells"].size() == 1);
+  CHECK(Json::parse(check("5", "auto,0.3", 0))["cells"].size() == 2);
+  CHECK(Json::parse(check("5", "0.3,auto,0.4,auto", 0))["cells"].size() == 3);
+  CHECK(Json::parse(check("5,5,4:5", "0.2:0.4:0.1,0.3", 0))["cells"].size() == 2 * 3);
+  CHECK(Json::parse(check("5", "0.1:0.9:0.2", 0))["cells"][4]["t_r"] == 0.9);
   for (const char* wrong : {"x", "0", "2.5", "5:1", "1:5:0", "1:2:3:4", "5,,6", "99999"})
     check(wrong, "0.3", 2);
   for (const char* wrong : {"x", "0.5:0.1:0.1", "-1", "nan", "0.2auto", "auto0.2", "autos", ",auto",
@@ -142,14 +138,13 @@ TEST_CASE("lists and ranges of vpr-tune") {
 }
 
 TEST_CASE("a batch of data sets is written whole or not at all, beside whatever stands there") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const auto dataset = [&](const std::string& name) {
-    test::write_text(
-        out / (name + ".json"),
-        R"({"schema": "vpr.dataset/1", "name": ")" + name + R"(", "queries": [{"name": ")" + name +
-            R"(", "sequence": ")" + world().walk(name) +
-            R"(", "ground_truth": {"format": "pairs", "path": ")" + name + R"(.csv"}}]})");
-    return std::string(out / (name + ".json"));
+    write_text(out / (name + ".json"),
+               R"({"schema": "vpr.dataset/1", "name": ")" + name + R"(", "queries": [{"name": ")" +
+                   name + R"(", "sequence": ")" + world().walk(name) +
+                   R"(", "ground_truth": {"format": "pairs", "path": ")" + name + R"(.csv"}}]})");
+    return (out / (name + ".json")).string();
   };
   const auto run = [&](const std::string& output) {
     return run_program("vpr-tune",
@@ -158,41 +153,35 @@ TEST_CASE("a batch of data sets is written whole or not at all, beside whatever 
         .exit_code;
   };
   fs::copy(world().truth("back"), out / "back.csv");
-  test::write_text(out / "again.csv", "broken");
-  test::write_text(out / "s.json.partial", "the user's own");
+  write_text(out / "again.csv", "broken");
+  write_text(out / "s.json.partial", "the user's own");
   CHECK(run("s.json") == 4);
   CHECK(!fs::exists(out / "s.json"));
   fs::copy(world().truth("again"), out / "again.csv", fs::copy_options::overwrite_existing);
   CHECK(run("s.json") == 0);
-  CHECK(test::read_text(out / "s.json.partial") == "the user's own");
-  const Json sweep = parse(test::read_text(out / "s.json"));
+  CHECK(read_text(out / "s.json.partial") == "the user's own");
+  const Json sweep = file_json(out / "s.json");
   REQUIRE(sweep["queries"].size() == 2);
   CHECK(sweep["queries"][1]["name"] == "again");
   CHECK(sweep["cells"].size() == 2 * 2 * 2);
 }
 
 TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query takes its choice") {
-  const test::TemporaryFolder out;
-  const std::vector<std::string> data = {"--query", world().walk("back"), "--ground-truth",
-                                         world().truth("back")};
-  const auto run = [&](const std::string& family, const std::string& database,
-                       std::vector<std::string> more) {
-    std::vector<std::string> words = {family, database};
-    words.insert(words.end(), data.begin(), data.end());
-    words.insert(words.end(), more.begin(), more.end());
-    return run_program("vpr-tune", words);
+  const TemporaryFolder out;
+  const auto run = [&](const Words& more) {
+    return run_program("vpr-tune",
+                       joined({"fastable", world().database(), "--query", world().walk("back"),
+                               "--ground-truth", world().truth("back")},
+                              more));
   };
-  const auto plain = run("fastable", world().database(), {});
-  REQUIRE(plain.exit_code == 0);
-  CHECK(plain.out.find("hits by t_r and c_l (* recommended)") != std::string::npos);
-  CHECK(plain.out.find("vpr-query " + world().database()) != std::string::npos);
-  const auto saved =
-      run("fastable", world().database(), {"--save-config", out / "c.json", "-o", out / "s.json"});
-  REQUIRE(saved.exit_code == 0);
-  CHECK(saved.out.find("--config " + std::string(out / "c.json")) != std::string::npos);
-  const Json sweep = parse(test::read_text(out / "s.json"));
+  const auto plain = ok(run({}));
+  CHECK(has(plain.out, "hits by t_r and c_l (* recommended)"));
+  CHECK(has(plain.out, "vpr-query " + world().database()));
+  const auto saved = ok(run({"--save-config", out / "c.json", "-o", out / "s.json"}));
+  CHECK(has(saved.out, "--config " + (out / "c.json").string()));
+  const Json sweep = file_json(out / "s.json");
   Json settings = sweep["queries"][0]["recommended_settings"];
-  Json config = parse(test::read_text(out / "c.json"));
+  Json config = file_json(out / "c.json");
   CHECK(config["schema"] == "vpr.config/1");
   config.erase("schema");
   CHECK(config == settings);
@@ -200,46 +189,43 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query takes its
   CHECK(settings["c_l"] == cell["c_l"]);
   CHECK(cell["counts"]["hits"]["incorrect"] == 0);
   // The counts of the recommended cell, from the file alone.
-  REQUIRE(run_program("vpr-query", {world().database(), "--query", world().walk("back"), "--config",
-                                    out / "c.json", "-o", out / "r.json"})
-              .exit_code == 0);
-  const Json report = parse(
-      run_program("vpr-eval", {out / "r.json", "--ground-truth", world().truth("back"), "--json"})
-          .out);
+  run_ok("vpr-query", {world().database(), "--query", world().walk("back"), "--config",
+                       out / "c.json", "-o", out / "r.json"});
+  const Json report =
+      printed_json("vpr-eval", {out / "r.json", "--ground-truth", world().truth("back"), "--json"});
   CHECK(report["counts"] == cell["counts"]);
   CHECK(report["settings"] == settings);
 }
 
 TEST_CASE("without a recommendation there is no configuration, and the exit code says so") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const auto outcome =
       run_program("vpr-tune", {"fastable", world().database(), "--query", world().walk("back"),
                                "--ground-truth", world().truth("back"), "--c-l", "5", "--t-r",
                                "0.01,0.02", "--save-config", out / "c.json", "-o", out / "s.json"});
   CHECK(outcome.exit_code == 5);
-  CHECK(outcome.err.find("no setting has a hit") != std::string::npos);
-  CHECK(outcome.err.find("use --method filter") != std::string::npos);
-  CHECK(outcome.err.find("longer c_l") == std::string::npos);
-  CHECK(test::list_folder(out.path()) == std::vector<std::string>{"s.json"});
-  const Json query = parse(test::read_text(out / "s.json"))["queries"][0];
+  CHECK(has(outcome.err, "no setting has a hit"));
+  CHECK(has(outcome.err, "use --method filter"));
+  CHECK_FALSE(has(outcome.err, "longer c_l"));
+  CHECK(list_folder(out.path()) == Words{"s.json"});
+  const Json query = file_json(out / "s.json")["queries"][0];
   CHECK(query["advice"] == "no_hits");
   CHECK((query["recommended"].is_null() && query["recommended_settings"].is_null()));
 }
 
 TEST_CASE("FAB-MAP has a default grid and a configuration, too") {
-  const test::TemporaryFolder out;
-  const auto outcome = run_program(
+  const TemporaryFolder out;
+  const auto outcome = run_ok(
       "vpr-tune", {"fabmap", world().fabmap(), "--query", world().walk("back"), "--ground-truth",
                    "aligned", "--tolerance", "25", "--format", "csv", "-o", out / "s.json"});
-  REQUIRE(outcome.exit_code == 0);
-  const Json sweep = parse(test::read_text(out / "s.json"));
+  const Json sweep = file_json(out / "s.json");
   CHECK(sweep["cells"].size() == 5 * 10);
   CHECK(std::count(outcome.out.begin(), outcome.out.end(), '\n') == 1 + 5 * 10);
-  CHECK(outcome.out.find("query,c_w,t_p,scale,hits_correct,hits_incorrect") == 0);
+  CHECK(outcome.out.starts_with("query,c_w,t_p,scale,hits_correct,hits_incorrect"));
 }
 
 TEST_CASE("a validation may be another query of the data set, by its name") {
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const auto query = [&](const std::string& name) {
     return Json{{"name", name},
                 {"sequence", world().walk(name)},
@@ -247,17 +233,73 @@ TEST_CASE("a validation may be another query of the data set, by its name") {
   };
   const Json dataset = {
       {"schema", "vpr.dataset/1"}, {"name", "both"}, {"queries", {query("back"), query("again")}}};
-  test::write_text(out / "d.json", dataset.dump());
-  const auto run = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {"fastable",     world().database(), "--dataset",
-                                      out / "d.json", "--query",          "back"};
-    words.insert(words.end(), more.begin(), more.end());
-    return run_program("vpr-tune", words);
+  write_text(out / "d.json", dataset.dump());
+  const auto run = [&](Words more) {
+    return run_program("vpr-tune", joined({"fastable", world().database(), "--dataset",
+                                           out / "d.json", "--query", "back"},
+                                          more));
   };
-  const auto outcome = run({"--validate", "again"});
-  CHECK(outcome.exit_code == 0);
-  CHECK(outcome.out.find("On again: hits ") != std::string::npos);
-  CHECK(outcome.out.find("{") == std::string::npos);
+  const auto outcome = ok(run({"--validate", "again"}));
+  CHECK(has(outcome.out, "On again: hits "));
+  CHECK_FALSE(has(outcome.out, "{"));
   CHECK(run({"--validate", "nobody"}).exit_code == 2);
   CHECK(run({"--validate-ground-truth", world().truth("again")}).exit_code == 2);
+}
+
+TEST_CASE("vpr-query takes a calibration as its configuration, and has its recognitions") {
+  const TemporaryFolder out;
+  for (const Words& more : {Words{}, {"--score", "raw"}, {"--method", "filter"}}) {
+    const Words words =
+        joined(calibrate({"-o", out / "c.json", "--force", "--fps", "4", "--json"}), more);
+    const Json calibration = printed_json("vpr-tune", words);
+    CHECK(file_json(out / "c.json") == calibration);
+    const size_t chosen = calibration["chosen"];
+    const Json& recognised = calibration["lengths"][chosen]["recognised"];
+    CHECK(recognised["wrong"] == 0);
+    const Json hits = query_with(out / "c.json", out)["counts"]["hits"];
+    CHECK(hits["incorrect"] == 0);
+    CHECK(hits["correct"] == recognised["right"]);
+    const double windows = calibration["lengths"][chosen]["windows"];
+    const Json& interval = calibration["lengths"][chosen]["false_recognitions"]["interval"];
+    CHECK(calibration["in_an_hour"]["interval"][1].get<double>() ==
+          Approx(interval[1].get<double>() * 4 * 3600 / windows));
+  }
+}
+
+TEST_CASE("a calibration is the same for any number of threads, but for machine and timing") {
+  std::vector<Json> found;
+  for (const char* threads : {"1", "3"}) {
+    found.push_back(printed_json("vpr-tune", calibrate({"--threads", threads, "--json"})));
+    found.back().erase("machine");
+    found.back().erase("timing");
+  }
+  CHECK(found[0] == found[1]);
+}
+
+TEST_CASE("what can't be calibrated is said in a sentence") {
+  const TemporaryFolder out;
+  const auto fails = [&](Words more, int exit_code, const std::string& words) {
+    check_failure("vpr-tune", calibrate(std::move(more)), exit_code, words);
+  };
+  fails({"--precision", "0"}, 2, "precision must be above 0 and at most 1, found 0");
+  fails({"--fps", "0"}, 2, "--fps must be above 0");
+  fails({"--method", "lsh", "--score", "raw"}, 2, "unknown method \"lsh\"");
+  write_text(out / "raw.json", R"({"c_l": 5, "t_r": -1.5})");
+  fails({"--config", out / "raw.json"}, 2, "decide nothing with --decide margin");
+  write_text(out / "fused.json", R"({"score": "standardized", "fuse_beta": 0.2})");
+  fails({"--config", out / "fused.json"}, 2, "vpr-tune calibrate has no --fuse");
+  write_text(out / "none.csv", "query,sequence,reference,label\n0,one,0,ignore\n");
+  check_failure("vpr-tune", calibrate({}, out / "none.csv"), 2,
+                "shows no trained place by the ground truth");
+  check_failure("vpr-tune", {"calibrate", world().database(), "--query", world().walk("back")}, 2,
+                "give --query and --ground-truth");
+  check_failure("vpr-tune",
+                {"calibrate", world().database(), "--query", world().walk("back") + "@0:1",
+                 "--ground-truth", "aligned"},
+                2, "no 10 readable ones in a row");
+  write_text(out / "wrong.csv", "query,sequence,reference\n20,one,0\n21,one,0\n22,two,0\n");
+  const auto wrong = run_program("vpr-tune", calibrate({"-o", out / "c.json"}, out / "wrong.csv"));
+  CHECK(wrong.exit_code == 5);
+  CHECK(has(wrong.err, "no margin"));  // and a warning that few frames are labelled
+  CHECK(!std::filesystem::exists(out / "c.json"));
 }

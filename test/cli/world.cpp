@@ -12,7 +12,7 @@ namespace {
 // The data set with two training walks and one query.
 void write_two_walks(const std::string& from, const std::string& to) {
   Json dataset = Json::parse(read_text(from));
-  const auto keep = [&](const char* list, const std::vector<std::string>& names) {
+  const auto keep = [&](const char* list, const Words& names) {
     Json kept = Json::array();
     for (const Json& item : dataset[list])
       if (std::find(names.begin(), names.end(), item["name"]) != names.end()) kept.push_back(item);
@@ -23,21 +23,15 @@ void write_two_walks(const std::string& from, const std::string& to) {
   write_text(to, dataset.dump());
 }
 
-void run(const std::string& program, const std::vector<std::string>& words) {
-  const RunOutcome outcome = run_program(program, words);
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-}
-
 }  // namespace
 
 World::World() {
   write_text(folder_ / "world.json", building(3, {"one", "two", "other", "back", "again"}));
-  run("vpr-synth", {folder_ / "world.json", "-o", folder_ / "walk"});
+  run_ok("vpr-synth", {folder_ / "world.json", "-o", folder_ / "walk"});
   write_two_walks(walk("dataset.json"), dataset());
-  run("vpr-train", {"fastable", "--dataset", dataset(), "--c-l", "10", "-o", database()});
-  run("vpr-train", {"fabmap", "--pretrain", walk("other"), "--train", walk("one"), "--features",
-                    "sift", "--words", "60", "-o", fabmap()});
+  run_ok("vpr-train", {"fastable", "--dataset", dataset(), "--c-l", "10", "-o", database()});
+  run_ok("vpr-train", {"fabmap", "--pretrain", walk("other"), "--train", walk("one"), "--features",
+                       "sift", "--words", "60", "-o", fabmap()});
 }
 
 std::string World::truth(const std::string& name) const {
@@ -49,10 +43,18 @@ const World& world() {
   return kShared;
 }
 
-Json printed_json(const RunOutcome& outcome) {
-  INFO(outcome.err);
-  REQUIRE(outcome.exit_code == 0);
-  return Json::parse(outcome.out);
+Words images_of(const std::filesystem::path& walk) {
+  Words names = list_folder(walk);
+  std::erase_if(names, [](const std::string& name) { return !name.ends_with(".png"); });
+  return names;
+}
+
+Words lines_of(const std::string& text) {
+  Words lines;
+  for (size_t begin = 0, end = 0; (end = text.find('\n', begin)) != std::string::npos;
+       begin = end + 1)
+    lines.push_back(text.substr(begin, end - begin));
+  return lines;
 }
 
 void check_failure(const RunOutcome& outcome, int exit_code, const std::string& word) {
@@ -61,6 +63,11 @@ void check_failure(const RunOutcome& outcome, int exit_code, const std::string& 
   CHECK(outcome.exit_code == exit_code);
   CHECK(outcome.err.find(word) != std::string::npos);
   CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') == 1);
+}
+
+void check_failure(const std::string& program, const Words& arguments, int exit_code,
+                   const std::string& word) {
+  check_failure(run_program(program, arguments), exit_code, word);
 }
 
 }  // namespace vpr::test

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json.h"
+#include "printed.h"
 #include "support.h"
 
 namespace vpr::test {
@@ -32,10 +32,14 @@ class World {
 
 const World& world();
 
-/// What a program printed as JSON; it must have ended with 0.
-Json printed_json(const RunOutcome& outcome);
+/// The names of the images of a walk, in order.
+Words images_of(const std::filesystem::path& walk);
+
+Words lines_of(const std::string& text);
 
 /// A program that ended with `exit_code` and one sentence on standard error, and in it `word`.
 void check_failure(const RunOutcome& outcome, int exit_code, const std::string& word);
+void check_failure(const std::string& program, const Words& arguments, int exit_code,
+                   const std::string& word);
 
 }  // namespace vpr::test

@@ -5,16 +5,14 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/json.h"
-#include "base/npy.h"
 #include "descriptors/frame_descriptors.h"
 #include "examples.h"
 #include "images/sequence.h"
 #include "matching/plain.h"
-#include "support.h"
+#include "printed.h"
 
 using namespace vpr;
-using test::run_program;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -24,30 +22,21 @@ std::vector<LdbCode> describe_folder(const fs::path& folder) {
       descriptor_kind("ldb").describe(open_sequence({folder, {}}), {}, Unreadable::fail, {}));
 }
 
-Json evaluate(const test::TemporaryFolder& out, const fs::path& corridor,
-              const std::vector<std::string>& query_words,
-              const std::vector<std::string>& eval_words) {
+Json evaluate(const TemporaryFolder& out, const fs::path& corridor, const Words& query_words,
+              const Words& eval_words) {
   if (!fs::exists(out / "c.vprdb"))
-    REQUIRE(
-        run_program("vpr-train", {"fastable", "--train", corridor / "ref", "-o", out / "c.vprdb"})
-            .exit_code == 0);
-  std::vector<std::string> query = {out / "c.vprdb", "--query", corridor / "query",
-                                    "--force",       "-o",      out / "r.json",
-                                    "--verify",      "1000"};
-  query.insert(query.end(), query_words.begin(), query_words.end());
-  REQUIRE(run_program("vpr-query", query).exit_code == 0);
-  std::vector<std::string> eval = {out / "r.json", "--json"};
-  eval.insert(eval.end(), eval_words.begin(), eval_words.end());
-  const auto outcome = run_program("vpr-eval", eval);
-  REQUIRE(outcome.exit_code == 0);
-  return Json::parse(outcome.out);
+    run_ok("vpr-train", {"fastable", "--train", corridor / "ref", "-o", out / "c.vprdb"});
+  run_ok("vpr-query", joined({out / "c.vprdb", "--query", corridor / "query", "--force", "-o",
+                              out / "r.json", "--verify", "1000"},
+                             query_words));
+  return printed_json("vpr-eval", joined({out / "r.json", "--json"}, eval_words));
 }
 
 }  // namespace
 
 TEST_CASE("codes of the corridor are those of two independent programs, bit for bit") {
-  const auto corridor = test::real_data("data/corridor");
-  const auto expected = test::real_data("expected");
+  const auto corridor = real_data("data/corridor");
+  const auto expected = real_data("expected");
   if (!corridor || !expected) return;
   const NpyArray file(*expected / "corridor-query-codes.npy");
   const auto bytes = file.values<uint8_t>(2);
@@ -59,17 +48,16 @@ TEST_CASE("codes of the corridor are those of two independent programs, bit for 
 }
 
 TEST_CASE("Hamming distances of the corridor are those of two independent programs") {
-  const auto corridor = test::real_data("data/corridor");
-  const auto expected = test::real_data("expected");
+  const auto corridor = real_data("data/corridor");
+  const auto expected = real_data("expected");
   if (!corridor || !expected) return;
-  const NpyArray file(*expected / "corridor-hamming.npy");
-  const auto matrix = file.values<uint16_t>(2);
+  const auto matrix = read_array<uint16_t>(*expected / "corridor-hamming.npy");
   const std::vector<LdbCode> query = describe_folder(*corridor / "query");
   const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
   const DescriptorSpan span{train, {}};
   std::vector<uint16_t> row(train.size() + kStretchFrames);
   for (const std::string& target : simd_targets()) {
-    const test::ChosenTarget chosen(target);
+    const ChosenTarget chosen(target);
     const FrameDistances distances = frame_distances({&span, 1}, {query, {}});
     for (uint32_t q = 0; q < query.size(); ++q) {
       distances.tile({&q, 1}, 0, train.size(), row.data(), 0);
@@ -79,9 +67,9 @@ TEST_CASE("Hamming distances of the corridor are those of two independent progra
 }
 
 TEST_CASE("best matches on the corridor, aligned within 3 frames") {
-  const auto corridor = test::real_data("data/corridor");
+  const auto corridor = real_data("data/corridor");
   if (!corridor) return;
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const auto [length, correct, queries] = GENERATE(table<int, int, int>(
       {{1, 46, 111}, {5, 52, 107}, {10, 75, 102}, {20, 80, 92}, {40, 72, 72}}));
   for (const std::string method : {"fastable", "openable", "fastable-online"}) {
@@ -94,9 +82,9 @@ TEST_CASE("best matches on the corridor, aligned within 3 frames") {
 }
 
 TEST_CASE("hits and places on the corridor with its labelled pairs") {
-  const auto corridor = test::real_data("data/corridor");
+  const auto corridor = real_data("data/corridor");
   if (!corridor) return;
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   struct Row {
     const char* c_l;
     const char* t_r;
@@ -115,14 +103,13 @@ TEST_CASE("hits and places on the corridor with its labelled pairs") {
 }
 
 TEST_CASE("the corridor's ground truth is the same as CSV and as a matrix") {
-  const auto corridor = test::real_data("data/corridor");
+  const auto corridor = real_data("data/corridor");
   if (!corridor) return;
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   const std::string matrix = out / "g.npy";
   const std::string csv = *corridor / "ground_truth.csv";
-  REQUIRE(run_program("vpr-eval", {"convert", csv, "--to", "matrix", "-o", matrix, "--query",
-                                   *corridor / "query", "--train", *corridor / "ref"})
-              .exit_code == 0);
+  run_ok("vpr-eval", {"convert", csv, "--to", "matrix", "-o", matrix, "--query",
+                      *corridor / "query", "--train", *corridor / "ref"});
   for (const std::string c_l : {"1", "20"}) {
     const Json from_csv =
         evaluate(out, *corridor, {"--c-l", c_l, "--t-r", "0.65"}, {"--ground-truth", csv});
@@ -131,19 +118,20 @@ TEST_CASE("the corridor's ground truth is the same as CSV and as a matrix") {
     CHECK(from_csv["counts"] == from_matrix["counts"]);
     CHECK(from_csv["best_match"] == from_matrix["best_match"]);
   }
-  CHECK(run_program("vpr-eval",
-                    {"check", matrix, "--query", *corridor / "query", "--train", *corridor / "ref"})
-            .out.find(" 549\n") != std::string::npos);
+  CHECK(has(run_program("vpr-eval", {"check", matrix, "--query", *corridor / "query", "--train",
+                                     *corridor / "ref"})
+                .out,
+            " 549\n"));
 }
 
 TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, ours by none") {
-  const auto corridor = test::real_data("data/corridor");
+  const auto corridor = real_data("data/corridor");
   if (!corridor) return;
   const std::vector<LdbCode> query = describe_folder(*corridor / "query");
   const std::vector<LdbCode> train = describe_folder(*corridor / "ref");
   const size_t length = 20;
-  const std::vector<uint32_t> right = test::plain_openable(train, query, length);
-  CHECK(test::plain_fastable(train, query, length) == right);
+  const std::vector<uint32_t> right = plain_openable(train, query, length);
+  CHECK(plain_fastable(train, query, length) == right);
   const size_t cols = train.size() - length + 1;
   std::vector<int64_t> published(right.begin(), right.end());
   int64_t largest_difference = 0;
@@ -161,27 +149,26 @@ TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, o
 }
 
 TEST_CASE("metrics of the corridor are those of an independent evaluation in NumPy") {
-  const auto corridor = test::real_data("data/corridor");
-  const auto expected = test::real_data("expected");
+  const auto corridor = real_data("data/corridor");
+  const auto expected = real_data("expected");
   if (!corridor || !expected) return;
-  const auto outcome =
-      run_program("vpr-eval", {"--scores", *expected / "corridor-hamming.npy", "--distance",
-                               "--ground-truth", *corridor / "ground_truth.csv", "--json"});
-  REQUIRE(outcome.exit_code == 0);
-  const Json metrics = Json::parse(outcome.out)["metrics"];
+  const Json metrics = printed_json(
+      "vpr-eval", {"--scores", *expected / "corridor-hamming.npy", "--distance", "--ground-truth",
+                   *corridor / "ground_truth.csv", "--json"})["metrics"];
+  const auto check = [](const Json& found, double wanted) {
+    CHECK(found.get<double>() == Approx(wanted).epsilon(1e-12));
+  };
   const Json& single = metrics["single_best"];
-  CHECK(single["average_precision"].get<double>() == Approx(0.18092763201728745).epsilon(1e-12));
-  CHECK(single["recall_at_100_precision"].get<double>() ==
-        Approx(0.036036036036036036).epsilon(1e-12));
-  CHECK(single["max_f1"].get<double>() == Approx(0.35135135135135137).epsilon(1e-12));
-  CHECK(single["extended_precision"].get<double>() == Approx(0.5180180180180181).epsilon(1e-12));
-  CHECK(single["roc_auc"].get<double>() == Approx(0.5660612535612536).epsilon(1e-12));
+  check(single["average_precision"], 0.18092763201728745);
+  check(single["recall_at_100_precision"], 0.036036036036036036);
+  check(single["max_f1"], 0.35135135135135137);
+  check(single["extended_precision"], 0.5180180180180181);
+  check(single["roc_auc"], 0.5660612535612536);
   const Json& pairs = metrics["all_pairs"];
-  CHECK(pairs["average_precision"].get<double>() == Approx(0.18897651395296916).epsilon(1e-12));
-  CHECK(pairs["recall_at_100_precision"].get<double>() ==
-        Approx(0.009107468123861567).epsilon(1e-12));
-  CHECK(pairs["max_f1"].get<double>() == Approx(0.23832528180354268).epsilon(1e-12));
-  CHECK(pairs["roc_auc"].get<double>() == Approx(0.7422602767704788).epsilon(1e-12));
+  check(pairs["average_precision"], 0.18897651395296916);
+  check(pairs["recall_at_100_precision"], 0.009107468123861567);
+  check(pairs["max_f1"], 0.23832528180354268);
+  check(pairs["roc_auc"], 0.7422602767704788);
   CHECK(single["tied_queries"] == 8);
   CHECK(metrics["recall_at"]["1"].get<double>() == Approx(39 / 111.0));
   CHECK(metrics["recall_at"]["5"].get<double>() == Approx(74 / 111.0));
@@ -190,20 +177,16 @@ TEST_CASE("metrics of the corridor are those of an independent evaluation in Num
 }
 
 TEST_CASE("a confirmed track through the corridor is one place, at equal and at double speed") {
-  const auto corridor = test::real_data("data/corridor");
+  const auto corridor = real_data("data/corridor");
   if (!corridor) return;
-  const test::TemporaryFolder out;
-  REQUIRE(
-      run_program("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "c.vprdb"})
-          .exit_code == 0);
+  const TemporaryFolder out;
+  run_ok("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "c.vprdb"});
   for (const auto& [range, first, last] :
        {std::tuple<std::string, size_t, size_t>{"", 39, 110}, {"@::2", 33, 55}}) {
     INFO(range);
-    const auto outcome = run_program(
+    const Json result = printed_json(
         "vpr-query", {out / "c.vprdb", "--query", (*corridor / "query").string() + range,
                       "--method", "filter", "--force", "-o", out / "r.json", "--json"});
-    REQUIRE(outcome.exit_code == 0);
-    const Json result = Json::parse(outcome.out);
     REQUIRE(result["clusters"].size() == 1);
     const Json& place = result["clusters"][0];
     CHECK(place["hits"] == result["totals"]["hits"]);

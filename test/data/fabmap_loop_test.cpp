@@ -4,16 +4,15 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/json.h"
-#include "base/npy.h"
 #include "database/openfabmap.h"
 #include "matching/fabmap.h"
 #include "pipeline/fabmap_query.h"
+#include "printed.h"
 #include "recognition/fabmap_posterior.h"
 #include "reference/plain_words.h"
-#include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 
 namespace {
 
@@ -24,13 +23,10 @@ struct Loop {
   ViewWords places;  // frames 0 to 39
 
   explicit Loop(const std::filesystem::path& folder) {
-    const test::TemporaryFolder arrays;
+    const TemporaryFolder arrays;
     const auto converted = [&](const std::string& name) {
-      const auto outcome =
-          test::run_program(test::source_path("scripts/convert/openfabmap.py"),
-                            {folder / (name + ".yml.gz"), "-o", arrays / (name + ".npy")});
-      INFO(outcome.err);
-      REQUIRE(outcome.exit_code == 0);
+      run_ok(source_path("scripts/convert/openfabmap.py"),
+             {folder / (name + ".yml.gz"), "-o", arrays / (name + ".npy")});
       return arrays / (name + ".npy");
     };
     tree = read_openfabmap_tree(converted("tree"));
@@ -43,8 +39,7 @@ struct Loop {
 // The largest difference of any posterior of frames 40 to 79 from the expected file.
 double largest_difference(const Loop& loop, const std::filesystem::path& expected,
                           const char* variant, WordModel words, bool pretrain_new_place) {
-  const NpyArray file(expected);
-  const auto wanted = file.values<double>(2);
+  const auto wanted = read_array<double>(expected);
   const FabmapModel model = make_fabmap_model(loop.tree, {}, words);
   const WordIndex index_lists = make_word_index(loop.places, model.words());
   const FabmapIndex index = make_fabmap_index(model, loop.places, index_lists);
@@ -71,7 +66,7 @@ double largest_difference(const Loop& loop, const std::filesystem::path& expecte
 }  // namespace
 
 TEST_CASE("posteriors on the loop are OpenFABMAP's, to 1e-9") {
-  const auto folder = test::real_data("expected/fabmap-loop");
+  const auto folder = real_data("expected/fabmap-loop");
   if (!folder) return;
   const Loop loop(*folder);
   for (const char* variant : {"fabmap1", "fabmap2"}) {
@@ -87,7 +82,7 @@ TEST_CASE("posteriors on the loop are OpenFABMAP's, to 1e-9") {
 
 TEST_CASE(
     "the tree of OpenFABMAP's words is a maximum spanning tree of ours, with its conditionals") {
-  const auto folder = test::real_data("expected/fabmap-loop");
+  const auto folder = real_data("expected/fabmap-loop");
   if (!folder) return;
   const Loop loop(*folder);
   const ChowLiuTree ours = train_chow_liu(loop.pretrain, loop.tree.words(), {});
@@ -98,32 +93,19 @@ TEST_CASE(
 
 // Counts vary with the seed of k-means; docs/experiments/fabmap.md has others.
 TEST_CASE("a vocabulary of our own recognises the second lap") {
-  const auto tower = test::real_data("data/tower");
-  const auto loop = test::real_data("data/loop");
+  const auto tower = real_data("data/tower");
+  const auto loop = real_data("data/loop");
   if (!tower || !loop) return;
-  const test::TemporaryFolder out;
-  std::vector<std::string> train = {"fabmap",
-                                    "--features",
-                                    "sift",
-                                    "--words",
-                                    "500",
-                                    "--train",
-                                    (*loop / "images@0:40").string(),
-                                    "--quiet",
-                                    "-o",
-                                    out / "loop.vprdb"};
+  const TemporaryFolder out;
+  Words train = {"fabmap", "--features", "sift", "--words", "500", "--quiet", "--train"};
+  train.insert(train.end(), {*loop / "images@0:40", "-o", out / "loop.vprdb"});
   for (const char* floor : {"floor5", "floor7", "floor9", "floor12"})
     train.insert(train.end(), {"--pretrain", *tower / floor});
-  REQUIRE(test::run_program("vpr-train", train).exit_code == 0);
-  REQUIRE(test::run_program("vpr-query",
-                            {out / "loop.vprdb", "--query", (*loop / "images@40:80").string(),
-                             "--t-p", "0.6", "--quiet", "-o", out / "r.json"})
-              .exit_code == 0);
-  const auto eval = test::run_program(
-      "vpr-eval",
-      {out / "r.json", "--ground-truth", (*loop / "ground_truth.csv").string(), "--json"});
-  REQUIRE(eval.exit_code == 0);
-  const Json report = Json::parse(eval.out);
+  run_ok("vpr-train", train);
+  run_ok("vpr-query", {out / "loop.vprdb", "--query", (*loop / "images@40:80").string(), "--t-p",
+                       "0.6", "--quiet", "-o", out / "r.json"});
+  const Json report = printed_json("vpr-eval", {out / "r.json", "--ground-truth",
+                                                (*loop / "ground_truth.csv").string(), "--json"});
   CHECK(report["best_match"]["correct"].get<int>() >= 34);
   CHECK(report["counts"]["hits"]["correct"].get<int>() >= 31);
   CHECK(report["counts"]["hits"]["incorrect"].get<int>() <= 6);
@@ -133,14 +115,13 @@ TEST_CASE("a vocabulary of our own recognises the second lap") {
 // words is above 0.6, which was the one incorrect recognition at t_p 0.6 (34 correct, 1 incorrect);
 // a frame without words is not recognized.
 TEST_CASE("by OpenFABMAP's words, every recognition of the second lap is right") {
-  const auto folder = test::real_data("expected/fabmap-loop");
+  const auto folder = real_data("expected/fabmap-loop");
   if (!folder) return;
   const Loop loop(*folder);
   FabmapDatabase database;
   database.tree = loop.tree;
   for (const WordSet& frame : loop.pretrain) database.pretrain.add(frame);
-  add_group(database, {"lap", false, std::vector<std::string>(40)},
-            std::span(loop.frames).subspan(0, 40));
+  add_group(database, {"lap", false, Words(40)}, std::span(loop.frames).subspan(0, 40));
   index_views(database);
   SequenceWords query;
   query.frames.assign(loop.frames.begin() + 40, loop.frames.begin() + 80);

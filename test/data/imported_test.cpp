@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <numeric>
 
@@ -18,6 +17,7 @@
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -57,8 +57,8 @@ void project(cv::Mat& train, cv::Mat& query, int components) {
 }
 
 void write(const fs::path& path, const cv::Mat& rows) {
-  test::write_array(path, std::vector<float>(rows.begin<float>(), rows.end<float>()),
-                    {static_cast<size_t>(rows.rows), static_cast<size_t>(rows.cols)});
+  write_array(path, std::vector<float>(rows.begin<float>(), rows.end<float>()),
+              {static_cast<size_t>(rows.rows), static_cast<size_t>(rows.cols)});
 }
 
 /// Of 1, 5 and 10 nearest training frames, the per cent of queries of which one is right.
@@ -111,7 +111,7 @@ Recalls exact_point_recalls(const cv::Mat& train, const cv::Mat& query, size_t t
 
 Recalls quantised_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance,
                           std::string_view kind) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   write(folder / "train.npy", train);
   write(folder / "query.npy", query);
   const Sequence walked = open_sequence({folder / "train.npy", {}});
@@ -145,8 +145,8 @@ TEST_CASE("imported vectors find what float64 finds") {
   };
   for (const Set& set : {Set{"data/corridor/ref", "data/corridor/query", 3},
                          Set{"data/nordland/summer", "data/nordland/winter", 2}}) {
-    const auto train_folder = test::real_data(set.train);
-    const auto query_folder = test::real_data(set.query);
+    const auto train_folder = real_data(set.train);
+    const auto query_folder = real_data(set.query);
     if (!train_folder || !query_folder) return;
     for (const bool is_hog : {false, true}) {
       const Describe& describe_frame = is_hog ? hog : thumbnail;

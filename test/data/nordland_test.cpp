@@ -5,21 +5,17 @@
 #include "support.h"
 
 using namespace vpr;
-using test::run_program;
+using namespace vpr::test;
 
 TEST_CASE("best matches on Nordland, aligned within 2 frames, in per cent") {
-  const auto nordland = test::real_data("data/nordland");
+  const auto nordland = real_data("data/nordland");
   if (!nordland) return;
-  const test::TemporaryFolder out;
-  REQUIRE(
-      run_program("vpr-train", {"fastable", "--train", *nordland / "summer", "-o", out / "n.vprdb"})
-          .exit_code == 0);
+  const TemporaryFolder out;
+  run_ok("vpr-train", {"fastable", "--train", *nordland / "summer", "-o", out / "n.vprdb"});
   for (const auto& [length, per_cent] :
        std::vector<std::pair<int, double>>{{1, 10.5}, {10, 44.6}, {50, 95.3}, {100, 99.7}}) {
-    REQUIRE(run_program("vpr-query",
-                        {out / "n.vprdb", "--query", *nordland / "winter", "--c-l",
-                         std::to_string(length), "--t-r", "0.4", "--force", "-o", out / "r.json"})
-                .exit_code == 0);
+    run_ok("vpr-query", {out / "n.vprdb", "--query", *nordland / "winter", "--c-l",
+                         std::to_string(length), "--t-r", "0.4", "--force", "-o", out / "r.json"});
     const auto eval = run_program(
         "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "2", "--json"});
     const double rate = Json::parse(eval.out)["best_match"]["rate"].get<double>();
@@ -28,9 +24,9 @@ TEST_CASE("best matches on Nordland, aligned within 2 frames, in per cent") {
 }
 
 TEST_CASE("relative thresholds on Nordland use the finished maximum: 2583 hits, not 631") {
-  const auto nordland = test::real_data("data/nordland");
+  const auto nordland = real_data("data/nordland");
   if (!nordland) return;
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   run_program("vpr-train", {"fastable", "--train", *nordland / "summer", "-o", out / "n.vprdb"});
   const auto query = run_program("vpr-query", {out / "n.vprdb", "--query", *nordland / "winter",
                                                "--c-l", "50", "--t-r", "0.55", "--json"});

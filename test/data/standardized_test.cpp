@@ -1,16 +1,14 @@
 // Standardized scores on real images: what they reach, and fast against plain.
 #include <algorithm>
-#include <filesystem>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "base/npy.h"
 #include "support.h"
 
 using namespace vpr;
-using test::run_program;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -21,10 +19,8 @@ struct Early {
 };
 
 Early recognised(const fs::path& folder, int tolerance) {
-  const NpyArray file(folder / "r.best.npy");
-  const auto values = file.values<int32_t>(2);
-  const NpyArray score_file(folder / "r.best_scores.npy");
-  const auto scores = score_file.values<double>(1);
+  const auto values = read_array<int32_t>(folder / "r.best.npy");
+  const auto scores = read_array<double>(folder / "r.best_scores.npy");
   struct Row {
     double score;
     bool right;
@@ -55,19 +51,15 @@ struct Figure {
 };
 
 void check_figures(const DataSet& set, const std::vector<Figure>& figures) {
-  const auto data = test::real_data(fmt::format("data/{}", set.folder));
+  const auto data = real_data(fmt::format("data/{}", set.folder));
   if (!data) return;
-  const test::TemporaryFolder out;
-  REQUIRE(
-      run_program("vpr-train", {"fastable", "--train", *data / set.train, "-o", out / "d.vprdb"})
-          .exit_code == 0);
+  const TemporaryFolder out;
+  run_ok("vpr-train", {"fastable", "--train", *data / set.train, "-o", out / "d.vprdb"});
   for (const Figure& figure : figures) {
     INFO(set.folder << ", c_l " << figure.window_length << ", " << figure.score);
-    REQUIRE(run_program("vpr-query",
-                        {out / "d.vprdb", "--query", *data / set.query, "--score", figure.score,
+    run_ok("vpr-query", {out / "d.vprdb", "--query", *data / set.query, "--score", figure.score,
                          "--t-r", "0", "--c-l", std::to_string(figure.window_length), "--verify",
-                         "100", "--force", "-o", out / "r.json"})
-                .exit_code == 0);
+                         "100", "--force", "-o", out / "r.json"});
     const Early found = recognised(out.path(), set.tolerance);
     CHECK(found.right == Approx(figure.expected.right).margin(0.05));
     CHECK(found.early == Approx(figure.expected.early).margin(0.5));
@@ -100,29 +92,23 @@ TEST_CASE("standardized scores recognise Nordland earlier") {
 }
 
 TEST_CASE("a minute's stop on the corridor changes no score before or behind it") {
-  const auto corridor = test::real_data("data/corridor");
+  const auto corridor = real_data("data/corridor");
   if (!corridor) return;
   constexpr size_t kStop = 60;       // the frame at which the walk stops
   constexpr size_t kStanding = 600;  // a minute at 10 frames a second
   constexpr size_t kLength = 10;
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::string list;
   for (size_t frame = 0; frame < 111; ++frame)
     for (size_t n = 0; n < (frame == kStop ? kStanding + 1 : 1); ++n)
       list += (*corridor / "query" / fmt::format("{:07}.jpg\n", frame)).string();
-  test::write_text(out / "stop.txt", list);
-  REQUIRE(
-      run_program("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "d.vprdb"})
-          .exit_code == 0);
+  write_text(out / "stop.txt", list);
+  run_ok("vpr-train", {"fastable", "--train", *corridor / "ref", "-o", out / "d.vprdb"});
   const auto best_rows = [&](const fs::path& query, const std::string& name) {
-    REQUIRE(run_program("vpr-query",
-                        {out / "d.vprdb", "--query", query, "--score", "standardized", "--t-r", "0",
-                         "--c-l", std::to_string(kLength), "-o", out / (name + ".json")})
-                .exit_code == 0);
-    const NpyArray file(out / (name + ".best.npy"));
-    const NpyArray score_file(out / (name + ".best_scores.npy"));
-    const auto values = file.values<int32_t>(2);
-    const auto scores = score_file.values<double>(1);
+    run_ok("vpr-query", {out / "d.vprdb", "--query", query, "--score", "standardized", "--t-r", "0",
+                         "--c-l", std::to_string(kLength), "-o", out / (name + ".json")});
+    const auto values = read_array<int32_t>(out / (name + ".best.npy"));
+    const auto scores = read_array<double>(out / (name + ".best_scores.npy"));
     std::vector<std::array<double, 3>> rows;  // target, window and score
     for (size_t i = 0; i < scores.size(); ++i)
       rows.push_back({double(values[3 * i + 1]), double(values[3 * i + 2]), scores[i]});
@@ -138,30 +124,28 @@ TEST_CASE("a minute's stop on the corridor changes no score before or behind it"
 }
 
 TEST_CASE("real results are the same for every number of threads and every SIMD target") {
-  const auto corridor = test::real_data("data/corridor");
+  const auto corridor = real_data("data/corridor");
   if (!corridor) return;
-  const test::TemporaryFolder out;
+  const TemporaryFolder out;
   std::string codes;
   std::string best;
   for (const std::string target : {"", "SSE2", "SSE4", "AVX2"}) {
-    const std::vector<std::string> environment = {"VPR_SIMD=" + target};
+    const Words environment = {"VPR_SIMD=" + target};
     for (const char* threads : {"1", "3"}) {
       const auto train = run_program("vpr-train",
                                      {"fastable", "--train", *corridor / "ref", "--threads",
                                       threads, "--force", "-o", out / "d.vprdb"},
-                                     target.empty() ? std::vector<std::string>{} : environment);
+                                     target.empty() ? Words{} : environment);
       if (train.exit_code == 2) continue;  // this machine or build has no such target
       REQUIRE(train.exit_code == 0);
-      REQUIRE(run_program("vpr-query",
-                          {out / "d.vprdb", "--query", *corridor / "query", "--score",
-                           "standardized", "--t-r", "-1", "--c-l", "7", "--threads", threads,
-                           "--force", "-o", out / "r.json"},
-                          target.empty() ? std::vector<std::string>{} : environment)
-                  .exit_code == 0);
-      const std::string own_codes = test::read_text(out / "d.vprdb" / "statistics.npy");
+      run_ok("vpr-query",
+             {out / "d.vprdb", "--query", *corridor / "query", "--score", "standardized", "--t-r",
+              "-1", "--c-l", "7", "--threads", threads, "--force", "-o", out / "r.json"},
+             target.empty() ? Words{} : environment);
+      const std::string own_codes = read_text(out / "d.vprdb" / "statistics.npy");
       const std::string own_best =
-          test::read_text(out / "r.best.npy") + test::read_text(out / "r.best_scores.npy") +
-          test::read_text(out / "r.hits.npy") + test::read_text(out / "r.hit_scores.npy");
+          read_text(out / "r.best.npy") + read_text(out / "r.best_scores.npy") +
+          read_text(out / "r.hits.npy") + read_text(out / "r.hit_scores.npy");
       if (best.empty()) {
         codes = own_codes;
         best = own_best;

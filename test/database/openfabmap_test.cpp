@@ -4,14 +4,13 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "support.h"
 
 using namespace vpr;
-using test::write_array;
+using namespace vpr::test;
 
 TEST_CASE("OpenFABMAP's tree, vocabulary and frames are read") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   write_array<double>(folder / "t.npy", {0, 0, 0.5, 0.25, 0.5, 0.75, 0.5, 0.125}, {4, 2});
   const ChowLiuTree tree = read_openfabmap_tree(folder / "t.npy");
   CHECK(tree.parent == std::vector<uint32_t>{0, 0});
@@ -25,19 +24,17 @@ TEST_CASE("OpenFABMAP's tree, vocabulary and frames are read") {
   CHECK(read_openfabmap_frames({folder / "u.npy", {}}, 2) == all);
   CHECK(read_openfabmap_frames({folder / "b.npy", {1, 3, 1}}, 2) ==
         std::vector<WordSet>{{}, {0, 1}});
-  CHECK(test::error_kind([&] {
-          read_openfabmap_frames({folder / "b.npy", {}}, 3);
-        }) == ErrorKind::data);
-  CHECK(test::error_kind([&] {
+  CHECK(error_kind([&] { read_openfabmap_frames({folder / "b.npy", {}}, 3); }) == ErrorKind::data);
+  CHECK(error_kind([&] {
           read_openfabmap_frames({folder / "b.npy", {0, 4, 1}}, 2);
         }) == ErrorKind::usage);
 }
 
 TEST_CASE("impossible trees are refused") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto refused = [&](const std::vector<double>& values, size_t rows) {
     write_array<double>(folder / "t.npy", values, {rows, values.size() / rows});
-    CHECK(test::error_kind([&] { read_openfabmap_tree(folder / "t.npy"); }) == ErrorKind::data);
+    CHECK(error_kind([&] { read_openfabmap_tree(folder / "t.npy"); }) == ErrorKind::data);
   };
   refused({0, 0.5, 0.5}, 3);
   refused({1, 0.5, 0.5, 0.5}, 4);
@@ -48,25 +45,24 @@ TEST_CASE("impossible trees are refused") {
   refused({0, 1e-305, 0.5, 0.5}, 4);
   refused({1, 0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, 4);
   write_array<float>(folder / "t.npy", {0, 0.5F, 0.5F, 0.5F}, {4, 1});
-  CHECK(test::error_kind([&] { read_openfabmap_tree(folder / "t.npy"); }) == ErrorKind::data);
-  CHECK(test::error_kind([&] { read_openfabmap_tree(folder / "none.npy"); }) == ErrorKind::input);
+  CHECK(error_kind([&] { read_openfabmap_tree(folder / "t.npy"); }) == ErrorKind::data);
+  CHECK(error_kind([&] { read_openfabmap_tree(folder / "none.npy"); }) == ErrorKind::input);
 }
 
 TEST_CASE("vocabularies without finite words are refused") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto read = [&] { read_openfabmap_vocabulary(folder / "v.npy"); };
   write_array<float>(folder / "v.npy", {1, INFINITY}, {1, 2});
-  CHECK(test::error_kind(read) == ErrorKind::data);
+  CHECK(error_kind(read) == ErrorKind::data);
   write_array<float>(folder / "v.npy", {}, {size_t{1} << 31, 0});
-  CHECK(test::error_kind(read) == ErrorKind::data);
+  CHECK(error_kind(read) == ErrorKind::data);
 }
 
 TEST_CASE("OpenFABMAP's YAML is refused with its converter") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "tree.yml", "%YAML:1.0\n---\n");
-  test::write_text(folder / "tree.yml.gz", "\x1f\x8b");
+  const TemporaryFolder folder;
+  write_text(folder / "tree.yml", "%YAML:1.0\n---\n");
+  write_text(folder / "tree.yml.gz", "\x1f\x8b");
   for (const char* name : {"tree.yml", "tree.yml.gz"})
-    CHECK(test::error_text([&] {
-            read_openfabmap_tree(folder / name);
-          }).find("scripts/convert/openfabmap.py") != std::string::npos);
+    CHECK(has(error_text([&] { read_openfabmap_tree(folder / name); }),
+              "scripts/convert/openfabmap.py"));
 }

@@ -5,12 +5,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "base/random.h"
 #include "database/archive.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -19,7 +19,7 @@ SequenceDatabase example() {
   SequenceDatabase database;
   database.descriptor.illumination_invariant = true;
   database.sequences = {{"one", {"1.png", "2.png", "3.png"}, {1}}, {"t/two", {"#0", "#1"}, {}}};
-  database.descriptors.append(test::random_codes(5, 1));
+  database.descriptors.append(random_codes(5, 1));
   database.thresholds = {{2, 0.9, {ClosestWindows{700, 1, 1, 0}, std::nullopt}}};
   for (TrainSequence& sequence : database.sequences) {
     sequence.typical_distance = 300.5;
@@ -37,7 +37,7 @@ void write(const fs::path& path, const SequenceDatabase& database, Existing exis
   outputs.commit();
 }
 
-fs::path write_example(const test::TemporaryFolder& folder) {
+fs::path write_example(const TemporaryFolder& folder) {
   write(folder / "d.vprdb", example(), Existing::refuse);
   return folder / "d.vprdb";
 }
@@ -45,14 +45,14 @@ fs::path write_example(const test::TemporaryFolder& folder) {
 }  // namespace
 
 TEST_CASE("a database that was written is read back") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const SequenceDatabase database = read_sequence_database(write_example(folder));
   CHECK(database.descriptor.illumination_invariant);
   REQUIRE(database.sequences.size() == 2);
   CHECK(database.sequences[0].unreadable == std::vector<size_t>{1});
   CHECK(database.sequences[1].name == "t/two");
   CHECK(database.sequences[1].frame_names == std::vector<std::string>{"#0", "#1"});
-  const std::vector<LdbCode> codes = test::random_codes(5, 1);
+  const std::vector<LdbCode> codes = random_codes(5, 1);
   CHECK(std::ranges::equal(database.descriptors.rows().bytes, DescriptorRows(codes).bytes));
   CHECK(std::ranges::equal(database.descriptors.rows()[4], codes[4]));
   CHECK(database.descriptors.kind->name == "ldb");
@@ -66,57 +66,56 @@ TEST_CASE("a database that was written is read back") {
 }
 
 TEST_CASE("a flipped bit anywhere is noticed") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path path = write_example(folder);
   RandomEngine engine(1);
   for (const char* name : {"manifest.json", "codes.npy", "frames.txt", "statistics.npy"}) {
-    const std::string whole = test::read_text(path / name);
+    const std::string whole = read_text(path / name);
     for (int i = 0; i < 300; ++i) {
       std::string broken = whole;
       const size_t at = uniform_below(engine, whole.size());
       broken[at] = static_cast<char>(broken[at] ^ 1 << uniform_below(engine, 8));
-      test::write_text(path / name, broken);
+      write_text(path / name, broken);
       INFO(name << " byte " << at);
-      REQUIRE(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+      REQUIRE(error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
     }
-    test::write_text(path / name, whole);
+    write_text(path / name, whole);
   }
   read_sequence_database(path);
 }
 
 TEST_CASE("a truncated or missing file is noticed") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path path = write_example(folder);
   const std::string name = GENERATE("manifest.json", "codes.npy", "frames.txt", "statistics.npy");
-  const std::string whole = test::read_text(path / name);
+  const std::string whole = read_text(path / name);
   for (size_t size = 0; size < whole.size(); size += 7) {
-    test::write_text(path / name, whole.substr(0, size));
-    REQUIRE(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+    write_text(path / name, whole.substr(0, size));
+    REQUIRE(error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
   }
   fs::remove(path / name);
-  CHECK(test::error_kind([&] { read_sequence_database(path); }).has_value());
+  CHECK(error_kind([&] { read_sequence_database(path); }).has_value());
 }
 
 TEST_CASE("a database of another version, and what is none, are told apart") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path path = write_example(folder);
-  std::string text = test::read_text(path / "manifest.json");
+  std::string text = read_text(path / "manifest.json");
   text.replace(text.find("vpr.database/1"), 14, "vpr.database/2");
-  test::write_text(path / "manifest.json", text);
-  CHECK(test::error_text([&] { read_sequence_database(path); }).find("another version") !=
-        std::string::npos);
+  write_text(path / "manifest.json", text);
+  CHECK(has(error_text([&] { read_sequence_database(path); }), "another version"));
   fs::create_directory(folder / "empty");
-  CHECK(test::error_kind([&] { read_sequence_database(folder / "empty"); }) == ErrorKind::data);
-  CHECK(test::error_kind([&] { read_sequence_database(folder / "none"); }) == ErrorKind::input);
+  CHECK(error_kind([&] { read_sequence_database(folder / "empty"); }) == ErrorKind::data);
+  CHECK(error_kind([&] { read_sequence_database(folder / "none"); }) == ErrorKind::input);
 }
 
 TEST_CASE("a database without what training finds is damaged") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto kind = [&](auto change) {
     SequenceDatabase database = example();
     change(database);
     write(folder / "d.vprdb", database, Existing::replace);
-    return test::error_kind([&] { read_sequence_database(folder / "d.vprdb"); });
+    return error_kind([&] { read_sequence_database(folder / "d.vprdb"); });
   };
   using Database = SequenceDatabase;
   CHECK_FALSE(kind([](Database&) {}));
@@ -127,12 +126,12 @@ TEST_CASE("a database without what training finds is damaged") {
 }
 
 TEST_CASE("statistics that can't be are refused") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto kind = [&](auto change) {
     SequenceDatabase database = example();
     change(*database.statistics);
     write(folder / "d.vprdb", database, Existing::replace);
-    return test::error_kind([&] { read_sequence_database(folder / "d.vprdb"); });
+    return error_kind([&] { read_sequence_database(folder / "d.vprdb"); });
   };
   CHECK_FALSE(kind([](TrainStatistics&) {}));
   CHECK(kind([](TrainStatistics& s) { s.bias[1] = std::nanf(""); }) == ErrorKind::data);
@@ -142,7 +141,7 @@ TEST_CASE("statistics that can't be are refused") {
 }
 
 TEST_CASE("half-widths and shared places are read back, and refused where they can't be") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto stored = [&](size_t half_width, std::vector<std::pair<size_t, size_t>> shared) {
     SequenceDatabase database = example();
     database.sequences[0].half_width = half_width;
@@ -157,7 +156,7 @@ TEST_CASE("half-widths and shared places are read back, and refused where they c
   CHECK(database.sequences[1].half_width == 2);
   CHECK(database.shared_places == std::vector<std::pair<size_t, size_t>>{{0, 1}});
   const auto kind = [&](size_t half_width, std::vector<std::pair<size_t, size_t>> shared) {
-    return test::error_kind([&] { stored(half_width, std::move(shared)); });
+    return error_kind([&] { stored(half_width, std::move(shared)); });
   };
   CHECK(kind(0, {}) == ErrorKind::data);
   CHECK(kind(frames + 1, {}) == ErrorKind::data);
@@ -167,37 +166,28 @@ TEST_CASE("half-widths and shared places are read back, and refused where they c
   CHECK(kind(1, {{0, 1}, {0, 1}}) == ErrorKind::data);
 }
 
-TEST_CASE("the same content gives the same bytes") {
-  const test::TemporaryFolder a;
-  const test::TemporaryFolder b;
-  const fs::path first = write_example(a);
-  const fs::path second = write_example(b);
-  for (const char* name : {"manifest.json", "codes.npy", "frames.txt"})
-    CHECK(test::read_text(first / name) == test::read_text(second / name));
-}
-
 TEST_CASE("the manifest names the descriptor of its frames") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const fs::path path = write_example(folder);
   const auto rewrite = [&](auto change) {
-    Json manifest = Json::parse(test::read_text(path / "manifest.json"));
+    Json manifest = Json::parse(read_text(path / "manifest.json"));
     manifest.erase("checksum");
     change(manifest);
-    test::write_text(path / "manifest.json", sealed_manifest(manifest));
+    write_text(path / "manifest.json", sealed_manifest(manifest));
   };
-  CHECK(Json::parse(test::read_text(path / "manifest.json"))["descriptor"] == "ldb");
+  CHECK(Json::parse(read_text(path / "manifest.json"))["descriptor"] == "ldb");
   rewrite([](Json& manifest) { manifest.erase("descriptor"); });
-  CHECK(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+  CHECK(error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
   rewrite([](Json& manifest) { manifest["descriptor"] = "netvlad"; });
-  CHECK(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
-  CHECK(test::error_text([&] { read_sequence_database(path); }) ==
+  CHECK(error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+  CHECK(error_text([&] { read_sequence_database(path); }) ==
         path.string() + ": its frames are described by netvlad, which this version does not know");
   rewrite([](Json& manifest) { manifest["descriptor"] = 7; });
-  CHECK(test::error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
+  CHECK(error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
 }
 
 TEST_CASE("an unknown descriptor is refused with the choices") {
-  CHECK(test::error_text([] { descriptor_kind("surf"); }) ==
+  CHECK(error_text([] { descriptor_kind("surf"); }) ==
         "unknown descriptor \"surf\"; choose one of ldb, thumbnail, hog, brief, orb");
   CHECK(&descriptor_kind("ldb") == &descriptor_kinds().front());
   CHECK(find_descriptor_kind("") == nullptr);

@@ -1,10 +1,9 @@
-#include "descriptors/centre_codes.h"
+#include "descriptors/whole_frame.h"
 
 #include <atomic>
 #include <bit>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
@@ -14,6 +13,7 @@
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 
 namespace {
 
@@ -187,7 +187,7 @@ TEST_CASE("every bit of ORB compares two pixels, the same in every frame") {
   for (uint64_t seed = 1; seed <= 50; ++seed)
     CHECK(unexplained(picture(200, 150, seed), pairs) == 0);
   for (const char* folder : {"data/corridor/query", "data/nordland/winter"}) {
-    const auto real = test::real_data(folder);
+    const auto real = real_data(folder);
     if (!real) return;
     std::atomic<size_t> unlike = 0;
     for_each_frame(open_sequence({*real, FrameRange{0, 20}}), PixelFormat::grey, Unreadable::fail,

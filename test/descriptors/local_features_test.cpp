@@ -5,11 +5,11 @@
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "base/error.h"
 #include "base/random.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 
 namespace {
 
@@ -64,5 +64,5 @@ TEST_CASE("images without features, and tiny ones, give none, of the right type"
 TEST_CASE("settings out of range are usage errors") {
   FeatureSettings settings;
   settings.sift_features = 0;
-  CHECK(test::error_kind([&] { check_feature_settings(settings); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { check_feature_settings(settings); }) == ErrorKind::usage);
 }

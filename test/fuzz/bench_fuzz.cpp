@@ -1,7 +1,7 @@
 // Any bytes as a benchmark that vpr-bench compares.
 #include "base/json.h"
-#include "bench/bench_file.h"
-#include "bench/compare.h"
+#include "bench/bench_result.h"
+#include "bench/bench_tables.h"
 #include "fuzz.h"
 
 void vpr::fuzz::run(std::string_view input) {

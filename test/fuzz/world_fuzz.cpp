@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "fuzz.h"
-#include "synth/recording_truth.h"
+#include "synth/recording.h"
 
 using namespace vpr;
 

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "base/parallel.h"
-#include "base/simd.h"
 #include "database/chow_liu.h"
 #include "descriptors/vocabulary.h"
 #include "golden/checksums.h"
@@ -21,8 +20,7 @@
 #include "support.h"
 
 using namespace vpr;
-using test::FrameChecksum;
-using test::Walk;
+using namespace vpr::test;
 
 namespace {
 
@@ -46,7 +44,7 @@ void for_each_setting(Body&& body) {
 std::vector<LdbCode> describe(const Walk& walk) {
   std::vector<LdbCode> codes;
   for (size_t frame = 0; frame < walk.frames; ++frame)
-    codes.push_back(describe_ldb(test::draw_frame(walk, frame)));
+    codes.push_back(describe_ldb(draw_frame(walk, frame)));
   return codes;
 }
 
@@ -59,7 +57,7 @@ std::vector<std::string> frame_names(const Walk& walk) {
 
 SequenceDatabase make_database() {
   SequenceDatabase database;
-  for (const Walk& walk : test::kTrain) {
+  for (const Walk& walk : kTrain) {
     database.sequences.push_back({walk.name, frame_names(walk), {}});
     const std::vector<LdbCode> codes = describe(walk);
     database.descriptors.append(codes);
@@ -69,9 +67,9 @@ SequenceDatabase make_database() {
 }
 
 DescriptorSet make_query() {
-  std::vector<LdbCode> codes = describe(test::kQuery);
+  std::vector<LdbCode> codes = describe(kQuery);
   codes[kUnreadable] = {};
-  return ldb_set(codes, {frame_names(test::kQuery), {kUnreadable}});
+  return ldb_set(codes, {frame_names(kQuery), {kUnreadable}});
 }
 
 // Every row of distances or biased scores, by query window.
@@ -92,7 +90,7 @@ std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
   for (const auto& [key, value] : cells) rows[std::get<0>(key)].push_back(value);
   std::vector<FrameChecksum> lines;
   for (const auto& [window, row] : rows)
-    lines.push_back({fmt::format("window {}", window), test::short_checksum(row)});
+    lines.push_back({fmt::format("window {}", window), short_checksum(row)});
   return lines;
 }
 
@@ -108,8 +106,8 @@ SequenceQuerySettings settings_with(const std::string& method, Score score) {
 // Squares of pretraining frames, one in two of every fourth frame, are the words.
 Vocabulary make_words() {
   cv::Mat words;
-  for (size_t frame = 0; frame < test::kPretrain.frames; frame += 4) {
-    const cv::Mat features = test::square_features(test::draw_frame(test::kPretrain, frame));
+  for (size_t frame = 0; frame < kPretrain.frames; frame += 4) {
+    const cv::Mat features = square_features(draw_frame(kPretrain, frame));
     for (int i = static_cast<int>(frame); i < features.rows; i += 2)
       words.push_back(features.row(i));
   }
@@ -119,17 +117,17 @@ Vocabulary make_words() {
 std::vector<WordSet> words_of(const Walk& walk, const Vocabulary& vocabulary) {
   std::vector<WordSet> frames;
   for (size_t frame = 0; frame < walk.frames; ++frame)
-    frames.push_back(quantise(vocabulary, test::square_features(test::draw_frame(walk, frame))));
+    frames.push_back(quantise(vocabulary, square_features(draw_frame(walk, frame))));
   return frames;
 }
 
 FabmapDatabase make_fabmap_database(const Vocabulary& vocabulary) {
   FabmapDatabase database;
   database.vocabulary = vocabulary.words;
-  const std::vector<WordSet> pretrain = words_of(test::kPretrain, vocabulary);
+  const std::vector<WordSet> pretrain = words_of(kPretrain, vocabulary);
   database.tree = train_chow_liu(pretrain, static_cast<size_t>(vocabulary.words.rows), {});
   for (const WordSet& frame : pretrain) database.pretrain.add(frame);
-  for (const Walk& walk : test::kTrain)
+  for (const Walk& walk : kTrain)
     add_group(database, {walk.name, false, frame_names(walk)}, words_of(walk, vocabulary));
   index_views(database);
   return database;
@@ -139,7 +137,7 @@ FabmapDatabase make_fabmap_database(const Vocabulary& vocabulary) {
 std::string posterior_checksum(std::span<const double> posterior) {
   std::vector<int32_t> millionths;
   for (const double p : posterior) millionths.push_back(static_cast<int32_t>(std::lround(p * 1e6)));
-  return test::short_checksum(millionths);
+  return short_checksum(millionths);
 }
 
 std::vector<FrameChecksum> posteriors(const FabmapDatabase& database, const SequenceWords& query,
@@ -160,13 +158,13 @@ std::vector<FrameChecksum> posteriors(const FabmapDatabase& database, const Sequ
 
 TEST_CASE("codes of a small recording are those that stand in the file") {
   std::vector<FrameChecksum> lines;
-  for (const Walk& walk : {test::kTrain[0], test::kTrain[1], test::kQuery}) {
+  for (const Walk& walk : {kTrain[0], kTrain[1], kQuery}) {
     const std::vector<LdbCode> codes = describe(walk);
     for (size_t frame = 0; frame < walk.frames; ++frame)
-      lines.push_back({frame_names(walk)[frame], test::short_checksum(std::vector(
-                                                     codes[frame].begin(), codes[frame].end()))});
+      lines.push_back({frame_names(walk)[frame],
+                       short_checksum(std::vector(codes[frame].begin(), codes[frame].end()))});
   }
-  test::check_golden("codes", "Frame: its LDB code.", lines);
+  check_golden("codes", "Frame: its LDB code.", lines);
 }
 
 TEST_CASE("distances of its windows are those that stand in the file, by every exact method") {
@@ -174,9 +172,8 @@ TEST_CASE("distances of its windows are those that stand in the file, by every e
     for (const SequenceMethod& method : sequence_methods()) {
       if (method.has_paths) continue;
       INFO(method.name);
-      test::check_golden("distances",
-                         "Query window of 4 frames: its distances to all training windows.",
-                         window_rows(settings_with(std::string(method.name), Score::raw)));
+      check_golden("distances", "Query window of 4 frames: its distances to all training windows.",
+                   window_rows(settings_with(std::string(method.name), Score::raw)));
     }
   });
 }
@@ -184,7 +181,7 @@ TEST_CASE("distances of its windows are those that stand in the file, by every e
 TEST_CASE("standardized scores of its windows are those that stand in the files") {
   for_each_setting([] {
     for (const Score score : {Score::standardized, Score::standardized_offline})
-      test::check_golden(
+      check_golden(
           std::string(enum_name(score)),
           fmt::format("Query window of 4 frames: its scores ({}), biased as matchers give them.",
                       enum_name(score)),
@@ -197,35 +194,34 @@ TEST_CASE("FAB-MAP's words and posteriors are those that stand in the files") {
     const Vocabulary vocabulary = make_words();
     const FabmapDatabase database = make_fabmap_database(vocabulary);
     std::vector<FrameChecksum> lines;
-    for (const Walk& walk : {test::kPretrain, test::kTrain[0], test::kTrain[1], test::kQuery}) {
+    for (const Walk& walk : {kPretrain, kTrain[0], kTrain[1], kQuery}) {
       const std::vector<WordSet> words = words_of(walk, vocabulary);
       for (size_t frame = 0; frame < walk.frames; ++frame)
-        lines.push_back({frame_names(walk)[frame], test::short_checksum(words[frame])});
+        lines.push_back({frame_names(walk)[frame], short_checksum(words[frame])});
     }
-    test::check_golden("words", "Frame: the ids of its words.", lines);
-    const SequenceWords query{
-        words_of(test::kQuery, vocabulary), frame_names(test::kQuery), {kUnreadable}};
+    check_golden("words", "Frame: the ids of its words.", lines);
+    const SequenceWords query{words_of(kQuery, vocabulary), frame_names(kQuery), {kUnreadable}};
     for (const FabmapVariant& variant : fabmap_variants()) {
       INFO(variant.name);
-      test::check_golden(fmt::format("posteriors-{}", variant.name),
-                         "Frame: its posterior (new place, then views) in millionths.",
-                         posteriors(database, query, std::string(variant.name)));
+      check_golden(fmt::format("posteriors-{}", variant.name),
+                   "Frame: its posterior (new place, then views) in millionths.",
+                   posteriors(database, query, std::string(variant.name)));
     }
   });
 }
 
 TEST_CASE("a change names the first frame that changed, and how many did") {
   const std::vector<FrameChecksum> expected = {{"a 0", "11"}, {"a 1", "22"}, {"a 2", "33"}};
-  CHECK(test::first_change("x", expected, expected) == "");
+  CHECK(first_change("x", expected, expected) == "");
   auto found = expected;
   found[1].text = "23";
   found[2].text = "34";
-  CHECK(test::first_change("x", expected, found)
-            .find("2 of 3 lines changed, the first from \"a 1: "
-                  "22\" to \"a 1: 23\"") != std::string::npos);
+  CHECK(has(first_change("x", expected, found),
+            "2 of 3 lines changed, the first from \"a 1: "
+            "22\" to \"a 1: 23\""));
   found = expected;
   found.pop_back();
-  CHECK(test::first_change("x", expected, found)
-            .find("1 of 3 lines changed, the first from \"a 2: "
-                  "33\" to \"nothing\"") != std::string::npos);
+  CHECK(has(first_change("x", expected, found),
+            "1 of 3 lines changed, the first from \"a 2: "
+            "33\" to \"nothing\""));
 }

@@ -8,12 +8,12 @@
 #include <opencv2/videoio/registry.hpp>
 #include <sys/stat.h>
 
-#include "base/error.h"
 #include "images/decode.h"
 #include "images/live_source.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -107,16 +107,16 @@ TEST_CASE("who waits for a camera is stopped, and told when it falls silent") {
   const auto camera = follow_camera(std::move(capture), argument());
   CHECK(camera->next(monitor)->name == "#0");
   CHECK(camera->next(monitor)->name == "#1");
-  CHECK(test::error_kind([&] { camera->next(monitor); }) == ErrorKind::interrupted);
+  CHECK(error_kind([&] { camera->next(monitor); }) == ErrorKind::interrupted);
 
   const auto unplugged = follow_camera(std::make_unique<PacedCapture>(2), argument());
   CHECK(names_of(*unplugged, 2).size() == 2);
-  CHECK(test::error_text([&] { unplugged->next({}); }) ==
+  CHECK(error_text([&] { unplugged->next({}); }) ==
         "camera: gives no frame any more, after 2 frames");
 }
 
 TEST_CASE("a video that OpenCV plays is followed as a camera is") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder / "walk.avi";
   {
     cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {64, 48});
@@ -139,8 +139,8 @@ TEST_CASE("a device that is no camera is refused with a sentence") {
   const auto open = [] {
     open_live_source(parse_sequence_argument("/dev/null"), Unreadable::fail);
   };
-  CHECK(test::error_kind(open) == ErrorKind::input);
-  CHECK(test::error_text(open).starts_with("/dev/null: is a device that can't be opened"));
+  CHECK(error_kind(open) == ErrorKind::input);
+  CHECK(error_text(open).starts_with("/dev/null: is a device that can't be opened"));
   const auto backends = cv::videoio_registry::getStreamBackends();  // opened by the device's name
   CHECK(std::find(backends.begin(), backends.end(), cv::CAP_V4L2) != backends.end());
 }

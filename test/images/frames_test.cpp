@@ -11,13 +11,13 @@
 #include <opencv2/videoio.hpp>
 #include <sys/resource.h>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "images/decode.h"
 #include "images/sequence.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -85,10 +85,10 @@ long peak_memory_kib() {
 }  // namespace
 
 TEST_CASE("frames of a folder are decoded as OpenCV does, at their own index and size") {
-  const test::TemporaryFolder folder;
-  test::write_image(folder / "1.png", 1, 40, 30);
-  test::write_image(folder / "2.jpg", 2, 17, 90);
-  test::write_image(folder / "10.bmp", 3, 1, 1);
+  const TemporaryFolder folder;
+  write_image(folder / "1.png", 1, 40, 30);
+  write_image(folder / "2.jpg", 2, 17, 90);
+  write_image(folder / "10.bmp", 3, 1, 1);
   const Pass pass = read_all({folder.path(), {}});
   CHECK(pass.frames.names == std::vector<std::string>{"1.png", "2.jpg", "10.bmp"});
   REQUIRE(pass.images.size() == 3);
@@ -103,14 +103,14 @@ TEST_CASE("a frame that can't be decoded is named, the first of several on any n
   const std::string bad =
       GENERATE_COPY(std::string(), std::string("no image"), whole.substr(0, whole.size() / 2),
                     whole.substr(0, 20), whole.substr(0, whole.size() - 2), png_start);
-  const test::TemporaryFolder folder;
-  for (int i = 0; i < 20; ++i) test::write_image(folder / fmt::format("{}.png", i), i);
-  test::write_text(folder / "5.jpg", bad);
-  test::write_text(folder / "15.jpg", bad);
+  const TemporaryFolder folder;
+  for (int i = 0; i < 20; ++i) write_image(folder / fmt::format("{}.png", i), i);
+  write_text(folder / "5.jpg", bad);
+  write_text(folder / "15.jpg", bad);
   for (const size_t threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);
-    const std::string text = test::error_text([&] { read_all({folder.path(), {}}); });
-    CHECK(text.find("/5.jpg") != std::string::npos);
+    const std::string text = error_text([&] { read_all({folder.path(), {}}); });
+    CHECK(has(text, "/5.jpg"));
     const Pass pass = read_all({folder.path(), {}}, Unreadable::skip);
     CHECK(pass.frames.count() == 22);
     CHECK(pass.frames.unreadable == std::vector<size_t>{5, 16});
@@ -126,18 +126,18 @@ TEST_CASE("a JPEG whose preview is complete but whose picture is cut counts as t
   segment += static_cast<char>(length >> 8);
   segment += static_cast<char>(length & 0xff);
   whole.insert(2, segment + preview);
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "1.jpg", whole);
+  const TemporaryFolder folder;
+  write_text(folder / "1.jpg", whole);
   CHECK(read_all({folder.path(), {}}).images.size() == 1);
-  test::write_text(folder / "1.jpg", whole.substr(0, whole.size() - 200));
-  CHECK(test::error_kind([&] { read_all({folder.path(), {}}); }) == ErrorKind::input);
+  write_text(folder / "1.jpg", whole.substr(0, whole.size() - 200));
+  CHECK(error_kind([&] { read_all({folder.path(), {}}); }) == ErrorKind::input);
 }
 
 TEST_CASE("images are accepted by their first bytes, whatever their names say") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto read = [&](const std::string& bytes) {
-    test::write_text(folder / "1.png", bytes);
-    return test::error_text([&] { read_all({folder.path(), {}}); });
+    write_text(folder / "1.png", bytes);
+    return error_text([&] { read_all({folder.path(), {}}); });
   };
   const auto encoded = [](const std::string& extension, const cv::Mat& image) {
     std::vector<uint8_t> bytes;
@@ -159,8 +159,7 @@ TEST_CASE("images are accepted by their first bytes, whatever their names say") 
         encoded(".pfm", floats), dicom, "RIFF\x4\1\0\0WEBPVP8 " + dicom.substr(16),
         std::string("GIF89a"), std::string("v/1\x01"), std::string("P7\n"), std::string("x")}) {
     INFO(refused.substr(0, 10));
-    CHECK(read(refused).find("it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image") !=
-          std::string::npos);
+    CHECK(has(read(refused), "it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image"));
   }
 }
 
@@ -170,20 +169,21 @@ TEST_CASE("a progressive JPEG is decoded, and refused with thousands of scans") 
   std::vector<uint8_t> bytes;
   cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
   std::string jpeg(bytes.begin(), bytes.end());
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "1.jpg", jpeg);
+  const TemporaryFolder folder;
+  write_text(folder / "1.jpg", jpeg);
   CHECK(read_all({folder.path(), {}}).images.size() == 1);
   const size_t last = jpeg.rfind("\xff\xda");
   const std::string scan = jpeg.substr(last, jpeg.size() - 2 - last);
   for (int i = 0; i < 3000; ++i) jpeg.insert(jpeg.size() - 2, scan);
-  test::write_text(folder / "1.jpg", jpeg);
-  CHECK(test::error_text([&] {
-          read_all({folder.path(), {}});
-        }).find("the JPEG has 3010 scans, more than 100") != std::string::npos);
+  write_text(folder / "1.jpg", jpeg);
+  CHECK(has(error_text([&] {
+              read_all({folder.path(), {}});
+            }),
+            "the JPEG has 3010 scans, more than 100"));
 }
 
 TEST_CASE("a file that is truncated while it is read is damaged, and nothing worse") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   cv::Mat image(2000, 3000, CV_8UC3);
   cv::randu(image, 0, 256);
   cv::imwrite(folder / "1.bmp", image);
@@ -204,72 +204,69 @@ TEST_CASE("a file that is truncated while it is read is damaged, and nothing wor
 TEST_CASE("a picture of more pixels than are allowed is refused, whatever its format") {
   const std::string extension =
       GENERATE(as<std::string>(), ".png", ".jpg", ".bmp", ".pgm", ".tiff", ".webp");
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const MegapixelLimit limit(1);
-  for (int i = 0; i < 6; ++i) test::write_image(folder / fmt::format("{}.png", i), i);
-  test::write_image(folder / ("7" + extension), 7, 1000, 1000);
+  for (int i = 0; i < 6; ++i) write_image(folder / fmt::format("{}.png", i), i);
+  write_image(folder / ("7" + extension), 7, 1000, 1000);
   CHECK(read_all({folder.path(), {}}).images.size() == 7);
-  test::write_image(folder / ("8" + extension), 8, 1250, 1001);
-  test::write_image(folder / ("9" + extension), 9, 2000, 1000);
+  write_image(folder / ("8" + extension), 8, 1250, 1001);
+  write_image(folder / ("9" + extension), 9, 2000, 1000);
   for (const Unreadable unreadable : {Unreadable::fail, Unreadable::skip}) {
     const auto read = [&] { read_all({folder.path(), {}}, unreadable); };
-    CHECK(test::error_kind(read) == ErrorKind::usage);
-    CHECK(test::error_text(read) == fmt::format("{}: has 1250 x 1001 pixels, more than the 1 "
-                                                "megapixels that are allowed; remove it, or give "
-                                                "--max-megapixels 2 if it is meant",
-                                                (folder / ("8" + extension)).string()));
+    CHECK(error_kind(read) == ErrorKind::usage);
+    CHECK(error_text(read) == fmt::format("{}: has 1250 x 1001 pixels, more than the 1 "
+                                          "megapixels that are allowed; remove it, or give "
+                                          "--max-megapixels 2 if it is meant",
+                                          (folder / ("8" + extension)).string()));
   }
 }
 
 TEST_CASE("a small file that claims a large picture takes no memory") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto refusal = [&](uint32_t width, uint32_t height) {
-    test::write_text(folder / "1.png", png_that_claims(width, height));
-    return test::error_text([&] { read_all({folder.path(), {}}); });
+    write_text(folder / "1.png", png_that_claims(width, height));
+    return error_text([&] { read_all({folder.path(), {}}); });
   };
-  CHECK(refusal(9, 9).find("can't be decoded") != std::string::npos);
+  CHECK(has(refusal(9, 9), "can't be decoded"));
   const long before = peak_memory_kib();
-  CHECK(refusal(20'000, 20'000).find("--max-megapixels 400 ") != std::string::npos);
-  CHECK(refusal(32'768, 32'768).find("make it smaller") != std::string::npos);
-  CHECK(refusal(1'000'000, 1'000'000).find("make it smaller") != std::string::npos);
+  CHECK(has(refusal(20'000, 20'000), "--max-megapixels 400 "));
+  CHECK(has(refusal(32'768, 32'768), "make it smaller"));
+  CHECK(has(refusal(1'000'000, 1'000'000), "make it smaller"));
   CHECK(peak_memory_kib() - before < 50 * 1024);
 }
 
 TEST_CASE("limits of pixels that can't be kept are refused, and end with their scope") {
-  CHECK(test::error_kind([] { const MegapixelLimit none(0); }) == ErrorKind::usage);
-  CHECK(test::error_kind([] { const MegapixelLimit more(kMostMegapixels + 1); }) ==
-        ErrorKind::usage);
+  CHECK(error_kind([] { const MegapixelLimit none(0); }) == ErrorKind::usage);
+  CHECK(error_kind([] { const MegapixelLimit more(kMostMegapixels + 1); }) == ErrorKind::usage);
   const MegapixelLimit outer(2);
   {
     const MegapixelLimit inner(1);
-    CHECK(test::error_kind([] { check_frame_size("x", 1001, 1000); }) == ErrorKind::usage);
+    CHECK(error_kind([] { check_frame_size("x", 1001, 1000); }) == ErrorKind::usage);
   }
   check_frame_size("x", 2000, 1000);
   check_frame_size("x", 0, 0);
-  CHECK(test::error_kind([] { check_frame_size("x", 2000, 1001); }) == ErrorKind::usage);
+  CHECK(error_kind([] { check_frame_size("x", 2000, 1001); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a sequence without any readable frame is an error even if they may be skipped") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "1.png", "");
-  CHECK(test::error_kind([&] {
-          read_all({folder.path(), {}}, Unreadable::skip);
-        }) == ErrorKind::input);
+  const TemporaryFolder folder;
+  write_text(folder / "1.png", "");
+  CHECK(error_kind([&] { read_all({folder.path(), {}}, Unreadable::skip); }) == ErrorKind::input);
 }
 
 TEST_CASE("a wish to stop ends the pass") {
-  const test::TemporaryFolder folder;
-  test::write_image(folder / "1.png", 1);
+  const TemporaryFolder folder;
+  write_image(folder / "1.png", 1);
   std::atomic<bool> stop{true};
   Monitor monitor;
   monitor.stop = &stop;
-  CHECK(test::error_kind([&] {
+  CHECK(error_kind([&] {
           read_all({folder.path(), {}}, Unreadable::fail, monitor);
         }) == ErrorKind::interrupted);
 }
 
 TEST_CASE("a video is read frame after frame, and cut to its range") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder / "walk.avi";
   {
     cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {32, 24});
@@ -286,12 +283,12 @@ TEST_CASE("a video is read frame after frame, and cut to its range") {
   const Pass part = read_all({path, {3, 10, 3}});
   CHECK(part.frames.names == std::vector<std::string>{"#3", "#6", "#9"});
   for (size_t i = 0; i < 3; ++i) CHECK(same_pixels(part.images.at(i), all.images.at(3 + 3 * i)));
-  CHECK(test::error_kind([&] { read_all({path, {0, 13, 1}}); }) == ErrorKind::usage);
-  CHECK(test::error_kind([&] { read_all({path, {12, std::nullopt, 1}}); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { read_all({path, {0, 13, 1}}); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { read_all({path, {12, std::nullopt, 1}}); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a video of larger frames than are allowed is refused before one is decoded") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string path = folder / "walk.avi";
   {
     cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {1280, 1024});
@@ -301,13 +298,11 @@ TEST_CASE("a video of larger frames than are allowed is refused before one is de
   CHECK(read_all({path, {}}).images.size() == 1);
   const MegapixelLimit limit(1);
   for (const Unreadable unreadable : {Unreadable::fail, Unreadable::skip})
-    CHECK(test::error_text([&] {
-            read_all({path, {}}, unreadable);
-          }).find("has 1280 x 1024 pixels") != std::string::npos);
+    CHECK(has(error_text([&] { read_all({path, {}}, unreadable); }), "has 1280 x 1024 pixels"));
 }
 
 TEST_CASE("a file that is no video is an input error") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "walk.mp4", "not a video");
-  CHECK(test::error_kind([&] { read_all({folder / "walk.mp4", {}}); }) == ErrorKind::input);
+  const TemporaryFolder folder;
+  write_text(folder / "walk.mp4", "not a video");
+  CHECK(error_kind([&] { read_all({folder / "walk.mp4", {}}); }) == ErrorKind::input);
 }

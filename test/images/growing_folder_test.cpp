@@ -3,11 +3,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "images/live_source.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
@@ -15,7 +15,7 @@ namespace {
 
 // As programs do that write a file under another name first.
 void put(const fs::path& folder, const std::string& name) {
-  test::write_text(folder / ".part", "x");
+  write_text(folder / ".part", "x");
   fs::rename(folder / ".part", folder / name);
 }
 
@@ -26,7 +26,7 @@ std::future<fs::path> next_of(GrowingFolder& folder) {
 }  // namespace
 
 TEST_CASE("images are given in natural order, as soon as they are renamed into a folder") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   put(folder.path(), "10.png");
   put(folder.path(), "9.png");
   put(folder.path(), "notes.txt");
@@ -45,10 +45,10 @@ TEST_CASE("images are given in natural order, as soon as they are renamed into a
 }
 
 TEST_CASE("a file that is being written is waited for") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   GrowingFolder growing(folder.path(), 1h);
-  test::write_image(folder / ".whole.png", 1);
-  const std::string image = test::read_text(folder / ".whole.png");
+  write_image(folder / ".whole.png", 1);
+  const std::string image = read_text(folder / ".whole.png");
   std::ofstream file(folder / "1.png", std::ios::binary);
   file << image.substr(0, 50) << std::flush;
   auto next = std::async(std::launch::async, [&] { return fs::file_size(growing.next({})); });
@@ -58,9 +58,9 @@ TEST_CASE("a file that is being written is waited for") {
 }
 
 TEST_CASE("an image whose writer pauses is waited for, and a warning names it once") {
-  const test::TemporaryFolder folder;
-  test::write_image(folder / ".whole.png", 1);
-  const std::string image = test::read_text(folder / ".whole.png");
+  const TemporaryFolder folder;
+  write_image(folder / ".whole.png", 1);
+  const std::string image = read_text(folder / ".whole.png");
   const bool is_closed = GENERATE(false, true);  // between the parts
   GrowingFolder growing(folder.path(), 0ms);
   std::ofstream file(folder / "1.png", std::ios::binary);
@@ -70,7 +70,7 @@ TEST_CASE("an image whose writer pauses is waited for, and a warning names it on
   int warnings = 0;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) {
-    CHECK(sentence.find("1.png: is incomplete") != std::string::npos);
+    CHECK(has(sentence, "1.png: is incomplete"));
     if (warnings++ == 0) was_incomplete.set_value();
   };
   auto next = std::async(std::launch::async, [&] { return fs::file_size(growing.next(monitor)); });
@@ -83,8 +83,8 @@ TEST_CASE("an image whose writer pauses is waited for, and a warning names it on
 }
 
 TEST_CASE("a damaged image is given when a later one is there, or when it was renamed") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "1.png", "x");
+  const TemporaryFolder folder;
+  write_text(folder / "1.png", "x");
   GrowingFolder growing(folder.path(), 1h);
   put(folder.path(), "2.png");
   CHECK(growing.next({}) == folder / "1.png");
@@ -92,14 +92,14 @@ TEST_CASE("a damaged image is given when a later one is there, or when it was re
 }
 
 TEST_CASE("a file that was there is given when its size rests") {
-  const test::TemporaryFolder folder;
-  test::write_image(folder / "1.png", 1);
+  const TemporaryFolder folder;
+  write_image(folder / "1.png", 1);
   GrowingFolder growing(folder.path(), 0ms);
   CHECK(growing.next({}) == folder / "1.png");
 }
 
 TEST_CASE("an image that comes too late is left out, and said") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   GrowingFolder growing(folder.path(), 1h);
   put(folder.path(), "5.png");
   CHECK(growing.next({}) == folder / "5.png");
@@ -109,18 +109,18 @@ TEST_CASE("an image that comes too late is left out, and said") {
   std::string said;
   monitor.warn = [&](const std::string& sentence) { said += sentence; };
   CHECK(growing.next(monitor) == folder / "6.png");
-  CHECK(said.find("3.png: came after 5.png") != std::string::npos);
+  CHECK(has(said, "3.png: came after 5.png"));
 }
 
 TEST_CASE("waiting ends with a stop, and with the folder") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   fs::create_directory(folder / "f");
   GrowingFolder growing(folder / "f", 1h);
   std::atomic<bool> stop = true;
   Monitor monitor;
   monitor.stop = &stop;
-  CHECK(test::error_kind([&] { growing.next(monitor); }) == ErrorKind::interrupted);
+  CHECK(error_kind([&] { growing.next(monitor); }) == ErrorKind::interrupted);
   fs::remove(folder / "f");
-  CHECK(test::error_kind([&] { growing.next({}); }) == ErrorKind::input);
-  CHECK(test::error_kind([&] { GrowingFolder{folder / "f"}; }) == ErrorKind::input);
+  CHECK(error_kind([&] { growing.next({}); }) == ErrorKind::input);
+  CHECK(error_kind([&] { GrowingFolder{folder / "f"}; }) == ErrorKind::input);
 }

@@ -1,12 +1,16 @@
+// Image sequences: folders, lists, ranges and names.
 #include "images/sequence.h"
+
+#include <algorithm>
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
+#include "base/text.h"
 #include "images/sequence_argument.h"
 #include "support.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -18,6 +22,33 @@ std::vector<std::string> file_names(const Sequence& sequence) {
 }
 
 }  // namespace
+
+TEST_CASE("runs of digits compare by value, the rest by bytes") {
+  std::vector<std::string> names = {"10.jpg", "2.jpg", "a10b2",   "a2b10",  "1.jpg",
+                                    "B",      "a",     "010.jpg", "a10b10", "\xc3\xa4"};
+  std::sort(names.begin(), names.end(), natural_less);
+  CHECK(names == std::vector<std::string>{"1.jpg", "2.jpg", "10.jpg", "010.jpg", "B", "a", "a2b10",
+                                          "a10b2", "a10b10", "\xc3\xa4"});
+}
+
+TEST_CASE("numbers of any length compare by value") {
+  CHECK(natural_less("f99999999999999999999998", "f99999999999999999999999"));
+  CHECK(natural_less("f9", "f100000000000000000000000000"));
+  CHECK(natural_less("f00000000000000000000000000", "f1"));
+}
+
+TEST_CASE("the order is strict and total") {
+  const std::vector<std::string> names = {"",   "0",  "00", "1",   "01",    "a",     "a0",  "a00",
+                                          "a1", "0a", "1a", "01a", "a01b1", "a1b01", "a1b1"};
+  for (const auto& a : names) {
+    CHECK_FALSE(natural_less(a, a));
+    for (const auto& b : names) {
+      if (a != b) CHECK(natural_less(a, b) != natural_less(b, a));
+      for (const auto& c : names)
+        if (natural_less(a, b) && natural_less(b, c)) REQUIRE(natural_less(a, c));
+    }
+  }
+}
 
 TEST_CASE("a range is cut off the path") {
   const SequenceArgument all = parse_sequence_argument("walk");
@@ -38,7 +69,7 @@ TEST_CASE("an at sign that starts no range belongs to the path") {
 }
 
 TEST_CASE("a path that exists as written wins") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   fs::create_directory(folder / "walk@1:2");
   CHECK(parse_sequence_argument((folder / "walk@1:2").string()).range.is_all());
 }
@@ -46,78 +77,74 @@ TEST_CASE("a path that exists as written wins") {
 TEST_CASE("ranges that can't be meant are usage errors") {
   const std::string text =
       GENERATE("w@5:5", "w@6:5", "w@0:9:0", "w@0:99999999999999999999", "w@18446744073709551615:");
-  CHECK(test::error_kind([&] { parse_sequence_argument(text); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { parse_sequence_argument(text); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a folder gives its images in natural order, and nothing else") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const char* name : {"10.png", "2.JPG", "1.jpeg", ".hidden.png", "notes.txt", "a.mp4"})
-    test::write_text(folder / name, "");
+    write_text(folder / name, "");
   fs::create_directory(folder / "sub.png");
   CHECK(file_names(open_sequence({folder.path(), {}})) ==
         std::vector<std::string>{"1.jpeg", "2.JPG", "10.png"});
   CHECK(file_names(open_sequence({folder.path(), {0, 3, 2}})) ==
         std::vector<std::string>{"1.jpeg", "10.png"});
-  CHECK(test::error_kind([&] { open_sequence({folder.path(), {0, 4, 1}}); }) == ErrorKind::usage);
-  CHECK(test::error_kind([&] {
+  CHECK(error_kind([&] { open_sequence({folder.path(), {0, 4, 1}}); }) == ErrorKind::usage);
+  CHECK(error_kind([&] {
           open_sequence({folder.path(), {3, std::nullopt, 1}});
         }) == ErrorKind::usage);
 }
 
 TEST_CASE("a step beyond the end gives one frame") {
-  const test::TemporaryFolder folder;
-  for (const char* name : {"1.png", "2.png"}) test::write_text(folder / name, "");
+  const TemporaryFolder folder;
+  for (const char* name : {"1.png", "2.png"}) write_text(folder / name, "");
   const SequenceArgument argument{folder.path(), {1, std::nullopt, uint64_t{1} << 62}};
   CHECK(file_names(open_sequence(argument)) == std::vector<std::string>{"2.png"});
 }
 
 TEST_CASE("a list gives its files in its own order, relative to itself") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
+  const TemporaryFolder folder;
+  write_text(folder / "list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
   fs::create_directory(folder / "a");
-  test::write_text(folder / "a/1.png", "");
+  write_text(folder / "a/1.png", "");
   const Sequence sequence = open_sequence({folder / "list.txt", {}});
   CHECK(sequence.files == std::vector<fs::path>{folder / "b/2.png", folder / "a/1.png"});
 }
 
 TEST_CASE("a byte order mark in front of a list is no part of a name") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
-  test::write_text(folder / "1.png", "");
+  const TemporaryFolder folder;
+  write_text(folder / "list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
+  write_text(folder / "1.png", "");
   const Sequence sequence = open_sequence({folder / "list.txt", {}});
   CHECK(sequence.files == std::vector<fs::path>{folder / "1.png", folder / "2.png"});
 }
 
 TEST_CASE("an array that is missing is a file that is missing") {
-  const auto text = [](const char* path) {
-    return test::error_text([&] { open_sequence({path, {}}); });
-  };
+  const auto text = [](const char* path) { return error_text([&] { open_sequence({path, {}}); }); };
   CHECK(text("/nowhere/db.npy") == "/nowhere/db.npy: no such file");
   CHECK(text("/nowhere") == "/nowhere: no such folder, list or video");
 }
 
 TEST_CASE("what is no sequence is an input error that names it") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "empty.txt", "\n#\n");
-  test::write_text(folder / "pairs.csv", "query,reference\n1,2\n");
-  test::write_text(folder / "binary.txt", std::string("a\0b", 3));
-  test::write_text(folder / "one.png", "");
+  const TemporaryFolder folder;
+  write_text(folder / "empty.txt", "\n#\n");
+  write_text(folder / "pairs.csv", "query,reference\n1,2\n");
+  write_text(folder / "binary.txt", std::string("a\0b", 3));
+  write_text(folder / "one.png", "");
   fs::create_directory(folder / "empty");
   const std::string name =
       GENERATE("empty.txt", "pairs.csv", "binary.txt", "one.png", "empty", "missing");
-  const std::string text = test::error_text([&] { open_sequence({folder / name, {}}); });
-  CHECK(text.find(name) != std::string::npos);
-  CHECK(test::error_kind([&] { open_sequence({folder / name, {}}); }) == ErrorKind::input);
+  const std::string text = error_text([&] { open_sequence({folder / name, {}}); });
+  CHECK(has(text, name));
+  CHECK(error_kind([&] { open_sequence({folder / name, {}}); }) == ErrorKind::input);
 }
 
 TEST_CASE("an empty file, as files of /proc are, is not opened as a video") {
-  const test::TemporaryFolder folder;
-  test::write_text(folder / "walk.mp4", "");
+  const TemporaryFolder folder;
+  write_text(folder / "walk.mp4", "");
   for (const fs::path& path : {folder / "walk.mp4", fs::path("/proc/kmsg")}) {
     if (!fs::exists(path)) continue;  // /proc/kmsg, in some containers
-    CHECK(test::error_text([&] {
-            open_sequence({path, {}});
-          }) == path.string() + ": is an empty file");
+    CHECK(error_text([&] { open_sequence({path, {}}); }) == path.string() + ": is an empty file");
   }
 }
 
@@ -136,15 +163,15 @@ TEST_CASE("sequences are named by their folder, with parents where two are equal
   CHECK(names({"/a/bad\xff"}) == std::vector<std::string>{"bad%FF"});
   CHECK(sequence_names({parse_sequence_argument("/a/w")}, {"w"}) ==
         std::vector<std::string>{"a/w"});
-  CHECK(test::error_kind([&] { names({"/a/w", "/a/w"}); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { names({"/a/w", "/a/w"}); }) == ErrorKind::usage);
 }
 
 TEST_CASE("sub-folders are sequences in natural order") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const char* name : {"w10", "w2", ".git"}) fs::create_directory(folder / name);
-  test::write_text(folder / "file", "");
+  write_text(folder / "file", "");
   const auto found = subfolder_arguments(folder.path());
   REQUIRE(found.size() == 2);
   CHECK(found[0].path == folder / "w2");
-  CHECK(test::error_kind([&] { subfolder_arguments(folder / "w2"); }) == ErrorKind::input);
+  CHECK(error_kind([&] { subfolder_arguments(folder / "w2"); }) == ErrorKind::input);
 }

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "database/fused_views.h"
+#include "database/fabmap_database.h"
 #include "matching/fusion.h"
 #include "matching/score_kernels.h"
 #include "matching/standardized_frames.h"

@@ -8,7 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "database/point_groups.h"
+#include "database/word_clustering.h"
 
 namespace vpr {
 namespace {

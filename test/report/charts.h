@@ -9,12 +9,9 @@
 
 #include "report/chart.h"
 #include "report/palette.h"
+#include "support.h"
 
 namespace vpr::test {
-
-inline bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 inline std::string svg_of(const Chart& chart) { return svg_file({chart}); }
 

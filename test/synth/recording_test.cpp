@@ -7,7 +7,6 @@
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "base/error.h"
 #include "base/json.h"
 #include "base/statistics.h"
 #include "cli/building.h"
@@ -15,15 +14,15 @@
 #include "descriptors/local_features.h"
 #include "ground_truth/ground_truth.h"
 #include "support.h"
-#include "synth/recording_truth.h"
 #include "synth/renderer.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
 
-World small() { return read_world(test::source_path("configs/worlds/small.json")); }
+World small() { return read_world(source_path("configs/worlds/small.json")); }
 
 std::map<std::string, std::string> texts_of(const World& world) {
   std::map<std::string, std::string> texts;
@@ -67,10 +66,10 @@ TEST_CASE("ground truth follows from poses: the same, ignored, different") {
   const auto texts = texts_of(world);
   const std::string& pairs = texts.at("query.ground_truth.csv");
   CHECK(pairs.find("query,sequence,reference,label\n0,train,0,same\n") == 0);
-  CHECK(pairs.find("0,train,2") == std::string::npos);
-  CHECK(pairs.find("2,train,2,same\n") != std::string::npos);
+  CHECK_FALSE(has(pairs, "0,train,2"));
+  CHECK(has(pairs, "2,train,2,same\n"));
   CHECK(texts.at("query.places.csv").find("query,reference,label\n0,0,same\n1,0,ignore\n") == 0);
-  CHECK(texts.at("query.places.csv").find(",1,") == std::string::npos);  // looks the other way
+  CHECK_FALSE(has(texts.at("query.places.csv"), ",1,"));  // looks the other way
 }
 
 TEST_CASE("walks of another floor or direction never show the same place") {
@@ -114,7 +113,7 @@ TEST_CASE("the shipped worlds have the paper's numbers of frames") {
         {"people-long", 864}}},
       {"put-mc-floor1", {{"query", 320}}}};
   for (const auto& [name, walks] : expected) {
-    const World world = read_world(test::source_path("configs/worlds/" + name + ".json"));
+    const World world = read_world(source_path("configs/worlds/" + name + ".json"));
     std::map<std::string, uint64_t> frames;
     uint64_t train = 0;
     for (const RecordedWalk& recorded : record_walks(world)) {
@@ -128,7 +127,7 @@ TEST_CASE("the shipped worlds have the paper's numbers of frames") {
 }
 
 TEST_CASE("The shipped walks at other paces have exact ground truth, and a detour has none") {
-  const World world = read_world(test::source_path("configs/worlds/speeds.json"));
+  const World world = read_world(source_path("configs/worlds/speeds.json"));
   const std::vector<RecordedWalk> walks = record_walks(world);
   std::map<std::string, size_t> frames;
   for (const RecordedWalk& recorded : walks) frames[recorded.walk->name] = recorded.poses.size();
@@ -137,9 +136,9 @@ TEST_CASE("The shipped walks at other paces have exact ground truth, and a detou
   };
   CHECK(share("slow") == Approx(2).margin(0.02));
   CHECK(share("fast") == Approx(1.2 / 2.2).margin(0.02));
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const auto& [name, text] : recording_texts(world, walks))
-    if (name.ends_with(".csv")) test::write_text(folder / name, text);
+    if (name.ends_with(".csv")) write_text(folder / name, text);
   // Frames that show nothing of the training walk, in per cent.
   const auto unknown = [&](const std::string& walk) {
     const GroundTruthScope scope = {frames[walk], {{"trained", frames["trained"]}}};
@@ -190,13 +189,12 @@ TEST_CASE("rendered corridors have the detail and the likeness of real ones") {
 }
 
 TEST_CASE("worlds with mistakes are refused with a reason") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto refused = [&](const std::function<void(Json&)>& change) {
-    Json world = Json::parse(test::building(1, {"one", "back"}));
+    Json world = Json::parse(building(1, {"one", "back"}));
     change(world);
-    test::write_text(folder / "w.json", world.dump());
-    return test::error_kind([&] { record_walks(read_world(folder / "w.json")); }) ==
-           ErrorKind::usage;
+    write_text(folder / "w.json", world.dump());
+    return error_kind([&] { record_walks(read_world(folder / "w.json")); }) == ErrorKind::usage;
   };
   CHECK_FALSE(refused([](Json&) {}));
   CHECK(refused([](Json& w) { w["floors"][0]["rooms"][0]["x"] = 0.3; }));

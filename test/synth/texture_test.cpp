@@ -1,4 +1,4 @@
-#include "synth/texture.h"
+#include "synth/surfaces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <opencv2/core/mat.hpp>
 
-#include "synth/outside.h"
+#include "synth/scene.h"
 
 using namespace vpr;
 

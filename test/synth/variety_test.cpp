@@ -1,7 +1,6 @@
 // What makes parts of a building, days and walks differ: each setting changes what it says, and
 // nothing else.
 #include <algorithm>
-#include <cmath>
 
 #include <catch2/catch.hpp>
 #include <opencv2/imgproc.hpp>
@@ -9,12 +8,13 @@
 #include "base/parallel.h"
 #include "support.h"
 #include "synth/daylight.h"
-#include "synth/finish.h"
-#include "synth/outside.h"
+#include "synth/surfaces.h"
+#include "synth/scene.h"
 #include "synth/recording.h"
 #include "synth/renderer.h"
 
 using namespace vpr;
+using namespace vpr::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -275,12 +275,12 @@ TEST_CASE("A whole recording with everything on has the same bytes on any number
   world.places = {{"p", "f", 3, 1.25, {0}}};
   const auto bytes = [&](size_t threads) {
     const ThreadLimit limit(threads);
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     write_recording(world, folder.path(), Monitor());
     std::string all;
     for (size_t i = 0; i < walk.frames; ++i)
-      all += test::read_text(folder / ("w/0000" + std::to_string(i) + ".png"));
-    return all + test::read_text(folder / "places/p/0.png");
+      all += read_text(folder / ("w/0000" + std::to_string(i) + ".png"));
+    return all + read_text(folder / "places/p/0.png");
   };
   const std::string one = bytes(1);
   CHECK(one.size() > 50'000);

@@ -1,3 +1,4 @@
+// How people walk and hold a phone, and who comes in their way.
 #include "synth/walking.h"
 
 #include <algorithm>
@@ -5,12 +6,86 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/error.h"
 #include "support.h"
-#include "synth/corridor.h"
+#include "synth/people.h"
 
 using namespace vpr;
 using namespace vpr::test;
+
+namespace {
+
+/// Two corridors that meet at a corner, seen at 10 frames a second.
+World corridor_world() {
+  World world;
+  world.fps = 10;
+  Floor floor;
+  floor.name = "f";
+  floor.rooms = {{RoomKind::corridor, 0, 0, 20, 3}, {RoomKind::corridor, 17, 0, 3, 12}};
+  world.floors = {floor};
+  return world;
+}
+
+/// A walk of that world.
+Walk walk_along(const std::vector<std::vector<double>>& path, uint64_t frames) {
+  Walk walk;
+  walk.name = "w";
+  walk.floor = "f";
+  walk.path = path;
+  walk.frames = frames;
+  return walk;
+}
+
+/// The poses of a walk on the world's first floor.
+std::vector<CameraPose> poses(const World& world, const Walk& walk) {
+  return walk_poses(world, walk, make_floor_plan(world.floors[0]));
+}
+
+/// 15 m along x at 1.2 m/s, without shake.
+Walk straight_walk() {
+  Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 0);
+  walk.shake = 0;
+  return walk;
+}
+
+/// Metres from the frame before to this one.
+double step_m(const std::vector<CameraPose>& found, size_t i) {
+  return found[i].way_m - found[i - 1].way_m;
+}
+
+struct Scenery {
+  World world;
+  FloorPlan plan;
+  std::vector<CameraPose> poses;
+
+  // A walk of 20 s along x through a corridor 3 m wide.
+  explicit Scenery(const Walk& settings) {
+    world.fps = 10;
+    Floor floor;
+    floor.name = "f";
+    floor.rooms = {{RoomKind::corridor, 0, 0, 40, 3}};
+    world.floors = {floor};
+    Walk walk = settings;
+    walk.name = "w";
+    walk.floor = "f";
+    walk.path = {{1, 1.5}, {35, 1.5}};
+    walk.frames = 201;
+    walk.shake = 0;
+    world.walks = {walk};
+    plan = make_floor_plan(floor);
+    poses = walk_poses(world, walk, plan);
+  }
+  std::vector<Figure> at(const CameraPose& pose) const {
+    return Crowd(world, world.walks[0], plan, poses, 14).at(pose.time_s);
+  }
+};
+
+Walk with(uint64_t Walk::*who, uint64_t groups) {
+  Walk walk;
+  walk.*who = groups;
+  return walk;
+}
+
+}  // namespace
 
 TEST_CASE("a walk without shake keeps to its path, from end to end") {
   Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 101);
@@ -86,9 +161,7 @@ TEST_CASE("a corner that is given twice counts once") {
 
 TEST_CASE("a walk through a wall is an error that says where") {
   const World world = corridor_world();
-  CHECK(test::error_kind([&] {
-          poses(world, walk_along({{1, 1.5}, {16, 8}}, 50));
-        }) == ErrorKind::usage);
+  CHECK(error_kind([&] { poses(world, walk_along({{1, 1.5}, {16, 8}}, 50)); }) == ErrorKind::usage);
 }
 
 TEST_CASE("differences of headings go the short way round") {
@@ -152,21 +225,18 @@ TEST_CASE("A walk that is cut goes on elsewhere, further on or back, without blu
 TEST_CASE("Stops and cuts that a walk does not come by are refused") {
   Walk walk = straight_walk();
   walk.stops = {{15.5, 1}};
-  CHECK(test::error_text([&] { poses(corridor_world(), walk); }).find("15.00 m long") !=
-        std::string::npos);
+  CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "15.00 m long"));
   walk.stops = {{6, 1}, {4, 1}};
-  CHECK(test::error_kind([&] { poses(corridor_world(), walk); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { poses(corridor_world(), walk); }) == ErrorKind::usage);
   walk.stops.clear();
   walk.cuts = {{20, 3}};
-  CHECK(test::error_text([&] { poses(corridor_world(), walk); }).find("a cut at 20 m") !=
-        std::string::npos);
+  CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "a cut at 20 m"));
   walk.cuts = {{5, 40}};
-  CHECK(test::error_kind([&] { poses(corridor_world(), walk); }) == ErrorKind::usage);
+  CHECK(error_kind([&] { poses(corridor_world(), walk); }) == ErrorKind::usage);
   walk.cuts.clear();
   walk.paces = {{0, 0.05}};
   walk.stops = {{1, 3600}, {2, 3600}, {3, 3600}};
-  CHECK(test::error_text([&] { poses(corridor_world(), walk); }).find("at most 100000") !=
-        std::string::npos);
+  CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "at most 100000"));
 }
 
 TEST_CASE("Steps are as uneven as is asked for") {
@@ -186,4 +256,176 @@ TEST_CASE("Steps are as uneven as is asked for") {
   CHECK(spread(0.15) > 1.2);
   CHECK(spread(0.15) < 1.4);
   CHECK(spread(0.5) > 1.8);
+}
+
+TEST_CASE("Walks differ in how the phone is held, as far as is asked for") {
+  World world = corridor_world();
+  Walk walk = straight_walk();
+  const auto plain = poses(world, walk);
+  world.variety.hands = 1;
+  const auto held = poses(world, walk);
+  walk.name = "other";
+  const auto other = poses(world, walk);
+  REQUIRE(held.size() == plain.size());
+  for (size_t i = 0; i < held.size(); ++i) {
+    CHECK(held[i].way_m == plain[i].way_m);
+    // All along the walk alike, and within what a hand does.
+    CHECK(held[i].height_m - plain[i].height_m == Approx(held[0].height_m - plain[0].height_m));
+    CHECK(held[i].pitch_deg - plain[i].pitch_deg == Approx(held[0].pitch_deg - plain[0].pitch_deg));
+    CHECK(std::abs(held[i].height_m - plain[i].height_m) <= 0.12);
+    CHECK(std::abs(held[i].pitch_deg - plain[i].pitch_deg) <= 4);
+    CHECK(distance(held[i].position, plain[i].position) <= 0.15);
+  }
+  CHECK(held[0].pitch_deg != plain[0].pitch_deg);
+  CHECK(held[0].pitch_deg != other[0].pitch_deg);
+}
+
+TEST_CASE("A view of a place is held as its name says") {
+  World world = corridor_world();
+  const CameraPose level = {};
+  CHECK(held_by(world, "a", level).pitch_deg == 0);
+  world.variety.hands = 1;
+  CHECK(held_by(world, "a", level).pitch_deg != 0);
+  CHECK(held_by(world, "a", level).pitch_deg == held_by(world, "a", level).pitch_deg);
+  CHECK(held_by(world, "a", level).pitch_deg != held_by(world, "b", level).pitch_deg);
+  CHECK(held_by(world, "a", level).position.x == 0);
+}
+
+TEST_CASE("A hand trembles around where it looks, as fast as its angles say") {
+  World world = corridor_world();
+  world.fps = 500;  // so that differences of angles are rates
+  Walk walk = straight_walk();
+  walk.frames = 2000;
+  const auto calm = poses(world, walk);
+  walk.tremor_deg = 0.5;
+  const auto found = poses(world, walk);
+  double most = 0, sum = 0;
+  for (size_t i = 0; i < found.size(); ++i) {
+    const double nod = found[i].pitch_deg - calm[i].pitch_deg;
+    most = std::max(most, std::abs(nod));
+    sum += nod;
+    CHECK(found[i].position.x == calm[i].position.x);
+    if (i == 0) continue;
+    const double rate = (found[i].pitch_deg - found[i - 1].pitch_deg) * world.fps;
+    CHECK(found[i].nod_deg_s == Approx(rate).margin(1.5));
+    const double turn =
+        std::remainder(found[i].heading_deg - found[i - 1].heading_deg, 360.0) * world.fps;
+    CHECK(found[i].turn_deg_s == Approx(turn).margin(1.5));
+  }
+  CHECK(most > 0.4);
+  CHECK(most <= 0.5);
+  CHECK(std::abs(sum / 2000) < 0.05);
+}
+
+TEST_CASE("A step jolts the camera as fast as its angles say, and not who stands") {
+  World world = corridor_world();
+  world.fps = 1000;  // so that differences of angles are rates
+  Walk walk = straight_walk();
+  walk.frames = 2000;  // 3.6 steps
+  const auto calm = poses(world, walk);
+  walk.jolt_deg = 1;
+  const auto found = poses(world, walk);
+  double most = 0;
+  size_t level = 0, strikes = 0;
+  for (size_t i = 1; i < found.size(); ++i) {
+    const double nod = found[i].pitch_deg - calm[i].pitch_deg;
+    const double before = found[i - 1].pitch_deg - calm[i - 1].pitch_deg;
+    most = std::max(most, std::abs(nod));
+    level += std::abs(nod) < 0.01;
+    const double rate = found[i].nod_deg_s - calm[i].nod_deg_s;
+    strikes += std::abs(rate - (nod - before) * world.fps) > 4;
+    CHECK(found[i].position.x == calm[i].position.x);
+  }
+  CHECK(strikes == 3);  // where the rate leaps, between two frames
+  CHECK(most > 0.2);
+  CHECK(most < 1.7);
+  CHECK(level > 200);  // until the first step, and where one has died away
+
+  world.fps = 10;
+  walk.frames = 0;
+  walk.stops = {{3, 2}};
+  const auto stopped = poses(world, walk);
+  walk.jolt_deg = 0;
+  const auto quiet = poses(world, walk);
+  size_t still = 0;
+  for (size_t i = 1; i < stopped.size(); ++i) {
+    if (stopped[i].way_m != stopped[i - 1].way_m) continue;
+    CHECK(stopped[i].pitch_deg == quiet[i].pitch_deg);
+    ++still;
+  }
+  CHECK(still == 20);
+}
+
+TEST_CASE("Jolts are those of their walk") {
+  const Jolt one(1, "a/up", 1), same(1, "a/up", 1), other(1, "b/up", 1);
+  CHECK(one.at(0.9).angle_deg == 0);
+  CHECK(one.at(2.05).angle_deg == same.at(2.05).angle_deg);
+  CHECK(one.at(2.05).angle_deg != other.at(2.05).angle_deg);
+  CHECK(one.at(2.05).angle_deg != one.at(3.05).angle_deg);
+  // A strike begins level, with a speed of 2 pi 8 Hz times 0.3 to 1.7 degrees.
+  CHECK(one.at(2).angle_deg == 0);
+  CHECK(one.at(2).rate_deg_s > 0.3 * 50.2);
+  CHECK(one.at(2).rate_deg_s < 1.7 * 50.3);
+  CHECK(std::abs(one.at(2.999).angle_deg) < 0.01);
+}
+
+TEST_CASE("The exposure follows the frames of its lag, back to a cut") {
+  const World world = corridor_world();  // 10 frames a second
+  Walk walk = straight_walk();
+  walk.cuts = {{6, 11}};
+  const auto found = poses(world, walk);
+  const auto metered = [&](size_t frame) { return metered_poses(world, walk, found, frame); };
+  CHECK(metered(20).empty());
+  walk.conditions.exposure_lag_s = 0.3;
+  CHECK(metered(0).empty());
+  CHECK(metered(2).size() == 3);
+  REQUIRE(metered(20).size() == 4);
+  CHECK(metered(20).front().time_s == found[17].time_s);
+  CHECK(metered(20).back().time_s == found[20].time_s);
+  const auto cut = std::find_if(found.begin(), found.end(),
+                                [](const CameraPose& pose) { return pose.follows_cut; });
+  const auto first = static_cast<size_t>(cut - found.begin());
+  CHECK(metered(first).empty());
+  CHECK(metered(first + 1).size() == 2);
+}
+
+TEST_CASE("Nobody is there who was not asked for") {
+  const Scenery empty{Walk()};
+  for (const CameraPose& pose : empty.poses) CHECK(empty.at(pose).empty());
+}
+
+TEST_CASE("People walk ahead of the camera for a while, in its way") {
+  const Scenery scenery(with(&Walk::ahead, 1));
+  size_t seen = 0;
+  double most = 0;
+  for (const CameraPose& pose : scenery.poses)
+    for (const Figure& figure : scenery.at(pose)) {
+      const double ahead = figure.position.x - pose.position.x;
+      CHECK(ahead > 1);
+      most = std::max(most, ahead);
+      CHECK(std::abs(figure.position.y - 1.5) <= 1.5);
+      ++seen;
+    }
+  CHECK(seen >= 10);
+  CHECK(most < 4 + 0.3 + 20 * 0.15);
+}
+
+TEST_CASE("People cross the way from one side to the other, in front of the camera") {
+  const Scenery scenery(with(&Walk::crossing, 1));
+  std::vector<double> sideways, ahead;
+  for (const CameraPose& pose : scenery.poses) {
+    const std::vector<Figure> figures = scenery.at(pose);
+    if (figures.empty()) continue;
+    sideways.push_back(figures[0].position.y - 1.5);
+    if (std::abs(sideways.back()) < 0.2) ahead.push_back(figures[0].position.x - pose.position.x);
+  }
+  REQUIRE_FALSE(sideways.empty());
+  CHECK(std::abs(sideways.front() - sideways.back()) > 2);  // from wall to wall
+  CHECK((std::is_sorted(sideways.begin(), sideways.end()) ||
+         std::is_sorted(sideways.rbegin(), sideways.rend())));
+  REQUIRE_FALSE(ahead.empty());
+  for (const double metres : ahead) {
+    CHECK(metres > 0.7);
+    CHECK(metres < 4.5);
+  }
 }
