@@ -14,6 +14,7 @@
 #include "evaluation/score_matrix.h"
 #include "ground_truth/loop_list.h"
 #include "pipeline/evaluate.h"
+#include "report/exports.h"
 #include "report/result_file.h"
 #include "report/table.h"
 

@@ -33,7 +33,7 @@ struct WordQuery {
 };
 
 WordQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& database,
-                           bool skip_unreadable, const Session& session) {
+                         bool skip_unreadable, const Session& session) {
   WordQuery query;
   if (!inputs.query_bow.empty()) {
     if (inputs.query || !inputs.dataset.empty())
@@ -54,7 +54,7 @@ WordQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& databa
 }
 
 WordQuery read_query(const QueryInputs& inputs, const FabmapDatabase& database,
-                       bool skip_unreadable, const Session& session) {
+                     bool skip_unreadable, const Session& session) {
   WordQuery query = read_recording(inputs, database, skip_unreadable, session);
   query.words = replayed(std::move(query.words), inputs.warp, session.options.seed);
   return query;

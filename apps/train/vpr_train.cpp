@@ -3,8 +3,8 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "database/fabmap_database.h"
 #include "database/archive.h"
+#include "database/fabmap_database.h"
 #include "report/database_report.h"
 #include "train_inputs.h"
 

@@ -11,8 +11,8 @@
 
 #include "base/checksum.h"
 #include "base/error.h"
-#include "descriptors/imported.h"
 #include "descriptors/frame_descriptors.h"
+#include "descriptors/imported.h"
 #include "matching/frame_distances.h"
 
 namespace vpr {

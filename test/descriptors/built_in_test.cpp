@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/random.h"
-#include "descriptors/whole_frame.h"
 #include "descriptors/ldb.h"
+#include "descriptors/whole_frame.h"
 
 using namespace vpr;
 

@@ -1,5 +1,3 @@
-#include "descriptors/whole_frame.h"
-
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/random.h"
+#include "descriptors/whole_frame.h"
 #include "images/frames.h"
 #include "support.h"
 

@@ -1,5 +1,3 @@
-#include "synth/surfaces.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "synth/scene.h"
+#include "synth/surfaces.h"
 
 using namespace vpr;
 

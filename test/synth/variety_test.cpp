@@ -8,10 +8,10 @@
 #include "base/parallel.h"
 #include "support.h"
 #include "synth/daylight.h"
-#include "synth/surfaces.h"
-#include "synth/scene.h"
 #include "synth/recording.h"
 #include "synth/renderer.h"
+#include "synth/scene.h"
+#include "synth/surfaces.h"
 
 using namespace vpr;
 using namespace vpr::test;
