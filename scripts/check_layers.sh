@@ -2,12 +2,12 @@
 # Includes may only go from a later stage to an earlier one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-stages=(base images ground_truth synth descriptors database matching recognition evaluation pipeline report bench)
+stages=(base sequence truth synth describe store fabmap match decide evaluate run present bench)
 declare -A rank
 for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done
 # These stand side by side: none may include another.
-rank[synth]=${rank[ground_truth]}
-rank[descriptors]=${rank[ground_truth]}
+rank[synth]=${rank[truth]}
+rank[describe]=${rank[truth]}
 bad=0
 while IFS=: read -r file line text; do
   from=${file#src/}; from=${from%%/*}

@@ -35,7 +35,7 @@ if [[ ! -d $root ]]; then
 fi
 
 programs=(vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth)
-tests=(base synth descriptors database matching recognition)
+tests=(base synth describe store fabmap match decide)
 cmake --preset arm64 >/dev/null
 cmake --build --preset arm64 --target "${programs[@]}" "${tests[@]/#/test_}" test_real_data
 ctest --preset arm64 -R "^($(IFS='|'; echo "${tests[*]}"))\$"

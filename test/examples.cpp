@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "matching/plain.h"
+#include "match/plain.h"
 #include "support.h"
 
 namespace vpr::test {

@@ -6,10 +6,10 @@
 #include <tuple>
 #include <vector>
 
-#include "database/fabmap_database.h"
-#include "database/sequence_database.h"
-#include "descriptors/descriptor_rows.h"
-#include "descriptors/frame_descriptors.h"
+#include "describe/descriptor_rows.h"
+#include "describe/frame_descriptors.h"
+#include "fabmap/database.h"
+#include "store/sequence_database.h"
 
 namespace vpr::test {
 

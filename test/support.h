@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "base/npy.h"
 #include "base/simd.h"
-#include "matching/frame_distances.h"
-#include "matching/row_kernels.h"
+#include "match/frame_distances.h"
+#include "match/row_kernels.h"
 
 namespace vpr::test {
 

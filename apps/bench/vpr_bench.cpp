@@ -10,10 +10,10 @@
 #include "bench/matching_bench.h"
 #include "bench/realtime_bench.h"
 #include "common/command.h"
-#include "descriptors/frame_descriptors.h"
-#include "images/sequence.h"
-#include "pipeline/score_basis.h"
-#include "pipeline/train.h"
+#include "describe/frame_descriptors.h"
+#include "run/score_basis.h"
+#include "run/train.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 namespace {

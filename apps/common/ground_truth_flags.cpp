@@ -5,8 +5,8 @@
 
 #include "base/json.h"
 #include "base/named_table.h"
-#include "ground_truth/formats.h"
-#include "ground_truth/presets.h"
+#include "truth/formats.h"
+#include "truth/presets.h"
 
 namespace vpr {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "command.h"
-#include "database/archive.h"
-#include "ground_truth/dataset.h"
+#include "store/archive.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 

@@ -11,7 +11,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "help.h"
-#include "report/result_file.h"
+#include "present/result_file.h"
 
 namespace vpr {
 

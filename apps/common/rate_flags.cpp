@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "base/named_table.h"
-#include "ground_truth/formats.h"
-#include "ground_truth/sequence_rate.h"
-#include "images/selection.h"
+#include "sequence/selection.h"
+#include "truth/formats.h"
+#include "truth/sequence_rate.h"
 
 namespace vpr {
 

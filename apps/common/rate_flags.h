@@ -7,7 +7,7 @@
 
 #include "base/monitor.h"
 #include "flags.h"
-#include "ground_truth/dataset.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 
@@ -27,7 +27,7 @@ void check_rates(const RateFlags& flags);
 /// them out of it. Throws what recognise_format throws.
 void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags);
 
-/// The sequence with its rate, and thinned as the flags say (ground_truth/sequence_rate.h).
+/// The sequence with its rate, and thinned as the flags say (truth/sequence_rate.h).
 /// `times`: a file that says when its frames were taken; empty: none. `dataset`: whose sequence it
 /// is; null: of none.
 SequenceArgument rated(const SequenceArgument& argument, const RateFlags& flags,

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "command.h"
-#include "matching/given_distances.h"
-#include "recognition/score_kind.h"
+#include "decide/score_kind.h"
+#include "match/given_distances.h"
 
 namespace vpr {
 

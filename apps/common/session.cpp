@@ -10,11 +10,11 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "database/archive.h"
-#include "ground_truth/dataset.h"
-#include "images/sequence.h"
+#include "present/result_file.h"
 #include "progress.h"
-#include "report/result_file.h"
+#include "sequence/sequence.h"
+#include "store/archive.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 

@@ -8,10 +8,10 @@
 #include "base/json.h"
 #include "base/monitor.h"
 #include "base/output.h"
-#include "images/decode.h"
-#include "matching/row_kernels.h"
+#include "match/row_kernels.h"
 #include "parser.h"
-#include "report/run_info.h"
+#include "present/run_info.h"
+#include "sequence/decode.h"
 
 namespace vpr {
 

@@ -6,7 +6,7 @@
 
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
-#include "report/table.h"
+#include "present/table.h"
 
 namespace vpr {
 

@@ -5,9 +5,9 @@
 #include "base/json.h"
 #include "base/stopwatch.h"
 #include "eval_commands.h"
-#include "report/comparison_page.h"
-#include "report/comparison_report.h"
-#include "report/evaluation_report.h"
+#include "present/comparison_page.h"
+#include "present/comparison_report.h"
+#include "present/evaluation_report.h"
 
 namespace vpr {
 namespace {

@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "eval_commands.h"
 #include "eval_inputs.h"
-#include "report/comparison_page.h"
-#include "report/evaluation_report.h"
+#include "present/comparison_page.h"
+#include "present/evaluation_report.h"
 
 namespace vpr {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "database/sequence_database.h"
-#include "images/sequence.h"
-#include "images/sequence_argument.h"
-#include "report/evaluation_report.h"
-#include "report/result_file.h"
+#include "present/evaluation_report.h"
+#include "present/result_file.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
+#include "store/sequence_database.h"
 
 namespace vpr {
 namespace {

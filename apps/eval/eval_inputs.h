@@ -9,14 +9,14 @@
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "common/score_flags.h"
-#include "descriptors/imported.h"
-#include "evaluation/expectation.h"
-#include "evaluation/score_matrix.h"
-#include "ground_truth/loop_list.h"
-#include "pipeline/evaluate.h"
-#include "report/exports.h"
-#include "report/result_file.h"
-#include "report/table.h"
+#include "describe/imported.h"
+#include "evaluate/expectation.h"
+#include "evaluate/score_matrix.h"
+#include "present/exports.h"
+#include "present/result_file.h"
+#include "present/table.h"
+#include "run/evaluate.h"
+#include "truth/loop_list.h"
 
 namespace vpr {
 

@@ -6,10 +6,10 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "eval_inputs.h"
-#include "evaluation/matrix_scan.h"
-#include "evaluation/prediction_lists.h"
-#include "images/sequence.h"
-#include "report/result_file.h"
+#include "evaluate/matrix_scan.h"
+#include "evaluate/prediction_lists.h"
+#include "present/result_file.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 namespace {

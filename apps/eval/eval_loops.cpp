@@ -5,10 +5,10 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "eval_inputs.h"
-#include "evaluation/loops.h"
-#include "ground_truth/times.h"
-#include "report/loops_report.h"
-#include "report/result_file.h"
+#include "evaluate/loops.h"
+#include "present/loops_report.h"
+#include "present/result_file.h"
+#include "truth/times.h"
 
 namespace vpr {
 namespace {

@@ -10,12 +10,12 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "eval_inputs.h"
-#include "ground_truth/association.h"
-#include "ground_truth/dataset.h"
-#include "ground_truth/gps.h"
-#include "ground_truth/route.h"
-#include "ground_truth/times.h"
-#include "report/exports.h"
+#include "present/exports.h"
+#include "truth/association.h"
+#include "truth/dataset.h"
+#include "truth/gps.h"
+#include "truth/route.h"
+#include "truth/times.h"
 
 namespace vpr {
 

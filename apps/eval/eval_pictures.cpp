@@ -5,11 +5,11 @@
 
 #include "base/error.h"
 #include "eval_inputs.h"
-#include "images/sequence.h"
-#include "report/evaluation_charts.h"
-#include "report/evaluation_tables.h"
-#include "report/html_report.h"
-#include "report/route_map.h"
+#include "present/evaluation_charts.h"
+#include "present/evaluation_tables.h"
+#include "present/html_report.h"
+#include "present/route_map.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 

@@ -5,12 +5,12 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "common/rate_flags.h"
+#include "decide/score_kind.h"
 #include "eval_inputs.h"
-#include "evaluation/descriptor_scores.h"
-#include "evaluation/metrics.h"
-#include "evaluation/outcomes.h"
-#include "images/sequence.h"
-#include "recognition/score_kind.h"
+#include "evaluate/descriptor_scores.h"
+#include "evaluate/metrics.h"
+#include "evaluate/outcomes.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 namespace {

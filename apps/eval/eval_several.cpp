@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/stopwatch.h"
-#include "ground_truth/presets.h"
-#include "report/evaluation_tables.h"
-#include "report/metrics_report.h"
+#include "present/evaluation_tables.h"
+#include "present/metrics_report.h"
+#include "truth/presets.h"
 
 namespace vpr {
 

@@ -6,7 +6,7 @@
 
 #include "base/json_fwd.h"
 #include "eval_inputs.h"
-#include "report/table.h"
+#include "present/table.h"
 
 namespace vpr {
 

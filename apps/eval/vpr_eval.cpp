@@ -9,8 +9,8 @@
 #include "eval_commands.h"
 #include "eval_inputs.h"
 #include "eval_several.h"
-#include "report/evaluation_tables.h"
-#include "report/run_info.h"
+#include "present/evaluation_tables.h"
+#include "present/run_info.h"
 
 namespace vpr {
 namespace {

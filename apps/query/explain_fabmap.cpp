@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "images/sequence.h"
-#include "images/sequence_argument.h"
-#include "report/explanation_report.h"
-#include "report/raster.h"
-#include "report/result_file.h"
+#include "present/explanation_report.h"
+#include "present/raster.h"
+#include "present/result_file.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
 
 namespace vpr {
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "common/command.h"
-#include "images/sequence_argument.h"
-#include "pipeline/fabmap_explain.h"
 #include "query_inputs.h"
+#include "run/fabmap_explain.h"
+#include "sequence/sequence_argument.h"
 
 namespace vpr {
 

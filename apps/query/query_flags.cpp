@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "common/rate_flags.h"
-#include "ground_truth/loop_list.h"
-#include "ground_truth/times.h"
-#include "matching/fabmap.h"
+#include "fabmap/model.h"
+#include "truth/loop_list.h"
+#include "truth/times.h"
 
 namespace vpr {
 namespace {

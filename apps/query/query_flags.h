@@ -1,8 +1,8 @@
 // What the flags of vpr-query set.
 #pragma once
 
+#include "decide/query_settings.h"
 #include "query_inputs.h"
-#include "recognition/query_settings.h"
 
 namespace vpr {
 

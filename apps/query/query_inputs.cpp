@@ -4,9 +4,9 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "images/selection.h"
-#include "images/sequence.h"
-#include "images/sequence_argument.h"
+#include "sequence/selection.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
 
 namespace vpr {
 

@@ -9,10 +9,10 @@
 #include "common/ground_truth_flags.h"
 #include "common/rate_flags.h"
 #include "common/score_flags.h"
-#include "ground_truth/dataset.h"
-#include "pipeline/train.h"
-#include "recognition/query_settings.h"
-#include "report/result_file.h"
+#include "decide/query_settings.h"
+#include "present/result_file.h"
+#include "run/train.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 

@@ -4,10 +4,10 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "evaluation/loops.h"
-#include "ground_truth/times.h"
-#include "images/sequence.h"
-#include "pipeline/loop_query.h"
+#include "evaluate/loops.h"
+#include "run/loop_query.h"
+#include "sequence/sequence.h"
+#include "truth/times.h"
 
 namespace vpr {
 namespace {

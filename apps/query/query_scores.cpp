@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "images/sequence.h"
-#include "matching/lsh.h"
-#include "matching/methods.h"
+#include "match/lsh.h"
+#include "match/methods.h"
 #include "query_inputs.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 namespace {

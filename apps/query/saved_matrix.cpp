@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "report/evaluation_charts.h"
+#include "present/evaluation_charts.h"
 
 namespace vpr {
 namespace {

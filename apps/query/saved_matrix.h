@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "ground_truth/ground_truth.h"
+#include "present/score_matrix.h"
 #include "query_inputs.h"
-#include "report/score_matrix.h"
+#include "truth/ground_truth.h"
 
 namespace vpr {
 

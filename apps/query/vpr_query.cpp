@@ -7,13 +7,13 @@
 #include <fmt/ranges.h>
 
 #include "base/error.h"
-#include "database/archive.h"
-#include "images/selection.h"
-#include "matching/fabmap.h"
-#include "matching/lsh.h"
-#include "matching/methods.h"
+#include "fabmap/model.h"
+#include "match/lsh.h"
+#include "match/methods.h"
 #include "query_flags.h"
 #include "query_inputs.h"
+#include "sequence/selection.h"
+#include "store/archive.h"
 
 namespace vpr {
 namespace {

@@ -8,8 +8,8 @@
 #include "base/json.h"
 #include "base/npy.h"
 #include "base/text.h"
-#include "pipeline/train.h"
-#include "report/database_report.h"
+#include "present/database_report.h"
+#include "run/train.h"
 #include "train_inputs.h"
 
 namespace vpr {

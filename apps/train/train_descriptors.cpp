@@ -6,9 +6,9 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
-#include "descriptors/imported.h"
-#include "images/sequence.h"
-#include "images/sequence_argument.h"
+#include "describe/imported.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
 #include "train_inputs.h"
 
 namespace vpr {

@@ -3,12 +3,12 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "database/openfabmap.h"
-#include "ground_truth/dataset.h"
-#include "images/sequence_argument.h"
-#include "pipeline/fabmap_train.h"
-#include "report/database_report.h"
+#include "fabmap/openfabmap.h"
+#include "fabmap/train.h"
+#include "present/database_report.h"
+#include "sequence/sequence_argument.h"
 #include "train_inputs.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 namespace {

@@ -2,11 +2,11 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "database/archive.h"
-#include "ground_truth/dataset.h"
-#include "images/sequence.h"
-#include "images/sequence_argument.h"
-#include "report/database_report.h"
+#include "present/database_report.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
+#include "store/archive.h"
+#include "truth/dataset.h"
 
 namespace vpr {
 

@@ -6,10 +6,10 @@
 
 #include "common/command.h"
 #include "common/rate_flags.h"
-#include "database/fabmap_database.h"
-#include "descriptors/imported.h"
-#include "pipeline/fabmap_train.h"
-#include "pipeline/train.h"
+#include "describe/imported.h"
+#include "fabmap/database.h"
+#include "fabmap/train.h"
+#include "run/train.h"
 
 namespace vpr {
 

@@ -3,9 +3,9 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "database/archive.h"
-#include "database/fabmap_database.h"
-#include "report/database_report.h"
+#include "fabmap/database.h"
+#include "present/database_report.h"
+#include "store/archive.h"
 #include "train_inputs.h"
 
 namespace vpr {

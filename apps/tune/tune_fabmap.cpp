@@ -1,6 +1,6 @@
 // vpr-tune fabmap: c_w and t_p.
 #include "base/stopwatch.h"
-#include "images/sequence.h"
+#include "sequence/sequence.h"
 #include "tune_inputs.h"
 
 namespace vpr {

@@ -1,11 +1,11 @@
 // vpr-tune fastable: c_l and t_r.
 #include "base/stopwatch.h"
-#include "images/sequence.h"
-#include "pipeline/advice.h"
-#include "pipeline/fuse.h"
-#include "pipeline/margin_plan.h"
-#include "pipeline/score_basis.h"
-#include "pipeline/train.h"
+#include "run/advice.h"
+#include "run/fuse.h"
+#include "run/margin_plan.h"
+#include "run/score_basis.h"
+#include "run/train.h"
+#include "sequence/sequence.h"
 #include "tune_inputs.h"
 
 namespace vpr {

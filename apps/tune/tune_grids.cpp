@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "number_lists.h"
-#include "pipeline/train.h"
+#include "run/train.h"
 
 namespace vpr {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "pipeline/sweep.h"
+#include "run/sweep.h"
 
 namespace vpr {
 

@@ -7,9 +7,9 @@
 
 #include "base/error.h"
 #include "common/rate_flags.h"
-#include "database/sequence_database.h"
-#include "images/sequence.h"
-#include "images/sequence_argument.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
+#include "store/sequence_database.h"
 
 namespace vpr {
 

@@ -9,9 +9,9 @@
 #include "common/command.h"
 #include "common/ground_truth_flags.h"
 #include "common/rate_flags.h"
-#include "ground_truth/dataset.h"
-#include "pipeline/sweep.h"
-#include "report/table.h"
+#include "present/table.h"
+#include "run/sweep.h"
+#include "truth/dataset.h"
 #include "tune_grids.h"
 
 namespace vpr {

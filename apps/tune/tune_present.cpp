@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "report/sweep_report.h"
+#include "present/sweep_report.h"
 #include "tune_inputs.h"
 
 namespace vpr {

@@ -3,11 +3,11 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "database/archive.h"
 #include "number_lists.h"
-#include "pipeline/thresholds.h"
-#include "pipeline/train.h"
-#include "report/database_report.h"
+#include "present/database_report.h"
+#include "run/thresholds.h"
+#include "run/train.h"
+#include "store/archive.h"
 #include "tune_inputs.h"
 
 namespace vpr {

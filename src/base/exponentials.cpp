@@ -1,12 +1,14 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "base/highway.h"
-// The settings above come first.
+#include "base/exponentials.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "base/exponentials.h"
+#include "base/highway.h"
+
+// The settings above come first.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/exponentials.cpp"

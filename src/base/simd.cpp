@@ -1,5 +1,5 @@
-#include "base/highway.h"
-// Highway's list of generated targets needs the settings above.
+#include "base/simd.h"
+
 #include <algorithm>
 #include <cstdint>
 
@@ -8,7 +8,9 @@
 #include <hwy/highway.h>
 
 #include "base/error.h"
-#include "base/simd.h"
+#include "base/highway.h"
+
+// Highway's list of generated targets needs the settings above.
 
 namespace vpr {
 namespace {

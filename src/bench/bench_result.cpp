@@ -12,7 +12,7 @@
 #include "base/json.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
-#include "report/json_fields.h"
+#include "present/json_fields.h"
 
 namespace vpr {
 namespace {

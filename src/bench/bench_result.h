@@ -11,8 +11,8 @@
 
 #include "base/json.h"
 #include "base/monitor.h"
-#include "report/chart.h"
-#include "report/run_info.h"
+#include "present/chart.h"
+#include "present/run_info.h"
 
 namespace vpr {
 

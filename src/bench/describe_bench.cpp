@@ -11,11 +11,11 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "bench/generated.h"
-#include "descriptors/frame_descriptors.h"
-#include "descriptors/ldb.h"
-#include "descriptors/whole_frame.h"
-#include "images/decode.h"
-#include "images/frames.h"
+#include "describe/frame_descriptors.h"
+#include "describe/ldb.h"
+#include "describe/whole_frame.h"
+#include "sequence/decode.h"
+#include "sequence/frames.h"
 
 namespace vpr {
 namespace {

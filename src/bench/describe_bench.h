@@ -2,8 +2,8 @@
 #pragma once
 
 #include "bench/bench_result.h"
-#include "descriptors/local_features.h"
-#include "images/sequence.h"
+#include "fabmap/local_features.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 

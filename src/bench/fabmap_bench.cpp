@@ -11,9 +11,9 @@
 #include "base/random.h"
 #include "base/stopwatch.h"
 #include "bench/generated.h"
-#include "database/word_clustering.h"
-#include "matching/fabmap.h"
-#include "recognition/fabmap_posterior.h"
+#include "fabmap/model.h"
+#include "fabmap/posterior.h"
+#include "fabmap/word_clustering.h"
 
 namespace vpr {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "descriptors/descriptor_rows.h"
-#include "descriptors/ldb.h"
-#include "descriptors/vocabulary.h"
+#include "describe/descriptor_rows.h"
+#include "describe/ldb.h"
+#include "fabmap/vocabulary.h"
 
 namespace cv {
 class Mat;

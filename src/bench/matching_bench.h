@@ -9,8 +9,8 @@
 
 #include "base/monitor.h"
 #include "bench/bench_result.h"
-#include "matching/rows.h"
-#include "matching/standardization.h"
+#include "match/rows.h"
+#include "match/standardization.h"
 
 namespace vpr {
 

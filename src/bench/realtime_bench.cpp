@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/statistics.h"
-#include "pipeline/train.h"
+#include "run/train.h"
 
 namespace vpr {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "bench/bench_result.h"
-#include "images/sequence.h"
-#include "pipeline/live_query.h"
+#include "run/live_query.h"
+#include "sequence/sequence.h"
 
 namespace vpr {
 

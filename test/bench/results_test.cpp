@@ -7,7 +7,7 @@
 #include "bench/bench_result.h"
 #include "bench/bench_tables.h"
 #include "bench/generated.h"
-#include "matching/plain.h"
+#include "match/plain.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,5 +1,4 @@
 // The programs as a user runs them, on a small generated world.
-
 #include <catch2/catch.hpp>
 
 #include "cli/world.h"

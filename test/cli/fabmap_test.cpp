@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "database/fabmap_database.h"
+#include "fabmap/database.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -1,7 +1,7 @@
 // FAB-MAP and sequences together, as a user asks for them.
 #include <catch2/catch.hpp>
 
-#include "report/result_file.h"
+#include "present/result_file.h"
 #include "world.h"
 
 using namespace vpr;

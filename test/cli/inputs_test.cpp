@@ -1,5 +1,4 @@
 // Matrices, descriptors, lists and ground truth, as a user brings and takes them.
-
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>

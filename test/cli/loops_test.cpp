@@ -1,5 +1,4 @@
 // vpr-eval --loops as a user runs it.
-
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 

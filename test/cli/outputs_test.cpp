@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "base/json.h"
-#include "report/result_file.h"
+#include "present/result_file.h"
 #include "support.h"
 
 using namespace vpr;

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "images/selection.h"
+#include "sequence/selection.h"
 
 using namespace vpr;
 using namespace vpr::test;

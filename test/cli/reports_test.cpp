@@ -1,10 +1,9 @@
 // What vpr-eval gives to others: expectations, XML, trajectories and pages of whole data sets.
-
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "ground_truth/route.h"
+#include "truth/route.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -14,10 +14,10 @@
 #include "bench/matching_bench.h"
 #include "bench/realtime_bench.h"
 #include "common/session.h"
-#include "database/fabmap_database.h"
-#include "pipeline/train.h"
-#include "recognition/query_settings.h"
-#include "report/table.h"
+#include "decide/query_settings.h"
+#include "fabmap/database.h"
+#include "present/table.h"
+#include "run/train.h"
 #include "support.h"
 
 using namespace vpr;

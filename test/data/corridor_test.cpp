@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "descriptors/frame_descriptors.h"
+#include "describe/frame_descriptors.h"
 #include "examples.h"
-#include "images/sequence.h"
-#include "matching/plain.h"
+#include "match/plain.h"
 #include "printed.h"
+#include "sequence/sequence.h"
 
 using namespace vpr;
 using namespace vpr::test;

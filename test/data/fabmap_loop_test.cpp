@@ -4,12 +4,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "database/openfabmap.h"
-#include "matching/fabmap.h"
-#include "pipeline/fabmap_query.h"
+#include "fabmap/model.h"
+#include "fabmap/openfabmap.h"
+#include "fabmap/posterior.h"
 #include "printed.h"
-#include "recognition/fabmap_posterior.h"
 #include "reference/plain_words.h"
+#include "run/fabmap_query.h"
 
 using namespace vpr;
 using namespace vpr::test;

@@ -1,5 +1,5 @@
 // Quantised descriptors against float64 on real images: as many queries are right.
-#include "descriptors/imported.h"
+#include "describe/imported.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,9 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 
-#include "descriptors/frame_descriptors.h"
-#include "images/frames.h"
-#include "matching/frame_distances.h"
+#include "describe/frame_descriptors.h"
+#include "match/frame_distances.h"
+#include "sequence/frames.h"
 #include "support.h"
 
 using namespace vpr;

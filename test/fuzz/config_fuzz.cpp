@@ -3,11 +3,11 @@
 #include "bench/generated.h"
 #include "common/parser.h"
 #include "fuzz.h"
-#include "pipeline/fabmap_query.h"
-#include "pipeline/query.h"
-#include "pipeline/score_basis.h"
-#include "pipeline/train.h"
-#include "report/result_file.h"
+#include "present/result_file.h"
+#include "run/fabmap_query.h"
+#include "run/query.h"
+#include "run/score_basis.h"
+#include "run/train.h"
 
 using namespace vpr;
 

@@ -2,11 +2,11 @@
 // a small query of what can be opened.
 #include "base/checksum.h"
 #include "base/json.h"
-#include "database/archive.h"
 #include "fuzz.h"
-#include "pipeline/fabmap_query.h"
-#include "pipeline/query.h"
-#include "pipeline/score_basis.h"
+#include "run/fabmap_query.h"
+#include "run/query.h"
+#include "run/score_basis.h"
+#include "store/archive.h"
 
 using namespace vpr;
 

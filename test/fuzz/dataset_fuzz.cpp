@@ -1,5 +1,5 @@
 // Any bytes as a data set description.
 #include "fuzz.h"
-#include "ground_truth/dataset.h"
+#include "truth/dataset.h"
 
 void vpr::fuzz::run(std::string_view input) { read_dataset(memory_file(input)); }

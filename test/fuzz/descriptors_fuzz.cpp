@@ -1,8 +1,8 @@
 // Any bytes as descriptors: every kind that they may be, and their distances to themselves.
-#include "descriptors/frame_descriptors.h"
-#include "descriptors/imported.h"
+#include "describe/frame_descriptors.h"
+#include "describe/imported.h"
 #include "fuzz.h"
-#include "matching/frame_distances.h"
+#include "match/frame_distances.h"
 
 void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);

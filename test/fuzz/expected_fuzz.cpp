@@ -1,6 +1,6 @@
 // What vpr-eval --expect expects, of a report.
 #include "base/json.h"
-#include "evaluation/expectation.h"
+#include "evaluate/expectation.h"
 #include "fuzz.h"
 
 using namespace vpr;

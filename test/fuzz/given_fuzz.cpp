@@ -1,9 +1,9 @@
 // Any bytes as a matrix of scores that takes windows: what is read of it is what its units say.
 #include "fuzz.h"
-#include "matching/fastable_online.h"
-#include "matching/row_kernels.h"
-#include "pipeline/given_query.h"
-#include "pipeline/train.h"
+#include "match/fastable_online.h"
+#include "match/row_kernels.h"
+#include "run/given_query.h"
+#include "run/train.h"
 
 using namespace vpr;
 

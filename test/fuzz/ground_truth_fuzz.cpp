@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "fuzz.h"
-#include "ground_truth/check.h"
-#include "ground_truth/formats.h"
+#include "truth/check.h"
+#include "truth/formats.h"
 
 using namespace vpr;
 using fuzz::require;

@@ -1,7 +1,7 @@
 // A trajectory, its times and a list of loop closures, each any bytes: what is read is judged.
-#include "evaluation/loops.h"
+#include "evaluate/loops.h"
 #include "fuzz.h"
-#include "ground_truth/times.h"
+#include "truth/times.h"
 
 using namespace vpr;
 using fuzz::require;

@@ -1,7 +1,7 @@
 // An archive of matrices, as bytes and packed of parts whose checksums fit, as a ground truth.
 #include "base/zip_file.h"
 #include "fuzz.h"
-#include "ground_truth/ground_truth.h"
+#include "truth/ground_truth.h"
 
 using namespace vpr;
 

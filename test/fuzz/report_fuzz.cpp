@@ -1,8 +1,8 @@
 // Two reports that vpr-eval compares.
 #include "base/json.h"
 #include "fuzz.h"
-#include "report/comparison_page.h"
-#include "report/comparison_report.h"
+#include "present/comparison_page.h"
+#include "present/comparison_report.h"
 
 using namespace vpr;
 

@@ -3,8 +3,8 @@
 #include "base/checksum.h"
 #include "base/json.h"
 #include "fuzz.h"
-#include "report/evaluation_report.h"
-#include "report/result_file.h"
+#include "present/evaluation_report.h"
+#include "present/result_file.h"
 
 using namespace vpr;
 

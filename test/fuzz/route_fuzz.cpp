@@ -1,7 +1,7 @@
 // Poses, places and walls that a data set names: any bytes as each of them.
 #include "base/monitor.h"
 #include "fuzz.h"
-#include "ground_truth/route.h"
+#include "truth/route.h"
 
 void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);

@@ -1,5 +1,5 @@
 // Any bytes as a score matrix of some program.
-#include "evaluation/score_matrix.h"
+#include "evaluate/score_matrix.h"
 #include "fuzz.h"
 
 using namespace vpr;

@@ -2,8 +2,8 @@
 #include "base/npy.h"
 #include "base/text.h"
 #include "fuzz.h"
-#include "images/sequence.h"
-#include "images/sequence_argument.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
 
 using namespace vpr;
 

@@ -1,5 +1,5 @@
 // Any bytes as the name of an image that carries its place.
 #include "fuzz.h"
-#include "ground_truth/utm_names.h"
+#include "truth/utm_names.h"
 
 void vpr::fuzz::run(std::string_view input) { parse_utm_name(input); }

@@ -9,14 +9,14 @@
 #include <fmt/format.h>
 
 #include "base/parallel.h"
-#include "database/chow_liu.h"
-#include "descriptors/vocabulary.h"
+#include "fabmap/chow_liu.h"
+#include "fabmap/model.h"
+#include "fabmap/vocabulary.h"
 #include "golden/checksums.h"
 #include "golden/recording.h"
-#include "matching/fabmap.h"
-#include "pipeline/fabmap_query.h"
-#include "pipeline/query.h"
-#include "pipeline/score_basis.h"
+#include "run/fabmap_query.h"
+#include "run/query.h"
+#include "run/score_basis.h"
 #include "support.h"
 
 using namespace vpr;

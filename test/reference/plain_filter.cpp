@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "matching/filter_track.h"
-#include "matching/score_kernels.h"
+#include "match/filter_track.h"
+#include "match/score_kernels.h"
 
 namespace vpr {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "matching/filter.h"
+#include "match/filter.h"
 
 namespace vpr {
 

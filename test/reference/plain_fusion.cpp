@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "database/fabmap_database.h"
-#include "matching/fusion.h"
-#include "matching/score_kernels.h"
-#include "matching/standardized_frames.h"
+#include "fabmap/database.h"
+#include "match/fusion.h"
+#include "match/score_kernels.h"
+#include "match/standardized_frames.h"
 
 namespace vpr {
 namespace {

@@ -1,4 +1,4 @@
-// Scores fused with FAB-MAP by their definition: the reference of matching/fusion.h.
+// Scores fused with FAB-MAP by their definition: the reference of match/fusion.h.
 #pragma once
 
 #include <map>
@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "matching/fusion.h"
-#include "matching/standardization.h"
-#include "recognition/row_scan.h"
+#include "decide/row_scan.h"
+#include "match/fusion.h"
+#include "match/standardization.h"
 
 namespace vpr {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "matching/distance_statistics.h"
-#include "matching/plain.h"
-#include "matching/score_kernels.h"
+#include "match/distance_statistics.h"
+#include "match/plain.h"
+#include "match/score_kernels.h"
 
 namespace vpr {
 namespace {

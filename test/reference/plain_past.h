@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "matching/standardization.h"
+#include "match/standardization.h"
 
 namespace vpr {
 

@@ -9,15 +9,15 @@
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
-#include "matching/plain.h"
-#include "matching/rates.h"
-#include "matching/score_kernels.h"
-#include "pipeline/query_steps.h"
-#include "pipeline/score_basis.h"
-#include "pipeline/verify.h"
-#include "recognition/decision.h"
+#include "decide/decision.h"
+#include "match/plain.h"
+#include "match/rates.h"
+#include "match/score_kernels.h"
 #include "reference/plain_fusion.h"
 #include "reference/plain_past.h"
+#include "run/query_steps.h"
+#include "run/score_basis.h"
+#include "run/verify.h"
 
 namespace vpr::test {
 namespace {

@@ -1,7 +1,7 @@
 // Queries whose cells are compared with reference implementations, for every kind of score.
 #pragma once
 
-#include "pipeline/query.h"
+#include "run/query.h"
 
 namespace vpr::test {
 

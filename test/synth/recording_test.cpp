@@ -10,11 +10,11 @@
 #include "base/json.h"
 #include "base/statistics.h"
 #include "cli/building.h"
-#include "descriptors/ldb.h"
-#include "descriptors/local_features.h"
-#include "ground_truth/ground_truth.h"
+#include "describe/ldb.h"
+#include "fabmap/local_features.h"
 #include "support.h"
 #include "synth/renderer.h"
+#include "truth/ground_truth.h"
 
 using namespace vpr;
 using namespace vpr::test;

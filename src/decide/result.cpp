@@ -1,0 +1,78 @@
+#include "decide/result.h"
+
+#include <limits>
+
+#include "match/rates.h"
+
+namespace vpr {
+
+namespace {
+
+// Where the decision asks best matches, those it accepts are the hits.
+void decide(Result& result, const DecisionKind& decision) {
+  if (decision.accepts == nullptr) return;
+  result.hits.clear();
+  for (size_t window = 0; window < result.best.size(); ++window)
+    if (result.best[window] && decision.accepts(result, window))
+      result.hits.push_back(*result.best[window]);
+}
+
+}  // namespace
+
+ResultPath::ResultPath(size_t frames)
+    : nowhere(frames, std::numeric_limits<double>::quiet_NaN()),
+      rates(nowhere),
+      tracks(frames, 0) {}
+
+Result make_result(const QueryPlan& plan, const HitScanResult& found,
+                   const std::vector<std::optional<uint32_t>>& margins) {
+  const int64_t offset = plan.score_offset();
+  const auto match_of = [&](const Cell& cell) {
+    return Match{cell.query_window, cell.sequence, cell.train_window, 0,
+                 static_cast<double>(cell.score - offset)};
+  };
+  Result result;
+  result.settings = plan.settings;
+  result.query_name = plan.query_name;
+  result.query_frames = plan.query_frames;
+  result.query_unreadable = plan.query_unreadable;
+  result.replay = plan.replay;
+  result.query_fps = plan.query_fps;
+  result.query_windows = plan.query_windows;
+  result.targets = plan.sequences;
+  result.statistics = plan.statistics;
+  result.hits.reserve(found.hits.size());
+  for (const Cell& hit : found.hits) result.hits.push_back(match_of(hit));
+  for (const auto& best : found.best)
+    result.best.push_back(best ? std::optional(match_of(*best)) : std::nullopt);
+  const std::vector<Rate> rates = parse_rates(plan.settings.rates);
+  for (size_t window = 0; !rates.empty() && window < found.best.size(); ++window) {
+    const auto& best = found.best[window];
+    result.best_rates.push_back(best ? ratio_of(rates[best->rate])
+                                     : std::numeric_limits<double>::quiet_NaN());
+  }
+  result.margins.assign(margins.begin(), margins.end());
+  decide(result, decision_kind(plan.settings.decision));
+  return result;
+}
+
+std::optional<double> frame_margin(const Result& result, size_t query_window) {
+  if (query_window >= result.margins.size() || !result.margins[query_window]) return std::nullopt;
+  return result.score().frame_value(*result.margins[query_window], result.window_length());
+}
+
+void cluster(Result& result, const Monitor& monitor) {
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  result.clusters = result.path ? cluster_tracks(result.hits, result.path->tracks)
+                                : cluster_by_target(result.hits, result.targets.size(),
+                                                    settings.clustering, monitor);
+}
+
+size_t recognised_windows(const Result& result) {
+  size_t windows = 0;
+  for (size_t h = 0; h < result.hits.size(); ++h)
+    if (h == 0 || result.hits[h].query != result.hits[h - 1].query) ++windows;
+  return windows;
+}
+
+}  // namespace vpr

@@ -1,0 +1,138 @@
+#include "decide/row_scan.h"
+
+#include <algorithm>
+#include <atomic>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_sort.h>
+
+#include "base/error.h"
+
+namespace vpr {
+namespace {
+
+Cell cell_at(const ScoreRow& row, size_t x) {
+  return {static_cast<uint32_t>(row.query_window), static_cast<uint32_t>(row.sequence),
+          static_cast<uint32_t>(row.train_window + x), row.scores[x],
+          row.rates.empty() ? uint8_t{0} : row.rates[x]};
+}
+
+}  // namespace
+
+bool by_position(const Cell& a, const Cell& b) {
+  return std::tie(a.query_window, a.sequence, a.train_window) <
+         std::tie(b.query_window, b.sequence, b.train_window);
+}
+
+bool is_closer(const Cell& a, const Cell& b) {
+  return std::tie(a.score, a.sequence, a.train_window) <
+         std::tie(b.score, b.sequence, b.train_window);
+}
+
+void refuse_hits(size_t max_hits) {
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("more than {} hits, which is what --max-memory has room for; give a stricter "
+                  "--t-r, or more memory",
+                  max_hits));
+}
+
+struct MaximumScan::Threads {
+  oneapi::tbb::enumerable_thread_specific<std::vector<uint32_t>> maxima;
+};
+
+MaximumScan::MaximumScan(size_t sequences, const RowKernels& kernels)
+    : sequences_(sequences),
+      kernels_(kernels),
+      threads_(new Threads{decltype(Threads::maxima)(std::vector<uint32_t>(sequences, 0))}) {}
+
+MaximumScan::~MaximumScan() = default;
+
+void MaximumScan::operator()(const ScoreRow& row) {
+  uint32_t& most = threads_->maxima.local()[row.sequence];
+  most = std::max(most, kernels_.maximum(row.scores.data(), row.scores.size()));
+}
+
+std::vector<uint32_t> MaximumScan::result() const {
+  std::vector<uint32_t> all(sequences_, 0);
+  for (const auto& part : threads_->maxima)
+    for (size_t s = 0; s < all.size(); ++s) all[s] = std::max(all[s], part[s]);
+  return all;
+}
+
+struct HitScan::Threads {
+  struct Local {
+    std::vector<Cell> hits;
+    std::vector<Cell> best;
+  };
+  oneapi::tbb::enumerable_thread_specific<Local> locals;
+  std::atomic<size_t> hit_count{0};
+};
+
+HitScan::HitScan(HitScanSettings settings)
+    : settings_(std::move(settings)), threads_(std::make_unique<Threads>()) {}
+
+HitScan::~HitScan() = default;
+
+void HitScan::operator()(const ScoreRow& row) {
+  take(row, settings_.kernels.minimum(row.scores.data(), row.scores.size()));
+}
+
+void HitScan::take(const ScoreRow& row, uint32_t least) {
+  Threads::Local& local = threads_->locals.local();
+  if (local.best.empty()) {
+    Cell none;
+    none.score = kNoCell;
+    local.best.assign(settings_.query_windows, none);
+  }
+  const uint32_t* scores = row.scores.data();
+  const size_t count = row.scores.size();
+  const RowKernels& kernels = settings_.kernels;
+  Cell& best = local.best[row.query_window];
+  if (least <= best.score) {
+    const Cell candidate = cell_at(row, kernels.find_below(scores, 0, count, least + 1));
+    if (best.score == kNoCell || is_closer(candidate, best)) best = candidate;
+  }
+  const uint32_t limit = settings_.limits[row.sequence];
+  if (least >= limit) return;
+  const size_t before = local.hits.size();
+  for (size_t x = kernels.find_below(scores, 0, count, limit); x < count;
+       x = kernels.find_below(scores, x + 1, count, limit))
+    local.hits.push_back(cell_at(row, x));
+  if (threads_->hit_count.fetch_add(local.hits.size() - before) + local.hits.size() - before >
+      settings_.max_hits)
+    refuse_hits(settings_.max_hits);
+}
+
+HitScanResult HitScan::result() {
+  HitScanResult result;
+  result.best.resize(settings_.query_windows);
+  result.hits.reserve(threads_->hit_count);
+  for (Threads::Local& local : threads_->locals) {
+    result.hits.insert(result.hits.end(), local.hits.begin(), local.hits.end());
+    std::vector<Cell>().swap(local.hits);
+    for (size_t j = 0; j < local.best.size(); ++j) {
+      const Cell& candidate = local.best[j];
+      if (candidate.score == kNoCell) continue;
+      if (!result.best[j] || is_closer(candidate, *result.best[j])) result.best[j] = candidate;
+    }
+  }
+  oneapi::tbb::parallel_sort(result.hits.begin(), result.hits.end(), by_position);
+  return result;
+}
+
+CellScan::CellScan(std::vector<Cell> cells) : cells_(std::move(cells)) {}
+
+void CellScan::operator()(const ScoreRow& row) {
+  const Cell first = cell_at(row, 0);
+  for (auto cell = std::lower_bound(cells_.begin(), cells_.end(), first, by_position);
+       cell != cells_.end() && cell->query_window == row.query_window &&
+       cell->sequence == row.sequence && cell->train_window - row.train_window < row.scores.size();
+       ++cell)
+    cell->score = row.scores[cell->train_window - row.train_window];
+}
+
+}  // namespace vpr

@@ -1,0 +1,181 @@
+#include "describe/frame_descriptors.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstring>
+#include <mutex>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <opencv2/core/mat.hpp>
+
+#include "base/error.h"
+#include "describe/imported.h"
+#include "describe/whole_frame.h"
+
+namespace vpr {
+namespace {
+
+// One descriptor a frame, by what describes a grey picture: to an array of row_bytes() bytes.
+template <auto describe_grey>
+DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
+                          const DescriptorSettings& settings, Unreadable unreadable,
+                          const FrameVisitor& visit, const Monitor& monitor) {
+  const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::grey;
+  const size_t row_bytes = kind.shape.row_bytes();
+  std::mutex mutex;  // a video's length is not known before its end
+  DescriptorSet set;
+  set.descriptors.kind = &kind;
+  std::vector<uint8_t>& rows = set.descriptors.owned;
+  rows.resize(sequence.files.size() * row_bytes);
+  set.frames = for_each_frame(
+      sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& image) {
+        const auto row =
+            describe_grey(settings.illumination_invariant ? illumination_invariant(image) : image);
+        assert(row.size() * sizeof(row[0]) == row_bytes);
+        if (visit) visit(index, image);
+        const std::lock_guard lock(mutex);
+        if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
+        std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
+      });
+  rows.resize(set.frames.count() * row_bytes);  // the last of a video may have no image
+  return set;
+}
+
+DescriptorSet import_kind(const DescriptorKind& kind, const Sequence& sequence,
+                          const DescriptorSettings& settings, Unreadable unreadable,
+                          const FrameVisitor&, const Monitor& monitor) {
+  return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
+}
+
+// The set with the frames that a replay of it shows.
+DescriptorSet shown(const DescriptorSet& set, Replay replay) {
+  DescriptorSet result;
+  result.descriptors.kind = set.descriptors.kind;
+  result.descriptors.unit = set.descriptors.unit;
+  result.given = set.given;
+  const DescriptorRows rows = set.rows();
+  for (const uint32_t source : replay.sources) result.descriptors.append(rows.subspan(source, 1));
+  if (!set.words.empty()) result.words = replayed(set.words, replay);
+  result.frames = replayed(set.frames, std::move(replay));
+  return result;
+}
+
+constexpr std::array<DescriptorKind, 10> kKinds = {{
+    {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
+    {"thumbnail",
+     "the frame in 64x32 grey levels, normalised in squares, as SeqSLAM has it",
+     {ElementType::grey_levels, std::tuple_size_v<Thumbnail64>},
+     describe_by<describe_thumbnail>},
+    {"hog",
+     "histograms of oriented gradients of the whole frame, 30752 numbers",
+     {ElementType::whole_numbers, kHogLength},
+     describe_by<describe_hog>},
+    {"brief",
+     "a binary code of pairs of pixels of the whole frame, of 256 bits",
+     {ElementType::bits, kCentreBits},
+     describe_by<describe_brief>},
+    {"orb",
+     "OpenCV's ORB of the frame's centre, not turned, of 256 bits",
+     {ElementType::bits, kCentreBits},
+     describe_by<describe_orb>},
+    {kVectorKind,
+     "vectors from files, in whole numbers of 16 bits",
+     {ElementType::wide_numbers, 0},
+     import_kind,
+     true},
+    {kNarrowVectorKind,
+     "vectors from files, in whole numbers of 8 bits",
+     {ElementType::whole_numbers, 0},
+     import_kind,
+     true},
+    {kPointKind,
+     "vectors from files whose lengths count, in whole numbers of 16 bits",
+     {ElementType::coordinates, 0},
+     import_kind,
+     true},
+    {kDirectionKind,
+     "vectors from files at length 1, in whole numbers of 16 bits",
+     {ElementType::coordinates, 0},
+     import_kind,
+     true},
+    {kBitKind, "bits from files", {ElementType::bits, 0}, import_kind, true},
+}};
+
+}  // namespace
+
+DescriptorSet DescriptorKind::describe(const Sequence& sequence, const DescriptorSettings& settings,
+                                       Unreadable unreadable, const Monitor& monitor,
+                                       const FrameVisitor& visit) const {
+  DescriptorSet set = describe_with(*this, sequence, settings, unreadable, visit, monitor);
+  const SequenceArgument& argument = sequence.argument;
+  if (argument.kept && sequence.is_one_array()) set = shown(set, *argument.kept);
+  note_kept(set.frames, argument);
+  return set;
+}
+
+std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
+
+const DescriptorKind* find_descriptor_kind(std::string_view name) {
+  const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
+                                 [&](const DescriptorKind& row) { return row.name == name; });
+  return kind == kKinds.end() ? nullptr : &*kind;
+}
+
+const DescriptorKind& descriptor_kind(std::string_view name) {
+  if (const DescriptorKind* kind = find_descriptor_kind(name)) return *kind;
+  std::vector<std::string_view> names;
+  for (const DescriptorKind& kind : kKinds)
+    if (!kind.is_imported) names.push_back(kind.name);
+  throw Error(ErrorKind::usage, fmt::format("unknown descriptor \"{}\"; choose one of {}", name,
+                                            fmt::join(names, ", ")));
+}
+
+const DescriptorKind& given_kind() {
+  static constexpr DescriptorKind kGiven = {"scores",
+                                            "frames of which only scores are known",
+                                            {ElementType::frame_numbers, 1},
+                                            nullptr,
+                                            true};
+  return kGiven;
+}
+
+DescriptorShape DescriptorStore::shape() const {
+  return {kind->shape.element, kind->shape.length == 0 ? length : kind->shape.length};
+}
+
+DescriptorRows DescriptorStore::rows() const {
+  if (!owned.empty() || mapped.shape().empty()) return {shape(), owned};
+  return {shape(), mapped.values<uint8_t>(2)};
+}
+
+void DescriptorStore::append(const DescriptorRows& more) {
+  if (owned.empty() && kind->shape.length == 0) length = more.shape.length;
+  assert(mapped.shape().empty() && more.shape == shape());
+  owned.insert(owned.end(), more.bytes.begin(), more.bytes.end());
+}
+
+DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed) {
+  if (warp.empty()) return set;
+  return shown(set, replay(warp, set.frames.count(), seed));
+}
+
+DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames) {
+  DescriptorSet set;
+  set.descriptors.kind = find_descriptor_kind("ldb");
+  set.descriptors.append(codes);
+  set.frames = std::move(frames);
+  return set;
+}
+
+std::vector<LdbCode> ldb_codes(const DescriptorSet& set) {
+  const DescriptorRows rows = set.rows();
+  assert(rows.shape == kLdbShape);
+  std::vector<LdbCode> codes(rows.size());
+  if (!codes.empty()) std::memcpy(codes.data(), rows.bytes.data(), rows.bytes.size());
+  return codes;
+}
+
+}  // namespace vpr

@@ -1,0 +1,383 @@
+#include "describe/imported.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/npy.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "describe/frame_descriptors.h"
+
+namespace vpr {
+namespace {
+
+constexpr std::array<std::string_view, 5> kTypes = {"<f2", "<f4", "<f8", "|u1", "|b1"};
+
+const NumberType& number_type(const std::string& type, const std::string& path) {
+  if (std::find(kTypes.begin(), kTypes.end(), type) == kTypes.end())
+    throw Error(ErrorKind::data, fmt::format("{}: holds numbers of type {}; descriptors are "
+                                             "float16, float32 or float64, or uint8 or bool (bits)",
+                                             path, type));
+  return *find_number_type(type);
+}
+
+[[noreturn]] void refuse_shape(const std::string& path, const std::vector<size_t>& shape,
+                               const char* expected) {
+  throw Error(ErrorKind::data, fmt::format("{}: expected {}, found the shape ({})", path, expected,
+                                           fmt::join(shape, ", ")));
+}
+
+// Numbers of the one descriptor that a file holds.
+size_t length_of_one(const NpyArray& array, const std::string& path) {
+  const std::vector<size_t>& shape = array.shape();
+  const bool is_one = shape.size() == 1 || (shape.size() == 2 && shape[0] == 1);
+  if (!is_one || shape.back() == 0) refuse_shape(path, shape, "one descriptor, d or 1 x d numbers");
+  return shape.back();
+}
+
+size_t rows_in_range(const SequenceArgument& argument, size_t all) {
+  const uint64_t last = argument.range.last.value_or(all);
+  if (argument.range.first >= all || last > all)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has {}, which the range {} exceeds", argument.path.string(),
+                            counted(all, "row"), range_text(argument.range)));
+  return frame_count({argument.range.first, last, argument.range.step}).value();
+}
+
+constexpr size_t kBlockNumbers = 1 << 16;  // read at once: half a megabyte
+
+double largest_size(std::span<const double> vector) {
+  double largest = 0;
+  for (const double number : vector) largest = std::max(largest, std::abs(number));
+  return largest;
+}
+
+template <class T>
+void store_numbers(std::span<const double> row, std::span<uint8_t> out) {
+  std::vector<T> numbers(row.size());
+  quantise_numbers(row, numbers);
+  std::memcpy(out.data(), numbers.data(), out.size());
+}
+
+// Numbers of 8 bits each, the lowest first, or of 1.
+void store_bits(std::span<const double> row, size_t bits_a_number, std::span<uint8_t> out) {
+  std::fill(out.begin(), out.end(), uint8_t{0});
+  for (size_t i = 0; i < row.size(); ++i) {
+    if (bits_a_number == 8)
+      out[i] = static_cast<uint8_t>(row[i]);
+    else if (row[i] != 0)
+      out[i / 8] = static_cast<uint8_t>(out[i / 8] | 1U << i % 8);
+  }
+}
+
+// How long the longest point may be before its coordinates are rounded.
+double longest_point(size_t coordinates) {
+  return kLongestPoint - std::sqrt(static_cast<double>(coordinates)) / 2;
+}
+
+double length_of(std::span<const double> vector) {
+  const double largest = largest_size(vector);
+  if (largest == 0) return 0;
+  double squares = 0;
+  for (const double number : vector) squares += number / largest * (number / largest);
+  return largest * std::sqrt(squares);
+}
+
+void store_point(std::span<const double> row, double unit, std::span<uint8_t> out) {
+  std::vector<int16_t> numbers;
+  for (const double number : row)
+    numbers.push_back(static_cast<int16_t>(std::nearbyint(number / unit)));
+  std::memcpy(out.data(), numbers.data(), out.size());
+}
+
+// Vectors are scaled before they are squared: numbers may be as large or as small as doubles are.
+void store_direction(std::span<const double> row, double unit, std::span<uint8_t> out) {
+  const double largest = largest_size(row);
+  std::vector<double> scaled;
+  for (const double number : row) scaled.push_back(number / largest);
+  store_point(scaled, unit * length_of(scaled), out);
+}
+
+void check_point(std::span<const double> row, double unit, const std::string& where) {
+  check_numbers(row, where);
+  constexpr double kRounding = 1e-9;
+  if (length_of(row) > unit * longest_point(row.size()) * (1 + kRounding))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is more than twice as long as the longest vector that the "
+                            "database was trained with; is it of the same descriptor?",
+                            where));
+}
+
+/// How rows of a kind come from numbers.
+struct RowImport {
+  size_t elements_a_number = 1;
+  bool is_vector = true;
+  std::function<void(std::span<const double> row, std::span<uint8_t> out)> store;
+  std::function<void(std::span<const double> row, const std::string& where)> check = {};
+};
+
+RowImport bit_import(const std::string& type) {
+  if (type == "|u1")
+    return {8, false,
+            [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 8, out); }};
+  return {1, false,
+          [](std::span<const double> row, std::span<uint8_t> out) { store_bits(row, 1, out); }};
+}
+
+RowImport point_import(double unit) {
+  return {
+      1, true,
+      [unit](std::span<const double> row, std::span<uint8_t> out) { store_point(row, unit, out); },
+      [unit](std::span<const double> row, const std::string& where) {
+        check_point(row, unit, where);
+      }};
+}
+
+RowImport direction_import(double unit) {
+  return {1, true,
+          [unit](std::span<const double> row, std::span<uint8_t> out) {
+            store_direction(row, unit, out);
+          },
+          check_vector};
+}
+
+RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
+  const bool is_bits = kind == kBitKind;
+  if (rows.type().starts_with("<f") == is_bits)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its numbers are of type {}; {}", rows.where(0), rows.type(),
+                            is_bits ? "bits are uint8 (8 bits a number) or bool"
+                                    : "vectors are float16, float32 or float64, and uint8 or bool "
+                                      "are bits: train with --bits"));
+  if (is_bits) return bit_import(rows.type());
+  if (kind == kPointKind) return point_import(unit);
+  if (kind == kDirectionKind) return direction_import(unit);
+  return kind == kNarrowVectorKind ? RowImport{1, true, store_numbers<int8_t>, check_vector}
+                                   : RowImport{1, true, store_numbers<int16_t>, check_vector};
+}
+
+void check_length(const ArrayRows& rows, ElementType element, size_t elements_a_number) {
+  const size_t most = most_elements(element) / elements_a_number;
+  if (rows.length() > most)
+    throw Error(ErrorKind::data, fmt::format("{}: has {} numbers; there may be {} at most",
+                                             rows.where(0), rows.length(), most));
+}
+
+// Rows [first, first + count) to where `out` begins. Gives those that are missing, which stay
+// zeros.
+std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
+                                Unreadable unreadable, size_t first, size_t count,
+                                std::span<uint8_t> out) {
+  std::vector<double> numbers(count * rows.length());
+  rows.read(first, count, numbers);
+  const size_t row_bytes = out.size() / count;
+  std::vector<size_t> missing;
+  for (size_t i = 0; i < count; ++i) {
+    const std::span<const double> row(numbers.data() + i * rows.length(), rows.length());
+    if (import.is_vector && is_missing_vector(row)) {
+      if (unreadable == Unreadable::fail)
+        throw Error(ErrorKind::data,
+                    fmt::format("{} is missing (all NaN); give --skip-unreadable to go on without "
+                                "it",
+                                rows.where(first + i)));
+      missing.push_back(first + i);
+      continue;
+    }
+    if (import.is_vector) import.check(row, rows.where(first + i));
+    import.store(row, out.subspan(i * row_bytes, row_bytes));
+  }
+  return missing;
+}
+
+/// What became of a block of rows: those that are missing, or why it could not be read.
+struct BlockRows {
+  std::vector<size_t> missing;
+  std::optional<Error> error;
+};
+
+// The first row that is wrong is named, whatever came first in time.
+void keep_unreadable(FrameList& frames, const std::vector<BlockRows>& blocks) {
+  for (const BlockRows& block : blocks) {
+    if (block.error) throw Error(*block.error);
+    frames.unreadable.insert(frames.unreadable.end(), block.missing.begin(), block.missing.end());
+  }
+}
+
+}  // namespace
+
+ArrayRows::ArrayRows(const Sequence& sequence) : sequence_(sequence) {
+  assert(sequence.kind == SequenceKind::descriptors);
+  const std::string path = sequence.files.front().string();
+  array_ = NpyArray(sequence.files.front());
+  type_ = array_.type();
+  number_type(type_, path);
+  if (!sequence.is_one_array()) {
+    length_ = length_of_one(array_, path);
+    count_ = sequence.files.size();
+    return;
+  }
+  const std::vector<size_t>& shape = array_.shape();
+  if (shape.size() != 2 || shape[0] == 0 || shape[1] == 0)
+    refuse_shape(path, shape, "n x d numbers, a row a frame");
+  length_ = shape[1];
+  count_ = rows_in_range(sequence.argument, shape[0]);
+}
+
+size_t ArrayRows::recorded(size_t row) const {
+  return sequence_.argument.range.first + row * sequence_.argument.range.step;
+}
+
+std::string ArrayRows::name(size_t row) const {
+  return sequence_.is_one_array() ? fmt::format("#{}", recorded(row))
+                                  : sequence_.files[row].filename().string();
+}
+
+std::string ArrayRows::where(size_t row) const {
+  return sequence_.is_one_array()
+             ? fmt::format("{}: row {}", sequence_.argument.path.string(), recorded(row))
+             : sequence_.files[row].string();
+}
+
+void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
+  assert(first + count <= count_ && out.size() >= count * length_);
+  const NumberType& type = number_type(type_, sequence_.argument.path.string());
+  if (!sequence_.is_one_array()) {
+    for (size_t row = 0; row < count; ++row) {
+      const std::string path = where(first + row);
+      const NpyArray file(sequence_.files[first + row]);
+      if (file.type() != type_ || length_of_one(file, path) != length_)
+        throw Error(ErrorKind::data,
+                    fmt::format("{}: holds {} numbers of type {}, and the first file {} of {}",
+                                path, file.shape().back(), file.type(), length_, type_));
+      type.read(file.value_bytes().data(), type.bytes, length_, out.data() + row * length_, 1);
+    }
+    return;
+  }
+  const std::byte* values = array_.value_bytes().data();
+  const size_t rows = array_.shape()[0];
+  if (array_.is_column_major()) {  // column by column: the rows of a column lie side by side
+    const size_t step = sequence_.argument.range.step * type.bytes;
+    for (size_t x = 0; x < length_; ++x)
+      type.read(values + (x * rows + recorded(first)) * type.bytes, step, count, out.data() + x,
+                length_);
+    return;
+  }
+  const size_t row_bytes = length_ * type.bytes;
+  for (size_t row = 0; row < count; ++row)
+    type.read(values + recorded(first + row) * row_bytes, type.bytes, length_,
+              out.data() + row * length_, 1);
+  array_.forget_values(recorded(first) * row_bytes,
+                       (recorded(first + count - 1) - recorded(first) + 1) * row_bytes);
+}
+
+bool is_missing_vector(std::span<const double> vector) {
+  return std::all_of(vector.begin(), vector.end(),
+                     [](double number) { return std::isnan(number); });
+}
+
+void check_numbers(std::span<const double> vector, const std::string& where) {
+  const auto bad = std::find_if(vector.begin(), vector.end(),
+                                [](double number) { return !std::isfinite(number); });
+  if (bad != vector.end())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: number {} is {}", where, bad - vector.begin(), *bad));
+}
+
+void check_vector(std::span<const double> vector, const std::string& where) {
+  check_numbers(vector, where);
+  if (std::all_of(vector.begin(), vector.end(), [](double number) { return number == 0; }))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is a vector of zeros, which has no direction", where));
+}
+
+void quantise_numbers(std::span<const double> vector, std::span<int8_t> out) {
+  const double largest = largest_size(vector);
+  for (size_t i = 0; i < vector.size(); ++i)
+    out[i] = static_cast<int8_t>(std::nearbyint(vector[i] / largest * 127));
+}
+
+void quantise_numbers(std::span<const double> vector, std::span<int16_t> out) {
+  const double largest = largest_size(vector);
+  double squares = 0;
+  for (const double number : vector) squares += number / largest * (number / largest);
+  const double rounding = std::sqrt(static_cast<double>(vector.size())) / 2;
+  const double scale = std::min(32767.0, (46340 - rounding) / std::sqrt(squares));
+  for (size_t i = 0; i < vector.size(); ++i)
+    out[i] = static_cast<int16_t>(std::nearbyint(vector[i] / largest * scale));
+}
+
+double coordinate_unit(std::string_view kind, std::span<const Sequence> sequences,
+                       const Monitor& monitor) {
+  if (kind == kDirectionKind) return 1 / longest_point(ArrayRows(sequences.front()).length());
+  double unit = 0;
+  for (const Sequence& sequence : sequences) {
+    const ArrayRows rows(sequence);
+    import_of(kind, rows, 0);
+    check_length(rows, ElementType::coordinates, 1);
+    std::vector<double> lengths(rows.count(), 0);
+    parallel_for(rows.count(), monitor, [&](size_t i) {
+      std::vector<double> row(rows.length());
+      rows.read(i, 1, row);
+      if (is_missing_vector(row)) return;
+      check_numbers(row, rows.where(i));
+      lengths[i] = length_of(row);
+      if (!std::isfinite(2 * lengths[i]))
+        throw Error(
+            ErrorKind::data,
+            fmt::format("{}: is too long to be compared by Euclidean distances", rows.where(i)));
+    });
+    const double longest = *std::max_element(lengths.begin(), lengths.end());
+    unit = std::max(unit, 2 * longest / longest_point(rows.length()));
+  }
+  return unit > 0 ? unit : 1;
+}
+
+DescriptorSet import_descriptors(const Sequence& sequence, std::string_view kind,
+                                 Unreadable unreadable, const Monitor& monitor, double unit) {
+  const ArrayRows rows(sequence);
+  const RowImport import = import_of(kind, rows, unit);
+  const DescriptorKind* described = find_descriptor_kind(kind);
+  const ElementType element = described->shape.element;
+  check_length(rows, element, import.elements_a_number);
+  const DescriptorShape shape{element, rows.length() * import.elements_a_number};
+  DescriptorSet set;
+  set.descriptors.kind = described;
+  set.descriptors.length = shape.length;
+  set.descriptors.unit = unit;
+  set.descriptors.owned.resize(rows.count() * shape.row_bytes());
+  const size_t block = std::max<size_t>(kBlockNumbers / rows.length(), 1);
+  const size_t blocks = (rows.count() + block - 1) / block;
+  std::vector<BlockRows> found(blocks);
+  StepCounter counter(monitor, "import", rows.count());
+  parallel_for(blocks, monitor, [&](size_t b) {
+    const size_t first = b * block;
+    const size_t count = std::min(block, rows.count() - first);
+    const std::span<uint8_t> out(set.descriptors.owned);
+    try {
+      found[b].missing =
+          store_block(rows, import, unreadable, first, count,
+                      out.subspan(first * shape.row_bytes(), count * shape.row_bytes()));
+    } catch (const Error& error) {
+      found[b].error = error;
+    }
+    counter.add(count);
+  });
+  keep_unreadable(set.frames, found);
+  for (size_t row = 0; row < rows.count(); ++row) set.frames.names.push_back(rows.name(row));
+  if (set.frames.unreadable.size() == set.frames.count())
+    throw Error(ErrorKind::data,
+                fmt::format("{}: none of its {} can be read", sequence.argument.path.string(),
+                            counted(set.frames.count(), "row")));
+  return set;
+}
+
+}  // namespace vpr

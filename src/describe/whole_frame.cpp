@@ -1,0 +1,206 @@
+#include "describe/whole_frame.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/objdetect.hpp>
+
+#include "base/random.h"
+#include "describe/imported.h"
+
+namespace vpr {
+namespace {
+
+/// A pixel of a line, and the share of it in a pixel of the shorter line.
+struct Share {
+  int from = 0;
+  int64_t weight = 0;
+};
+
+// With pixels of a line `shorter` long and those of one `longer` in units of which both are whole:
+// pixel x covers [longer x, longer (x + 1)), pixel i of the other line [shorter i, shorter (i +
+// 1)).
+std::vector<std::vector<Share>> shares(int64_t longer, int64_t shorter) {
+  std::vector<std::vector<Share>> all(static_cast<size_t>(shorter));
+  for (int64_t x = 0; x < shorter; ++x)
+    for (int64_t i = longer * x / shorter; i < longer && shorter * i < longer * (x + 1); ++i) {
+      const int64_t weight =
+          std::min(longer * (x + 1), shorter * (i + 1)) - std::max(longer * x, shorter * i);
+      if (weight > 0) all[static_cast<size_t>(x)].push_back({static_cast<int>(i), weight});
+    }
+  return all;
+}
+
+constexpr double kDeviation = 32;  // grey levels
+
+void normalise_square(const cv::Mat& small, int left, int top, Thumbnail64& out) {
+  constexpr int kPixels = kThumbnailPatch * kThumbnailPatch;
+  int sum = 0;
+  int squares = 0;
+  for (int y = top; y < top + kThumbnailPatch; ++y) {
+    const uint8_t* row = small.ptr<uint8_t>(y);
+    for (int x = left; x < left + kThumbnailPatch; ++x) {
+      sum += row[x];
+      squares += row[x] * row[x];
+    }
+  }
+  // Of 64 p - sum, the deviation is the root of 64 squares - sum^2.
+  const double deviation = std::sqrt(static_cast<double>(kPixels * squares - sum * sum));
+  for (int y = top; y < top + kThumbnailPatch; ++y) {
+    const uint8_t* row = small.ptr<uint8_t>(y);
+    for (int x = left; x < left + kThumbnailPatch; ++x) {
+      const double level =
+          deviation > 0 ? 128 + kDeviation * (kPixels * row[x] - sum) / deviation : 128;
+      out[static_cast<size_t>(y * kThumbnailWidth + x)] =
+          static_cast<uint8_t>(std::clamp(std::nearbyint(level), 0.0, 255.0));
+    }
+  }
+}
+
+constexpr double kAlpha = 0.47;
+
+std::array<double, 256> log_table() {
+  std::array<double, 256> table{};
+  for (size_t value = 1; value < table.size(); ++value)
+    table[value] = std::log(static_cast<double>(value) / 255);
+  return table;
+}
+
+uint8_t invariant_value(const cv::Vec3b& bgr, const std::array<double, 256>& ln) {
+  double value = 0.5 + ln[bgr[1]] - kAlpha * ln[bgr[0]] - (1 - kAlpha) * ln[bgr[2]];
+  if (value < 0) value = 1;
+  return cv::saturate_cast<uint8_t>(std::nearbyint(value * 255));
+}
+
+constexpr int kBriefSide = 64;
+constexpr int kBriefPatch = 48;
+constexpr int kOrbSide = 128;
+
+cv::Mat resized(const cv::Mat& grey, int side) {
+  assert(grey.type() == CV_8UC1 && !grey.empty());
+  cv::Mat square;
+  cv::resize(grey, square, {side, side}, 0, 0, cv::INTER_LINEAR_EXACT);
+  return square;
+}
+
+// From twelve uniform numbers, which no mathematical library can round otherwise.
+int normal_offset(RandomEngine& engine) {
+  double sum = -6;
+  for (int i = 0; i < 12; ++i) sum += uniform_unit(engine);
+  const double offset = std::round(sum * kBriefPatch / 5);
+  return static_cast<int>(std::clamp(offset, -kBriefPatch / 2.0, kBriefPatch / 2.0 - 1));
+}
+
+std::array<BriefPair, kCentreBits> draw_pairs() {
+  RandomEngine engine = named_engine(1, "brief");
+  std::array<BriefPair, kCentreBits> pairs;
+  for (BriefPair& pair : pairs)
+    for (int* offset : {&pair.first_x, &pair.first_y, &pair.second_x, &pair.second_y})
+      *offset = normal_offset(engine);
+  return pairs;
+}
+
+}  // namespace
+
+cv::Mat shrink(const cv::Mat& grey, int width, int height) {
+  const auto columns = shares(grey.cols, width);
+  const auto rows = shares(grey.rows, height);
+  const int64_t area = int64_t{grey.cols} * grey.rows;
+  cv::Mat out(height, width, CV_8U);
+  std::vector<int64_t> sums(static_cast<size_t>(width));
+  for (int y = 0; y < height; ++y) {
+    std::fill(sums.begin(), sums.end(), 0);
+    for (const Share& row : rows[static_cast<size_t>(y)]) {
+      const uint8_t* from = grey.ptr<uint8_t>(row.from);
+      for (size_t x = 0; x < sums.size(); ++x) {
+        int64_t sum = 0;
+        for (const Share& column : columns[x]) sum += column.weight * from[column.from];
+        sums[x] += row.weight * sum;
+      }
+    }
+    for (size_t x = 0; x < sums.size(); ++x)
+      out.at<uint8_t>(y, static_cast<int>(x)) =
+          static_cast<uint8_t>((2 * sums[x] + area) / (2 * area));
+  }
+  return out;
+}
+
+Thumbnail64 describe_thumbnail(const cv::Mat& grey) {
+  const cv::Mat small = shrink(grey, kThumbnailWidth, kThumbnailHeight);
+  Thumbnail64 thumbnail;
+  for (int y = 0; y < kThumbnailHeight; y += kThumbnailPatch)
+    for (int x = 0; x < kThumbnailWidth; x += kThumbnailPatch)
+      normalise_square(small, x, y, thumbnail);
+  return thumbnail;
+}
+
+std::vector<int8_t> describe_hog(const cv::Mat& grey) {
+  constexpr int kSide = 512;
+  constexpr int kCell = 16;
+  constexpr int kDirections = 8;
+  const cv::HOGDescriptor hog({kSide, kSide}, {2 * kCell, 2 * kCell}, {kCell, kCell},
+                              {kCell, kCell}, kDirections);
+  cv::Mat square;
+  cv::resize(grey, square, {kSide, kSide}, 0, 0, cv::INTER_LINEAR_EXACT);
+  std::vector<float> values;
+  hog.compute(square, values);
+  std::vector<int8_t> numbers(kHogLength, 0);
+  const std::vector<double> vector(values.begin(), values.end());
+  if (std::any_of(vector.begin(), vector.end(), [](double value) { return value != 0; }))
+    quantise_numbers(vector, std::span(numbers));
+  return numbers;
+}
+
+cv::Mat illumination_invariant(const cv::Mat& bgr) {
+  assert(bgr.type() == CV_8UC3);
+  static const std::array<double, 256> kLn = log_table();
+  cv::Mat grey(bgr.size(), CV_8UC1);
+  for (int y = 0; y < bgr.rows; ++y)
+    for (int x = 0; x < bgr.cols; ++x)
+      grey.at<uint8_t>(y, x) = invariant_value(bgr.at<cv::Vec3b>(y, x), kLn);
+  return grey;
+}
+
+const std::array<BriefPair, kCentreBits>& brief_pairs() {
+  static const std::array<BriefPair, kCentreBits> kPairs = draw_pairs();
+  return kPairs;
+}
+
+CentreCode describe_brief(const cv::Mat& grey) {
+  cv::Mat smooth;
+  cv::GaussianBlur(resized(grey, kBriefSide), smooth, {9, 9}, 2, 2, cv::BORDER_REFLECT_101);
+  const auto pixel = [&](int x, int y) {
+    return smooth.at<uint8_t>(kBriefSide / 2 + y, kBriefSide / 2 + x);
+  };
+  CentreCode code{};
+  for (size_t bit = 0; bit < kCentreBits; ++bit) {
+    const BriefPair& pair = brief_pairs()[bit];
+    const bool is_darker = pixel(pair.first_x, pair.first_y) < pixel(pair.second_x, pair.second_y);
+    code[bit / 8] = static_cast<uint8_t>(code[bit / 8] | int{is_darker} << bit % 8);
+  }
+  return code;
+}
+
+// Only the level of the keypoint is looked at: there is one.
+CentreCode describe_orb(const cv::Mat& grey) {
+  constexpr int kBorder = 30;
+  const auto orb = cv::ORB::create(1, 1.2F, 1, kBorder, 0, 2, cv::ORB::HARRIS_SCORE, 31);
+  std::vector<cv::KeyPoint> keypoints = {
+      cv::KeyPoint(kOrbSide / 2 + 1, kOrbSide / 2 + 1, 1, /*angle=*/0, 0, /*octave=*/0)};
+  cv::Mat descriptor;
+  orb->compute(resized(grey, kOrbSide), keypoints, descriptor);
+  assert(descriptor.rows == 1 && descriptor.cols == static_cast<int>(kCentreBits / 8));
+  CentreCode code;
+  std::memcpy(code.data(), descriptor.ptr(), code.size());
+  return code;
+}
+
+}  // namespace vpr

@@ -1,0 +1,101 @@
+// Everything that is known about how right a method is: what reports and pictures are made of.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "evaluate/matrix_scan.h"
+#include "evaluate/metrics.h"
+#include "evaluate/outcomes.h"
+
+namespace vpr {
+
+/// A frame of the path: a correct recognition, an incorrect one, one that is not judged (a pair
+/// labelled ignore, which counts as none), or none.
+enum class Fix { none, right, wrong, unjudged };
+
+/// Metres are none where positions are not known.
+struct Localisation {
+  size_t frames = 0;  ///< of the whole path, frames before the first whole window included
+  size_t right = 0;
+  size_t wrong = 0;
+  size_t longest_gap_frames = 0;           ///< frames in a row without a right fix
+  std::optional<double> longest_gap_m;     ///< walked from a right fix to the next (the path's ends
+                                           ///< stand for fixes that are not there)
+  std::optional<size_t> first_fix_frames;  ///< frames before the first right fix; none: no fix
+  std::optional<double> first_fix_m;       ///< walked before it
+
+  /// right / frames; none for an empty path.
+  std::optional<double> share() const;
+};
+
+/// `travelled_m`: way from the start to each frame, or empty. As long as `fixes` otherwise.
+Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m);
+
+/// The hit that fixes each query frame, or none: of the window that ends there, of several the one
+/// with the best score, ties to the first. They live as long as the result.
+std::vector<const Match*> fixing_hits(const Result& result);
+/// One fix a frame: the hit of the window that ends there; of several the one with the best score,
+/// ties to the first.
+std::vector<Fix> fixes_of(const Result& result, const GroundTruth& truth);
+/// Best matches whose key is at most `accepted`; none: no fix.
+std::vector<Fix> fixes_of(const Outcomes& outcomes, std::optional<uint64_t> accepted);
+
+/// All pairs of a score matrix.
+struct PairJudgement {
+  Curve curve;
+  uint64_t ignored = 0;             ///< pairs left out
+  uint64_t same_without_score = 0;  ///< to find, but never found
+  uint64_t worst_correct = 0;       ///< queries whose worst score is right
+};
+
+/// A recognised cell: query window and column of the layout.
+struct RecognisedCell {
+  size_t query_window = 0;
+  size_t column = 0;
+};
+
+/// All that ground truth says about a result or a score matrix.
+struct Judgement {
+  ScoreLayout layout;
+  Outcomes outcomes;
+  Curve single_best;
+  std::optional<Curve> other_best;  ///< the same by the other confidence, where margins are known
+  std::optional<PairJudgement> all_pairs;  ///< where there is a matrix
+  std::vector<RecognisedCell> recognised;  ///< hits of a result, accepted best matches of scores
+  std::optional<double> threshold;         ///< of accepted best matches
+  bool is_oracle = false;                  ///< the threshold was chosen from the ground truth
+  size_t frames_with_match = 0;            ///< query frames that the ground truth has a match for
+  std::vector<Fix> fixes;                  ///< one a query frame
+  Localisation localisation;
+  std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K of what is reported
+  size_t stretch_frames = kRouteStretch;  ///< of what is reported of the recall achievement rate
+};
+
+/// Whether the frame's fix is as right as the query's best match, so that the one can stand for the
+/// other in pictures: with a threshold for each sequence, the hit may be another than the best
+/// match.
+bool is_recognised(const Judgement& judgement, const QueryOutcome& query);
+
+/// Orders best matches by this confidence from now on. Throws Error(usage) where it is margin, and
+/// no margins are known.
+void order_by(Judgement& judgement, Confidence confidence);
+
+/// `travelled_m` is what localise takes: one value a query frame, or none.
+Judgement judge(const Result& result, const GroundTruth& truth, std::span<const double> travelled_m,
+                const Monitor& monitor = {});
+
+/// A matrix of any program. Best matches that score at least as good as `threshold` are accepted;
+/// without one, the threshold is that of recall at 100 % precision.
+Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const GroundTruth& truth,
+                std::optional<double> threshold, std::span<const double> travelled_m,
+                const Monitor& monitor);
+
+/// A result with the matrix that was saved with it: outcomes and curves are the matrix's, and what
+/// is recognised is the result's; where the ground truth is not known, outcomes are the result's,
+/// too. Throws Error(data) if the two do not fit.
+Judgement judge(const Result& result, const ScoreMatrix& matrix, const GroundTruth& truth,
+                std::span<const double> travelled_m, const Monitor& monitor);
+
+}  // namespace vpr

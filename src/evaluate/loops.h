@@ -1,0 +1,85 @@
+// Loop closures of any SLAM system against one trajectory.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decide/result.h"
+#include "evaluate/metrics.h"
+#include "truth/ground_truth.h"
+#include "truth/loop_list.h"
+#include "truth/trajectory.h"
+
+namespace vpr {
+
+/// What is a loop.
+struct LoopRules {
+  double radius_m = 0;  ///< metres between the two positions at most, bounds included
+  LoopGap gap;
+  ScoreOrder order = ScoreOrder::similarity;  ///< of the list's scores
+};
+
+/// A loop of the list as judged: same, different, or to be ignored since the gap is too short.
+struct JudgedLoop {
+  ListedLoop loop;
+  double distance_m = 0;
+  PlaceLabel label = PlaceLabel::different;
+};
+
+/// Consecutive frames that are near an earlier one.
+struct Revisit {
+  size_t first = 0;
+  size_t last = 0;
+  bool is_found = false;  ///< a loop of the list that is right begins at one of them
+
+  bool operator==(const Revisit&) const = default;
+};
+
+/// A list against its trajectory.
+struct LoopJudgement {
+  std::vector<JudgedLoop> loops;  ///< in the file's order; pairs that are repeated are left out
+  size_t repeated = 0;
+  std::vector<bool> has_loop;     ///< by frame: it is near an earlier one
+  std::vector<bool> is_found;     ///< by frame: a loop of the list that begins there is right
+  std::vector<Revisit> revisits;  ///< in the order of frames
+  /// Where the list has scores: every query's best loop (of equals the first of the file), those
+  /// to be ignored left out, against the frames that have one.
+  std::optional<Curve> curve;
+
+  uint64_t count(PlaceLabel label) const;
+  uint64_t frames_with_loop() const;
+  uint64_t frames_found() const;
+  uint64_t revisits_found() const;
+  /// The longest stretch of consecutive frames with a loop of which none is found, of equals the
+  /// first; nothing where all are.
+  std::optional<Revisit> longest_missed() const;
+};
+
+/// Metres between the positions of two frames that have poses.
+double distance_between(const Trajectory& trajectory, size_t a, size_t b);
+
+/// By frame, whether a frame at least the gap before is within the radius. Positions are sorted
+/// into cubes of the radius, so that only those near a frame are compared. Frames without a pose
+/// have none. Times, where the gap is one, must rise.
+std::vector<bool> frames_with_loop(const Trajectory& trajectory, const LoopRules& rules);
+
+/// Throws Error(usage) for a radius that is none, and for a gap in seconds where the trajectory has
+/// no times.
+LoopJudgement judge_loops(const LoopList& list, const Trajectory& trajectory,
+                          const LoopRules& rules);
+
+/// The best match of each query window, as last frames of both and the score a frame; where a
+/// threshold or a margin was set, those that are hits. Of FAB-MAP all, by probability. Lines are
+/// those of loops_csv. The result must be one of --loop.
+std::vector<ListedLoop> loops_of(const Result& result);
+
+/// The same as a list under a name, for a trajectory. Throws Error(data) for a result that has no
+/// loops, or has not as many frames as the trajectory poses, and for a loop of a frame without one.
+LoopList loop_list_of(const Result& result, const std::string& name, const Trajectory& trajectory);
+
+/// As `vpr-eval --loops` reads it: the header query,match,score, and a line a loop.
+std::string loops_csv(const std::vector<ListedLoop>& loops);
+
+}  // namespace vpr

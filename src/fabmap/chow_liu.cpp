@@ -1,0 +1,189 @@
+#include "fabmap/chow_liu.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "fabmap/cooccurrence.h"
+
+namespace vpr {
+namespace {
+
+constexpr double kScale = 0.98;
+constexpr double kFloor = 0.01;
+
+/// An edge between words a < b.
+struct Edge {
+  double information = 0;
+  uint32_t a = 0;
+  uint32_t b = 0;
+};
+
+bool better(const Edge& x, const Edge& y) {
+  return std::tuple(-x.information, x.a, x.b) < std::tuple(-y.information, y.a, y.b);
+}
+
+Edge make_edge(double information, size_t u, size_t v) {
+  const auto [a, b] = std::minmax(u, v);
+  return {information, static_cast<uint32_t>(a), static_cast<uint32_t>(b)};
+}
+
+double smoothed(size_t n, size_t of) {
+  return kScale * (of == 0 ? 0 : static_cast<double>(n) / static_cast<double>(of)) + kFloor;
+}
+
+// Hangs the edges from the root, the smaller word of the best edge.
+ChowLiuTree orient(const std::vector<Edge>& edges, const std::vector<uint32_t>& counts,
+                   const WordColumns& columns, size_t frames) {
+  const size_t words = counts.size();
+  ChowLiuTree tree;
+  tree.parent.resize(words);
+  std::vector<std::vector<uint32_t>> neighbours(words);
+  for (const Edge& edge : edges) {
+    neighbours[edge.a].push_back(edge.b);
+    neighbours[edge.b].push_back(edge.a);
+  }
+  const uint32_t root = edges.empty() ? 0 : std::min_element(edges.begin(), edges.end(), better)->a;
+  tree.parent[root] = root;
+  std::vector<uint32_t> open = {root};
+  while (!open.empty()) {
+    const uint32_t word = open.back();
+    open.pop_back();
+    for (const uint32_t next : neighbours[word]) {
+      if (next == tree.parent[word]) continue;
+      tree.parent[next] = word;
+      open.push_back(next);
+    }
+  }
+  for (size_t q = 0; q < words; ++q) {
+    const uint32_t parent = tree.parent[q];
+    const size_t both = count_both(columns, q, parent);
+    tree.p.push_back(smoothed(counts[q], frames));
+    tree.p_given.push_back(parent == q ? tree.p[q] : smoothed(both, counts[parent]));
+    tree.p_given_not.push_back(parent == q ? tree.p[q]
+                                           : smoothed(counts[q] - both, frames - counts[parent]));
+  }
+  return tree;
+}
+
+std::vector<uint32_t> count_words(std::span<const WordSet> frames, size_t words) {
+  std::vector<uint32_t> counts(words, 0);
+  for (const WordSet& frame : frames)
+    for (const uint32_t word : frame) ++counts[word];
+  return counts;
+}
+
+constexpr double kLeastProbability = 1e-300;
+
+// Whether every word reaches a root: there are no cycles. Parents are words.
+bool reach_roots(std::span<const uint32_t> parent) {
+  std::vector<uint8_t> state(parent.size(), 0);  // 1: on the way, 2: reaches a root
+  for (uint32_t start = 0; start < parent.size(); ++start) {
+    std::vector<uint32_t> way;
+    uint32_t q = start;
+    while (state[q] == 0 && parent[q] != q) {
+      state[q] = 1;
+      way.push_back(q);
+      q = parent[q];
+    }
+    if (state[q] == 1) return false;
+    state[q] = 2;
+    for (const uint32_t passed : way) state[passed] = 2;
+  }
+  return true;
+}
+
+}  // namespace
+
+MutualInformation::MutualInformation(size_t frames) : frames_(frames) {
+  const auto n = static_cast<double>(frames);
+  const auto log_p = [&](size_t count) {
+    return std::log(kScale * static_cast<double>(count) / n + kFloor);
+  };
+  for (size_t count = 0; count <= frames; ++count) {
+    const auto seen = static_cast<double>(count);
+    x_log_x_.push_back(count == 0 ? 0 : seen / n * std::log(seen / n));
+    marginal_.push_back((seen * log_p(count) + (n - seen) * log_p(frames - count)) / n);
+  }
+}
+
+double MutualInformation::operator()(size_t n_a, size_t n_b, size_t n_ab) const {
+  const double joint = (x_log_x_[n_ab] + x_log_x_[frames_ + n_ab - n_a - n_b]) +
+                       (x_log_x_[n_a - n_ab] + x_log_x_[n_b - n_ab]);
+  return joint - (marginal_[n_a] + marginal_[n_b]);
+}
+
+// Prim: each word outside the tree keeps its best edge into it.
+ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const Monitor& monitor) {
+  assert(words > 0 && !frames.empty());
+  const std::vector<uint32_t> counts = count_words(frames, words);
+  const WordColumns columns = make_word_columns(frames, words);
+  const MutualInformation information(frames.size());
+  std::vector<Edge> best(words, {-1e300, 0, 0});
+  std::vector<uint32_t> outside(words - 1);
+  std::iota(outside.begin(), outside.end(), 1U);
+  std::vector<uint32_t> both(columns.padded_words);
+  std::vector<Edge> edges;
+  StepCounter counter(monitor, "tree", words);
+  size_t added = 0;
+  while (!outside.empty()) {
+    count_both_with_all(columns, added, both.data());
+    size_t next = 0;
+    for (size_t i = 0; i < outside.size(); ++i) {
+      const uint32_t v = outside[i];
+      const double shared = information(counts[added], counts[v], both[v]);
+      if (shared >= best[v].information) {
+        const Edge edge = make_edge(shared, added, v);
+        if (better(edge, best[v])) best[v] = edge;
+      }
+      if (best[v].information >= best[outside[next]].information &&
+          better(best[v], best[outside[next]]))
+        next = i;
+    }
+    added = outside[next];
+    edges.push_back(best[added]);
+    outside[next] = outside.back();
+    outside.pop_back();
+    counter.add();
+  }
+  return orient(edges, counts, columns, frames.size());
+}
+
+std::vector<double> tree_rows(const ChowLiuTree& tree) {
+  std::vector<double> rows(tree.parent.begin(), tree.parent.end());
+  for (const auto* row : {&tree.p, &tree.p_given, &tree.p_given_not})
+    rows.insert(rows.end(), row->begin(), row->end());
+  return rows;
+}
+
+ChowLiuTree tree_of_rows(std::span<const double> rows, const std::string& name) {
+  assert(rows.size() % 4 == 0);
+  const size_t words = rows.size() / 4;
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorKind::data, fmt::format("{}: {}", name, what));
+  };
+  ChowLiuTree tree;
+  for (size_t q = 0; q < words; ++q) {
+    if (!(rows[q] >= 0 && rows[q] < static_cast<double>(words)) || rows[q] != std::floor(rows[q]))
+      fail(fmt::format("the parent of word {} is no word", q));
+    tree.parent.push_back(static_cast<uint32_t>(rows[q]));
+    for (size_t row = 1; row < 4; ++row) {
+      const double p = rows[row * words + q];
+      if (!(p > kLeastProbability && p < 1))
+        fail(fmt::format("a probability of word {} is not between {} and 1, but {}", q,
+                         kLeastProbability, p));
+    }
+    tree.p.push_back(rows[words + q]);
+    tree.p_given.push_back(rows[2 * words + q]);
+    tree.p_given_not.push_back(rows[3 * words + q]);
+  }
+  if (!reach_roots(tree.parent)) fail("its words form a cycle, not a tree");
+  return tree;
+}
+
+}  // namespace vpr

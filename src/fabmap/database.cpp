@@ -1,0 +1,250 @@
+#include "fabmap/database.h"
+
+#include <algorithm>
+#include <cassert>
+#include <map>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/provenance.h"
+#include "fabmap/chow_liu.h"
+#include "store/archive.h"
+
+namespace vpr {
+namespace {
+
+/// Calls visit(group, frame, place index) for every view.
+template <class Visit>
+void for_each_view(const std::vector<ViewGroup>& groups, Visit&& visit) {
+  std::map<std::string, uint32_t> named;
+  uint32_t next = 0;
+  for (const ViewGroup& group : groups) {
+    uint32_t shared = 0;
+    if (group.is_place) {
+      const auto [entry, is_new] = named.emplace(group.name, next);
+      shared = entry->second;
+      if (is_new) ++next;
+    }
+    for (size_t frame = 0; frame < group.frame_names.size(); ++frame)
+      visit(group, frame, group.is_place ? shared : next++);
+  }
+}
+
+template <class T>
+std::span<const T> mat_values(const cv::Mat& mat) {
+  return {mat.ptr<T>(), mat.total()};
+}
+
+void add_words(ArchiveWriter& writer, const std::string& name, const ViewWords& words) {
+  writer.add_array<uint32_t>(name + ".npy", words.words, {words.words.size()});
+  const std::string singular = name.back() == 's' ? name.substr(0, name.size() - 1) : name;
+  writer.add_array<uint64_t>(singular + "_offsets.npy", words.offsets, {words.offsets.size()});
+}
+
+ViewWords read_words(const Archive& archive, const std::string& name, size_t words) {
+  const std::string singular = name.back() == 's' ? name.substr(0, name.size() - 1) : name;
+  const NpyArray values = archive.array(name + ".npy");
+  const NpyArray offsets = archive.array(singular + "_offsets.npy");
+  ViewWords read;
+  const auto value_span = values.values<uint32_t>(1);
+  const auto offset_span = offsets.values<uint64_t>(1);
+  read.words.assign(value_span.begin(), value_span.end());
+  read.offsets.assign(offset_span.begin(), offset_span.end());
+  bool fits = !read.offsets.empty() && read.offsets.front() == 0 &&
+              read.offsets.back() == read.words.size() &&
+              std::is_sorted(read.offsets.begin(), read.offsets.end());
+  for (size_t v = 0; fits && v < read.views(); ++v) {
+    const auto view = read.view(v);
+    fits = (view.empty() || view.back() < words) &&
+           std::adjacent_find(view.begin(), view.end(), std::greater_equal<>()) == view.end();
+  }
+  if (!fits) archive.fail(name + ".npy and its offsets do not fit");
+  return read;
+}
+
+WordIndex read_index(const Archive& archive, const ViewWords& views, size_t words) {
+  const NpyArray lists = archive.array("index.npy");
+  const NpyArray offsets = archive.array("index_offsets.npy");
+  const auto list_span = lists.values<uint16_t>(1);
+  const auto offset_span = offsets.values<uint64_t>(1);
+  const WordIndex index{words,
+                        views.views(),
+                        {offset_span.begin(), offset_span.end()},
+                        {list_span.begin(), list_span.end()}};
+  if (!is_sound(index) || index.lists.size() != views.words.size())
+    archive.fail("index.npy and its offsets do not fit the places");
+  return index;
+}
+
+ChowLiuTree read_tree(const Archive& archive, size_t words) {
+  const NpyArray array = archive.array("tree.npy");
+  const auto values = array.values<double>(2);
+  if (array.shape() != std::vector<size_t>{4, words}) archive.fail("tree.npy is not 4 x words");
+  return tree_of_rows(values, archive.name() + "/tree.npy");
+}
+
+cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
+  const NpyArray array = archive.array("vocabulary.npy");
+  if (array.shape().size() != 2 || array.shape()[0] == 0 || array.shape()[0] > 100'000'000 ||
+      array.shape()[1] != static_cast<size_t>(descriptor_length(kind)))
+    archive.fail("vocabulary.npy does not fit the features");
+  const int rows = static_cast<int>(array.shape()[0]);
+  const int cols = static_cast<int>(array.shape()[1]);
+  if (is_binary(kind))
+    return cv::Mat(rows, cols, CV_8U, const_cast<uint8_t*>(array.values<uint8_t>(2).data()))
+        .clone();
+  const cv::Mat words(rows, cols, CV_32F, const_cast<float*>(array.values<float>(2).data()));
+  if (!cv::checkRange(words)) archive.fail("a word in vocabulary.npy is not finite");
+  return words.clone();
+}
+
+std::vector<size_t> read_unreadable(const Archive& archive, const Json& group, size_t frames) {
+  std::vector<size_t> unreadable;
+  for (const Json& frame : manifest_list(archive, group, "unreadable")) {
+    if (!frame.is_number_unsigned() || frame.get<uint64_t>() >= frames)
+      archive.fail("an unreadable frame is out of range");
+    unreadable.push_back(frame.get<size_t>());
+  }
+  return unreadable;
+}
+
+std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& names) {
+  std::vector<ViewGroup> groups;
+  size_t at = 0;
+  for (const Json& json : manifest_list(archive, archive.manifest(), "groups")) {
+    ViewGroup& group = groups.emplace_back();
+    group.name = manifest_text(archive, json, "name");
+    group.is_place = manifest_text(archive, json, "places") == "one";
+    const size_t count = manifest_count(archive, json, "frames");
+    if (count == 0) archive.fail("a group has no frames");
+    group.unreadable = read_unreadable(archive, json, count);
+    for (size_t frames = count; frames > 0; --frames) {
+      const size_t end = names.find('\n', at);
+      if (end == std::string::npos) archive.fail("its numbers of frames do not fit frames.txt");
+      group.frame_names.push_back(names.substr(at, end - at));
+      at = end + 1;
+    }
+  }
+  if (at != names.size()) archive.fail("its numbers of frames do not fit frames.txt");
+  return groups;
+}
+
+}  // namespace
+
+ViewOrigin FabmapDatabase::origin(size_t view) const {
+  size_t group = 0;
+  while (view >= groups[group].frame_names.size()) view -= groups[group++].frame_names.size();
+  return {group, view};
+}
+
+std::vector<size_t> FabmapDatabase::unreadable_views() const {
+  std::vector<size_t> unreadable;
+  size_t first = 0;
+  for (const ViewGroup& group : groups) {
+    for (const size_t frame : group.unreadable) unreadable.push_back(first + frame);
+    first += group.frame_names.size();
+  }
+  return unreadable;
+}
+
+std::vector<uint32_t> FabmapDatabase::places() const {
+  std::vector<uint32_t> places;
+  for_each_view(groups, [&](const ViewGroup&, size_t, uint32_t place) { places.push_back(place); });
+  return places;
+}
+
+std::vector<std::string> FabmapDatabase::place_names() const {
+  std::vector<std::string> names;
+  for_each_view(groups, [&](const ViewGroup& group, size_t frame, uint32_t place) {
+    if (place < names.size()) return;
+    names.push_back(group.is_place ? group.name : fmt::format("{}#{}", group.name, frame));
+  });
+  return names;
+}
+
+std::vector<size_t> featureless_frames(const FabmapDatabase& database) {
+  std::vector<size_t> counts;
+  size_t view = 0;
+  for (const ViewGroup& group : database.groups) {
+    std::vector<uint8_t> is_readable(group.frame_names.size(), 1);
+    for (const size_t frame : group.unreadable) is_readable[frame] = 0;
+    counts.push_back(0);
+    for (const uint8_t readable : is_readable)
+      if (database.views.view(view++).empty() && readable != 0) ++counts.back();
+  }
+  return counts;
+}
+
+void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const WordSet> frames) {
+  for (const WordSet& frame : frames) database.views.add(frame);
+  database.groups.push_back(group);
+}
+
+void index_views(FabmapDatabase& database) {
+  database.index = make_word_index(database.views, database.tree.words());
+}
+
+FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
+  const Archive archive(path);
+  require_family(archive, DatabaseFamily::fabmap);
+  FabmapDatabase database;
+  database.fingerprint = archive.fingerprint();
+  stored_settings_from_json(archive.manifest(), database.settings, archive.name());
+  const auto provenance = archive.manifest().find("provenance");
+  if (provenance == archive.manifest().end()) archive.fail("\"provenance\" is missing");
+  database.seed = manifest_count(archive, *provenance, "seed");
+  database.vocabulary = read_vocabulary(archive, database.settings.features.kind);
+  const auto words = static_cast<size_t>(database.vocabulary.rows);
+  database.tree = read_tree(archive, words);
+  database.pretrain = read_words(archive, "pretrain", words);
+  if (database.pretrain.views() == 0) archive.fail("there are no pretraining frames");
+  database.views = read_words(archive, "places", words);
+  database.index = read_index(archive, database.views, words);
+  database.groups = read_groups(archive, archive.text("frames.txt"));
+  if (database.places().size() != database.views.views())
+    archive.fail("its views do not fit its groups");
+  return database;
+}
+
+void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
+                           Outputs& outputs) {
+  ArchiveWriter writer(outputs.folder(path, is_database_folder));
+  const std::vector<size_t> shape = {static_cast<size_t>(database.vocabulary.rows),
+                                     static_cast<size_t>(database.vocabulary.cols)};
+  if (database.vocabulary.type() == CV_8U)
+    writer.add_array("vocabulary.npy", mat_values<uint8_t>(database.vocabulary), shape);
+  else
+    writer.add_array("vocabulary.npy", mat_values<float>(database.vocabulary), shape);
+  writer.add_array<double>("tree.npy", tree_rows(database.tree), {4, database.tree.words()});
+  add_words(writer, "pretrain", database.pretrain);
+  add_words(writer, "places", database.views);
+  const WordIndex& index = database.index;
+  assert(index.views == database.views.views());
+  writer.add_array<uint16_t>("index.npy", index.lists, {index.lists.size()});
+  writer.add_array<uint64_t>("index_offsets.npy", index.offsets, {index.offsets.size()});
+  std::string names;
+  Json manifest = {{"schema", "vpr.database/1"}, {"method", enum_name(DatabaseFamily::fabmap)}};
+  manifest["settings"] = value_to_json(database.settings);
+  manifest["groups"] = Json::array();
+  for (const ViewGroup& group : database.groups) {
+    manifest["groups"].push_back({{"name", group.name},
+                                  {"places", group.is_place ? "one" : "each frame"},
+                                  {"frames", group.frame_names.size()},
+                                  {"unreadable", group.unreadable}});
+    for (std::string name : group.frame_names) {
+      std::replace(name.begin(), name.end(), '\n', ' ');
+      names += name + "\n";
+    }
+  }
+  writer.add_text("frames.txt", names);
+  manifest["provenance"] = {{"program", "vpr-train"},
+                            {"version", program_version()},
+                            {"commit", program_commit()},
+                            {"seed", database.seed}};
+  writer.finish(manifest);
+}
+
+}  // namespace vpr

@@ -1,0 +1,202 @@
+#include "fabmap/train.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
+
+#include "base/checksum.h"
+#include "base/error.h"
+#include "base/monitor.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "fabmap/word_clustering.h"
+#include "sequence/frames.h"
+#include "sequence/selection.h"
+#include "sequence/sequence.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostWords = 10'000'000;
+constexpr size_t kWarnedShare = 10;  // a tenth of the frames without features
+
+Unreadable on_unreadable(bool skip) { return skip ? Unreadable::skip : Unreadable::fail; }
+
+cv::Mat no_descriptors(const FeatureSettings& settings) {
+  return cv::Mat(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
+}
+
+// Descriptors by frame; `make` turns them into what is kept.
+template <class T, class Make>
+std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSettings& settings,
+                                    bool skip_unreadable, const Monitor& monitor, FrameList& frames,
+                                    Make&& make) {
+  std::vector<T> kept(sequence.files.size());
+  std::mutex mutex;  // a video's length is not known before its end
+  frames = for_each_frame(sequence, PixelFormat::grey, on_unreadable(skip_unreadable), monitor,
+                          [&](size_t index, const cv::Mat& image) {
+                            T made = make(find_features(image, settings).descriptors);
+                            const std::lock_guard lock(mutex);
+                            if (index >= kept.size()) kept.resize(index + 1);
+                            kept[index] = std::move(made);
+                          });
+  kept.resize(frames.count());
+  return kept;
+}
+
+// A frame without features matches nothing, or whatever shows little, and nothing else tells.
+void warn_featureless(const std::string& frames_of, size_t featureless, size_t frames,
+                      FeatureKind kind, const Monitor& monitor) {
+  if (featureless * kWarnedShare < frames || featureless == 0) return;
+  warn(monitor, fmt::format("{}: {} of {} ({:.0f} %) have no {} feature, by which FAB-MAP "
+                            "knows a place; give larger pictures, or train with another kind of "
+                            "--features",
+                            frames_of, featureless, counted(frames, "frame"),
+                            100 * static_cast<double>(featureless) / static_cast<double>(frames),
+                            enum_name(kind)));
+}
+
+// Of the frames that can be decoded: what can't says nothing of how often words are seen.
+std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& pretrain,
+                                          const FabmapTrainSettings& settings,
+                                          const Monitor& monitor) {
+  std::vector<cv::Mat> all;
+  for (size_t p = 0; p < pretrain.size(); ++p) {
+    FrameList frames;
+    const std::vector<cv::Mat> found = for_each_descriptors<cv::Mat>(
+        open_sequence(pretrain[p]), settings.features, settings.skip_unreadable,
+        part_of(monitor, "pretraining", p, pretrain.size()), frames,
+        [](const cv::Mat& descriptors) { return descriptors; });
+    for (size_t f = 0; f < found.size(); ++f)
+      if (!std::binary_search(frames.unreadable.begin(), frames.unreadable.end(), f))
+        all.push_back(found[f]);
+  }
+  return all;
+}
+
+cv::Mat stacked(const std::vector<cv::Mat>& parts, const FeatureSettings& settings) {
+  cv::Mat all = no_descriptors(settings);
+  for (const cv::Mat& part : parts)
+    if (!part.empty()) all.push_back(part);
+  return all;
+}
+
+void check_train_settings(const FabmapTrainSettings& settings) {
+  check_feature_settings(settings.features);
+  if (settings.words < 2 || settings.words > kMostWords)
+    throw Error(ErrorKind::usage,
+                fmt::format("words must be from 2 to {}, found {}", kMostWords, settings.words));
+  if (settings.iterations < 1)
+    throw Error(ErrorKind::usage, "iterations must be 1 or more, found 0");
+}
+
+cv::Mat make_words(const std::vector<cv::Mat>& frames, const FabmapTrainSettings& settings,
+                   uint64_t seed, const Monitor& monitor) {
+  const cv::Mat descriptors = stacked(frames, settings.features);
+  if (descriptors.empty() && !frames.empty())
+    throw Error(ErrorKind::usage,
+                fmt::format("none of the {} --pretrain frames has a {} feature to make words of; "
+                            "give larger pictures, or another kind of --features",
+                            frames.size(), enum_name(settings.features.kind)));
+  if (settings.clustering == Clustering::radius)
+    return radius_words(descriptors, settings.radius, kMostWords, monitor);
+  return kmeans_words(descriptors, {settings.words, settings.iterations, seed}, monitor);
+}
+
+// The vocabulary and the tree, from the features of the pretraining frames.
+void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descriptors,
+                 const Monitor& monitor) {
+  const FabmapTrainSettings& settings = database.settings;
+  database.vocabulary = make_words(descriptors, settings, database.seed, monitor);
+  warn_featureless("--pretrain",
+                   static_cast<size_t>(std::count_if(descriptors.begin(), descriptors.end(),
+                                                     [](const cv::Mat& m) { return m.empty(); })),
+                   descriptors.size(), settings.features.kind, monitor);
+  const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
+  std::vector<WordSet> frames(descriptors.size());
+  parallel_for(frames.size(), monitor, [&](size_t f) {
+    if (!descriptors[f].empty()) frames[f] = quantise(vocabulary, descriptors[f]);
+  });
+  const auto words = static_cast<size_t>(database.vocabulary.rows);
+  database.settings.words = words;
+  for (const WordSet& frame : frames) database.pretrain.add(frame);
+  database.tree = train_chow_liu(frames, words, monitor);
+}
+
+}  // namespace
+
+SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed) {
+  if (warp.empty()) return words;
+  SequenceWords result;
+  result.fps = words.fps;
+  const Replay shown = replay(warp, words.frames.size(), seed);
+  result.frames = replayed(words.frames, shown);
+  if (!words.names.empty()) result.names = replayed(words.names, shown);
+  result.unreadable = replayed_frames(shown, words.unreadable);
+  result.replay = words.replay ? replay_of_kept(*words.replay, shown) : shown;
+  return result;
+}
+
+size_t featureless_frames(const SequenceWords& words) {
+  const auto wordless = std::count_if(words.frames.begin(), words.frames.end(),
+                                      [](const WordSet& frame) { return frame.empty(); });
+  return static_cast<size_t>(wordless) - words.unreadable.size();
+}
+
+std::string words_fingerprint(const SequenceWords& words) {
+  ChecksumStream sum;
+  for (const WordSet& frame : words.frames) {
+    const uint64_t count = frame.size();
+    sum.add(std::as_bytes(std::span(&count, 1)));
+    sum.add(std::as_bytes(std::span(frame)));
+  }
+  sum.add(std::as_bytes(std::span(words.unreadable)));
+  return sum.text();
+}
+
+FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
+                            const std::vector<GroupArgument>& train,
+                            const FabmapTrainSettings& settings, uint64_t seed,
+                            const Monitor& monitor) {
+  check_train_settings(settings);
+  FabmapDatabase database;
+  database.settings = settings;
+  database.seed = seed;
+  learn_words(database, pretrain_descriptors(pretrain, settings, monitor), monitor);
+  add_views(database, train, settings.skip_unreadable, monitor);
+  return database;
+}
+
+void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
+               bool skip_unreadable, const Monitor& monitor) {
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const GroupArgument& group = groups[g];
+    const SequenceWords words =
+        describe_words(open_sequence(group.sequence), database, skip_unreadable,
+                       part_of(monitor, group.name, g, groups.size()));
+    add_group(database, {group.name, group.is_place, words.names, words.unreadable}, words.frames);
+  }
+  index_views(database);
+}
+
+SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
+                             bool skip_unreadable, const Monitor& monitor) {
+  const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
+  FrameList frames;
+  SequenceWords words;
+  words.frames = for_each_descriptors<WordSet>(
+      sequence, database.settings.features, skip_unreadable, monitor, frames,
+      [&](const cv::Mat& descriptors) { return quantise(vocabulary, descriptors); });
+  words.names = std::move(frames.names);
+  words.unreadable = std::move(frames.unreadable);
+  words.replay = std::move(frames.replay);
+  words.fps = frames.fps;
+  warn_featureless(sequence.argument.path.string() + range_text(sequence.argument.range),
+                   featureless_frames(words), words.frames.size(), database.settings.features.kind,
+                   monitor);
+  return words;
+}
+
+}  // namespace vpr

@@ -1,0 +1,56 @@
+// The words of many views as databases keep them, and for every word the views that show it.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "describe/descriptor_rows.h"
+
+namespace vpr {
+
+/// Word sets of many views, one after the other: view v has words[offsets[v]] ..
+/// words[offsets[v+1]].
+struct ViewWords {
+  std::vector<uint64_t> offsets = {0};
+  std::vector<uint32_t> words;
+
+  size_t views() const { return offsets.size() - 1; }
+  std::span<const uint32_t> view(size_t v) const {
+    return {words.data() + offsets[v], static_cast<size_t>(offsets[v + 1] - offsets[v])};
+  }
+  void add(std::span<const uint32_t> view_words) {
+    words.insert(words.end(), view_words.begin(), view_words.end());
+    offsets.push_back(words.size());
+  }
+};
+
+/// Views in blocks of 65536, so that two bytes name one, and the sums of a block stay in a cache.
+inline constexpr size_t kIndexBlock = 65536;
+
+/// For every word the views that show it, by blocks of kIndexBlock views.
+struct WordIndex {
+  size_t words = 0;
+  size_t views = 0;
+  std::vector<uint64_t> offsets = {0};  ///< blocks x words + 1, block by block
+  std::vector<uint16_t> lists;          ///< views within their block, rising
+
+  size_t blocks() const { return (views + kIndexBlock - 1) / kIndexBlock; }
+  size_t block_views(size_t block) const {
+    return std::min(kIndexBlock, views - block * kIndexBlock);
+  }
+  /// The views of a block that show a word, less block * kIndexBlock.
+  std::span<const uint16_t> list(size_t block, size_t word) const {
+    const uint64_t* at = offsets.data() + block * words + word;
+    return {lists.data() + at[0], static_cast<size_t>(at[1] - at[0])};
+  }
+};
+
+/// Every word of every view is below `words`.
+WordIndex make_word_index(const ViewWords& views, size_t words);
+
+/// Whether all offsets and lists can be followed without leaving the views.
+bool is_sound(const WordIndex& index);
+
+}  // namespace vpr

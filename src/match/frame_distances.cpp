@@ -1,0 +1,154 @@
+#include "match/frame_distances.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "match/given_distances.h"
+#include "match/plain.h"
+
+namespace vpr {
+namespace {
+
+constexpr std::array<DistanceKind, 6> kKinds = {{
+    {"hamming",
+     ElementType::bits,
+     {"bits", 1},
+     largest_hamming,
+     hamming_distance,
+     plain_hamming,
+     plain_hamming_unrounded,
+     hamming_projector,
+     hamming_distances},
+    {"cosine",
+     ElementType::whole_numbers,
+     {"units of cosine distance", 2.0 / 65535},
+     largest_cosine,
+     cosine_distance,
+     plain_cosine,
+     plain_cosine_unrounded,
+     cosine_projector,
+     cosine_distances},
+    {"cosine of 16-bit numbers",
+     ElementType::wide_numbers,
+     {"units of cosine distance", 2.0 / 65535},
+     largest_cosine,
+     wide_cosine_distance,
+     plain_wide_cosine,
+     plain_wide_cosine_unrounded,
+     wide_cosine_projector,
+     wide_cosine_distances},
+    {"euclidean",
+     ElementType::coordinates,
+     {"units of coordinates", 1},
+     largest_point,
+     point_distance,
+     plain_point,
+     plain_point_unrounded,
+     point_projector,
+     point_distances},
+    {"absolute differences",
+     ElementType::grey_levels,
+     {"256ths of a grey level", 1.0 / 256},
+     largest_grey,
+     grey_distance,
+     plain_grey,
+     plain_grey_unrounded,
+     grey_projector,
+     grey_distances},
+    {"given",
+     ElementType::frame_numbers,
+     {"units of the scores", 1},
+     largest_given,
+     number_distance,
+     number_distance,
+     [](DescriptorRow a, DescriptorRow b) -> double { return number_distance(a, b); },
+     number_projector,
+     given_distances},
+}};
+
+void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorShape& shape) {
+  for (const DescriptorSpan& sequence : sequences)
+    if (!sequence.rows.empty() && sequence.rows.shape != shape)
+      throw Error(ErrorKind::data,
+                  fmt::format("descriptors of {} and of {} elements can't be compared",
+                              sequence.rows.shape.length, shape.length));
+}
+
+// Summed over all pairs; below 2^64 for sets of less than 100 million frames of 1386 bits.
+uint64_t total_of_pairs(const FrameDistances& distances) {
+  uint64_t sum = 0;
+  for (const FrameRun& run : distances.query_runs)
+    for (size_t frame = run.first; frame < run.first + run.count; ++frame)
+      sum += distances.row_total(frame);
+  return sum;
+}
+
+}  // namespace
+
+std::span<const DistanceKind> distance_kinds() { return kKinds; }
+
+const DistanceKind& distance_of(ElementType element) {
+  const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
+                                 [&](const DistanceKind& row) { return row.element == element; });
+  assert(kind != kKinds.end());
+  return *kind;
+}
+
+FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
+  return frame_distances(train, query, train);
+}
+
+FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                               std::span<const DescriptorSpan> centred_over) {
+  check_shapes(train, query.rows.shape);
+  check_shapes(centred_over, query.rows.shape);
+  return distance_of(query.rows.shape.element).make(train, query, centred_over);
+}
+
+FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                                 std::span<const DescriptorSpan> centred_over) {
+  FrameDistances distances;
+  distances.largest = largest_distance(query.rows.shape);
+  distances.unit = distance_of(query.rows.shape.element).unit;
+  distances.train.assign(train.begin(), train.end());
+  distances.query = query;
+  distances.train_frames = count_frames(train);
+  distances.query_frames = query.rows.size();
+  distances.train_runs = readable_runs(train);
+  distances.query_runs = readable_runs(query);
+  distances.centred_frames = count_windows(readable_runs(centred_over), 1);
+  return distances;
+}
+
+uint16_t largest_distance(const DescriptorShape& shape) {
+  return distance_of(shape.element).largest(shape);
+}
+
+uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b) {
+  return distance_of(rows.shape.element).pair(rows[a], rows[b]);
+}
+
+double row_mean(const FrameDistances& distances, size_t query) {
+  if (distances.centred_frames == 0) return 0;
+  return static_cast<double>(distances.row_total(query)) /
+         static_cast<double>(distances.centred_frames);
+}
+
+double mean_distance_between(const FrameDistances& distances) {
+  const size_t queries = count_windows(distances.query_runs, 1);
+  if (queries == 0 || distances.centred_frames == 0) return 0;
+  return static_cast<double>(total_of_pairs(distances)) /
+         (static_cast<double>(distances.centred_frames) * static_cast<double>(queries));
+}
+
+double mean_distance_within(const FrameDistances& own) {
+  const auto frames = static_cast<double>(own.centred_frames);
+  if (own.centred_frames < 2) return 0;
+  return static_cast<double>(total_of_pairs(own)) / (frames * (frames - 1));
+}
+
+}  // namespace vpr

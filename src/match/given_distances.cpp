@@ -1,0 +1,305 @@
+#include "match/given_distances.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/checksum.h"
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr double kSteps = 65535;   // of a matrix that is rounded
+constexpr size_t kPiece = 512;     // values that are read at once
+constexpr size_t kScanned = 1024;  // lines of the file that one task looks at
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// What a pass over a part of the file finds.
+struct Extent {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+
+  void add(double value) {
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+};
+
+GivenUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
+  const double best = is_similarity ? all.most : std::min(all.least, 0.0);
+  const double range = is_similarity ? all.most - all.least : all.most - best;
+  GivenUnits units{best, 1, is_whole && range <= kSteps, 0, is_similarity ? all.least : all.most};
+  if (!units.is_exact && range / kSteps > 0) units.unit = range / kSteps;
+  units.largest = static_cast<uint16_t>(
+      units.is_exact ? std::max(range, 1.0) : kSteps);  // of equal scores, too, there is one
+  return units;
+}
+
+uint16_t quantised(double score, const GivenUnits& units, bool is_similarity) {
+  if (std::isnan(score)) return units.largest;
+  const double above = is_similarity ? units.best - score : score - units.best;
+  return static_cast<uint16_t>(
+      std::clamp(above / units.unit + 0.5, 0.0, static_cast<double>(units.largest)));
+}
+
+/// References that follow each other, for training frames that do.
+struct Stretch {
+  size_t first = 0;  ///< training frame
+  size_t count = 0;
+  size_t reference = 0;
+};
+
+std::vector<Stretch> stretches_of(std::span<const DescriptorSpan> train) {
+  std::vector<Stretch> stretches;
+  size_t frame = 0;
+  for (const DescriptorSpan& sequence : train) {
+    for (size_t i = 0; i < sequence.rows.size(); ++i, ++frame) {
+      const size_t reference = frame_number(sequence.rows[i]);
+      if (!stretches.empty() && stretches.back().reference + stretches.back().count == reference)
+        ++stretches.back().count;
+      else
+        stretches.push_back({frame, 1, reference});
+    }
+  }
+  return stretches;
+}
+
+// The same, of the frames that can be read.
+std::vector<Stretch> readable_stretches(std::span<const DescriptorSpan> train) {
+  std::vector<Stretch> readable;
+  for (const DescriptorSpan& sequence : train)
+    for (const FrameRun& run : readable_runs(sequence)) {
+      const DescriptorSpan part{sequence.rows.subspan(run.first, run.count), {}};
+      for (const Stretch& stretch : stretches_of({&part, 1})) readable.push_back(stretch);
+    }
+  return readable;
+}
+
+// Distances of a query frame to training frames [first, last).
+void read_row(const GivenDistances& given, size_t query, const std::vector<Stretch>& stretches,
+              size_t first, size_t last, uint16_t* out) {
+  auto stretch = std::upper_bound(stretches.begin(), stretches.end(), first,
+                                  [](size_t frame, const Stretch& s) { return frame < s.first; });
+  for (--stretch; stretch != stretches.end() && stretch->first < last; ++stretch) {
+    const size_t from = std::max(first, stretch->first);
+    const size_t to = std::min(last, stretch->first + stretch->count);
+    given.read(query, stretch->reference + (from - stretch->first), to - from,
+               out + (from - first));
+  }
+}
+
+uint64_t sum_of(const GivenDistances& given, size_t query, const std::vector<Stretch>& stretches) {
+  std::vector<uint16_t> distances;
+  uint64_t sum = 0;
+  for (const Stretch& stretch : stretches) {
+    distances.resize(stretch.count);
+    given.read(query, stretch.reference, stretch.count, distances.data());
+    for (const uint16_t distance : distances) sum += distance;
+  }
+  return sum;
+}
+
+}  // namespace
+
+GivenDistances::GivenDistances(const std::filesystem::path& path, const ScoreFormat& format,
+                               const Monitor& monitor)
+    : file_(path, format) {
+  scan(monitor);
+}
+
+// NaN also for an infinite score on the bad side.
+double GivenDistances::score_of(double number) const {
+  return std::isinf(number) && (number > 0) != is_similarity() ? kNone : number;
+}
+
+// Lines are what lies side by side in the file.
+void GivenDistances::scan(const Monitor& monitor) {
+  const bool by_query = file_.is_query_major();
+  const size_t lines = by_query ? queries() : references();
+  const size_t length = by_query ? references() : queries();
+  std::vector<Extent> extents(lines);
+  std::vector<std::atomic<uint8_t>> has_score(length);  // across lines
+  StepCounter counter(monitor, "scores", lines);
+  parallel_for((lines + kScanned - 1) / kScanned, monitor, [&](size_t task) {
+    std::vector<double> numbers(length);
+    for (size_t line = task * kScanned; line < std::min(lines, (task + 1) * kScanned); ++line) {
+      if (by_query)
+        file_.read_query(line, 0, length, numbers.data());
+      else
+        file_.read_reference(line, 0, length, numbers.data());
+      for (size_t i = 0; i < length; ++i) {
+        const double score = score_of(numbers[i]);
+        if (std::isnan(score)) continue;
+        extents[line].add(score);
+        has_score[i].store(1, std::memory_order_relaxed);
+      }
+      file_.forget(line, 1);
+      counter.add();
+    }
+  });
+  Extent all;
+  std::vector<size_t>& empty_lines = by_query ? empty_queries_ : empty_references_;
+  std::vector<size_t>& empty_across = by_query ? empty_references_ : empty_queries_;
+  for (size_t line = 0; line < lines; ++line) {
+    if (extents[line].least > extents[line].most)
+      empty_lines.push_back(line);
+    else
+      all = {std::min(all.least, extents[line].least), std::max(all.most, extents[line].most)};
+  }
+  for (size_t i = 0; i < length; ++i)
+    if (has_score[i].load(std::memory_order_relaxed) == 0) empty_across.push_back(i);
+  if (all.least > all.most)
+    throw Error(ErrorKind::data, fmt::format("{}: has no score", file_.name()));
+  if (std::isinf(all.least) || std::isinf(all.most))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: has an infinite {}, better than all others; say with --missing "
+                            "what is no score",
+                            file_.name(), is_similarity() ? "similarity" : "distance"));
+  if (std::isinf(all.most - all.least))
+    throw Error(ErrorKind::data, fmt::format("{}: has scores from {} to {}, too far apart to be "
+                                             "compared; say with --missing what is no score",
+                                             file_.name(), all.least, all.most));
+  units_ = units_of(all, is_similarity(), file_.is_whole());
+}
+
+void GivenDistances::read(size_t query, size_t first, size_t count, uint16_t* out) const {
+  assert(query < queries() && first + count <= references());
+  std::array<double, kPiece> numbers;
+  for (size_t done = 0; done < count; done += kPiece) {
+    const size_t piece = std::min(kPiece, count - done);
+    file_.read_query(query, first + done, piece, numbers.data());
+    for (size_t i = 0; i < piece; ++i)
+      out[done + i] = quantised(score_of(numbers[i]), units_, is_similarity());
+  }
+}
+
+uint32_t GivenDistances::distance(size_t query, size_t reference) const {
+  double number = 0;
+  file_.read_query(query, reference, 1, &number);
+  const double score = score_of(number);
+  if (std::isnan(score)) return units_.largest;
+  const double away = std::abs(score - units_.best) / units_.unit;
+  return std::min(static_cast<uint32_t>(std::floor(away + 0.5)), uint32_t{units_.largest});
+}
+
+void append_frame_numbers(std::vector<uint8_t>& rows, size_t first, size_t count) {
+  for (size_t i = 0; i < count; ++i) {
+    const auto number = static_cast<uint32_t>(first + i);
+    for (int byte = 0; byte < 4; ++byte) rows.push_back(static_cast<uint8_t>(number >> 8 * byte));
+  }
+}
+
+uint32_t frame_number(DescriptorRow row) {
+  return row[0] | uint32_t{row[1]} << 8 | uint32_t{row[2]} << 16 | uint32_t{row[3]} << 24;
+}
+
+FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
+                               std::span<const DescriptorSpan> centred_over) {
+  if (!query.given)
+    throw Error(ErrorKind::usage,
+                "of a matrix of scores, nothing is known of how far training frames are from each "
+                "other: give --t-r a number, or --margin and --margin-width");
+  FrameDistances distances = frames_to_compare(train, query, centred_over);
+  const GivenDistances* given = query.given;
+  distances.largest = given->units().largest;
+  distances.unit.size = given->units().unit;
+  const auto stretches = std::make_shared<const std::vector<Stretch>>(stretches_of(train));
+  const auto centred =
+      std::make_shared<const std::vector<Stretch>>(readable_stretches(centred_over));
+  distances.tile = [given, rows = query.rows, stretches](std::span<const uint32_t> queries,
+                                                         size_t first, size_t last, uint16_t* out,
+                                                         size_t stride) {
+    for (size_t t = 0; t < queries.size(); ++t)
+      read_row(*given, frame_number(rows[queries[t]]), *stretches, first, last, out + t * stride);
+  };
+  distances.row_total = [given, rows = query.rows, centred](size_t frame) {
+    return sum_of(*given, frame_number(rows[frame]), *centred);
+  };
+  const std::vector<DescriptorSpan> sequences(train.begin(), train.end());
+  const std::vector<DescriptorSpan> all(centred_over.begin(), centred_over.end());
+  distances.of_query = [sequences, all](const DescriptorSpan& other) {
+    return given_distances(sequences, other, all);
+  };
+  return distances;
+}
+
+uint32_t number_distance(DescriptorRow a, DescriptorRow b) {
+  return frame_number(a) == frame_number(b) ? 0 : static_cast<uint32_t>(kSteps);
+}
+
+Projector number_projector(const DescriptorRows&, std::span<const ComponentValues>) {
+  return [](DescriptorRow) { return ComponentValues{}; };
+}
+
+uint16_t largest_given(const DescriptorShape&) { return static_cast<uint16_t>(kSteps); }
+
+ScoreFile::ScoreFile(const std::filesystem::path& path, const ScoreFormat& format)
+    : name_(path.string()), format_(format), array_(path) {
+  type_ = find_number_type(array_.type());
+  if (type_ == nullptr || array_.shape().size() != 2 || array_.value_bytes().empty())
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: expected a matrix of scores, queries x references; found the shape ({}) "
+                    "of type {}",
+                    name_, fmt::join(array_.shape(), ", "), array_.type()));
+  queries_ = array_.shape()[format.references_first ? 1 : 0];
+  references_ = array_.shape()[format.references_first ? 0 : 1];
+  is_query_major_ = array_.is_column_major() == format.references_first;
+  if (std::max(queries_, references_) > std::numeric_limits<int32_t>::max())
+    throw Error(ErrorKind::data, fmt::format("{}: has more than 2^31 rows or columns", name_));
+}
+
+void ScoreFile::read(size_t index, size_t stride, size_t count, double* scores) const {
+  type_->read(array_.value_bytes().data() + index * type_->bytes, stride * type_->bytes, count,
+              scores, 1);
+  if (format_.missing)
+    std::replace(scores, scores + count, *format_.missing,
+                 std::numeric_limits<double>::quiet_NaN());
+}
+
+void ScoreFile::read_query(size_t query, size_t first, size_t count, double* scores) const {
+  if (is_query_major_)
+    read(query * references_ + first, 1, count, scores);
+  else
+    read(first * queries_ + query, queries_, count, scores);
+}
+
+void ScoreFile::read_reference(size_t reference, size_t first, size_t count, double* scores) const {
+  if (is_query_major_)
+    read(first * references_ + reference, references_, count, scores);
+  else
+    read(reference * queries_ + first, 1, count, scores);
+}
+
+void ScoreFile::forget(size_t first, size_t count) const {
+  const size_t line_bytes = line_values() * type_->bytes;
+  array_.forget_values(first * line_bytes, count * line_bytes);
+}
+
+std::string ScoreFile::fingerprint(const Monitor& monitor) const {
+  constexpr size_t kPieceBytes = size_t{16} << 20;
+  ChecksumStream sum;
+  const auto bytes = array_.file_bytes();
+  const size_t header = bytes.size() - array_.value_bytes().size();
+  sum.add(bytes.first(header));
+  for (size_t at = header; at < bytes.size(); at += kPieceBytes) {
+    check_stop(monitor);
+    const auto piece = bytes.subspan(at, std::min(kPieceBytes, bytes.size() - at));
+    sum.add(piece);
+    array_.forget_values(at - header, piece.size());
+  }
+  return sum.text();
+}
+
+}  // namespace vpr

@@ -1,0 +1,134 @@
+#include "match/lsh.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include <fmt/format.h>
+#include <opencv2/core/hal/hal.hpp>
+#include <opencv2/flann.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace vpr {
+namespace {
+
+constexpr uint64_t kMostTables = 256;
+constexpr uint64_t kMostKeyBits = 28;
+constexpr uint64_t kMostProbeLevel = 4;
+
+/// Differing bits of two windows, by OpenCV's kernel for the processor it runs on.
+struct WindowHamming {
+  using ElementType = unsigned char;
+  using ResultType = int;
+  using CentersType = unsigned char;
+  using is_kdtree_distance = cvflann::False;
+  using is_vector_space_distance = cvflann::False;
+
+  int operator()(const unsigned char* a, const unsigned char* b, size_t bytes, int = -1) const {
+    return cv::hal::normHamming(a, b, static_cast<int>(bytes));
+  }
+};
+
+/// Takes whatever the buckets hold, several times where several tables do.
+class Collector : public cvflann::ResultSet<int> {
+ public:
+  bool full() const override { return false; }
+  void addPoint(int distance, int index) override { found.emplace_back(index, distance); }
+  int worstDist() const override { return std::numeric_limits<int>::max(); }
+
+  std::vector<std::pair<int, int>> found;
+};
+
+void check(const LshSettings& settings) {
+  const auto require = [](std::string_view name, uint64_t value, uint64_t low, uint64_t high) {
+    if (value < low || value > high)
+      throw Error(ErrorKind::usage,
+                  fmt::format("lsh.{} must be from {} to {}, found {}", name, low, high, value));
+  };
+  require("tables", settings.tables, 1, kMostTables);
+  require("key_bits", settings.key_bits, 0, kMostKeyBits);
+  require("probe_level", settings.probe_level, 0, kMostProbeLevel);
+}
+
+// About one window in eight buckets: log2 of the windows, and three.
+uint64_t key_bits(const LshSettings& settings, size_t windows) {
+  if (settings.key_bits != 0) return settings.key_bits;
+  return std::clamp<uint64_t>(std::bit_width(windows) + 2, 4, kMostKeyBits);
+}
+
+}  // namespace
+
+struct LshIndex::Tables {
+  FrameRun run;
+  cvflann::LshIndex<WindowHamming> index;
+
+  // OpenCV takes no const data, and changes none.
+  Tables(const FrameRun& frames, const DescriptorRows& rows, size_t window_length,
+         const LshSettings& settings)
+      : run(frames),
+        index(cvflann::Matrix<unsigned char>(
+                  const_cast<unsigned char*>(rows[frames.first_in_sequence].data()),
+                  frames.windows(window_length), window_length * rows.shape.row_bytes(),
+                  rows.shape.row_bytes()),
+              cvflann::LshIndexParams(
+                  static_cast<int>(settings.tables),
+                  static_cast<int>(key_bits(settings, frames.windows(window_length))),
+                  static_cast<int>(settings.probe_level))) {}
+};
+
+LshIndex::LshIndex(std::span<const DescriptorSpan> train, size_t window_length,
+                   const LshSettings& settings, uint64_t seed, const Monitor& monitor) {
+  check(settings);
+  for (const FrameRun& run : readable_runs(train))
+    if (run.windows(window_length) > 0)
+      tables_.push_back(
+          std::make_unique<Tables>(run, train[run.sequence].rows, window_length, settings));
+  StepCounter counter(monitor, "index", tables_.size());
+  parallel_for(tables_.size(), monitor, [&](size_t i) {
+    cv::setRNGSeed(static_cast<int>(seed + i));  // of this thread
+    tables_[i]->index.buildIndex();
+    counter.add();
+  });
+}
+
+LshIndex::~LshIndex() = default;
+
+std::vector<LshCandidate> LshIndex::find(const uint8_t* window) const {
+  std::vector<LshCandidate> candidates;
+  for (const auto& tables : tables_) {
+    Collector collector;
+    tables->index.findNeighbors(collector, window, cvflann::SearchParams());
+    auto& found = collector.found;
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    for (const auto& [index, distance] : found)
+      candidates.push_back(
+          {static_cast<uint32_t>(tables->run.sequence),
+           static_cast<uint32_t>(tables->run.first_in_sequence + static_cast<size_t>(index)),
+           static_cast<uint32_t>(distance)});
+  }
+  return candidates;
+}
+
+void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
+               const Monitor& monitor, const RowConsumer& consume) {
+  const DescriptorRows& query = distances.query.rows;
+  if (query.shape.element != ElementType::bits || distances.is_in_order())
+    throw Error(ErrorKind::usage,
+                "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
+  const size_t length = settings.window_length;
+  const LshIndex index(distances.train, length, settings.lsh, settings.seed, monitor);
+  StepCounter counter(monitor, "match", distances.query_frames);
+  parallel_for(distances.query_frames, monitor, [&](size_t query_end) {
+    if (ends_window(distances, length, query_end)) {
+      const size_t window = query_end + 1 - length;
+      for (const LshCandidate& candidate : index.find(query[window].data()))
+        consume({window, candidate.sequence, candidate.train_window, {&candidate.distance, 1}});
+    }
+    counter.add();
+  });
+}
+
+}  // namespace vpr

@@ -1,0 +1,140 @@
+#include "match/match_filter.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "base/parallel.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kFramesPerThread = 32768;  // below, a second thread costs more than it gives
+
+// The scores of frames that are no view are computed, too: something may be learned from them.
+void find_scores(FilteredQuery& query, const FrameDistances& distances, size_t frame) {
+  const auto asked = static_cast<uint32_t>(frame);
+  distances.start_row(frame);
+  const size_t frames = distances.train_frames;
+  const size_t parts = std::clamp<size_t>(frames / kFramesPerThread, 1, thread_count());
+  const size_t part =
+      (frames / parts + kStretchFrames) / kStretchFrames * kStretchFrames;  // covers all in parts
+  const auto find = [&](size_t p) {
+    const size_t first = std::min(p * part, frames);
+    const size_t last = std::min(first + part, frames);
+    if (first < last) distances.tile({&asked, 1}, first, last, query.scores.data() + first, 0);
+  };
+  if (parts == 1) return find(0);
+  parallel_for(parts, Monitor{}, find);
+}
+
+// Since the last view.
+double change_since(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
+  return query.view ? frame_distance(distances.query.rows, *query.view, frame) : 0;
+}
+
+double in_typical(double change, double typical_distance) {
+  return typical_distance > 0 ? change / typical_distance : 0;
+}
+
+// Of the training walk, between two places of a sequence.
+double walked_change(const FilterCells& cells, const FrameDistances& distances, size_t from,
+                     size_t to) {
+  const auto index = static_cast<size_t>(&run_of(cells, to) - cells.runs.data());
+  const FrameRun& run = distances.train_runs[index];
+  const size_t first = run.first - run.first_in_sequence;
+  return frame_distance(distances.train[run.sequence].rows, cells.frames[from] - first,
+                        cells.frames[to] - first);
+}
+
+QueryView query_view(FilteredQuery& query, const FrameDistances& distances, size_t number,
+                     double change) {
+  const double typical = distances.typical_distance;
+  const auto read_path = [&query, &distances](size_t cell, bool begins) {
+    if (begins) query.look.views.clear();
+    see_view(query.look, query.filter.cells, query.scores, distances.scale, cell);
+    return read_again(query.look, query.filter.cells, distances.learned_scale);
+  };
+  const auto walked = [&query, &distances, typical](size_t from, size_t to) {
+    return in_typical(walked_change(query.filter.cells, distances, from, to), typical);
+  };
+  return {number, in_typical(change, typical), read_path, walked};
+}
+
+void write_views(FilteredQuery& query) {
+  const FilterCells& cells = query.filter.cells;
+  const uint32_t* frames = cells.frames.data();
+  const uint32_t* values = query.filter.values.data();
+  uint32_t* row = query.row.data();
+  for (const CellRun& run : cells.runs) {
+    const size_t last = run.first + run.count - 1;
+    for (size_t cell = run.first; cell < last; ++cell)
+      for (size_t frame = frames[cell]; frame < frames[cell + 1]; ++frame)
+        row[frame] = values[cell];
+    std::fill(row + frames[last], row + run.frames_end, values[last]);
+  }
+}
+
+// Of the best view, one frame is better than the others.
+void write_best(FilteredQuery& query, const PathFrame& path) {
+  const FilterCells& cells = query.filter.cells;
+  const uint32_t value = query.filter.values[path.cell];
+  const size_t end = view_end(cells, run_of(cells, path.cell), path.cell);
+  std::fill(query.row.begin() + cells.frames[path.cell],
+            query.row.begin() + static_cast<ptrdiff_t>(end), value + 1);
+  query.row[path.frame] = value;
+}
+
+}  // namespace
+
+FilteredQuery start_filtered(const FrameDistances& distances, const MatchSettings& settings) {
+  assert(distances.is_in_order());
+  FilteredQuery query;
+  query.filter = start_filter(distances, settings.filter,
+                              settings.filter.view_change * distances.typical_distance);
+  query.look = start_second_look(query.filter);
+  query.track.kernels = settings.kernels;
+  query.track.shared = settings.shared_places;
+  query.scores.resize(distances.train_frames + kStretchFrames);
+  query.row.resize(distances.train_frames);
+  return query;
+}
+
+void forget_frames(FilteredQuery& query) {
+  restart_filter(query.filter);
+  query.track.views = 0;
+  query.view.reset();
+}
+
+PathReport take_frame(FilteredQuery& query, const FrameDistances& distances, size_t frame) {
+  const size_t number = query.passed + frame;
+  find_scores(query, distances, frame);
+  const double change = change_since(query, distances, frame);
+  if (!query.view || change >= query.filter.settings.view_change * distances.typical_distance) {
+    query.view = frame;
+    advance_filter(query.filter, query.scores);
+    follow_view(query.track, query.filter, query_view(query, distances, number, change));
+    write_views(query);
+  }
+  const PathFrame path = path_at(query.track, query.filter.cells, number);
+  write_best(query, path);
+  return {number, path.margin, path.nowhere, path.rate, path.track};
+}
+
+void match_filter(const FrameDistances& distances, const MatchSettings& settings,
+                  const Monitor& monitor, const RowConsumer& consume) {
+  assert(settings.window_length == 1);
+  StepCounter counter(monitor, "match", distances.query_frames);
+  FilteredQuery query = start_filtered(distances, settings);
+  if (query.filter.cells.places == 0) return;
+  for (const FrameRun& run : distances.query_runs) {
+    forget_frames(query);
+    for (size_t frame = run.first; frame < run.first + run.count; ++frame) {
+      counter.add();
+      const PathReport report = take_frame(query, distances, frame);
+      if (settings.on_path) settings.on_path(report);
+      emit_row(distances, 1, frame, 0, query.row, consume);
+    }
+  }
+}
+
+}  // namespace vpr

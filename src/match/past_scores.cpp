@@ -1,0 +1,217 @@
+#include "match/past_scores.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <memory>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "match/distance_statistics.h"
+#include "match/rows.h"
+#include "match/score_kernels.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kChunkFrames = 2048;    // descriptors of a chunk stay in the second-level cache
+constexpr size_t kChunksPerThread = 16;  // below, a second thread costs more than it gives
+constexpr size_t kPadding = kStretchFrames;
+
+/// Columns that have learned as many views: those up to `end`, behind the ones before.
+struct EqualWeights {
+  size_t end = 0;
+  double weight = 0;
+};
+
+struct PastState {
+  FrameDistances distances;
+  StandardizationSettings settings;
+  ScoreKernels kernels;
+  size_t least_lag = 0;
+  std::vector<uint8_t> readable;
+  std::vector<float> mean;      ///< of columns
+  std::vector<float> variance;  ///< of columns
+  std::vector<float> offsets;   ///< of rows that were readable and had a past
+  std::vector<uint16_t> row;
+  std::vector<uint16_t> scores;
+  std::vector<EqualWeights> weights;
+  ViewQueue views;
+  size_t started = 0;  ///< columns whose start is fixed
+  size_t frame = 0;
+  size_t rows = 0;  ///< that were readable and had a past
+  double sum_of_means = 0;
+  uint64_t pairs = 0;
+  double squares = 0;  ///< of x, of all pairs
+  float least_variance = 0;
+  float most_variance = 0;
+  double unknown_variance = 0;
+};
+
+// Hands on [first, last) of each chunk of `count` frames.
+template <class Work>
+void for_each_chunk(size_t count, const Work& work) {
+  const size_t chunks = (count + kChunkFrames - 1) / kChunkFrames;
+  const auto run = [&](size_t chunk) {
+    work(chunk * kChunkFrames, std::min((chunk + 1) * kChunkFrames, count));
+  };
+  if (chunks >= 2 * kChunksPerThread) return parallel_for(chunks, {}, run);
+  for (size_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
+}
+
+// The distances of a frame to the first `count` ones.
+void compare(PastState& state, size_t frame, size_t count) {
+  const auto query = static_cast<uint32_t>(frame);
+  for_each_chunk(count, [&](size_t first, size_t last) {
+    state.distances.tile({&query, 1}, first, last, state.row.data() + first, 0);
+  });
+}
+
+struct RowSums {
+  uint64_t frames = 0;
+  uint64_t sum = 0;
+  uint64_t squares = 0;
+};
+
+RowSums sum_past(const PastState& state, size_t past) {
+  RowSums sums;
+  for (const FrameRun& run : state.distances.train_runs) {
+    const size_t end = std::min(run.first + run.count, past);
+    for (size_t i = run.first; i < end; ++i) {
+      const uint64_t distance = state.row[i];
+      sums.sum += distance;
+      sums.squares += distance * distance;
+      ++sums.frames;
+    }
+  }
+  return sums;
+}
+
+// What a row says of all: r, R and V; its offset; and where its frame starts as a column.
+void take_row(PastState& state, size_t frame, const RowSums& sums) {
+  if (state.readable[frame] == 0 || sums.frames == 0) return;
+  const double row_mean = static_cast<double>(sums.sum) / static_cast<double>(sums.frames);
+  ++state.rows;
+  state.sum_of_means += row_mean;
+  state.pairs += sums.frames;
+  state.squares += static_cast<double>(sums.squares) - static_cast<double>(sums.sum) * row_mean;
+  const double mean_so_far = state.sum_of_means / static_cast<double>(state.rows);
+  state.offsets[frame] = static_cast<float>(state.settings.centre ? row_mean : mean_so_far);
+  state.mean[frame] = static_cast<float>(state.settings.start_bias * (row_mean - mean_so_far));
+  state.views.least_change = state.settings.view_change * mean_so_far;
+}
+
+double variance_so_far(const PastState& state) {
+  const double start = state.settings.start_weight;
+  const double weight = start + static_cast<double>(state.pairs);
+  return weight == 0 ? state.unknown_variance
+                     : (start * state.unknown_variance + state.squares) / weight;
+}
+
+// The columns that were the view's past have learned one more; those whose weights have become the
+// same are one.
+void raise_weights(PastState& state, size_t past) {
+  std::vector<EqualWeights>& weights = state.weights;
+  if (weights.empty() || weights.back().end < past)
+    weights.push_back({past, state.settings.start_weight});
+  for (EqualWeights& columns : weights)
+    columns.weight = state.settings.forgetting * columns.weight + 1;
+  size_t kept = 0;
+  for (size_t w = 1; w < weights.size(); ++w) {
+    if (weights[kept].weight != weights[w].weight) ++kept;
+    weights[kept] = weights[w];
+  }
+  weights.resize(kept + 1);
+}
+
+void learn_view(PastState& state, size_t view) {
+  const size_t past = state.distances.past[view];
+  raise_weights(state, past);
+  compare(state, view, past);
+  size_t first = 0;
+  for (const EqualWeights& columns : state.weights) {
+    const auto gain = static_cast<float>(1 / columns.weight);
+    state.kernels.learn(state.row.data() + first, state.offsets[view], {}, gain,
+                        state.mean.data() + first, state.variance.data() + first,
+                        columns.end - first);
+    first = columns.end;
+  }
+}
+
+bool is_view(const PastState& state, size_t frame) {
+  return state.settings.learn && state.readable[frame] != 0 && state.rows > 0 &&
+         is_new_view(state.views, state.distances.query.rows, frame);
+}
+
+void begin_row(PastState& state, size_t frame) {
+  state.frame = frame;
+  const size_t past = state.distances.past[frame];
+  const size_t compared = frame < state.least_lag ? 0 : frame + 1 - state.least_lag;
+  if (is_view(state, frame))
+    if (const auto view = push_view(state.views, frame)) learn_view(state, *view);
+  compare(state, frame, compared);
+  take_row(state, frame, sum_past(state, past));
+  std::fill(state.variance.begin() + ptrdiff_t(state.started),
+            state.variance.begin() + ptrdiff_t(compared),
+            static_cast<float>(variance_so_far(state)));
+  state.started = past;
+  for_each_chunk(compared, [&](size_t first, size_t last) {
+    state.kernels.standardize(state.row.data() + first, state.offsets[frame], {},
+                              state.mean.data() + first, state.variance.data() + first,
+                              state.least_variance, state.most_variance,
+                              state.scores.data() + first, last - first);
+  });
+}
+
+std::shared_ptr<PastState> start_past(FrameDistances distances,
+                                      const StandardizationSettings& settings) {
+  auto state = std::make_shared<PastState>();
+  const size_t frames = distances.query_frames;
+  state->settings = settings;
+  state->kernels = select_score_kernels();
+  state->least_lag = *least_lag(distances);
+  state->readable = readable_flags(distances.query_runs, frames);
+  state->mean.resize(frames, 0);
+  state->variance.resize(frames, 0);
+  state->offsets.resize(frames, 0);
+  state->row.resize(frames + kPadding);
+  state->scores.resize(frames + kPadding);
+  state->views = make_view_queue(settings, 0);
+  const double floor = deviation_floor(settings, distances.largest);
+  const double unknown = unknown_deviation(distances.largest);
+  state->unknown_variance = unknown * unknown;
+  state->least_variance = static_cast<float>(settings.divide ? floor * floor : unknown * unknown);
+  state->most_variance =
+      settings.divide ? std::numeric_limits<float>::max() : static_cast<float>(unknown * unknown);
+  state->distances = std::move(distances);
+  return state;
+}
+
+}  // namespace
+
+void check_past_settings(const StandardizationSettings& settings) {
+  if (settings.components != 0 && settings.components != StandardizationSettings{}.components)
+    throw Error(ErrorKind::usage,
+                "standardization.components are those of a whole training walk, which a walk "
+                "against itself (--loop) does not know yet; leave them out");
+}
+
+FrameDistances standardized_past(FrameDistances distances,
+                                 const StandardizationSettings& settings) {
+  assert(distances.past.size() == distances.query_frames && !distances.is_in_order());
+  const auto state = start_past(std::move(distances), settings);
+  FrameDistances scores = state->distances;
+  scores.largest = std::numeric_limits<uint16_t>::max();
+  scores.unit = {"standard deviations", 1.0 / kScoreUnit};
+  scores.row_total = nullptr;
+  scores.of_query = nullptr;
+  scores.start_row = [state](size_t query) { begin_row(*state, query); };
+  scores.tile = [state](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
+                        size_t) {
+    assert(queries.size() == 1 && queries.front() == state->frame);
+    std::copy(state->scores.data() + first, state->scores.data() + last, out);
+  };
+  return scores;
+}
+
+}  // namespace vpr

@@ -1,0 +1,110 @@
+// Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
+#include "match/row_kernels.h"
+
+#include "base/highway.h"
+
+// The settings above come first.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "match/row_kernels.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace vpr {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using SumTag = hn::ScalableTag<uint32_t>;
+using HalfTag = hn::Rebind<uint16_t, SumTag>;
+
+void Slide(const uint32_t* before, const uint16_t* entering, const uint16_t* leaving,
+           uint32_t* after, size_t count) {
+  const SumTag d;
+  const HalfTag d16;
+  const size_t lanes = hn::Lanes(d);
+  size_t x = 0;
+  for (; x + lanes <= count; x += lanes) {
+    const auto in = hn::PromoteTo(d, hn::LoadU(d16, entering + x));
+    const auto out = hn::PromoteTo(d, hn::LoadU(d16, leaving + x));
+    hn::StoreU(hn::Sub(hn::Add(hn::LoadU(d, before + x), in), out), d, after + x);
+  }
+  for (; x < count; ++x) after[x] = before[x] + entering[x] - leaving[x];
+}
+
+void Accumulate(uint32_t* sums, const uint16_t* entering, size_t count) {
+  const SumTag d;
+  const HalfTag d16;
+  const size_t lanes = hn::Lanes(d);
+  size_t x = 0;
+  for (; x + lanes <= count; x += lanes)
+    hn::StoreU(hn::Add(hn::LoadU(d, sums + x), hn::PromoteTo(d, hn::LoadU(d16, entering + x))), d,
+               sums + x);
+  for (; x < count; ++x) sums[x] += entering[x];
+}
+
+uint32_t Minimum(const uint32_t* values, size_t count) {
+  const SumTag d;
+  const size_t lanes = hn::Lanes(d);
+  uint32_t least = values[0];
+  size_t x = 0;
+  if (count >= lanes) {
+    auto all = hn::LoadU(d, values);
+    for (x = lanes; x + lanes <= count; x += lanes) all = hn::Min(all, hn::LoadU(d, values + x));
+    least = hn::GetLane(hn::MinOfLanes(d, all));
+  }
+  for (; x < count; ++x) least = values[x] < least ? values[x] : least;
+  return least;
+}
+
+uint32_t Maximum(const uint32_t* values, size_t count) {
+  const SumTag d;
+  const size_t lanes = hn::Lanes(d);
+  uint32_t most = values[0];
+  size_t x = 0;
+  if (count >= lanes) {
+    auto all = hn::LoadU(d, values);
+    for (x = lanes; x + lanes <= count; x += lanes) all = hn::Max(all, hn::LoadU(d, values + x));
+    most = hn::GetLane(hn::MaxOfLanes(d, all));
+  }
+  for (; x < count; ++x) most = values[x] > most ? values[x] : most;
+  return most;
+}
+
+size_t FindBelow(const uint32_t* values, size_t begin, size_t count, uint32_t limit) {
+  const SumTag d;
+  const size_t lanes = hn::Lanes(d);
+  const auto bound = hn::Set(d, limit);
+  size_t x = begin;
+  for (; x + lanes <= count; x += lanes) {
+    const auto below = hn::Lt(hn::LoadU(d, values + x), bound);
+    const intptr_t first = hn::FindFirstTrue(d, below);
+    if (first >= 0) return x + static_cast<size_t>(first);
+  }
+  while (x < count && values[x] >= limit) ++x;
+  return x;
+}
+
+}  // namespace
+
+RowKernels Rows() {
+  return {hwy::TargetName(HWY_TARGET), Slide, Accumulate, Minimum, Maximum, FindBelow};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace vpr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace vpr {
+
+HWY_EXPORT(Rows);
+
+RowKernels select_kernels() { return HWY_DYNAMIC_DISPATCH(Rows)(); }
+
+}  // namespace vpr
+
+#endif  // HWY_ONCE

@@ -1,0 +1,215 @@
+#include "match/standardized_frames.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "match/distance_statistics.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kChunkFrames = 2048;  // descriptors of a chunk stay in the second-level cache
+constexpr size_t kRowStride = kChunkFrames + 32;  // rows must not share cache sets
+
+using Distances = std::array<uint16_t, 2 * kRowStride>;
+
+// What is taken from the distances of a frame: the mean over the training frames, or, for rows that
+// keep theirs, the typical distance.
+float row_offset(const StandardizedState& state, size_t frame) {
+  return static_cast<float>(state.settings.centre ? row_mean(state.distances, frame)
+                                                  : state.typical_distance);
+}
+
+// What of the training frames' components is taken from the distances of a query frame.
+void find_common(StandardizedState& state, size_t frame) {
+  if (!state.project) return;
+  state.common[frame] = common_weights(state.components, state.settings.components,
+                                       state.project(state.distances.query.rows[frame]));
+}
+
+// What a query frame has in common with the training frames from `first` on.
+CommonPart common_part(const StandardizedState& state, size_t frame, size_t first) {
+  if (!state.project) return {};
+  CommonPart common{
+      {}, state.common[frame], static_cast<float>(common_unit(state.components.shape))};
+  for (size_t k = 0; k < kMostComponents; ++k)
+    common.loadings[k] = state.components.loadings[k].data() + first;
+  return common;
+}
+
+// The weights of what was known and of the new view, and the share of the new one in the sum.
+void plan_update(StandardizedState& state, size_t view) {
+  state.weight = state.forgetting * state.weight + 1;
+  state.start_weight *= state.forgetting;
+  state.update = {view, row_offset(state, view), static_cast<float>(1 / state.weight)};
+}
+
+void learn_chunk(StandardizedState& state, const uint16_t* distances, size_t first, size_t count) {
+  state.kernels.learn(distances, state.update->offset,
+                      common_part(state, state.update->view, first), state.update->gain,
+                      state.mean.data() + first, state.variance.data() + first, count);
+}
+
+void learn_everywhere(StandardizedState& state) {
+  const size_t frames = state.distances.train_frames;
+  const auto view = static_cast<uint32_t>(state.update->view);
+  parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
+    Distances distances;
+    const size_t first = chunk * kChunkFrames;
+    const size_t count = std::min(kChunkFrames, frames - first);
+    state.distances.tile({&view, 1}, first, first + count, distances.data(), kRowStride);
+    learn_chunk(state, distances.data(), first, count);
+  });
+}
+
+void learn_query(StandardizedState& state, const Monitor& monitor) {
+  const DescriptorRows& rows = state.distances.query.rows;
+  StepCounter counter(monitor, "learn", rows.size());
+  for (const FrameRun& run : state.distances.query_runs) {
+    for (size_t f = run.first; f < run.first + run.count; ++f) {
+      counter.add();
+      if (!is_new_view(state.views, rows, f)) continue;
+      push_view(state.views, f);
+      find_common(state, f);
+      plan_update(state, f);
+      learn_everywhere(state);
+    }
+  }
+  state.update.reset();
+}
+
+// A view has been pushed; the row of the one that is learned, if any, becomes its.
+void keep_row(StandardizedState& state) {
+  if (state.rows.size() < state.views.pending.size())
+    state.rows.emplace_back(state.distances.train_frames);
+  else
+    std::rotate(state.rows.begin(), state.rows.begin() + 1, state.rows.end());
+}
+
+// Decides what is learned before the frame is scored.
+void begin_frame(StandardizedState& state, size_t frame) {
+  state.frame = frame;
+  state.offset = row_offset(state, frame);
+  find_common(state, frame);
+  state.update.reset();
+  state.keeps_row = false;
+  if (state.offline || !state.settings.learn || state.readable[frame] == 0) return;
+  if (!is_new_view(state.views, state.distances.query.rows, frame)) return;
+  if (const auto view = push_view(state.views, frame)) plan_update(state, *view);
+  state.keeps_row = state.views.lag <= kMostKeptRows;
+  if (state.keeps_row) keep_row(state);
+}
+
+// Writes the distances of the frame, and learns these training frames' share of the update.
+void learn_and_compare(StandardizedState& state, size_t first, size_t count, Distances& distances) {
+  const std::array<uint32_t, 2> queries = {
+      static_cast<uint32_t>(state.frame),
+      static_cast<uint32_t>(state.update ? state.update->view : 0)};
+  const size_t asked = state.update && !state.keeps_row ? 2 : 1;
+  state.distances.tile(std::span(queries).first(asked), first, first + count, distances.data(),
+                       kRowStride);
+  uint16_t* kept = state.keeps_row ? state.rows.back().data() + first : nullptr;
+  if (state.update)
+    learn_chunk(state, kept != nullptr ? kept : distances.data() + kRowStride, first, count);
+  if (kept != nullptr) std::copy_n(distances.data(), count, kept);
+}
+
+double deviation_of(const StandardizedState& state, double variance) {
+  return std::sqrt(std::clamp<double>(variance, state.least_variance, state.most_variance));
+}
+
+ScoreScale scale_of(const StandardizedState& state, size_t frame) {
+  return {state.mean[frame], deviation_of(state, state.variance[frame])};
+}
+
+// Of the sums of all that is known, the start's part is replaced by one of little weight.
+ScoreScale learned_scale(const StandardizedState& state, size_t frame) {
+  const double start = state.start_mean[frame];
+  const double start_square = state.start_variance + start * start;
+  const double mean = state.mean[frame];
+  const double added = state.light_weight - state.start_weight;
+  const double weight = state.weight + added;
+  if (weight <= 0) return scale_of(state, frame);
+  const double light_mean = (state.weight * mean + added * start) / weight;
+  const double light_square =
+      (state.weight * (state.variance[frame] + mean * mean) + added * start_square) / weight;
+  return {light_mean, deviation_of(state, light_square - light_mean * light_mean)};
+}
+
+void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t* out) {
+  assert(first % kStretchFrames == 0);
+  Distances distances;
+  for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
+    const size_t count = std::min(kChunkFrames, last - chunk);
+    learn_and_compare(state, chunk, count, distances);
+    state.kernels.standardize(distances.data(), state.offset,
+                              common_part(state, state.frame, chunk), state.mean.data() + chunk,
+                              state.variance.data() + chunk, state.least_variance,
+                              state.most_variance, out + (chunk - first), count);
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
+                                                      const ScoreBasis& basis,
+                                                      const Monitor& monitor) {
+  assert(basis.mean.size() == distances.train_frames && !distances.is_in_order());
+  const StandardizationSettings& settings = basis.settings;
+  auto state = std::make_shared<StandardizedState>();
+  state->settings = settings;
+  state->offline = basis.offline;
+  state->typical_distance = basis.typical_distance;
+  state->mean = basis.mean;
+  state->variance.assign(basis.mean.size(), basis.variance);
+  state->components = basis.components;
+  if (settings.components > 0 && !basis.components.landmarks.empty())
+    state->project = make_projector(basis.components);
+  state->common.resize(distances.query_frames);
+  state->views = make_view_queue(settings, basis.typical_distance);
+  state->readable = readable_flags(distances.query_runs, distances.query_frames);
+  state->kernels = select_score_kernels();
+  const auto floor = static_cast<float>(deviation_floor(settings, distances.largest));
+  const auto unknown = static_cast<float>(unknown_deviation(distances.largest));
+  state->least_variance = settings.divide ? floor * floor : unknown * unknown;
+  state->most_variance = settings.divide ? std::numeric_limits<float>::max() : unknown * unknown;
+  state->forgetting = basis.offline ? 1 : settings.forgetting;
+  state->weight = basis.offline ? settings.offline_start_weight : settings.start_weight;
+  state->start_mean = basis.mean;
+  state->start_variance = basis.variance;
+  state->start_weight = state->weight;
+  state->light_weight = settings.offline_start_weight;
+  state->distances = std::move(distances);
+  if (basis.offline && settings.learn) learn_query(*state, monitor);
+  return state;
+}
+
+FrameDistances standardized(const std::shared_ptr<StandardizedState>& state) {
+  FrameDistances scores = state->distances;
+  scores.largest = std::numeric_limits<uint16_t>::max();
+  scores.unit = {"standard deviations", 1.0 / kScoreUnit};
+  scores.typical_distance = state->typical_distance;
+  scores.row_total = nullptr;
+  scores.of_query = nullptr;
+  scores.scale = [state](size_t frame) { return scale_of(*state, frame); };
+  scores.learned_scale = [state](size_t frame) { return learned_scale(*state, frame); };
+  scores.start_row = [state](size_t query) { begin_frame(*state, query); };
+  scores.tile = [state](std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
+                        size_t) {
+    assert(queries.size() == 1 && queries.front() == state->frame);
+    score_frames(*state, first, last, out);
+  };
+  return scores;
+}
+
+FrameDistances standardized(FrameDistances distances, const ScoreBasis& basis,
+                            const Monitor& monitor) {
+  return fused(standardized(start_standardized(std::move(distances), basis, monitor)),
+               basis.fusion);
+}
+
+}  // namespace vpr

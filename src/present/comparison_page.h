@@ -1,0 +1,52 @@
+// Pages and plots of several reports: a comparison on one query (vpr.comparison/1), and a grid of
+// methods and queries.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json.h"
+#include "present/stored_report.h"
+#include "present/table.h"
+
+namespace vpr {
+
+/// One file that needs nothing else: the table of a paper, curves and paths of all reports, and the
+/// intervals of their differences. `comparison` is a vpr.comparison/1, `names` are those in it.
+std::string comparison_page(const Json& comparison, std::span<const StoredReport> reports,
+                            const std::vector<std::string>& names);
+
+/// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
+/// Error(output).
+void draw_comparison(const Json& comparison, std::span<const StoredReport> reports,
+                     const std::vector<std::string>& names, const std::filesystem::path& folder);
+
+/// A report with its place in the grid: one report for each pair of a method and a query.
+struct GridReport {
+  std::string method;
+  std::string query;
+  Json report;
+  StoredReport stored;
+};
+
+/// What a report is called as a row: the name that the user gave, or the method with its window
+/// length and score.
+std::string grid_name(const Json& report);
+
+/// For each of R@1, AP, R@100P and the shares of the path with a right and a wrong fix, a table
+/// with methods as rows and queries as columns, the best of each query in bold, and the mean over
+/// the queries that a method has all of. Numbers are over all frames of the query that have a match
+/// (of the path: over all frames), so that a method gains nothing by frames without a window. A
+/// share by a threshold from the ground truth is marked, and is the best of its like only.
+std::vector<Table> grid_tables(std::span<const GridReport> reports);
+
+/// The same as rows of a method, a query, a metric and its value in full, for data frames.
+Table grid_rows(std::span<const GridReport> reports);
+
+/// The tables, and for each query the curves and paths of all methods, as one page that needs
+/// nothing else. `title`: what the data set is called.
+std::string grid_page(const std::string& title, std::span<const GridReport> reports);
+
+}  // namespace vpr

@@ -1,0 +1,190 @@
+#include "present/database_report.h"
+
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "present/table.h"
+#include "store/archive.h"
+
+namespace vpr {
+namespace {
+
+Json head_json(DatabaseFamily family) {
+  return {{"schema", "vpr.database-info/1"}, {"method", enum_name(family)}};
+}
+
+// Nothing of LDB, the usual one.
+std::string descriptor_text(const DescriptorStore& descriptors) {
+  if (descriptors.kind == &descriptor_kinds().front()) return "";
+  const DescriptorShape shape = descriptors.shape();
+  return fmt::format(", {} of {} {}", descriptors.kind->name, shape.length, element_words(shape));
+}
+
+// Of a thinned sequence, of how many.
+std::string frames_text(const TrainSequence& sequence) {
+  const std::string frames = std::to_string(sequence.frame_count());
+  return sequence.kept ? fmt::format("{} of {}", frames, sequence.kept->recorded_frames) : frames;
+}
+
+std::string frame_span(const TrainSequence& sequence, size_t window, size_t length) {
+  const std::string& first = sequence.frame_names[window];
+  const std::string& last = sequence.frame_names[window + length - 1];
+  return fmt::format("{}: {} to {}", sequence.name, first, last);
+}
+
+/// One sequence at one window length.
+struct Line {
+  const TrainSequence& sequence;
+  size_t window_length;
+  const std::optional<AutomaticThreshold>& threshold;
+  const std::optional<ClosestWindows>& closest;
+  std::string own_frames;  ///< of the closest windows, where there are some
+  std::string closest_frames;
+};
+
+std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
+                           const std::vector<AutomaticThresholds>& thresholds) {
+  std::vector<Line> lines;
+  for (const AutomaticThresholds& automatic : thresholds)
+    for (size_t s = 0; s < sequences.size(); ++s) {
+      const size_t length = automatic.table.window_length;
+      Line& line = lines.emplace_back(
+          Line{sequences[s], length, automatic.sequences[s], automatic.table.closest[s], "-", "-"});
+      if (!line.closest) continue;
+      line.own_frames = frame_span(sequences[s], line.closest->window, length);
+      line.closest_frames =
+          frame_span(sequences[line.closest->other_sequence], line.closest->other_window, length);
+    }
+  return lines;
+}
+
+}  // namespace
+
+Json database_json(const SequenceDatabase& database,
+                   const std::vector<AutomaticThresholds>& thresholds, const RunInfo& run) {
+  Json json = head_json(DatabaseFamily::sequences);
+  json["descriptor"] = database.descriptors.kind->name;
+  if (database.descriptors.kind->is_imported) json["length"] = database.descriptors.length;
+  json["settings"] = value_to_json(database.descriptor);
+  json["sequences"] = Json::array();
+  for (size_t s = 0; s < database.sequences.size(); ++s) {
+    const TrainSequence& sequence = database.sequences[s];
+    Json item = {{"name", sequence.name},
+                 {"frames", sequence.frame_count()},
+                 {"unreadable", sequence.unreadable.size()}};
+    if (sequence.fps) item["fps"] = *sequence.fps;
+    if (sequence.kept) add_replay(item, *sequence.kept);
+    item["t_r"] = Json::array();
+    for (const AutomaticThresholds& one : thresholds)
+      item["t_r"].push_back({{"c_l", one.table.window_length},
+                             {"bits", one.sequences[s] ? Json(one.sequences[s]->value) : Json()}});
+    json["sequences"].push_back(item);
+  }
+  json["provenance"] = provenance_json(run);
+  return json;
+}
+
+Json database_json(const FabmapDatabase& database, const RunInfo& run) {
+  Json json = head_json(DatabaseFamily::fabmap);
+  json["settings"] = value_to_json(database.settings);
+  json["words"] = database.tree.words();
+  json["pretraining_frames"] = database.pretrain.views();
+  json["views"] = database.views.views();
+  const std::vector<size_t> featureless = featureless_frames(database);
+  json["featureless_views"] = std::accumulate(featureless.begin(), featureless.end(), size_t{0});
+  json["places"] = database.place_names();
+  json["provenance"] = provenance_json(run);
+  return json;
+}
+
+std::string database_text(const SequenceDatabase& database,
+                          const std::vector<AutomaticThresholds>& thresholds,
+                          const std::string& name) {
+  Table table;
+  table.columns = {"sequence", "frames", "unreadable"};
+  for (const AutomaticThresholds& one : thresholds)
+    table.columns.push_back(fmt::format("t_r at c_l {}", one.table.window_length));
+  size_t frames = 0;
+  for (size_t s = 0; s < database.sequences.size(); ++s) {
+    const TrainSequence& sequence = database.sequences[s];
+    frames += sequence.frame_count();
+    std::vector<std::string>& row = table.rows.emplace_back();
+    row = {sequence.name, frames_text(sequence), std::to_string(sequence.unreadable.size())};
+    for (const AutomaticThresholds& one : thresholds)
+      row.push_back(one.sequences[s] ? fmt::format("{:.2f} bits", one.sequences[s]->value) : "-");
+  }
+  table.title = fmt::format("{}: {}, {}, {}{}", name, enum_name(DatabaseFamily::sequences),
+                            counted(database.sequences.size(), "sequence"),
+                            counted(frames, "frame"), descriptor_text(database.descriptors));
+  return render_table(table, TableFormat::text);
+}
+
+std::string database_text(const FabmapDatabase& database, const std::string& name) {
+  Table table;
+  table.title = fmt::format(
+      "{}: {}, {} of {}, {}, {}", name, enum_name(DatabaseFamily::fabmap),
+      counted(database.tree.words(), "word"), enum_name(database.settings.features.kind),
+      counted(database.place_names().size(), "place"), counted(database.views.views(), "view"));
+  table.columns = {"group", "frames", "places", "words a frame", "featureless"};
+  const std::vector<size_t> featureless = featureless_frames(database);
+  size_t view = 0;
+  for (const ViewGroup& group : database.groups) {
+    const size_t first = view;
+    view += group.frame_names.size();
+    const auto words =
+        static_cast<double>(database.views.offsets[view] - database.views.offsets[first]);
+    table.rows.push_back({group.name, std::to_string(group.frame_names.size()),
+                          group.is_place ? "one" : "each frame",
+                          fmt::format("{:.1f}", words / static_cast<double>(view - first)),
+                          std::to_string(featureless[table.rows.size()])});
+  }
+  return render_table(table, TableFormat::text);
+}
+
+Json thresholds_json(std::span<const TrainSequence> sequences,
+                     const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                     const RunInfo& run) {
+  Json json = {{"schema", "vpr.thresholds/1"}, {"safety_factor", safety_factor}};
+  json["thresholds"] = Json::array();
+  for (const Line& line : lines_of(sequences, thresholds)) {
+    Json item = {{"sequence", line.sequence.name}, {"c_l", line.window_length}, {"t_r", nullptr}};
+    if (line.threshold) {
+      item["t_r"] = line.threshold->value;
+      item["t_r_scale"] = enum_name(ThresholdScale::bits);
+      item["limited"] = line.threshold->is_largest;
+    }
+    if (line.closest) {
+      item["distance"] = line.closest->score;
+      item["own_frames"] = line.own_frames;
+      item["closest_frames"] = line.closest_frames;
+    }
+    json["thresholds"].push_back(item);
+  }
+  json["provenance"] = provenance_json(run);
+  return json;
+}
+
+Table thresholds_table(std::span<const TrainSequence> sequences,
+                       const std::vector<AutomaticThresholds>& thresholds, double safety_factor,
+                       const std::string& name) {
+  Table table;
+  table.title = fmt::format("{}: automatic t_r, safety factor {:g}", name, safety_factor);
+  table.columns = {"sequence", "c_l", "t_r (bits)", "from", "own frames", "closest other frames"};
+  for (const Line& line : lines_of(sequences, thresholds)) {
+    std::string value = "-";
+    std::string from = "-";
+    if (line.threshold) {
+      value = fmt::format("{:.2f}", line.threshold->value);
+      from = line.threshold->is_largest ? "upper limit" : "closest windows";
+    }
+    table.rows.push_back({line.sequence.name, std::to_string(line.window_length), value, from,
+                          line.own_frames, line.closest_frames});
+  }
+  return table;
+}
+
+}  // namespace vpr

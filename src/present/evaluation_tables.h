@@ -1,0 +1,54 @@
+// Evaluation reports for people: titles, a sentence, and tables.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.h"
+#include "evaluate/judgement.h"
+#include "present/evaluation_report.h"
+#include "present/table.h"
+
+namespace vpr {
+
+/// "method on query", for titles: the name that the user gave; else the method, and the score
+/// where it is not raw distances.
+std::string evaluation_title(const Json& report);
+/// The same, and c_l and t_r, or c_w and t_p.
+std::string title_with_settings(const Json& report);
+
+/// What the references of a report's matches are: frames, or places of FAB-MAP.
+std::string reference_word(const Json& report);
+
+/// What the scores of a report's matches are, with their unit.
+std::string score_words(const Json& report);
+
+/// Of a result: "Recognised in 17 of 111 frames, 3 of them wrong; the first right one at frame 21
+/// (2.1 s)." With frames_per_second, which is above 0, the time from the first frame to it. Where
+/// the ground truth is not known, all recognitions count alike. Of scores: "Best match right in 53
+/// of 111 frames (47.7 %)", and recognitions only by a threshold that the user chose; one chosen
+/// from the ground truth is called that.
+std::string summary_sentence(const Judgement& judgement, bool is_judged,
+                             std::optional<double> frames_per_second);
+
+/// One row: the setting and the counts of a result, or a matrix of scores and its best matches.
+Table report_table(const Json& report);
+
+/// One row: the counts of a report whose ground truth is not known.
+Table unjudged_table(const Json& report);
+
+/// The first 20 places of a sequence result, with the right and wrong hits of each; empty for other
+/// reports, and where there is none.
+std::string recognitions_text(const Json& report);
+
+/// One row: the counts by view. Only for a report that has them ("by_view").
+Table view_table(const Json& report);
+
+/// One row a protocol; there is at least one.
+Table protocols_table(const std::vector<ProtocolReport>& reports);
+
+/// What each ground truth is, in words: a line a protocol.
+std::string protocols_notes(const std::vector<ProtocolReport>& reports);
+
+}  // namespace vpr

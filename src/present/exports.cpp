@@ -1,0 +1,158 @@
+#include "present/exports.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/csv.h"
+#include "present/html_page.h"
+#include "run/evaluate.h"
+#include "truth/times.h"
+
+namespace vpr {
+namespace {
+
+// By Verdict and Fix.
+constexpr std::array<std::string_view, 4> kVerdictWords = {"right", "wrong", "ignored",
+                                                           "unreadable"};
+constexpr std::array<std::string_view, 4> kFixWords = {"none", "right", "wrong", "ignored"};
+
+std::string prefix(const std::string& name, const std::string& query) {
+  return csv_field(name) + "," + csv_field(query) + ",";
+}
+
+/// Where each query frame is said to be; nothing for frames without a fix.
+std::vector<std::optional<FrameMatch>> fix_matches(const Evaluation& evaluation) {
+  const Judgement& judgement = evaluation.judgement;
+  std::vector<std::optional<FrameMatch>> matches(judgement.fixes.size());
+  if (!evaluation.result) {
+    for (const QueryOutcome& query : judgement.outcomes.queries)
+      if (judgement.fixes[query.frame] != Fix::none) matches[query.frame] = query.best;
+    return matches;
+  }
+  const Result& result = evaluation.result->result;
+  const std::vector<const Match*> hits = fixing_hits(result);
+  for (size_t frame = 0; frame < hits.size(); ++frame) {
+    if (hits[frame] == nullptr) continue;
+    const uint32_t sequence = result.places ? 0 : hits[frame]->target;
+    matches[frame] = FrameMatch{sequence, anchor_of(hits[frame]->train, result.window_length())};
+  }
+  return matches;
+}
+
+const Pose* position_of(const TrainPositions& positions, const FrameMatch& match) {
+  if (match.sequence >= positions.size()) return nullptr;
+  const auto& frames = positions[match.sequence];
+  if (match.reference >= frames.size() || !frames[match.reference]) return nullptr;
+  return &*frames[match.reference];
+}
+
+std::string time_of(const FrameClock& clock, size_t frame) {
+  if (frame < clock.sources.size()) frame = clock.sources[frame];
+  if (frame < clock.times_ns.size()) return time_text(clock.times_ns[frame]);
+  const double rate = clock.frames_per_second.value_or(1);
+  return fmt::format("{:.6f}", static_cast<double>(frame) / rate);
+}
+
+}  // namespace
+
+std::string outcomes_csv_header() {
+  return "name,query,first_frame,frame,sequence,train_frame,score,outcome,has_match,fix,rank,"
+         "margin\n";
+}
+
+std::string recognitions_csv_header() {
+  return "name,query,sequence,first_frame,frame,last_frame,train_first_frame,train_frame,"
+         "train_last_frame,hits,hits_right,hits_wrong,score,outcome\n";
+}
+
+std::string outcomes_csv(const Judgement& judgement, const std::string& name,
+                         const std::string& query_name) {
+  const std::string start = prefix(name, query_name);
+  const Outcomes& outcomes = judgement.outcomes;
+  std::string text;
+  for (const QueryOutcome& query : outcomes.queries) {
+    const std::string best =
+        query.best
+            ? fmt::format("{},{},{}",
+                          csv_field(judgement.layout.scope.sequences[query.best->sequence].name),
+                          query.best->reference, score_of_key(query.key, outcomes.kind))
+            : ",,";
+    text +=
+        fmt::format("{}{},{},{},{},{},{},{},{}\n", start, query.frame + 1 - outcomes.window_length,
+                    query.frame, best, kVerdictWords[static_cast<size_t>(query.verdict)],
+                    query.has_match        ? "yes"
+                    : query.is_unreachable ? "unreachable"
+                                           : "no",
+                    kFixWords[static_cast<size_t>(judgement.fixes[query.frame])],
+                    query.rank ? std::to_string(*query.rank) : "",
+                    query.margin ? fmt::format("{}", *query.margin) : "");
+  }
+  return text;
+}
+
+std::string recognitions_csv(const JudgedResult& judged, const std::string& name) {
+  const Result& result = judged.result;
+  const std::string start = prefix(name, result.query_name);
+  const size_t length = result.window_length();
+  const Clusters clusters = clusters_of(result);
+  std::string text;
+  for (size_t c = 0; c < judged.clusters.size(); ++c) {
+    const Cluster& cluster = clusters.all[c];
+    const JudgedCluster& one = judged.clusters[c];
+    const std::string& target = result.places ? result.places->names[cluster.train_window]
+                                              : result.targets[cluster.target].name;
+    text +=
+        fmt::format("{}{},{},{},{},{},{},{},{},{},{},{},{}\n", start, csv_field(target),
+                    cluster.query_first, anchor_of(cluster.query_window, length),
+                    anchor_of(cluster.query_last, length), cluster.train_first,
+                    anchor_of(cluster.train_window, length), anchor_of(cluster.train_last, length),
+                    cluster.hits, one.hits.correct, one.hits.incorrect, cluster.best_score,
+                    one.is_mixed()                       ? "mixed"
+                    : one.label == PlaceLabel::same      ? "right"
+                    : one.label == PlaceLabel::different ? "wrong"
+                                                         : "ignored");
+  }
+  return text;
+}
+
+std::string fix_trajectory(const Evaluation& evaluation, const TrainPositions& positions,
+                           const FrameClock& clock) {
+  const bool is_seconds = !clock.times_ns.empty() || clock.frames_per_second;
+  std::string text = fmt::format("# time{} x y z qx qy qz qw\n", is_seconds ? " (s)" : "");
+  const auto matches = fix_matches(evaluation);
+  for (size_t frame = 0; frame < matches.size(); ++frame) {
+    if (!matches[frame]) continue;
+    const Pose* pose = position_of(positions, *matches[frame]);
+    if (pose == nullptr) continue;
+    const auto& [x, y, z] = pose->position;
+    const std::string height = z == 0 ? "0" : fmt::format("{:.6f}", z);
+    text += fmt::format("{} {:.6f} {:.6f} {} 0 0 0 1\n", time_of(clock, frame), x, y, height);
+  }
+  return text;
+}
+
+std::string junit_xml(const std::string& suite, const std::string& file,
+                      std::span<const CheckedValue> values) {
+  const auto failures = std::ranges::count(values, false, &CheckedValue::is_met);
+  const std::string counts = fmt::format("tests=\"{}\" failures=\"{}\"", values.size(), failures);
+  const std::string name = html_escaped(suite);
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {0}>\n  <testsuite name=\"{1}\" "
+      "{0} errors=\"0\" skipped=\"0\" file=\"{2}\">\n",
+      counts, name, html_escaped(file));
+  for (const CheckedValue& value : values) {
+    xml += fmt::format("    <testcase classname=\"{}\" name=\"{}\"", name, html_escaped(value.key));
+    if (value.is_met) {
+      xml += "/>\n";
+      continue;
+    }
+    xml += fmt::format(
+        ">\n      <failure message=\"{}\"/>\n    </testcase>\n",
+        html_escaped(fmt::format("expected {}, found {}", value.expected, value.found)));
+  }
+  return xml + "  </testsuite>\n</testsuites>\n";
+}
+
+}  // namespace vpr

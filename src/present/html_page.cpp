@@ -1,0 +1,153 @@
+#include "present/html_page.h"
+
+#include <cassert>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+
+namespace vpr {
+namespace {
+
+#include "html_parts.inc"
+
+}  // namespace
+
+std::string html_escaped(std::string_view text) {
+  // The JSON writer knows UTF-8: what it would replace is replaced here, too.
+  const std::string clean =
+      Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace))
+          .get<std::string>();
+  std::string escaped;
+  for (const char c : clean) {
+    const auto byte = static_cast<uint8_t>(c);
+    if (c == '&')
+      escaped += "&amp;";
+    else if (c == '<')
+      escaped += "&lt;";
+    else if (c == '>')
+      escaped += "&gt;";
+    else if (c == '"')
+      escaped += "&quot;";
+    else if (c == '\'')
+      escaped += "&#39;";
+    else if ((byte < 32 && c != '\n' && c != '\t') || byte == 127)
+      escaped += "\xef\xbf\xbd";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+std::string base64(std::span<const std::byte> bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t count = std::min<size_t>(3, bytes.size() - i);
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 | (k < count ? static_cast<uint32_t>(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string script_json(const Json& json) {
+  std::string text;
+  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))
+    text += c == '<' ? "\\u003c" : std::string(1, c);
+  return text;
+}
+
+std::string fill_page(std::string_view page, const std::map<std::string, std::string>& parts) {
+  std::string filled;
+  for (;;) {
+    const size_t begin = page.find("{{");
+    const size_t end = begin == std::string_view::npos ? begin : page.find("}}", begin);
+    if (end == std::string_view::npos) return filled.append(page);
+    filled.append(page.substr(0, begin));
+    const auto part = parts.find(std::string(page.substr(begin + 2, end - begin - 2)));
+    assert(part != parts.end());
+    if (part != parts.end()) filled += part->second;
+    page.remove_prefix(end + 2);
+  }
+}
+
+const HtmlParts& html_parts() {
+  static constexpr HtmlParts kParts = {kPage,   kComparisonPage, kStyle,
+                                       kScript, kHoverScript,    kLabelScript};
+  return kParts;
+}
+
+std::string scroll_begin(const std::string& escaped_title) {
+  return "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + escaped_title +
+         "\">";
+}
+
+std::string table_html(const Table& table) {
+  const std::string title = html_escaped(table.title);
+  std::string html = "<p class=\"note\">" + title + "</p>" + scroll_begin(title) +
+                     "<table aria-label=\"" + title + "\"><thead><tr>";
+  for (const std::string& column : table.columns)
+    html += "<th scope=\"col\">" + html_escaped(column) + "</th>";
+  html += "</tr></thead><tbody>";
+  for (size_t row = 0; row < table.rows.size(); ++row) {
+    html += "<tr>";
+    for (size_t column = 0; column < table.columns.size(); ++column) {
+      const std::string cell = html_escaped(table.rows[row][column]);
+      html += table.best.contains({row, column}) ? "<td><b>" + cell + "</b></td>"
+                                                 : "<td>" + cell + "</td>";
+    }
+    html += "</tr>";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string list_html(const Json& object) {
+  std::string html;
+  for (const auto& item : object.items()) {
+    std::string key = item.key();
+    for (char& c : key)
+      if (c == '_') c = ' ';
+    const std::string value =
+        item.value().is_string()
+            ? item.value().get<std::string>()
+            : item.value().dump(-1, ' ', false, Json::error_handler_t::replace);
+    html += "<dt>" + html_escaped(key) + "</dt><dd>" + html_escaped(value) + "</dd>\n";
+  }
+  return html;
+}
+
+std::string legend_html(const std::vector<Meaning>& meanings) {
+  std::string html;
+  for (const Meaning meaning : meanings)
+    html += fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ",
+                        colour_of(meaning).name, colour_of(meaning).words);
+  return html;
+}
+
+std::string legend_html(const std::vector<std::string>& series) {
+  std::string html;
+  for (size_t i = 0; i < series.size(); ++i)
+    html += fmt::format("<span class=\"entry\"><span class=\"key series-{}\"></span>{}</span> ",
+                        i % series_colours().size(), html_escaped(series[i]));
+  return html;
+}
+
+std::string sections_page(const std::string& title, const std::string& summary,
+                          const std::string& subtitle, const std::string& sections,
+                          const Json& protocol, const Json& provenance) {
+  return fill_page(html_parts().comparison_page,
+                   {{"title", html_escaped(title)},
+                    {"summary", html_escaped(summary)},
+                    {"subtitle", html_escaped(subtitle)},
+                    {"style", palette_css() + std::string(html_parts().style)},
+                    {"sections", sections},
+                    {"protocol", list_html(protocol)},
+                    {"provenance", list_html(provenance)}});
+}
+
+}  // namespace vpr

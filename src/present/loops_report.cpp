@@ -1,0 +1,328 @@
+#include "present/loops_report.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "evaluate/metrics.h"
+#include "present/evaluation_charts.h"
+#include "present/html_page.h"
+#include "present/metrics_report.h"
+#include "present/route_map.h"
+#include "truth/times.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostLines = 20;  // of a list of mistakes
+
+Json share(uint64_t part, uint64_t whole) {
+  if (whole == 0) return nullptr;
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+Json seconds(int64_t nanoseconds) { return static_cast<double>(nanoseconds) / double{kSecond}; }
+
+std::string gap_words(const LoopGap& gap) {
+  return gap.nanoseconds ? fmt::format("{} s", time_text(*gap.nanoseconds))
+                         : counted(gap.frames, "frame");
+}
+
+Json protocol_json(const LoopsEvaluation& evaluation) {
+  const LoopRules& rules = evaluation.rules;
+  Json protocol = {
+      {"radius_m", rules.radius_m},
+      {"gap_s", rules.gap.nanoseconds ? seconds(*rules.gap.nanoseconds) : Json()},
+      {"gap_frames", rules.gap.nanoseconds ? Json() : Json(rules.gap.frames)},
+      {"loop",
+       fmt::format("a loop is right if its two positions are within {} m, and one is at least {} "
+                   "before the other; closer in time it is left out, neither right nor wrong",
+                   rules.radius_m, gap_words(rules.gap))},
+      {"frames",
+       "a frame has a loop if any frame so long before it is that near; recall is the share of "
+       "these frames of which a right loop is listed, and precision the share of right loops"},
+      {"revisits", "consecutive frames with a loop are one revisit, found by one right loop"}};
+  if (evaluation.judgement.curve) {
+    protocol["scores_are"] = enum_name(rules.order);
+    protocol["curve"] =
+        "a threshold accepts the best loop of each frame if it scores at least as good; equal "
+        "scores are accepted together; of equals the best is the first that is listed";
+  }
+  return protocol;
+}
+
+Json trajectory_json(const Trajectory& trajectory) {
+  const auto known =
+      static_cast<size_t>(std::count_if(trajectory.poses.begin(), trajectory.poses.end(),
+                                        [](const auto& pose) { return pose.has_value(); }));
+  return {{"frames", trajectory.poses.size()},
+          {"poses", known},
+          {"duration_s", trajectory.times_ns.empty()
+                             ? Json()
+                             : seconds(trajectory.times_ns.back() - trajectory.times_ns.front())}};
+}
+
+Json wrong_loops_json(const LoopJudgement& judgement) {
+  Json wrong = Json::array();
+  for (const JudgedLoop& judged : judgement.loops) {
+    if (judged.label != PlaceLabel::different) continue;
+    Json row = {{"line", judged.loop.line},
+                {"query", judged.loop.query},
+                {"match", judged.loop.match},
+                {"distance_m", judged.distance_m}};
+    if (judged.loop.score) row["score"] = *judged.loop.score;
+    wrong.push_back(row);
+  }
+  return wrong;
+}
+
+Json missed_json(const LoopJudgement& judgement) {
+  Json missed = Json::array();
+  for (const Revisit& revisit : judgement.revisits)
+    if (!revisit.is_found) missed.push_back({{"first", revisit.first}, {"last", revisit.last}});
+  return missed;
+}
+
+Json longest_missed_json(const LoopJudgement& judgement) {
+  const auto longest = judgement.longest_missed();
+  if (!longest) return nullptr;
+  return {{"first", longest->first}, {"last", longest->last}};
+}
+
+uint64_t length_of(const Json& stretch) {
+  if (stretch.is_null()) return 0;
+  return stretch["last"].get<uint64_t>() - stretch["first"].get<uint64_t>() + 1;
+}
+
+constexpr size_t kMostDrawn = 2000;  // librsvg takes minutes for 100 000 that cross each other
+
+/// The two coordinates with the largest extents, in their order: x and z of a camera that looks
+/// ahead, x and y of a map.
+std::array<size_t, 2> plan_axes(const Poses& poses) {
+  const std::array<double, 3> extents = extents_of(poses);
+  const auto flat = static_cast<size_t>(std::min_element(extents.rbegin(), extents.rend()).base() -
+                                        extents.begin() - 1);
+  return {flat == 0 ? size_t{1} : 0, flat == 2 ? size_t{1} : 2};
+}
+
+using Point = std::pair<double, double>;
+
+Point point_of(const Pose& pose, const std::array<size_t, 2>& axes) {
+  return {pose.position[axes[0]], pose.position[axes[1]]};
+}
+
+Series path_series(const Poses& poses, const std::array<size_t, 2>& axes) {
+  Series path{"trajectory", {}, SeriesStyle::line, Meaning::train_path};
+  for (const auto& pose : poses) path.points.push_back(pose ? point_of(*pose, axes) : kChartGap);
+  return path;
+}
+
+// Of more than kMostDrawn loops, those at even distances in the list; the legend says so.
+Series loop_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes,
+                   PlaceLabel label, const std::string& name) {
+  std::vector<const ListedLoop*> loops;
+  for (const JudgedLoop& judged : evaluation.judgement.loops)
+    if (judged.label == label) loops.push_back(&judged.loop);
+  Series lines{name, {}, SeriesStyle::line, meaning_of(label)};
+  const size_t drawn = std::min(loops.size(), kMostDrawn);
+  if (drawn < loops.size() && !name.empty())
+    lines.name += fmt::format(" ({} of {})", drawn, loops.size());
+  const Poses& poses = evaluation.trajectory.poses;
+  for (size_t i = 0; i < drawn; ++i) {
+    const ListedLoop& loop = *loops[i * loops.size() / drawn];
+    lines.points.insert(lines.points.end(), {point_of(*poses[loop.query], axes),
+                                             point_of(*poses[loop.match], axes), kChartGap});
+  }
+  return lines;
+}
+
+Series found_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
+  Series found{
+      "frame with a right loop", {}, SeriesStyle::points, Meaning::right, SeriesMark::disc};
+  for (size_t frame = 0; frame < evaluation.judgement.is_found.size(); ++frame)
+    if (evaluation.judgement.is_found[frame])
+      found.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
+  return found;
+}
+
+Series missed_series(const LoopsEvaluation& evaluation, const std::array<size_t, 2>& axes) {
+  Series missed{
+      "frame with a loop, none listed", {}, SeriesStyle::points, Meaning::missed, SeriesMark::dot};
+  const LoopJudgement& judgement = evaluation.judgement;
+  for (size_t frame = 0; frame < judgement.has_loop.size(); ++frame)
+    if (judgement.has_loop[frame] && !judgement.is_found[frame])
+      missed.points.push_back(point_of(*evaluation.trajectory.poses[frame], axes));
+  return missed;
+}
+
+/// The names of a chart's series, beside their colours.
+std::string legend_of(const Chart& chart) {
+  std::string html;
+  for (const Series& series : chart.series)
+    if (!series.name.empty() && series.meaning)
+      html += fmt::format("<span class=\"entry\"><span class=\"key {}\"></span>{}</span> ",
+                          colour_of(*series.meaning).name, html_escaped(series.name));
+  return html;
+}
+
+std::string figure(const Chart& chart) {
+  return fmt::format("<figure><figcaption>{}</figcaption>{}<p class=\"legend\">{}</p></figure>",
+                     chart.title, page_svg(chart), legend_of(chart));
+}
+
+std::string charts_html(const LoopsEvaluation& evaluation) {
+  Chart map = loops_map_chart(evaluation);
+  map.title = "Loops on the trajectory";
+  std::string html = "<div class=\"charts\">" + figure(map);
+  Chart curve = loops_curve_chart(evaluation);
+  curve.title = "Precision and recall";
+  curve.width = 650;
+  curve.height = 450;
+  if (!curve.series.empty()) html += figure(curve);
+  return html + "</div>";
+}
+
+}  // namespace
+
+Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
+  const LoopJudgement& judgement = evaluation.judgement;
+  const uint64_t right = judgement.count(PlaceLabel::same);
+  const uint64_t wrong = judgement.count(PlaceLabel::different);
+  Json json = {{"schema", "vpr.loops/1"}, {"name", evaluation.name}};
+  json["protocol"] = protocol_json(evaluation);
+  json["trajectory"] = trajectory_json(evaluation.trajectory);
+  json["loops"] = {{"listed", evaluation.list.loops.size()},
+                   {"repeated", judgement.repeated},
+                   {"too_near", judgement.count(PlaceLabel::ignore)},
+                   {"right", right},
+                   {"wrong", wrong},
+                   {"precision", share(right, right + wrong)}};
+  json["frames"] = {{"with_loop", judgement.frames_with_loop()},
+                    {"found", judgement.frames_found()},
+                    {"recall", share(judgement.frames_found(), judgement.frames_with_loop())},
+                    {"longest_missed", longest_missed_json(judgement)}};
+  json["revisits"] = {{"count", judgement.revisits.size()},
+                      {"found", judgement.revisits_found()},
+                      {"missed", missed_json(judgement)}};
+  json["wrong_loops"] = wrong_loops_json(judgement);
+  json["metrics"] = judgement.curve ? curve_metrics_json(*judgement.curve) : Json();
+  json["curve"] = judgement.curve ? curve_json(*judgement.curve) : Json();
+  json["provenance"] = provenance_json(run);
+  return json;
+}
+
+std::string loops_sentence(const Json& report) {
+  const Json& frames = report["frames"];
+  const Json& loops = report["loops"];
+  const auto judged = loops["right"].get<uint64_t>() + loops["wrong"].get<uint64_t>();
+  const auto wrong = loops["wrong"].get<uint64_t>();
+  const std::string of_loops =
+      fmt::format("{} of {} wrong.", wrong == 0 ? "None" : fmt::to_string(wrong),
+                  judged == 1 ? "1 loop is" : fmt::format("{} loops are", judged));
+  if (frames["with_loop"] == 0) return "No frame is near an earlier one. " + of_loops;
+  return fmt::format("{} {} of {} have a right loop; the longest stretch without one has {}.",
+                     of_loops, frames["found"].dump(),
+                     counted(frames["with_loop"].get<uint64_t>(), "frame near an earlier one",
+                             "frames near an earlier one"),
+                     counted(length_of(frames["longest_missed"]), "frame"));
+}
+
+Table loops_table(const Json& report) {
+  const Json& loops = report["loops"];
+  const Json& frames = report["frames"];
+  Table table;
+  table.title = fmt::format("{} (within {} m, {} apart)", report["name"].get<std::string>(),
+                            report["protocol"]["radius_m"].dump(),
+                            report["protocol"]["gap_s"].is_null()
+                                ? counted(report["protocol"]["gap_frames"].get<uint64_t>(), "frame")
+                                : report["protocol"]["gap_s"].dump() + " s");
+  const auto add = [&](const std::string& column, const std::string& cell) {
+    table.columns.push_back(column);
+    if (table.rows.empty()) table.rows.emplace_back();
+    table.rows[0].push_back(cell);
+  };
+  for (const char* key : {"listed", "right", "wrong"}) add(key, shown(loops[key]));
+  add("too near", shown(loops["too_near"]));
+  add("precision", shown(loops["precision"]));
+  add("frames with a loop", shown(frames["with_loop"]));
+  add("found", shown(frames["found"]));
+  add("recall", shown(frames["recall"]));
+  add("longest missed", std::to_string(length_of(frames["longest_missed"])));
+  add("revisits", shown(report["revisits"]["count"]));
+  add("revisits found", shown(report["revisits"]["found"]));
+  if (!report["metrics"].is_null())
+    for (const CurveMetric& metric : curve_metrics())
+      add(std::string(metric.column), shown(report["metrics"][std::string(metric.key)]));
+  return table;
+}
+
+std::string loops_mistakes(const Json& report) {
+  std::string text;
+  const auto add = [&](const Json& rows, const std::string& title, auto&& line) {
+    if (rows.empty()) return;
+    text += "\n" + title + "\n";
+    for (size_t i = 0; i < std::min(rows.size(), kMostLines); ++i)
+      text += "  " + line(rows[i]) + "\n";
+    if (rows.size() > kMostLines) text += fmt::format("  and {} more\n", rows.size() - kMostLines);
+  };
+  add(report["wrong_loops"], "Wrong loops:", [](const Json& row) {
+    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", row["line"].dump(),
+                       row["query"].dump(), row["match"].dump(), row["distance_m"].get<double>());
+  });
+  add(report["revisits"]["missed"], "Revisits without a right loop:", [](const Json& row) {
+    return fmt::format("frames {} to {}", row["first"].dump(), row["last"].dump());
+  });
+  return text;
+}
+
+Chart loops_curve_chart(const LoopsEvaluation& evaluation) {
+  Chart chart = precision_recall_chart(evaluation.name);
+  if (!evaluation.judgement.curve || evaluation.judgement.curve->points.empty()) return chart;
+  const Curve& curve = *evaluation.judgement.curve;
+  Series series{"best loop of every frame", {}, SeriesStyle::line, Meaning::best_matches};
+  series.points = curve_points(curve, 1000);
+  chart.series.push_back(series);
+  return chart;
+}
+
+Chart loops_map_chart(const LoopsEvaluation& evaluation) {
+  Chart chart{"loops", evaluation.name};
+  chart.is_plan = true;
+  chart.y.from_zero = false;
+  chart.width = 675;
+  const auto axes = plan_axes(evaluation.trajectory.poses);
+  Series right_lines = loop_series(evaluation, axes, PlaceLabel::same, "");
+  chart.series = {path_series(evaluation.trajectory.poses, axes), missed_series(evaluation, axes),
+                  right_lines, found_series(evaluation, axes),
+                  loop_series(evaluation, axes, PlaceLabel::different, "wrong loop")};
+  chart.series.push_back(scale_bar(chart.series));
+  std::erase_if(chart.series, [](const Series& drawn) { return drawn.points.empty(); });
+  return chart;
+}
+
+void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder) {
+  draw_chart(loops_map_chart(evaluation), folder);
+  const Chart curve = loops_curve_chart(evaluation);
+  if (!curve.series.empty()) draw_chart(curve, folder);
+}
+
+std::string loops_page(const LoopsEvaluation& evaluation, const Json& report) {
+  Json made = report["provenance"];
+  if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
+  const std::string mistakes = loops_mistakes(report);
+  const std::string sections =
+      "<section><h2>Numbers</h2>" + table_html(loops_table(report)) +
+      "</section>\n<section><h2>On the way</h2>" + charts_html(evaluation) + "</section>\n" +
+      (mistakes.empty() ? ""
+                        : "<section><h2>Mistakes</h2><pre>" + html_escaped(mistakes.substr(1)) +
+                              "</pre></section>");
+  return sections_page("Loop closures: " + evaluation.name, loops_sentence(report),
+                       report["protocol"]["loop"].get<std::string>(), sections, report["protocol"],
+                       made);
+}
+
+}  // namespace vpr

@@ -1,0 +1,306 @@
+#include "present/result_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "base/checksum.h"
+#include "base/json.h"
+#include "base/mapped_file.h"
+#include "base/npy.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file that are in memory at once
+
+/// Matches as they stand in two arrays: query, target and train, of places the view, too; and
+/// scores. A query without a best match has -1 for all others, and no number as its score.
+struct MatchColumns {
+  size_t columns = 3;
+  std::vector<int32_t> indices;
+  std::vector<double> scores;
+
+  void add(const Match& match) {
+    const std::array<uint32_t, 4> row = {match.query, match.target, match.train, match.view};
+    for (size_t c = 0; c < columns; ++c) indices.push_back(static_cast<int32_t>(row[c]));
+    scores.push_back(match.score);
+  }
+  void add_none(size_t query) {
+    indices.push_back(static_cast<int32_t>(query));
+    indices.insert(indices.end(), columns - 1, -1);
+    scores.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+};
+
+MatchColumns hit_columns(const Result& result) {
+  MatchColumns columns{result.places ? size_t{4} : size_t{3}, {}, {}};
+  columns.indices.reserve(columns.columns * result.hits.size());
+  for (const Match& hit : result.hits) columns.add(hit);
+  return columns;
+}
+
+MatchColumns best_columns(const Result& result) {
+  MatchColumns columns{result.places ? size_t{4} : size_t{3}, {}, {}};
+  for (size_t window = 0; window < result.best.size(); ++window)
+    result.best[window] ? columns.add(*result.best[window]) : columns.add_none(window);
+  return columns;
+}
+
+std::vector<double> margin_column(const Result& result) {
+  std::vector<double> margins;
+  for (const auto& margin : result.margins)
+    margins.push_back(margin.value_or(std::numeric_limits<double>::quiet_NaN()));
+  return margins;
+}
+
+// By query frame: the score of being nowhere, the rate, and the number of the track.
+std::vector<double> path_rows(const ResultPath& path) {
+  std::vector<double> rows;
+  for (size_t frame = 0; frame < path.nowhere.size(); ++frame)
+    rows.insert(rows.end(),
+                {path.nowhere[frame], path.rates[frame], static_cast<double>(path.tracks[frame])});
+  return rows;
+}
+
+// First frames of views: the query's with -1 for the target, then those of each target.
+std::vector<int32_t> view_rows(const ResultViews& views) {
+  std::vector<int32_t> rows;
+  const auto add = [&](int32_t target, const std::vector<uint32_t>& starts) {
+    for (const uint32_t frame : starts) {
+      rows.push_back(target);
+      rows.push_back(static_cast<int32_t>(frame));
+    }
+  };
+  add(-1, views.query);
+  for (size_t t = 0; t < views.train.size(); ++t) add(static_cast<int32_t>(t), views.train[t]);
+  return rows;
+}
+
+// Which frames of their recordings training frames are, one target after the other.
+std::vector<int32_t> kept_rows(const Result& result) {
+  std::vector<int32_t> rows;
+  for (const Target& target : result.targets)
+    if (target.kept)
+      rows.insert(rows.end(), target.kept->sources.begin(), target.kept->sources.end());
+  return rows;
+}
+
+/// Writes arrays beside a result, and notes them in its JSON.
+struct Companions {
+  const fs::path& path;
+  Outputs& outputs;
+  Json& files;
+
+  template <class T>
+  void write(const std::string& name, const std::vector<T>& values, size_t columns = 1) const {
+    std::vector<size_t> shape = {values.size() / columns};
+    if (columns > 1) shape.push_back(columns);
+    const std::string header = npy_header(npy_type<T>(), shape);
+    const auto bytes = std::as_bytes(std::span(values));
+    Output& file = outputs.file(companion_path(path, name + ".npy"));
+    ChecksumStream sum;
+    sum.add(std::as_bytes(std::span(header)));
+    sum.add(bytes);
+    file.write(header);
+    file.write(bytes);
+    files[name] = {{"rows", shape.front()}, {"checksum", sum.text()}};
+  }
+};
+
+Json query_json(const Result& result) {
+  Json json = {{"name", result.query_name},
+               {"frames", result.query_frames},
+               {"windows", result.query_windows},
+               {"unreadable", result.query_unreadable}};
+  if (result.query_fps) json["fps"] = *result.query_fps;
+  if (result.replay) add_replay(json, *result.replay);
+  if (result.places) json["featureless"] = result.places->featureless;
+  return json;
+}
+
+Json target_json(const Target& target, const Result& result) {
+  Json json = {{"name", target.name},
+               {"frames", target.frames},
+               {"windows", target.windows},
+               {"searched", target.searched}};
+  if (target.fps) json["fps"] = *target.fps;
+  if (target.kept) add_replay(json, *target.kept);
+  if (!target.searched || result.places) return json;
+  json["t_r"] = target.threshold ? Json(*target.threshold) : Json();
+  json["t_r_scale"] = enum_name(target.scale);
+  json["limit"] = target.distance_limit - result.score().offset(result.window_length());
+  if (target.max_distance) json["max_distance"] = *target.max_distance;
+  if (target.margin) json["margin"] = *target.margin;
+  return json;
+}
+
+Json extent_json(uint32_t window, uint32_t first, uint32_t last, size_t length) {
+  return {{"window", window},     {"anchor", anchor_of(window, length)},
+          {"first", first},       {"last", last},
+          {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
+}
+
+// What depends on neither method nor query: provenance, machine and timing.
+void add_context(Json& json, const ResultContext& context) {
+  json["provenance"] = provenance_json(context.run);
+  json["provenance"]["database"] = context.database_fingerprint;
+  json["provenance"]["query"] = context.query_fingerprint;
+  if (!context.fused_fingerprint.empty()) json["provenance"]["fused"] = context.fused_fingerprint;
+  json["machine"] = machine_json(context.run);
+  json["timing"] = timing_json(context.seconds);
+  if (!context.files.empty()) json["files"] = context.files;
+}
+
+Json number_or_null(double value) { return std::isnan(value) ? Json() : Json(value); }
+
+Json match_json(const Result& result, const Match& match) {
+  const size_t length = result.window_length();
+  return {{"sequence", result.targets[match.target].name},
+          {"frame", anchor_of(match.train, length)},
+          {"score", result.score().frame_value(match.score, length)},
+          {"sum", static_cast<int64_t>(match.score)}};
+}
+
+}  // namespace
+
+fs::path companion_path(const fs::path& result, const std::string& kind) {
+  fs::path path = result;
+  if (path.extension() == ".json") path.replace_extension();
+  return path += "." + kind;
+}
+
+void claim_result(const fs::path& path, Outputs& outputs) {
+  outputs.claim_file(path);
+  for (const char* kind : kResultArrays) outputs.claim_file(companion_path(path, kind));
+}
+
+std::string file_checksum(const fs::path& path, const Monitor& monitor) {
+  const MappedFile file(path);
+  ChecksumStream sum;
+  for (size_t at = 0; at < file.bytes().size(); at += kPieceBytes) {
+    check_stop(monitor);
+    const size_t size = std::min(kPieceBytes, file.bytes().size() - at);
+    sum.add(file.bytes().subspan(at, size));
+    file.forget(at, size);
+  }
+  return sum.text();
+}
+
+Json file_entry(const fs::path& path, size_t rows, const Monitor& monitor) {
+  return {{"rows", rows}, {"checksum", file_checksum(path, monitor)}};
+}
+
+std::string result_checksum(Json json) {
+  for (const char* key : {"machine", "timing", "checksum"}) json.erase(key);
+  return checksum(to_text(json));
+}
+
+Json clusters_json(const Clusters& clusters, size_t length) {
+  Json json = Json::array();
+  for (const Cluster& one : clusters.all)
+    json.push_back(
+        {{"target", one.target},
+         {"query", extent_json(one.query_window, one.query_first, one.query_last, length)},
+         {"train", extent_json(one.train_window, one.train_first, one.train_last, length)},
+         {"hits", one.hits},
+         {"best_score", static_cast<int64_t>(one.best_score)}});
+  return json;
+}
+
+Json result_json(const Result& result, const ResultContext& context) {
+  Json json = {{"schema", "vpr.result/2"}, {"method", method_of(result.settings)}};
+  json["settings"] = settings_in_force(result.settings);
+  if (result.statistics) {
+    json["statistics"] = value_to_json(result.statistics->settings);
+    json["statistics"]["typical_distance"] = result.statistics->typical_distance;
+  }
+  json["query"] = query_json(result);
+  json["targets"] = Json::array();
+  for (const Target& target : result.targets)
+    json["targets"].push_back(target_json(target, result));
+  if (result.places)
+    json["places"] = {{"names", result.places->names}, {"views", result.places->views}};
+  json["totals"] = {{"hits", result.hits.size()}};
+  if (result.recall)
+    json["recall"] = {{"windows", result.recall->windows},
+                      {"found_best", result.recall->found_best},
+                      {"hits", result.recall->hits},
+                      {"found_hits", result.hits.size()}};
+  if (result.clusters) {
+    json["totals"]["clusters"] = result.clusters->all.size();
+    json["clusters"] = clusters_json(*result.clusters, result.window_length());
+  }
+  if (context.verified_cells)
+    json["verification"] = {{"cells", *context.verified_cells}, {"differences", 0}};
+  if (context.matrix) json["matrix"] = *context.matrix;
+  if (context.scores) json["scores"] = *context.scores;
+  if (context.explanation) json["explanation"] = *context.explanation;
+  add_context(json, context);
+  return json;
+}
+
+Json write_result(const fs::path& path, const Result& result, const ResultContext& context,
+                  Outputs& outputs) {
+  Json json = result_json(result, context);
+  for (const Output* file : outputs.files_beside(path)) {
+    const auto known = context.checksums.find(file->path());
+    json["companions"][file->path().filename().string()] =
+        known != context.checksums.end() ? known->second : file_checksum(file->temporary());
+  }
+  const Companions companions{path, outputs, json["files"]};
+  const MatchColumns hits = hit_columns(result);
+  companions.write("hits", hits.indices, hits.columns);
+  companions.write("hit_scores", hits.scores);
+  const MatchColumns best = best_columns(result);
+  companions.write("best", best.indices, best.columns);
+  companions.write("best_scores", best.scores);
+  if (!result.best_rates.empty()) companions.write("best_rates", result.best_rates);
+  if (!result.margins.empty()) companions.write("margins", margin_column(result));
+  if (result.path) companions.write("path", path_rows(*result.path), 3);
+  if (result.views) companions.write("views", view_rows(*result.views), 2);
+  if (result.places) companions.write("new_place", result.places->new_place);
+  if (result.replay) {
+    const std::vector<uint32_t>& sources = result.replay->sources;
+    companions.write("source_frames", std::vector<int32_t>(sources.begin(), sources.end()));
+  }
+  if (const std::vector<int32_t> kept = kept_rows(result); !kept.empty())
+    companions.write("train_source_frames", kept);
+  json["checksum"] = result_checksum(json);
+  outputs.file(path).write(to_text(json));
+  return json;
+}
+
+Json live_line(const LineFrame& frame, const Result* result, size_t window) {
+  Json line = {{"schema", "vpr.live/1"},
+               {"frame", frame.number},
+               {"name", frame.name},
+               {"readable", frame.is_readable},
+               {"match", nullptr},
+               {"margin", nullptr},
+               {"nowhere", nullptr},
+               {"rate", nullptr},
+               {"hits", 0},
+               {"recognised", false}};
+  if (result == nullptr) return line;
+  const size_t length = result->window_length();
+  if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
+  if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
+  if (result->path) {
+    const double nowhere = result->path->nowhere[window];
+    line["nowhere"] = number_or_null(
+        std::isnan(nowhere) ? nowhere : result->score().frame_value(nowhere, length));
+    line["rate"] = number_or_null(result->path->rates[window]);
+  }
+  const auto hits = std::ranges::count(result->hits, window, &Match::query);
+  line["hits"] = hits;
+  line["recognised"] = hits > 0;
+  return line;
+}
+
+}  // namespace vpr

@@ -1,0 +1,51 @@
+#include "present/run_info.h"
+
+#include <array>
+#include <cmath>
+
+#include <unistd.h>
+
+#include "base/json.h"
+#include "base/provenance.h"
+
+namespace vpr {
+namespace {
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+}  // namespace
+
+Json provenance_json(const RunInfo& run) {
+  return {{"program", run.program},
+          {"version", program_version()},
+          {"commit", program_commit()},
+          {"seed", run.seed}};
+}
+
+Json machine_json(const RunInfo& run) {
+  Json json = {{"host", host_name()}, {"threads", run.threads}};
+  if (!run.simd_target.empty()) json["simd"] = run.simd_target;
+  if (run.memory_limit > 0) json["memory_limit"] = run.memory_limit;
+  json["command_line"] = run.command_line;
+  json["paths"] = Json::object();
+  for (const auto& [role, path] : run.paths) json["paths"][role] = path;
+  return json;
+}
+
+Json timing_json(const std::map<std::string, double>& seconds) {
+  Json json = Json::object();
+  for (const auto& [step, value] : seconds) json[step + "_s"] = std::round(value * 1e3) / 1e3;
+  return json;
+}
+
+void add_replay(Json& json, const Replay& replay) {
+  if (!replay.warp.empty())
+    json["warp"] = {
+        {"name", replay.warp}, {"seed", replay.seed}, {"frames", replay.recorded_frames}};
+  if (replay.fps > 0) json["thinned"] = {{"fps", replay.fps}, {"frames", replay.recorded_frames}};
+}
+
+}  // namespace vpr

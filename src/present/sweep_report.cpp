@@ -1,0 +1,422 @@
+#include "present/sweep_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
+
+#include "base/json.h"
+#include "base/text.h"
+#include "present/evaluation_report.h"
+#include "present/json_fields.h"
+#include "present/palette.h"
+
+namespace vpr {
+namespace {
+
+Json best_json(const BestMatchCounts& best) {
+  return {{"queries", best.queries}, {"correct", best.correct}, {"ignored", best.ignored}};
+}
+
+Json named_cell_json(const std::string& query, const CellCounts& cell, const Sweep& sweep) {
+  Json json = {{"query", query},
+               {std::string(sweep.score->window_symbol), cell.window},
+               {sweep.threshold_symbol, cell.threshold ? Json(*cell.threshold) : Json("auto")}};
+  if (cell.scale) json["t_r_scale"] = enum_name(*cell.scale);
+  json["counts"] = counts_json(cell.counts);
+  if (cell.untrained) json["untrained"] = *cell.untrained;
+  json["best_match"] = best_json(cell.counts.best_match);
+  return json;
+}
+
+// `first`: the index of the sweep's first cell among those of all sweeps.
+Json choice_json(const Sweep& sweep, size_t first) {
+  const Recommendation& choice = sweep.recommendation;
+  const auto index = [&](const std::optional<size_t>& cell) {
+    return cell ? Json(first + *cell) : Json();
+  };
+  Json json = {
+      {"name", sweep.query_name},
+      {"ground_truth", sweep.protocol},
+      {"recommended", index(choice.cell)},
+      {"recommended_settings",
+       sweep.recommended_settings ? settings_in_force(*sweep.recommended_settings) : Json()},
+      {"advice", enum_name(choice.advice)},
+      {"reason", reason_text(sweep)},
+      {"near_miss", index(choice.near_miss)},
+      {"nearest_error", index(choice.first_error)}};
+  json["pareto"] = Json::array();
+  for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
+  if (sweep.replay) add_replay(json, *sweep.replay);
+  if (sweep.intervals) {
+    json["intervals"] = {{"block", sweep.intervals->block},
+                         {"correct_hits", interval_json(sweep.intervals->correct_hits)},
+                         {"incorrect_hits", interval_json(sweep.intervals->incorrect_hits)}};
+    if (sweep.cells.front().counts.clusters) {
+      json["intervals"]["correct_places"] = interval_json(sweep.intervals->correct_places);
+      json["intervals"]["incorrect_places"] = interval_json(sweep.intervals->incorrect_places);
+    }
+  }
+  if (sweep.validation)
+    json["validation"] =
+        named_cell_json(sweep.validation->query_name, sweep.validation->cell, sweep);
+  return json;
+}
+
+std::string window_text(const CellCounts& cell) { return std::to_string(cell.window); }
+
+std::string threshold_text(const CellCounts& cell) {
+  return cell.threshold ? fmt::format("{}", *cell.threshold) : "auto";
+}
+
+/// The values of one setting, in the order in which they first occur.
+std::vector<std::string> distinct_texts(const Sweep& sweep,
+                                        std::string (*text)(const CellCounts&)) {
+  std::vector<std::string> values;
+  for (const CellCounts& cell : sweep.cells)
+    if (std::ranges::find(values, text(cell)) == values.end()) values.push_back(text(cell));
+  return values;
+}
+
+bool has_places(const Sweep& sweep) { return sweep.cells.front().counts.clusters.has_value(); }
+
+std::string cell_name(const Sweep& sweep, const CellCounts& cell) {
+  const std::string scale = cell.scale ? fmt::format(" ({})", enum_name(*cell.scale)) : "";
+  return fmt::format("{} {}, {} {}{}", sweep.score->window_symbol, cell.window,
+                     sweep.threshold_symbol, threshold_text(cell), scale);
+}
+
+/// The two texts of a cell in a table: right and wrong.
+using CellTexts = std::pair<std::string, std::string> (*)(const Counts&);
+
+std::pair<std::string, std::string> hit_texts(const Counts& counts) {
+  return {std::to_string(counts.hits.correct), std::to_string(counts.hits.incorrect)};
+}
+
+std::pair<std::string, std::string> place_texts(const Counts& counts) {
+  const std::string mixed =
+      counts.mixed_clusters > 0 ? fmt::format(" ({})", counts.mixed_clusters) : "";
+  return {std::to_string(counts.clusters->correct) + mixed,
+          std::to_string(counts.clusters->incorrect)};
+}
+
+std::pair<std::string, std::string> best_texts(const Counts& counts) {
+  const BestMatchCounts& best = counts.best_match;
+  return {std::to_string(best.correct), std::to_string(best.queries - best.ignored - best.correct)};
+}
+
+// A row of each query for each of the thresholds, or for the first of them.
+Table grid_table(const std::vector<Sweep>& sweeps, const std::string& title, CellTexts texts,
+                 bool every_threshold, bool star) {
+  Table table;
+  table.title = sweeps.size() > 1 ? title : sweeps.front().query_name + ": " + title;
+  if (sweeps.size() > 1) table.columns.emplace_back("query");
+  if (every_threshold) table.columns.push_back(sweeps.front().threshold_symbol);
+  for (const std::string& window : distinct_texts(sweeps.front(), window_text))
+    table.columns.insert(table.columns.end(), {window + " right", window + " wrong"});
+  for (const Sweep& sweep : sweeps) {
+    for (const std::string& threshold : distinct_texts(sweep, threshold_text)) {
+      std::vector<std::string>& row = table.rows.emplace_back();
+      if (sweeps.size() > 1) row.push_back(sweep.query_name);
+      if (every_threshold) row.push_back(threshold);
+      for (size_t c = 0; c < sweep.cells.size(); ++c) {
+        if (threshold_text(sweep.cells[c]) != threshold) continue;
+        auto [right, wrong] = texts(sweep.cells[c].counts);
+        if (star && sweep.recommendation.cell == c) right += "*";
+        row.insert(row.end(), {right, wrong});
+      }
+      if (!every_threshold) break;
+    }
+  }
+  return table;
+}
+
+std::string first_error_text(const Sweep& sweep) {
+  const Recommendation& choice = sweep.recommendation;
+  const std::string window =
+      fmt::format("{} {}", sweep.score->window_symbol, sweep.cells[*choice.cell].window);
+  if (!choice.first_error)
+    return fmt::format("{} has no incorrect hit in the whole grid.\n", window);
+  const CellCounts& error = sweep.cells[*choice.first_error];
+  const LabelCounts& hits = error.counts.hits;
+  if (hits.incorrect == 0)
+    return fmt::format("At {} {}, {} of {} would be wrong, were their places not trained.\n",
+                       sweep.threshold_symbol, threshold_text(error),
+                       counted(*error.untrained, "window"), window);
+  return fmt::format("The first error of {} is at {} {}: {}, {} correct.\n", window,
+                     sweep.threshold_symbol, threshold_text(error),
+                     counted(hits.incorrect, "incorrect hit"), hits.correct);
+}
+
+// Whether cells know what windows would reach were their places not trained.
+bool knows_untrained(const Sweep& sweep) {
+  return std::any_of(sweep.cells.begin(), sweep.cells.end(),
+                     [](const CellCounts& cell) { return cell.untrained.has_value(); });
+}
+
+// A recommendation holds on what it was not made from, or says that it may not.
+std::string promise_text(const Sweep& sweep) {
+  if (sweep.score == &probability_kind() || knows_untrained(sweep))
+    return "It may be wrong on another sequence.\n";
+  return "It may be wrong on another sequence: --decide margin generalizes better.\n";
+}
+
+std::string intervals_text(const SweepIntervals& intervals, bool with_places) {
+  const auto range = [](const Interval& interval) {
+    return fmt::format("{:.0f} to {:.0f}", interval.low, interval.high);
+  };
+  std::string text = fmt::format("Correct hits {}, incorrect {}", range(intervals.correct_hits),
+                                 range(intervals.incorrect_hits));
+  if (with_places)
+    text += fmt::format("; correct places {}, incorrect {}", range(intervals.correct_places),
+                        range(intervals.incorrect_places));
+  return text + fmt::format(" (95 %, blocks of {}).\n", counted(intervals.block, "frame"));
+}
+
+/// Names next to each other, one per unit.
+ChartAxis name_axis(std::string_view label, const std::vector<std::string>& names, bool is_down) {
+  ChartAxis axis{std::string(label)};
+  const auto end = static_cast<double>(names.size());
+  axis.range = is_down ? std::pair(end, 0.0) : std::pair(0.0, end);
+  for (size_t i = 0; i < names.size(); ++i)
+    axis.ticks.push_back({static_cast<double>(i) + 0.5, names[i]});
+  return axis;
+}
+
+Chart heat_chart(const Sweep& sweep, const std::string& what, uint64_t LabelCounts::*count,
+                 Meaning meaning) {
+  const auto windows = distinct_texts(sweep, window_text);
+  const auto thresholds = distinct_texts(sweep, threshold_text);
+  Chart chart{"heat-map", fmt::format("{}: {}", sweep.query_name, what)};
+  chart.x = name_axis(sweep.score->window_symbol, windows, false);
+  chart.y = name_axis(sweep.threshold_symbol, thresholds, true);
+  uint64_t most = 1;
+  for (const CellCounts& cell : sweep.cells) most = std::max(most, cell.counts.hits.*count);
+  cv::Mat image(static_cast<int>(thresholds.size()), static_cast<int>(windows.size()), CV_8UC3,
+                cv::Scalar::all(255));
+  Series numbers{"", {}, SeriesStyle::points, meaning, SeriesMark::none};
+  for (const CellCounts& cell : sweep.cells) {
+    const auto x = std::ranges::find(windows, window_text(cell)) - windows.begin();
+    const auto y = std::ranges::find(thresholds, threshold_text(cell)) - thresholds.begin();
+    const uint64_t hits = cell.counts.hits.*count;
+    // From white to the full color, by the square root of the share in the largest count.
+    const double share = std::sqrt(static_cast<double>(hits) / static_cast<double>(most));
+    cv::Vec3b& pixel = image.at<cv::Vec3b>(static_cast<int>(y), static_cast<int>(x));
+    const cv::Vec3b full = bgr_of(meaning);
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<uint8_t>(255 + share * (full[c] - 255));
+    numbers.points.emplace_back(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+    numbers.labels.push_back(std::to_string(hits));
+  }
+  chart.series = {numbers};
+  chart.image = chart_image(image, 1);
+  return chart;
+}
+
+}  // namespace
+
+Json sweep_json(std::string_view method, const QuerySettings& base,
+                const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds) {
+  Json json = {
+      {"schema", "vpr.sweep/1"}, {"method", method}, {"settings", settings_in_force(base)}};
+  for (const Sweep& sweep : sweeps)
+    for (const std::string& varied :
+         {std::string(sweep.score->window_symbol), sweep.threshold_symbol})
+      json["settings"].erase(varied);
+  json["cells"] = Json::array();
+  json["queries"] = Json::array();
+  for (const Sweep& sweep : sweeps) {
+    json["queries"].push_back(choice_json(sweep, json["cells"].size()));
+    for (const CellCounts& cell : sweep.cells)
+      json["cells"].push_back(named_cell_json(sweep.query_name, cell, sweep));
+  }
+  json["provenance"] = provenance_json(run);
+  json["machine"] = machine_json(run);
+  json["timing"] = timing_json({{"sweep", seconds}});
+  return json;
+}
+
+std::string config_text(const QuerySettings& settings) {
+  Json json = {{"schema", "vpr.config/1"}};
+  json.update(settings_in_force(settings));
+  return to_text(json);
+}
+
+Chart sweep_chart(const Sweep& sweep) {
+  Chart chart{"correct-incorrect", fmt::format("{}: hits", sweep.query_name), {"incorrect hits"}};
+  chart.x.from_zero = true;
+  chart.y.label = "correct hits";
+  const auto looseness = [&](const CellCounts* cell) {
+    return looseness_of(*cell, sweep.threshold_order);
+  };
+  for (const std::string& window : distinct_texts(sweep, window_text)) {
+    Series series{fmt::format("{} {}", sweep.score->window_symbol, window), {}};
+    std::vector<const CellCounts*> order;
+    for (const CellCounts& cell : sweep.cells)
+      if (window_text(cell) == window) order.push_back(&cell);
+    // From the strictest threshold to the loosest; automatic ones have no order and stand alone.
+    std::ranges::stable_sort(
+        order,
+        [](const auto& a, const auto& b) {
+          return a.has_value() != b.has_value() ? a.has_value() : a < b;
+        },
+        looseness);
+    for (const CellCounts* cell : order) {
+      if (!looseness(cell) && !series.points.empty()) {
+        series.points.push_back(kChartGap);
+        series.labels.emplace_back();
+      }
+      series.points.emplace_back(static_cast<double>(cell->counts.hits.incorrect),
+                                 static_cast<double>(cell->counts.hits.correct));
+      series.labels.push_back(sweep.threshold_symbol + " " + threshold_text(*cell));
+    }
+    chart.series.push_back(series);
+  }
+  return chart;
+}
+
+std::string heat_map_png(const std::vector<Sweep>& sweeps) {
+  std::vector<Chart> charts;
+  for (const Sweep& sweep : sweeps) {
+    charts.push_back(heat_chart(sweep, "correct hits", &LabelCounts::correct, Meaning::right));
+    charts.push_back(heat_chart(sweep, "incorrect hits", &LabelCounts::incorrect, Meaning::wrong));
+  }
+  return chart_png(charts, 2);
+}
+
+std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
+  const Sweep& first = sweeps.front();
+  const bool any_star = std::ranges::any_of(
+      sweeps, [](const Sweep& sweep) { return sweep.recommendation.cell.has_value(); });
+  std::vector<Table> tables = {
+      grid_table(sweeps,
+                 fmt::format("hits by {} and {}{}", first.threshold_symbol,
+                             first.score->window_symbol, any_star ? " (* recommended)" : ""),
+                 hit_texts, true, true)};
+  const bool any_mixed = std::ranges::any_of(sweeps, [](const Sweep& sweep) {
+    return std::ranges::any_of(
+        sweep.cells, [](const CellCounts& cell) { return cell.counts.mixed_clusters > 0; });
+  });
+  if (has_places(first))
+    tables.push_back(grid_table(
+        sweeps,
+        any_mixed ? "places, judged at their mean (in brackets: right there, but with wrong hits)"
+                  : "places",
+        place_texts, true, false));
+  tables.push_back(grid_table(sweeps, fmt::format("best matches by {}", first.score->window_symbol),
+                              best_texts, false, false));
+  return tables;
+}
+
+Table cells_table(const std::vector<Sweep>& sweeps) {
+  Table table;
+  table.columns = {"query",
+                   std::string(sweeps.front().score->window_symbol),
+                   sweeps.front().threshold_symbol,
+                   "scale",
+                   "hits_correct",
+                   "hits_incorrect",
+                   "hits_ignored",
+                   "places_correct",
+                   "places_mixed",
+                   "places_incorrect",
+                   "places_ignored",
+                   "distinct",
+                   "best_match_correct",
+                   "best_match_queries",
+                   "best_match_ignored",
+                   "pareto",
+                   "recommended"};
+  for (const Sweep& sweep : sweeps)
+    for (size_t c = 0; c < sweep.cells.size(); ++c) {
+      const CellCounts& cell = sweep.cells[c];
+      const auto& [hits, places, mixed, distinct, best] = cell.counts;
+      std::vector<std::string>& row = table.rows.emplace_back();
+      row = {sweep.query_name, window_text(cell), threshold_text(cell),
+             std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure)};
+      for (const uint64_t count : {hits.correct, hits.incorrect, hits.ignored})
+        row.push_back(std::to_string(count));
+      if (places)
+        for (const uint64_t count : {places->correct, mixed, places->incorrect, places->ignored})
+          row.push_back(std::to_string(count));
+      else
+        row.insert(row.end(), 4, "");
+      for (const uint64_t count : {distinct, best.correct, best.queries, best.ignored})
+        row.push_back(std::to_string(count));
+      const Recommendation& choice = sweep.recommendation;
+      const bool is_pareto = std::ranges::find(choice.pareto, c) != choice.pareto.end();
+      row.insert(row.end(), {is_pareto ? "yes" : "no", choice.cell == c ? "yes" : "no"});
+    }
+  return table;
+}
+
+std::string reason_text(const Sweep& sweep) {
+  const Recommendation& choice = sweep.recommendation;
+  const std::string& symbol = sweep.threshold_symbol;
+  const auto correct_hits = [&](const std::optional<size_t>& cell) {
+    return counted(sweep.cells[*cell].counts.hits.correct, "correct hit");
+  };
+  const auto near_miss = [&] {
+    return fmt::format("{} has {} and no incorrect one",
+                       cell_name(sweep, sweep.cells[*choice.near_miss]),
+                       correct_hits(choice.near_miss));
+  };
+  switch (choice.advice) {
+    case Advice::recommended:
+      if (sweep.cells[*choice.cell].untrained)
+        return correct_hits(choice.cell) +
+               ", the most of all settings that neither have an incorrect hit nor would, were the "
+               "places not trained";
+      return fmt::format(
+          "{}, the most of all settings without an incorrect hit at "
+          "this, every stricter and the next looser {}",
+          correct_hits(choice.cell), symbol);
+    case Advice::no_hits:
+      return "no setting has a hit";
+    case Advice::no_correct_hits:
+      return "all hits are incorrect; check that the ground truth belongs to this query";
+    case Advice::always_errors:
+      return fmt::format("every setting with a correct hit also has an incorrect one{}",
+                         knows_untrained(sweep) ? ", or would if its place were not trained" : "");
+    case Advice::next_errs:
+      return fmt::format("{}, but the next looser {} of the grid, {}, has one; add steps between",
+                         near_miss(), symbol, threshold_text(sweep.cells[*choice.first_error]));
+    case Advice::grid_ends:
+      return fmt::format("{}, but the grid has no looser {} that shows how near the first error is",
+                         near_miss(), symbol);
+    case Advice::only_automatic:
+      return fmt::format("an automatic {} has no next looser one to compare with; add numbers",
+                         symbol);
+  }
+  return {};
+}
+
+std::string recommendation_text(const Sweep& sweep) {
+  const Recommendation& choice = sweep.recommendation;
+  if (!choice.cell)
+    return fmt::format("{}: no recommendation: {}.\n", sweep.query_name, reason_text(sweep));
+  std::string text = fmt::format("{}: recommended: {}: {}.\n", sweep.query_name,
+                                 cell_name(sweep, sweep.cells[*choice.cell]), reason_text(sweep)) +
+                     first_error_text(sweep);
+  if (sweep.intervals) text += intervals_text(*sweep.intervals, has_places(sweep));
+  return text + promise_text(sweep);
+}
+
+std::string validation_text(const ValidatedCell& validation) {
+  const Counts& counts = validation.cell.counts;
+  const auto pair_text = [](const LabelCounts& labels) {
+    return fmt::format("{} right, {} wrong", labels.correct, labels.incorrect);
+  };
+  std::string text = fmt::format("On {}: hits {}", validation.query_name, pair_text(counts.hits));
+  if (counts.clusters)
+    text += fmt::format(
+        "; places {}{}", pair_text(*counts.clusters),
+        counts.mixed_clusters == 0
+            ? ""
+            : fmt::format(" ({} of the right ones with wrong hits)", counts.mixed_clusters));
+  const BestMatchCounts& best = counts.best_match;
+  return text +
+         fmt::format("; best matches {} of {} right.\n", best.correct, best.queries - best.ignored);
+}
+
+}  // namespace vpr

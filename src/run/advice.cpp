@@ -1,0 +1,118 @@
+#include "run/advice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "match/methods.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr double kMostHits = 0.2;   // of all cells
+constexpr size_t kFewest = 4;       // one frame in so many is reason to use the filter
+constexpr double kSameSpeed = 1.2;  // and its inverse
+
+// The median speed of the recognized frames; none if no speed is known.
+std::optional<double> recognized_rate(const Result& result) {
+  std::vector<double> rates;
+  for (const Match& hit : result.hits)
+    if (const double rate = result.path->rates[hit.query]; !std::isnan(rate)) rates.push_back(rate);
+  if (rates.empty()) return std::nullopt;
+  const auto middle = rates.begin() + static_cast<ptrdiff_t>(rates.size() / 2);
+  std::nth_element(rates.begin(), middle, rates.end());
+  return *middle;
+}
+
+constexpr double kAlike = 1.1;
+
+bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
+  const auto& only = settings.only_sequences;
+  return only.empty() || std::ranges::find(only, name) != only.end();
+}
+
+}  // namespace
+
+std::optional<std::string> too_many_hits(const Result& result) {
+  double train_windows = 0;
+  for (const Target& target : result.targets)
+    if (target.searched) train_windows += static_cast<double>(target.windows);
+  const auto queries = static_cast<double>(
+      std::ranges::count_if(result.best, [](const auto& best) { return best.has_value(); }));
+  const double share = static_cast<double>(result.hits.size()) / (train_windows * queries);
+  if (!(share > kMostHits)) return std::nullopt;
+  return fmt::format("{:.0f} % of all window pairs are hits: t_r is too large to tell places apart",
+                     100 * share);
+}
+
+std::string nothing_recognized(const Result& result) {
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  if (result.path)
+    return "Nothing is recognized: the query may show another place or the opposite direction.";
+  if (decision_kind(settings.decision).accepts == nullptr) {
+    const bool has_threshold = std::ranges::any_of(
+        result.targets, [](const Target& t) { return t.threshold.has_value(); });
+    return has_threshold ? "Nothing is recognized: no score is below t_r."
+                         : "Without a threshold there are no recognitions, only best matches.";
+  }
+  const bool has_margin =
+      std::ranges::any_of(result.margins, [](const auto& margin) { return margin.has_value(); });
+  return has_margin ? "Nothing is recognized: no best match has the margin."
+                    : "Nothing is recognized: no training frame is outside the exclusion zone "
+                      "(--margin-width) of a best match. Train longer sequences.";
+}
+
+std::string filter_finding(const SequenceDatabase& database, const DescriptorSet& query,
+                           const SequenceQuerySettings& settings, const QueryResources& resources,
+                           const Monitor& monitor) {
+  SequenceQuerySettings filter;
+  filter.method = "filter";
+  filter.only_sequences = settings.only_sequences;
+  filter.same_place = settings.same_place;
+  const Monitor silent = {{}, {}, monitor.stop};
+  const QueryResources plain = {resources.kernels, resources.memory_limit, 0, resources.seed};
+  const Result result =
+      run_query(plan_query(database, query, "", filter, plain, silent), plain, {}, silent).result;
+  if (result.hits.empty())
+    return "Nothing is recognized at any speed: the query may show another place or the opposite "
+           "direction.";
+  const size_t recognized = recognised_windows(result);
+  const std::string found =
+      fmt::format("{} of {}", recognized, counted(result.query_frames, "frame"));
+  if (kFewest * recognized < result.query_frames)
+    return fmt::format(
+        "Only {} are recognized at any speed (--method filter): most of the query may show another "
+        "place or the opposite direction.",
+        found);
+  const auto rate = recognized_rate(result);
+  if (rate && (*rate > kSameSpeed || *rate < 1 / kSameSpeed))
+    return fmt::format(
+        "At another speed (about {:.1f} training frames per query frame) {} are recognized: use "
+        "--method filter.",
+        *rate, found);
+  return fmt::format("The filter recognizes {}: use --method filter.", found);
+}
+
+void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
+                   const SequenceQuerySettings& settings, const Monitor& monitor) {
+  const bool has_windows = settings.window_length > 1 && settings.rates.empty();
+  if (!query_fps || !has_windows || has_paths(settings.method)) return;
+  for (const TrainSequence& sequence : database.sequences) {
+    if (!sequence.fps || !is_searched(settings, sequence.name)) continue;
+    const auto [slow, fast] = std::minmax(*sequence.fps, *query_fps);
+    if (fast <= kAlike * slow) continue;
+    warn(monitor,
+         fmt::format("the query has {:.3g} frames a second and the training sequence {} has "
+                     "{:.3g}, so that windows of both last differently: give {} --fps {:.3g}, or "
+                     "use --method filter, which finds the rate",
+                     *query_fps, sequence.name, *sequence.fps,
+                     slow == *query_fps ? "vpr-train" : "the query", slow));
+    return;
+  }
+}
+
+}  // namespace vpr

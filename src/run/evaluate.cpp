@@ -1,0 +1,152 @@
+#include "run/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "evaluate/judgement.h"
+#include "truth/route.h"
+
+namespace vpr {
+namespace {
+
+GroundTruth truth_of(const JudgedBy& by, GroundTruthScope scope, const Monitor& monitor) {
+  if (!by.ground_truth) return unknown_ground_truth(scope);
+  scope.query_names = by.query_names;
+  for (size_t s = 0; s < std::min(by.train_names.size(), scope.sequences.size()); ++s)
+    scope.sequences[s].names = by.train_names[s];
+  return read_ground_truth(*by.ground_truth, scope, monitor);
+}
+
+std::vector<double> way_of(const JudgedBy& by, const GroundTruthScope& scope,
+                           const Monitor& monitor) {
+  if (by.poses.empty()) return {};
+  return read_travelled(by.poses, scope.query_frames, monitor, scope.replay);
+}
+
+/// A query frame and the training frame that it is recognized as.
+struct Found {
+  size_t query = 0;
+  FrameMatch match;
+};
+
+// Recognitions of a result; without one, or where it has none, best matches.
+std::vector<Found> found_of(const Evaluation& evaluation) {
+  std::vector<Found> all;
+  if (evaluation.result) {
+    const Result& result = evaluation.result->result;
+    for (const Match* hit : fixing_hits(result))
+      if (hit != nullptr)
+        all.push_back({anchor_of(hit->query, result.window_length()),
+                       {hit->target, anchor_of(hit->train, result.window_length())}});
+  }
+  if (!all.empty()) return all;
+  for (const QueryOutcome& query : evaluation.judgement.outcomes.queries)
+    if (query.best && query.has_match) all.push_back({query.frame, *query.best});
+  return all;
+}
+
+size_t count_right(const GroundTruth& truth, const std::vector<Found>& all) {
+  return static_cast<size_t>(std::ranges::count_if(all, [&](const Found& one) {
+    return truth.label(one.query, one.match.sequence, one.match.reference) == PlaceLabel::same;
+  }));
+}
+
+// The one training sequence that is searched has another length than the query.
+std::optional<std::string> other_length(const Evaluation& evaluation, const JudgedBy& by) {
+  constexpr double kSameLength = 0.1;
+  if (by.ground_truth->format != "aligned" || by.ground_truth->options.reference_step)
+    return std::nullopt;
+  const GroundTruthScope& scope = evaluation.judgement.layout.scope;
+  const auto train =
+      std::ranges::find_if(scope.sequences, [](const auto& sequence) { return sequence.searched; });
+  const size_t frames = scope.replay ? scope.replay->recorded_frames : scope.query_frames;
+  const size_t train_frames = train->kept ? train->kept->recorded_frames : train->frames;
+  const double step = static_cast<double>(train_frames) / static_cast<double>(frames);
+  if (std::abs(step - 1) <= kSameLength) return std::nullopt;
+  return fmt::format("the query has {} and the training sequence {}: --reference-step {:.3g}?",
+                     counted(frames, "frame"), train_frames, step);
+}
+
+// Most recognitions are wrong: facts that tell a ground truth that does not fit from a method that
+// fails.
+void warn_of_truth(const Evaluation& evaluation, const JudgedBy& by, const Monitor& monitor) {
+  constexpr int64_t kMostOff = 10;  // frames; farther off, a match is wrong by any tolerance
+  const GroundTruth& truth = evaluation.truth;
+  const std::vector<Found> all = found_of(evaluation);
+  if (!truth.is_known || !by.ground_truth || 2 * count_right(truth, all) >= all.size()) return;
+  const char* noun = evaluation.result ? "recognitions" : "best matches";
+  GroundTruth wider = truth;
+  while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff) {
+    const size_t right = count_right(wider, all);
+    if (10 * right < 9 * all.size()) continue;
+    const std::string share = right == all.size() ? fmt::format("all {}", right)
+                                                  : fmt::format("{} of {}", right, all.size());
+    return warn(monitor,
+                fmt::format("{} {} are within {} of the ground truth: --tolerance {}?", share, noun,
+                            counted(wider.tolerance_frames, "frame"), wider.tolerance_frames));
+  }
+  if (const auto lengths = other_length(evaluation, by)) warn(monitor, *lengths);
+}
+
+void set_replay(GroundTruthScope& scope, const Replay& replay) {
+  if (replay.frames() != scope.query_frames)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("the scores are of {} of a query, and of {} the warp {} shows {}; give "
+                    "the warp, its seed and the number of frames that they were made with",
+                    counted(scope.query_frames, "frame"), counted(replay.recorded_frames, "frame"),
+                    replay.warp, replay.frames()));
+  scope.replay = replay;
+}
+
+}  // namespace
+
+Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, const JudgedBy& by,
+                           const Monitor& monitor) {
+  Evaluation evaluation;
+  evaluation.query_name = result.query_name;
+  const GroundTruthScope scope = scope_of(result);
+  evaluation.truth = truth_of(by, scope, monitor);
+  const GroundTruth& truth = evaluation.truth;
+  const std::vector<double> travelled_m = way_of(by, scope, monitor);
+  evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled_m, monitor)
+                                : judge(result, truth, travelled_m, monitor);
+  if (by.confidence) order_by(evaluation.judgement, *by.confidence);
+  if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
+  evaluation.judgement.stretch_frames = by.stretch_frames;
+  JudgedResult& judged = evaluation.result.emplace();
+  judged.counts = count_recognitions(result, truth, monitor);
+  judged.by_view = count_by_view(result, truth, monitor);
+  judged.clusters = judge_clusters(result, clusters_of(result), truth, monitor);
+  judged.result = std::move(result);
+  evaluation.matrix = std::move(matrix);
+  warn_of_truth(evaluation, by, monitor);
+  return evaluation;
+}
+
+Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
+                           const std::string& query_name, const JudgedBy& by,
+                           const Monitor& monitor) {
+  Evaluation evaluation;
+  evaluation.query_name = query_name;
+  evaluation.scores = settings;
+  ScoreLayout layout = layout_of(matrix, settings.window_length);
+  if (settings.replay) set_replay(layout.scope, *settings.replay);
+  evaluation.truth = truth_of(by, layout.scope, monitor);
+  const std::vector<double> travelled_m = way_of(by, layout.scope, monitor);
+  evaluation.judgement =
+      judge(matrix, layout, evaluation.truth, settings.threshold, travelled_m, monitor);
+  if (by.confidence) order_by(evaluation.judgement, *by.confidence);
+  if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
+  evaluation.judgement.stretch_frames = by.stretch_frames;
+  evaluation.fingerprint = matrix.fingerprint(monitor);
+  evaluation.matrix = std::move(matrix);
+  warn_of_truth(evaluation, by, monitor);
+  return evaluation;
+}
+
+}  // namespace vpr

@@ -1,0 +1,231 @@
+#include "run/fabmap_query.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "base/stopwatch.h"
+#include "fabmap/model.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr size_t kPosteriorsAtOnce = size_t{1} << 25;  // values that are in memory together
+constexpr size_t kMostFramesAtOnce = 64;
+
+void check_share(std::string_view name, double value) {
+  if (!(value >= 0 && value <= 1))
+    throw Error(ErrorKind::usage, fmt::format("{} must be from 0 to 1, found {}", name, value));
+}
+
+Match likeliest_view(size_t frame, std::span<const double> posterior,
+                     const std::vector<uint32_t>& place_of) {
+  const auto best = std::max_element(posterior.begin() + 1, posterior.end());
+  const auto view = static_cast<uint32_t>(best - posterior.begin() - 1);
+  return {static_cast<uint32_t>(frame), 0, place_of[view], view, *best};
+}
+
+// Views that frame `frame` may be at: with `loop`, of the recording only what lies more than the
+// gap behind.
+size_t known_views(const FabmapDatabase& searched, size_t query_frames, size_t frame,
+                   const FabmapQuerySettings& settings) {
+  if (!settings.loop) return searched.views.views();
+  const size_t from_database = searched.views.views() - query_frames;
+  return from_database + (frame > settings.loop_gap ? frame - settings.loop_gap : 0);
+}
+
+// What a view that was not known before starts from, where the motion model asks.
+void extend_previous(std::vector<double>& previous, size_t views, double smoothing) {
+  if (previous.empty() || previous.size() == views + 1) return;
+  previous.resize(views + 1, (1 - smoothing) / static_cast<double>(views + 1));
+}
+
+// What is known before the first frame is recognised.
+Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
+                   const std::string& query_name, const FabmapQuerySettings& settings) {
+  Result result;
+  result.settings = settings;
+  result.query_name = query_name;
+  result.query_frames = result.query_windows = query.frames.size();
+  result.query_unreadable = query.unreadable;
+  result.replay = query.replay;
+  result.query_fps = query.fps;
+  ResultPlaces& places = result.places.emplace();
+  places.names = searched.place_names();
+  places.views = searched.places().size();
+  places.featureless = featureless_frames(query);
+  Target& target = result.targets.emplace_back();
+  target.name = "places";
+  target.frames = target.windows = places.names.size();
+  return result;
+}
+
+std::vector<uint32_t> places_of(const FabmapDatabase& searched) {
+  std::vector<uint32_t> place_of = searched.places();
+  if (place_of.empty())
+    throw Error(ErrorKind::usage,
+                "the database has no places to recognise; train some, or use --loop to recognise "
+                "the query's own");
+  return place_of;
+}
+
+bool is_unreadable(const SequenceWords& query, size_t frame) {
+  return std::binary_search(query.unreadable.begin(), query.unreadable.end(), frame);
+}
+
+size_t frames_at_once(size_t views) {
+  return std::clamp(kPosteriorsAtOnce / views, size_t{2}, kMostFramesAtOnce);
+}
+
+// The pretraining frames whose average likelihood is the new place's.
+ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySettings& settings,
+                          uint64_t seed) {
+  const size_t all = database.pretrain.views();
+  if (settings.new_place_samples == 0 || settings.new_place_samples >= all)
+    return database.pretrain;
+  std::vector<size_t> order(all);
+  for (size_t i = 0; i < all; ++i) order[i] = i;
+  RandomEngine engine(seed);
+  for (size_t i = 0; i < settings.new_place_samples; ++i)
+    std::swap(order[i], order[i + uniform_below(engine, all - i)]);
+  ViewWords sample;
+  for (size_t i = 0; i < settings.new_place_samples; ++i)
+    sample.add(database.pretrain.view(order[i]));
+  return sample;
+}
+
+}  // namespace
+
+void check_query_settings(const FabmapQuerySettings& settings) {
+  check_share("t_p", settings.place_threshold);
+  check_share("posterior.smoothing", settings.posterior.smoothing);
+  check_share("posterior.motion_bias", settings.posterior.motion_bias);
+  if (!(settings.posterior.new_place_prior > 0 && settings.posterior.new_place_prior <= 1))
+    throw Error(ErrorKind::usage, "posterior.new_place_prior must be above 0 and at most 1");
+  if (settings.window < 1 || settings.window > 1'000'000)
+    throw Error(ErrorKind::usage,
+                fmt::format("c_w must be from 1 to 1000000, found {}", settings.window));
+  if (settings.lut_digits < 1 || settings.lut_digits > 12)
+    throw Error(ErrorKind::usage,
+                fmt::format("lut_digits must be from 1 to 12, found {}", settings.lut_digits));
+  find_fabmap_variant(settings.variant);
+}
+
+void append_hits(std::vector<Match>& hits, size_t frame, std::span<const double> posterior,
+                 const ViewWindow& window, uint64_t frames_in_a_row,
+                 const std::vector<uint32_t>& place_of) {
+  std::map<uint32_t, Match> found;
+  for (uint32_t view = 0; view + 1 < posterior.size(); ++view) {
+    if (window.run[view] < frames_in_a_row) continue;
+    const Match match{static_cast<uint32_t>(frame), 0, place_of[view], view, posterior[view + 1]};
+    const auto [entry, is_new] = found.emplace(match.train, match);
+    if (!is_new && match.score > entry->second.score) entry->second = match;
+  }
+  for (const auto& [place, match] : found) hits.push_back(match);
+}
+
+FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
+                          const std::string& query_name) {
+  FabmapDatabase extended = database;
+  ViewGroup group{query_name, false, query.names, query.unreadable};
+  group.frame_names.resize(query.frames.size());
+  add_group(extended, group, query.frames);
+  index_views(extended);
+  return extended;
+}
+
+FabmapRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                       const std::string& query_name, const FabmapQuerySettings& settings,
+                       uint64_t seed, const PosteriorObserver& observe, const Monitor& monitor) {
+  check_query_settings(settings);
+  if (settings.loop && query.replay)
+    throw Error(ErrorKind::usage,
+                "a query that is replayed (--warp) or thinned (--fps) can't be its own places "
+                "(--loop); give a range with a step, as in PATH@::6");
+  std::optional<FabmapDatabase> extended;
+  if (settings.loop) extended = with_query(database, query, query_name);
+  const FabmapDatabase& searched = extended ? *extended : database;
+  const std::vector<uint32_t> place_of = places_of(searched);
+  const size_t frames = query.frames.size();
+  FabmapRun run{make_result(searched, query, query_name, settings), {}};
+  Result& result = run.result;
+  Stopwatch watch;
+  const FabmapMatcher matcher(searched, settings, seed);
+  run.seconds["index"] = watch.elapsed_s();
+  watch = {};
+  StepCounter counter(monitor, "match", frames);
+  ViewWindow window;
+  std::vector<double> previous;
+  // Frames follow each other here: a posterior starts from the one before.
+  const auto fold = [&](size_t frame, std::span<const double> views, double new_place) {
+    const bool unreadable = is_unreadable(query, frame);
+    std::vector<double> posterior;
+    if (!unreadable) {
+      extend_previous(previous, views.size(), settings.posterior.smoothing);
+      posterior = fabmap_posterior(views, new_place, previous, settings.posterior);
+    }
+    // A frame without words resembles every view without words: its posterior is kept in files and
+    // by the motion model, but recognizes nothing.
+    const std::span<const double> shown =
+        query.frames[frame].empty() ? std::span<const double>{} : posterior;
+    if (observe) observe(frame, posterior);
+    window.add(shown, settings.place_threshold, views.size());
+    result.places->new_place.push_back(unreadable ? 0 : posterior[0]);
+    result.best.emplace_back();
+    if (!shown.empty() && !views.empty()) {
+      const Match best = likeliest_view(frame, posterior, place_of);
+      if (std::isfinite(views[best.view])) result.best.back() = best;
+    }
+    append_hits(result.hits, frame, shown, window, settings.window, place_of);
+    if (!unreadable) previous = std::move(posterior);
+  };
+  const size_t at_once = frames_at_once(place_of.size());
+  for (size_t begin = 0; begin < frames; begin += at_once) {
+    const size_t count = std::min(at_once, frames - begin);
+    std::vector<std::vector<double>> views(count);
+    std::vector<double> new_place(count);
+    parallel_for(count, monitor, [&](size_t i) {
+      const size_t frame = begin + i;
+      views[i] = matcher.views(query.frames[frame], known_views(searched, frames, frame, settings));
+      new_place[i] = matcher.new_place(query.frames[frame]);
+      counter.add();
+    });
+    for (size_t i = 0; i < count; ++i) fold(begin + i, views[i], new_place[i]);
+  }
+  run.seconds["match"] = watch.elapsed_s();
+  return run;
+}
+
+FabmapMatcher::FabmapMatcher(const FabmapDatabase& db, const FabmapQuerySettings& s, uint64_t seed)
+    : model(make_fabmap_model(db.tree, {s.p_seen_if_there, s.p_seen_if_not}, s.word_model)),
+      index(make_fabmap_index(model, db.views, db.index)),
+      samples(new_place_views(db, s, seed)),
+      sample_lists(make_word_index(samples, model.words())),
+      sample_index(make_fabmap_index(model, samples, sample_lists)),
+      unreadable(db.unreadable_views()),
+      database(db),
+      settings(s) {}
+
+std::vector<double> FabmapMatcher::views(const WordSet& words, size_t known_views) const {
+  std::vector<double> logs =
+      find_fabmap_variant(settings.variant)
+          .log_likelihoods({model, database.views, index, words, known_views,
+                            static_cast<int>(settings.lut_digits), unreadable});
+  for (const size_t view : unreadable)
+    if (view < logs.size()) logs[view] = -std::numeric_limits<double>::infinity();
+  return logs;
+}
+
+double FabmapMatcher::new_place(const WordSet& words) const {
+  if (settings.new_place == NewPlaceModel::mean_field) return new_place_mean_field(model, words);
+  return log_mean_exp(
+      fabmap2_log_likelihoods({model, samples, sample_index, words, samples.views()}));
+}
+
+}  // namespace vpr

@@ -1,0 +1,79 @@
+#include "run/given_query.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "match/components.h"
+
+namespace vpr {
+namespace {
+
+void append_frames(SequenceDatabase& database, const GivenDistances& given,
+                   const NamedArgument& argument) {
+  const FrameRange& range = argument.sequence.range;
+  const uint64_t last = range.last.value_or(given.references());
+  if (range.first >= last || last > given.references())
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("the training sequence {} has the range {}, and the matrix has {}",
+                    argument.name, range_text(range), counted(given.references(), "reference")));
+  for (const TrainSequence& before : database.sequences)
+    if (before.name == argument.name)
+      throw Error(ErrorKind::usage,
+                  fmt::format("two training sequences are called {}", argument.name));
+  TrainSequence& sequence = database.sequences.emplace_back();
+  sequence.name = argument.name;
+  const std::vector<size_t>& empty = given.empty_references();
+  for (uint64_t number = range.first; number < last; number += range.step) {
+    if (std::binary_search(empty.begin(), empty.end(), number))
+      sequence.unreadable.push_back(sequence.frame_names.size());
+    sequence.frame_names.push_back(fmt::format("#{}", number));
+    append_frame_numbers(database.descriptors.owned, number, 1);
+  }
+}
+
+// How far the distances of the first readable query frame are from their mean.
+double first_variance(const GivenQuery& made) {
+  const std::vector<DescriptorSpan> train = descriptor_spans(made.database);
+  const std::vector<FrameRun> queries = readable_runs(made.query.span());
+  const FrameDistances distances = frame_distances(train, made.query.span());
+  if (queries.empty() || distances.centred_frames == 0) return 0;
+  const auto query = static_cast<uint32_t>(queries.front().first);
+  const double mean = row_mean(distances, query);
+  std::vector<uint16_t> row(distances.train_frames + kStretchFrames);
+  distances.tile({&query, 1}, 0, distances.train_frames, row.data(), row.size());
+  double squares = 0;
+  for (const FrameRun& run : distances.train_runs)
+    for (size_t i = run.first; i < run.first + run.count; ++i)
+      squares += (row[i] - mean) * (row[i] - mean);
+  return squares / static_cast<double>(distances.centred_frames);
+}
+
+}  // namespace
+
+GivenQuery given_query(const GivenDistances& given, const std::vector<NamedArgument>& sequences) {
+  GivenQuery made;
+  made.database.descriptors.kind = &given_kind();
+  if (sequences.empty()) append_frames(made.database, given, {"references", {}});
+  for (const NamedArgument& sequence : sequences) append_frames(made.database, given, sequence);
+  made.query.descriptors.kind = &given_kind();
+  append_frame_numbers(made.query.descriptors.owned, 0, given.queries());
+  for (size_t i = 0; i < given.queries(); ++i)
+    made.query.frames.names.push_back(fmt::format("#{}", i));
+  made.query.frames.unreadable = given.empty_queries();
+  made.query.given = &given;
+  const size_t frames = made.database.descriptors.rows().size();
+  made.database.shared_places.emplace();
+  made.database.statistics =
+      TrainStatistics{{},
+                      0,
+                      std::vector<float>(frames, 0),
+                      std::vector<float>(frames, static_cast<float>(first_variance(made))),
+                      no_components(frames)};
+  return made;
+}
+
+}  // namespace vpr

@@ -1,0 +1,70 @@
+#include "run/lsh_query.h"
+
+#include <functional>
+
+#include "base/error.h"
+#include "base/stopwatch.h"
+#include "match/fastable_batch.h"
+#include "match/lsh.h"
+#include "run/query_steps.h"
+
+namespace vpr {
+namespace {
+
+void check(const SequenceQuerySettings& settings) {
+  if (settings.score != Score::raw || settings.decision != Decision::threshold ||
+      !settings.rates.empty())
+    throw Error(ErrorKind::usage,
+                "lsh finds some of the windows, by raw distances of one rate, and decides by "
+                "threshold: leave out --score, --decide and --rates, or use --method fastable");
+  if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
+    throw Error(ErrorKind::usage,
+                "lsh does not compute the largest distance, which a relative t_r needs; set t_r in "
+                "bits per frame, as in --t-r 200 --t-r-scale bits, or to auto");
+}
+
+SearchRecall recall_of(const HitScanResult& found, const HitScanResult& exact) {
+  SearchRecall recall;
+  recall.hits = exact.hits.size();
+  for (size_t window = 0; window < exact.best.size(); ++window) {
+    if (!exact.best[window]) continue;
+    ++recall.windows;
+    const auto& best = found.best[window];
+    if (best && best->score == exact.best[window]->score) ++recall.found_best;
+  }
+  return recall;
+}
+
+}  // namespace
+
+QueryRun query_lsh(const SequenceDatabase& database, const DescriptorSet& query,
+                   const std::string& query_name, const SequenceQuerySettings& settings,
+                   const QueryResources& resources, const Monitor& monitor) {
+  check(settings);
+  SequenceQuerySettings exact = settings;
+  exact.method = "fastable";
+  QueryPlan plan = plan_query(database, query, query_name, exact, resources, monitor);
+  plan.settings.method = settings.method;
+  const MatchSettings match{plan.settings.window_length, resources.memory_limit, resources.kernels,
+                            plan.settings.lsh, resources.seed};
+  const FrameDistances distances = searched_distances(plan);
+  QueryRun run;
+  Stopwatch watch;
+  HitScan some(scan_settings(plan, resources));
+  match_lsh(distances, match, monitor, std::ref(some));
+  const HitScanResult found = some.result();
+  run.result = make_result(plan, found);
+  run.seconds["match"] = watch.elapsed_s();
+  watch = {};
+  HitScan all(scan_settings(plan, resources));
+  match_fastable(distances, match, monitor, std::ref(all));
+  run.result.recall = recall_of(found, all.result());
+  run.seconds["recall"] = watch.elapsed_s();
+  watch = {};
+  cluster(run.result, monitor);
+  run.seconds["cluster"] = watch.elapsed_s();
+  run.result.views = find_views(plan);
+  return run;
+}
+
+}  // namespace vpr

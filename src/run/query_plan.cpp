@@ -1,0 +1,260 @@
+// What of a query is known before any distance is: plan_query.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "match/rates.h"
+#include "run/loop_query.h"
+#include "run/margin_plan.h"
+#include "run/query.h"
+#include "run/query_steps.h"
+#include "run/thresholds.h"
+#include "run/train.h"
+
+namespace vpr {
+namespace {
+
+void check_settings(const SequenceQuerySettings& settings) {
+  find_sequence_method(settings.method);
+  check_window_length(settings.window_length);
+  if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
+  if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
+    throw Error(ErrorKind::usage, "t_r must be a finite number or auto");
+  check_score(settings);
+  check_decision(settings);
+  if (has_paths(settings.method)) check_filter(settings.filter);
+  if (settings.clustering.eps < 0 || settings.clustering.eps > kMaxEps)
+    throw Error(ErrorKind::usage, fmt::format("clustering.eps must be from 0 to {}, found {}",
+                                              kMaxEps, settings.clustering.eps));
+}
+
+void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySettings& settings) {
+  std::vector<std::string> names;
+  for (const TrainSequence& sequence : sequences) names.push_back(sequence.name);
+  for (const std::string& name : settings.only_sequences)
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
+                                                name, fmt::join(names, ", ")));
+}
+
+void check_rates(const SequenceQuerySettings& settings) {
+  parse_rates(settings.rates);
+  if (!settings.rates.empty() && !find_sequence_method(settings.method).has_rates)
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has windows of rate 1 alone; --rates is for fastable and "
+                            "fastable-online",
+                            settings.method));
+}
+
+bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
+  const auto& only = settings.only_sequences;
+  return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+}
+
+void plan_windows(QueryPlan& plan, const Monitor& monitor) {
+  const uint64_t length = plan.settings.window_length;
+  plan.query_frames = plan.query.rows.size();
+  plan.query_unreadable.assign(plan.query.unreadable.begin(), plan.query.unreadable.end());
+  if (count_windows(readable_runs(plan.query), length) == 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("the query {} has {}, and no {} readable ones in a row (c_l); "
+                            "give a smaller --c-l",
+                            plan.query_name, counted(plan.query_frames, "frame"), length));
+  plan.query_windows = plan.query_frames - length + 1;
+  if (!plan.query_unreadable.empty())
+    warn(monitor, fmt::format("{}: {} of {} {} and will never match", plan.query_name,
+                              plan.query_unreadable.size(), counted(plan.query_frames, "frame"),
+                              plan.query.given ? "have no score" : "can't be decoded"));
+}
+
+void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
+                    const Monitor& monitor) {
+  const uint64_t length = plan.settings.window_length;
+  bool any = false;
+  for (size_t s = 0; s < plan.train.size(); ++s) {
+    Target& sequence = plan.sequences.emplace_back();
+    sequence.name = sequences[s].name;
+    sequence.frames = plan.train[s].rows.size();
+    sequence.fps = sequences[s].fps;
+    sequence.kept = sequences[s].kept;
+    sequence.windows = count_windows(readable_runs(plan.train[s]), length);
+    sequence.searched = is_searched(plan.settings, sequence.name);
+    if (!sequence.searched) continue;
+    any = any || sequence.windows > 0;
+    if (sequence.windows == 0)
+      warn(monitor, fmt::format("{}: has no {} readable frames in a row (c_l), so it can't be "
+                                "recognised",
+                                sequence.name, length));
+  }
+  if (!any)
+    throw Error(ErrorKind::usage,
+                fmt::format("no training sequence has {} readable frames in a row; give a smaller "
+                            "--c-l",
+                            length));
+}
+
+ThresholdTable compute_table(const SequenceDatabase& database, const MatchSettings& match,
+                             double safety_factor, const Monitor& monitor) {
+  return {match.window_length, safety_factor,
+          find_closest_windows(descriptor_spans(database), match, monitor)};
+}
+
+// What the database holds, or else computed. Closest windows of several rates depend on the
+// settings, and are computed for each query.
+ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
+                               const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings& settings = plan.settings;
+  MatchSettings match{settings.window_length, resources.memory_limit, resources.kernels};
+  match.rates = parse_rates(settings.rates);
+  if (!match.rates.empty())
+    return compute_table(database, match, settings.safety_factor.value_or(1), monitor);
+  const ThresholdTable* stored = find_thresholds(database.thresholds, settings.window_length);
+  if (stored == nullptr && is_left_to_queries(plan.train))
+    warn(monitor, fmt::format("the database has no automatic t_r for c_l {}: computing it, which "
+                              "takes a while; vpr-tune threshold DB --c-l {} --write keeps it",
+                              settings.window_length, settings.window_length));
+  const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
+  ThresholdTable table =
+      stored != nullptr ? *stored : compute_table(database, match, factor, monitor);
+  table.safety_factor = settings.safety_factor.value_or(table.safety_factor);
+  return table;
+}
+
+// A threshold that no windows of other places stand behind.
+void warn_of_guess(const std::string& sequence, const SequenceQuerySettings& settings,
+                   const Monitor& monitor) {
+  warn(monitor,
+       fmt::format(
+           "{}: no windows of {} frames show other places, so its automatic t_r is the "
+           "largest that one may be, which accepts wrong places; set a smaller --c-l, or use "
+           "--method filter",
+           sequence, settings.window_length));
+}
+
+void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
+                               const QueryResources& resources, const Monitor& monitor) {
+  check_automatic(database, plan.settings);
+  const AutomaticThresholds automatic =
+      automatic_thresholds(database, automatic_table(plan, database, resources, monitor), monitor);
+  warn_of_overlaps(database, automatic.table, monitor);
+  for (size_t s = 0; s < plan.sequences.size(); ++s) {
+    Target& sequence = plan.sequences[s];
+    if (!sequence.searched || !automatic.sequences[s]) continue;
+    sequence.threshold = automatic.sequences[s]->value;
+    if (!automatic.table.closest[s]) warn_of_guess(sequence.name, plan.settings, monitor);
+  }
+}
+
+void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
+                     const QueryResources& resources, const Monitor& monitor) {
+  const SequenceQuerySettings& settings = plan.settings;
+  if (!settings.distance_threshold && plan.query.given) return;  // there is no automatic one
+  if (!settings.distance_threshold && !settings.loop)
+    return plan_automatic_thresholds(plan, database, resources, monitor);
+  for (Target& sequence : plan.sequences) {
+    sequence.threshold = settings.distance_threshold;
+    sequence.scale = scale_of(settings);
+  }
+}
+
+// Limits that need no distances: automatic thresholds, and numbers that are not relative.
+void plan_limits(QueryPlan& plan) {
+  const uint64_t length = plan.settings.window_length;
+  for (size_t s = 0; s < plan.train.size(); ++s) {
+    Target& sequence = plan.sequences[s];
+    if (!sequence.threshold) continue;
+    if (sequence.scale == ThresholdScale::bits)
+      sequence.distance_limit = distance_limit(*sequence.threshold, static_cast<double>(length));
+    if (sequence.scale == ThresholdScale::mean_z)
+      sequence.distance_limit = score_limit(*sequence.threshold, length);
+  }
+}
+
+// Limits of all pairs, or margins of best matches.
+void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
+                   const QueryResources& resources, const Monitor& monitor) {
+  if (decision_kind(plan.settings.decision).accepts != nullptr)
+    return plan_margins(plan, database, resources, monitor);
+  plan_thresholds(plan, database, resources, monitor);
+  plan_limits(plan);
+}
+
+// What is known without a frame of the query. `asked`: as its frames are described.
+QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& asked,
+                     const DescriptorSpan& query, const std::string& query_name,
+                     const SequenceQuerySettings& given) {
+  const SequenceQuerySettings settings = with_implied(given);
+  check_settings(settings);
+  check_rates(settings);
+  check_names(database.sequences, settings);
+  check_descriptors(database.descriptors, asked, settings.window_length);
+  QueryPlan plan;
+  plan.settings = settings;
+  plan.settings.threshold_scale = scale_of(settings);
+  plan.query = query;
+  plan.train = descriptor_spans(database);
+  plan.learned = database.statistics ? &*database.statistics : nullptr;
+  plan.query_name = query_name;
+  return plan;
+}
+
+void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryResources& resources,
+                 const Monitor& monitor) {
+  const SequenceQuerySettings& settings = plan.settings;
+  plan_sequences(plan, database.sequences, monitor);
+  const bool has_widths = !(plan.query.given || settings.loop) || settings.margin_width;
+  if (has_widths) plan.elsewhere = plan_elsewhere(database, settings, resources.kernels, monitor);
+  plan_decision(plan, database, resources, monitor);
+  if (score_kind(settings.score).needs_statistics && plan.learned != nullptr)
+    plan.statistics = {plan.learned->settings, plan.learned->typical_distance};
+}
+
+}  // namespace
+
+QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const QueryResources& resources, const Monitor& monitor) {
+  refuse_loop(settings);
+  QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query_name, settings);
+  plan.replay = query.frames.replay;
+  plan.query_fps = query.frames.fps;
+  plan_windows(plan, monitor);
+  finish_plan(plan, database, resources, monitor);
+  return plan;
+}
+
+QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
+                    const std::string& query_name, const SequenceQuerySettings& settings,
+                    std::span<const int64_t> times_ns, const QueryResources& resources,
+                    const Monitor& monitor) {
+  check_loop(settings);
+  if (query.frames.replay)
+    throw Error(ErrorKind::usage, "a query that is replayed (--warp) has no past of its own");
+  QueryPlan plan = begin_plan(walk, query.descriptors, query.span(), query_name, settings);
+  plan.past = past_frames(loop_gap_of(settings), times_ns, query.rows().size());
+  plan_windows(plan, monitor);
+  finish_plan(plan, walk, resources, monitor);
+  if (plan.past.back() < plan.settings.window_length)
+    warn(monitor, fmt::format("{}: no window of {} frames is so long before another; give a "
+                              "smaller --loop-gap",
+                              query_name, plan.settings.window_length));
+  return plan;
+}
+
+QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
+                      const SequenceQuerySettings& settings, const QueryResources& resources,
+                      const Monitor& monitor) {
+  refuse_loop(settings);
+  const DescriptorSpan no_frame{{database.descriptors.rows().shape, {}}, {}};
+  QueryPlan plan = begin_plan(database, database.descriptors, no_frame, query_name, settings);
+  plan.query_frames = plan.settings.window_length;
+  plan.query_windows = 1;
+  finish_plan(plan, database, resources, monitor);
+  return plan;
+}
+
+}  // namespace vpr

@@ -1,0 +1,92 @@
+#include "run/query_steps.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "match/standardization.h"
+
+namespace vpr {
+namespace {
+
+constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
+constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
+
+// A sequence that is not searched has no frames, so that indices stay the same.
+std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
+  std::vector<DescriptorSpan> searched = plan.train;
+  for (size_t s = 0; s < searched.size(); ++s)
+    if (!plan.sequences[s].searched) searched[s] = {};
+  return searched;
+}
+
+}  // namespace
+
+void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
+                       uint64_t window_length) {
+  const std::string_view name = trained.kind->name;
+  if (name != asked.kind->name)
+    throw Error(ErrorKind::data,
+                fmt::format("frames of the database are described by {}, those of the query by {}; "
+                            "describe both by the same",
+                            name, asked.kind->name));
+  if (trained.shape() != asked.shape())
+    throw Error(
+        ErrorKind::data,
+        fmt::format("descriptors of the database have {} {}, those of the query {}; {}",
+                    trained.shape().length, element_words(trained.shape()), asked.shape().length,
+                    asked.rows().size() == trained.shape().length
+                        ? "is the query's array transposed? Rows are frames"
+                        : "describe both by the same"));
+  // Files hold sums over a window as signed numbers of 32 bits.
+  const uint64_t longest = std::numeric_limits<int32_t>::max() / largest_distance(trained.shape());
+  if (window_length > longest)
+    throw Error(ErrorKind::usage, fmt::format("c_l must be at most {} for frames described by {}, "
+                                              "found {}",
+                                              longest, name, window_length));
+}
+
+FrameDistances searched_distances(const QueryPlan& plan) {
+  return frame_distances(searched_sequences(plan), plan.query, plan.train);
+}
+
+std::vector<FrameRun> searched_runs(const QueryPlan& plan) {
+  return readable_runs(searched_sequences(plan));
+}
+
+bool needs_maxima(const QueryPlan& result) {
+  return result.settings.distance_threshold &&
+         scale_of(result.settings) == ThresholdScale::relative;
+}
+
+void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima) {
+  for (size_t s = 0; s < result.sequences.size(); ++s) {
+    Target& sequence = result.sequences[s];
+    if (!sequence.searched || sequence.windows == 0) continue;
+    sequence.max_distance = maxima[s];
+    sequence.distance_limit = distance_limit(*sequence.threshold, maxima[s]);
+  }
+}
+
+std::optional<ResultViews> find_views(const QueryPlan& plan) {
+  if (plan.learned == nullptr || plan.query.given) return std::nullopt;
+  const double typical = plan.learned->typical_distance;
+  ResultViews views{view_starts(plan.query, typical), {}};
+  for (const DescriptorSpan& sequence : plan.train)
+    views.train.push_back(view_starts(sequence, typical));
+  return views;
+}
+
+HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources) {
+  HitScanSettings settings;
+  for (const Target& sequence : result.sequences)
+    settings.limits.push_back(sequence.distance_limit);
+  settings.query_windows = result.query_windows;
+  settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
+  settings.kernels = resources.kernels;
+  return settings;
+}
+
+}  // namespace vpr

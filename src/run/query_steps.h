@@ -1,0 +1,35 @@
+// The steps that a query and a sweep over many settings share.
+#pragma once
+
+#include <vector>
+
+#include "run/query.h"
+
+namespace vpr {
+
+/// Throws Error(data) if database and query are described by different kinds, or by descriptors of
+/// different lengths, Error(usage) if c_l is longer than what sums of such distances allow.
+void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
+                       uint64_t window_length);
+
+/// The frame distances of the query to the training sequences. A sequence that is not searched has
+/// no frames, so that indices stay the same; rows are centred over all sequences.
+FrameDistances searched_distances(const QueryPlan& plan);
+
+/// The runs of these frames.
+std::vector<FrameRun> searched_runs(const QueryPlan& plan);
+
+/// Whether limits depend on the largest distances.
+bool needs_maxima(const QueryPlan& result);
+
+/// The limits of thresholds relative to max(D), by sequence.
+void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima);
+
+/// Stretches of similar frames in the query and the training sequences; none without a typical
+/// distance.
+std::optional<ResultViews> find_views(const QueryPlan& plan);
+
+/// A scan for hits below the result's limits.
+HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources);
+
+}  // namespace vpr

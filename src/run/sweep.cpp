@@ -1,0 +1,318 @@
+#include "run/sweep.h"
+
+#include <algorithm>
+#include <deque>
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "evaluate/matrix_scan.h"
+#include "match/fastable_batch.h"
+#include "match/rates.h"
+#include "run/query_steps.h"
+#include "run/score_basis.h"
+
+namespace vpr {
+
+namespace {
+
+/// One window length: a plan for each threshold, and what is found for all of them.
+struct LengthSweep {
+  std::vector<QueryPlan> planned;                  // as many as thresholds
+  HitScanResult found;                             // below the largest limit of any of them
+  std::vector<std::optional<uint32_t>> margins;    // where the decision asks for them
+  std::vector<std::optional<uint32_t>> untrained;  // the same
+};
+
+std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
+                                    const std::string& query_name,
+                                    const SequenceQuerySettings& base, const Grid& grid,
+                                    const QueryResources& resources, const Monitor& monitor) {
+  if (grid.windows.empty() || grid.thresholds.empty())
+    throw Error(ErrorKind::usage, "give at least one c_l and one t_r");
+  if (has_paths(base.method))
+    throw Error(ErrorKind::usage,
+                fmt::format("{} has neither c_l nor t_r, which a sweep is over; vpr-query --method "
+                            "{} needs no tuning",
+                            base.method, base.method));
+  // Each sentence once: most are the same for every setting.
+  std::set<std::string> said;
+  Monitor once = monitor;
+  once.warn = [&](const std::string& sentence) {
+    if (said.insert(sentence).second) warn(monitor, sentence);
+  };
+  std::vector<LengthSweep> sweeps;
+  for (const uint64_t length : grid.windows) {
+    LengthSweep& sweep = sweeps.emplace_back();
+    for (const auto& threshold : grid.thresholds) {
+      SequenceQuerySettings settings = base;
+      settings.window_length = length;
+      settings.*decision_kind(base.decision).setting = threshold;
+      sweep.planned.push_back(plan_query(database, query, query_name, settings, resources, once));
+    }
+  }
+  return sweeps;
+}
+
+bool any_relative(const std::vector<LengthSweep>& sweeps) {
+  return std::any_of(sweeps.front().planned.begin(), sweeps.front().planned.end(), needs_maxima);
+}
+
+// All lengths keep their hits at the same time: each may have its share of the memory.
+QueryResources share_of(QueryResources resources, size_t lengths) {
+  resources.memory_limit /= lengths;
+  return resources;
+}
+
+// Hits below the largest limit of any threshold, sequence by sequence.
+HitScanSettings widest_scan(const LengthSweep& sweep, const QueryResources& resources) {
+  HitScanSettings widest = scan_settings(sweep.planned.front(), resources);
+  for (const QueryPlan& plan : sweep.planned) {
+    const HitScanSettings settings = scan_settings(plan, resources);
+    for (size_t s = 0; s < widest.limits.size(); ++s)
+      widest.limits[s] = std::max(widest.limits[s], settings.limits[s]);
+  }
+  return widest;
+}
+
+// What every length finds below the largest limit of any threshold, all in one pass (and, where
+// limits are relative, one before it).
+void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
+            const QueryResources& resources, const Monitor& monitor) {
+  const QueryPlan& first = lengths.front().planned.front();
+  const std::optional<ScoreBasis> basis = score_basis(first.learned, first.settings);
+  std::vector<size_t> windows;
+  for (const LengthSweep& length : lengths)
+    windows.push_back(length.planned.front().settings.window_length);
+  const FrameDistances distances = searched_distances(first);
+  MatchSettings match{1, resources.memory_limit, resources.kernels};
+  match.rates = parse_rates(first.settings.rates);
+  const auto match_lengths = [&](const LengthRowConsumer& consume) {
+    match_fastable_lengths(scored(distances, basis, first, monitor), windows, match, monitor,
+                           consume);
+  };
+  if (any_relative(lengths)) {
+    std::deque<MaximumScan> maxima;
+    for (size_t l = 0; l < lengths.size(); ++l)
+      maxima.emplace_back(first.sequences.size(), resources.kernels);
+    match_lengths([&](size_t l, const ScoreRow& row) { maxima[l](row); });
+    for (size_t l = 0; l < lengths.size(); ++l) {
+      const std::vector<uint32_t> found = maxima[l].result();
+      for (QueryPlan& plan : lengths[l].planned)
+        if (needs_maxima(plan)) set_relative_limits(plan, found);
+    }
+  }
+  std::deque<HitScan> hits;
+  std::deque<MarginScan> margins;
+  std::deque<LabelledScan> labelled;
+  for (const LengthSweep& length : lengths) {
+    hits.emplace_back(widest_scan(length, share_of(resources, lengths.size())));
+    if (decision_kind(first.settings.decision).accepts == nullptr) continue;
+    const QueryPlan& plan = length.planned.front();
+    margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels);
+    labelled.emplace_back(truth, *first.elsewhere, plan.settings.window_length, plan.query_windows,
+                          resources.kernels);
+  }
+  match_lengths([&](size_t l, const ScoreRow& row) {
+    hits[l](row);
+    if (!margins.empty()) margins[l](row);
+    if (!labelled.empty()) labelled[l](row);
+  });
+  for (size_t l = 0; l < lengths.size(); ++l) {
+    lengths[l].found = hits[l].result();
+    if (margins.empty()) continue;
+    lengths[l].margins = margins[l].result().margins;
+    lengths[l].untrained = labelled[l].result();
+  }
+}
+
+// The result of one cell: what the widest search found below its own limits.
+Result cell_result(const QueryPlan& plan, const LengthSweep& length, const Monitor& monitor) {
+  const HitScanResult& widest = length.found;
+  const HitScanSettings limits = scan_settings(plan, {});
+  HitScanResult found{{}, widest.best};
+  for (const Cell& hit : widest.hits)
+    if (hit.score < limits.limits[hit.sequence]) found.hits.push_back(hit);
+  Result result = make_result(plan, found, length.margins);
+  cluster(result, monitor);
+  return result;
+}
+
+// Of a margin that is a number: windows that would reach it without their place.
+std::optional<uint64_t> untrained_windows(const LengthSweep& length, const QueryPlan& plan) {
+  const SequenceQuerySettings& settings = plan.settings;
+  if (length.untrained.empty() || !settings.margin) return std::nullopt;
+  const ScoreKind& kind = score_kind(settings.score);
+  return std::ranges::count_if(length.untrained, [&](const auto& margin) {
+    return margin && kind.frame_value(*margin, settings.window_length) >= *settings.margin;
+  });
+}
+
+void check_grid(const Grid& grid, const FabmapQuerySettings& base) {
+  if (grid.windows.empty() || grid.thresholds.empty())
+    throw Error(ErrorKind::usage, "give at least one c_w and one t_p");
+  if (base.loop)
+    throw Error(ErrorKind::usage, "a sweep has no loop mode; leave \"loop\" out of the settings");
+  for (const uint64_t window : grid.windows)
+    for (const auto& threshold : grid.thresholds) {
+      if (!threshold) throw Error(ErrorKind::usage, "t_p is a number, and never automatic");
+      FabmapQuerySettings settings = base;
+      settings.window = window;
+      settings.place_threshold = *threshold;
+      check_query_settings(settings);
+    }
+}
+
+// Windows that are drawn together.
+size_t block_of(const Result& result) {
+  constexpr size_t kFewestFrames = 8;  // about a second of walking
+  const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings);
+  const size_t block =
+      fabmap == nullptr ? result.window_length() : std::max<size_t>(fabmap->window, kFewestFrames);
+  return std::min(block, result.query_windows);
+}
+
+template <class T>
+void add_once(std::vector<T>& values, const T& value) {
+  if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+}
+
+// The scale of t_r; none of a probability.
+std::optional<ThresholdScale> threshold_scale(const Result& result) {
+  const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
+  if (settings == nullptr || decision_kind(settings->decision).accepts != nullptr)
+    return std::nullopt;
+  return settings->distance_threshold ? scale_of(*settings) : ThresholdScale::bits;
+}
+
+// What is swept beside the window.
+void name_threshold(Sweep& sweep, const QuerySettings& settings) {
+  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
+  const auto* decision = sequences == nullptr ? nullptr : &decision_kind(sequences->decision);
+  sweep.threshold_symbol = decision == nullptr ? sweep.score->threshold_symbol : decision->symbol;
+  sweep.threshold_order = decision == nullptr ? sweep.score->order : decision->order;
+}
+
+std::vector<CellCounts> counted_cells(const Grid& grid,
+                                      const std::function<Result(size_t cell)>& result_of,
+                                      const GroundTruth& truth,
+                                      const UntrainedWindows& untrained_of,
+                                      const Monitor& monitor) {
+  const size_t thresholds = grid.thresholds.size();
+  std::vector<CellCounts> cells(grid.windows.size() * thresholds);
+  StepCounter counter(monitor, "count", cells.size());
+  parallel_for(cells.size(), monitor, [&](size_t c) {
+    const Result result = result_of(c);
+    cells[c] = {grid.windows[c / thresholds], grid.thresholds[c % thresholds],
+                threshold_scale(result), count_recognitions(result, truth, monitor),
+                untrained_of ? untrained_of(c) : std::nullopt};
+    counter.add();
+  });
+  return cells;
+}
+
+}  // namespace
+
+Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
+                      const std::string& query_name, const SequenceQuerySettings& base,
+                      const Grid& grid, const TruthReader& read_truth,
+                      const QueryResources& resources, const Monitor& monitor) {
+  std::vector<LengthSweep> lengths =
+      plan_sweep(database, query, query_name, base, grid, resources, monitor);
+  const Result shape = make_result(lengths.front().planned.front());
+  const GroundTruth truth = read_truth(scope_of(shape));
+  search(lengths, truth, resources, monitor);
+  const size_t thresholds = grid.thresholds.size();
+  const auto result_of = [&](size_t cell) {
+    const LengthSweep& length = lengths[cell / thresholds];
+    return cell_result(length.planned[cell % thresholds], length, monitor);
+  };
+  const auto untrained_of = [&](size_t cell) {
+    const LengthSweep& length = lengths[cell / thresholds];
+    return untrained_windows(length, length.planned[cell % thresholds]);
+  };
+  return count_cells(shape, grid, result_of, truth, resources.seed, monitor, untrained_of);
+}
+
+Sweep sweep_fabmap(const FabmapDatabase& database, const SequenceWords& query,
+                   const std::string& query_name, const FabmapQuerySettings& base, const Grid& grid,
+                   const TruthReader& read_truth, uint64_t seed, const Monitor& monitor) {
+  check_grid(grid, base);
+  const std::vector<uint32_t> place_of = database.places();
+  const size_t thresholds = grid.thresholds.size();
+  std::vector<std::vector<Match>> hits(grid.windows.size() * thresholds);
+  std::vector<ViewWindow> windows(thresholds);
+  const auto observe = [&](size_t frame, std::span<const double> posterior) {
+    // A frame without words recognizes nothing.
+    const std::span<const double> shown =
+        query.frames[frame].empty() ? std::span<const double>{} : posterior;
+    for (size_t t = 0; t < thresholds; ++t) {
+      windows[t].add(shown, *grid.thresholds[t], place_of.size());
+      for (size_t w = 0; w < grid.windows.size(); ++w)
+        append_hits(hits[w * thresholds + t], frame, shown, windows[t], grid.windows[w], place_of);
+    }
+  };
+  const Result all = query_fabmap(database, query, query_name, base, seed, observe, monitor).result;
+  const auto result_of = [&](size_t cell) {
+    Result result = all;
+    FabmapQuerySettings settings = base;
+    settings.window = grid.windows[cell / thresholds];
+    settings.place_threshold = *grid.thresholds[cell % thresholds];
+    result.settings = settings;
+    result.hits = hits[cell];
+    return result;
+  };
+  return count_cells(all, grid, result_of, read_truth(scope_of(all)), seed, monitor);
+}
+
+Grid grid_of(std::span<const CellCounts> cells) {
+  Grid grid;
+  for (const CellCounts& cell : cells) {
+    add_once(grid.windows, cell.window);
+    add_once(grid.thresholds, cell.threshold);
+  }
+  return grid;
+}
+
+Sweep count_cells(const Result& shape, const Grid& grid,
+                  const std::function<Result(size_t cell)>& result_of, const GroundTruth& truth,
+                  uint64_t seed, const Monitor& monitor, const UntrainedWindows& untrained_of) {
+  Sweep sweep;
+  sweep.query_name = shape.query_name;
+  sweep.replay = shape.replay;
+  sweep.score = &shape.score();
+  name_threshold(sweep, shape.settings);
+  sweep.protocol = truth.protocol;
+  sweep.cells = counted_cells(grid, result_of, truth, untrained_of, monitor);
+  sweep.recommendation = recommend(sweep.cells, sweep.threshold_order);
+  if (!sweep.recommendation.cell) return sweep;
+  const Result recommended = result_of(*sweep.recommendation.cell);
+  sweep.recommended_settings = recommended.settings;
+  sweep.intervals = count_intervals(recommended, truth, seed);
+  return sweep;
+}
+
+SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, uint64_t seed) {
+  const size_t length = result.window_length();
+  const size_t block = block_of(result);
+  const auto interval = [&](const auto& matches, auto query_of, PlaceLabel wanted) {
+    std::vector<double> counts(result.query_windows, 0);
+    for (const auto& match : matches)
+      if (label_of(truth, match, length) == wanted) counts[query_of(match)] += 1;
+    return bootstrap_sum(counts, block, seed);
+  };
+  const auto of_hit = [](const Match& hit) { return hit.query; };
+  const auto of_cluster = [](const Cluster& cluster) { return cluster.query_window; };
+  SweepIntervals intervals{block, interval(result.hits, of_hit, PlaceLabel::same),
+                           interval(result.hits, of_hit, PlaceLabel::different)};
+  if (!result.clusters) return intervals;
+  const std::vector<Cluster>& clusters = result.clusters->all;
+  intervals.correct_places = interval(clusters, of_cluster, PlaceLabel::same);
+  intervals.incorrect_places = interval(clusters, of_cluster, PlaceLabel::different);
+  return intervals;
+}
+
+}  // namespace vpr

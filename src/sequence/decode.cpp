@@ -1,0 +1,197 @@
+#include "sequence/decode.h"
+
+#include <atomic>
+#include <cassert>
+#include <cerrno>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <unistd.h>
+
+#include "base/error.h"
+#include "base/mapped_file.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr std::string_view kJpegStart = "\xff\xd8\xff";
+constexpr size_t kMostScans = 100;  // usual progressive JPEGs have about 10
+
+bool has(std::string_view file, size_t at, std::string_view bytes) {
+  return file.size() > at && file.substr(at).starts_with(bytes);
+}
+
+// By signature: OpenCV has more decoders, of formats that cameras do not write, and some of them
+// crash on damaged files. DICOM is recognized by bytes that may follow any other signature.
+bool is_accepted_format(std::string_view file) {
+  using namespace std::string_view_literals;
+  if (has(file, 128, "DICM")) return false;
+  for (const std::string_view start :
+       {kJpegStart, "\x89PNG\r\n\x1a\n"sv, "II*\0"sv, "MM\0*"sv, "BM"sv})
+    if (file.starts_with(start)) return true;
+  const bool is_pnm = file.size() > 2 && file[0] == 'P' && "2356"sv.find(file[1]) != file.npos;
+  return is_pnm || (file.starts_with("RIFF") && has(file, 8, "WEBPVP8"));
+}
+
+struct JpegScans {
+  size_t count = 0;
+  size_t first = std::string_view::npos;
+};
+
+// Segments are skipped by their length: their previews have marks of their own.
+JpegScans jpeg_scans(std::string_view file) {
+  JpegScans scans;
+  const auto byte = [&](size_t i) { return static_cast<uint8_t>(file[i]); };
+  for (size_t at = file.find('\xff', 2); at < file.size() - 3; at = file.find('\xff', at)) {
+    const uint8_t mark = byte(at + 1);
+    const bool is_data = mark < 0xc0 || (mark >= 0xd0 && mark <= 0xd7);
+    if (mark == 0xd9) break;
+    if (mark == 0xda && scans.count++ == 0) scans.first = at;
+    if (mark == 0xff)  // a fill byte
+      ++at;
+    else
+      at += is_data ? 2 : 2 + (size_t{byte(at + 2)} << 8 | byte(at + 3));
+  }
+  return scans;
+}
+
+bool is_truncated(std::string_view jpeg, const JpegScans& scans) {
+  const size_t end = jpeg.rfind("\xff\xd9");
+  return scans.count == 0 || end == std::string_view::npos || end < scans.first;
+}
+
+// Beyond what check_frame_size may allow; OpenCV keeps to itself how large.
+[[noreturn]] void fail_as_too_large(const std::filesystem::path& path) {
+  throw Error(ErrorKind::usage,
+              fmt::format("{}: has more than 2^30 pixels, or 2^20 a side, which OpenCV does not "
+                          "decode; remove it, or make it smaller",
+                          path.string()));
+}
+
+constexpr uint64_t kMillion = 1'000'000;
+
+std::atomic<uint64_t> most_megapixels{kUsualMegapixels};
+
+// What is decoded in this thread; null outside a CodecScope. Neither OpenCV's allocators nor
+// streams tell who calls them.
+thread_local const std::filesystem::path* decoded_file = nullptr;
+
+/// OpenCV's own memory, unless it is for a picture that is too large. It must stand in for the
+/// allocator of all matrices: OpenCV takes that one where a single matrix's own refuses.
+class LimitedAllocator : public cv::MatAllocator {
+ public:
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, size_t* step,
+                         cv::AccessFlag access, cv::UMatUsageFlags usage) const override {
+    if (decoded_file != nullptr && dims == 2)
+      check_frame_size(*decoded_file, static_cast<uint64_t>(sizes[1]),
+                       static_cast<uint64_t>(sizes[0]));
+    return usual().allocate(dims, sizes, type, data, step, access, usage);
+  }
+  bool allocate(cv::UMatData* data, cv::AccessFlag access,
+                cv::UMatUsageFlags usage) const override {
+    return usual().allocate(data, access, usage);
+  }
+  void deallocate(cv::UMatData* data) const override { usual().deallocate(data); }
+
+ private:
+  static const cv::MatAllocator& usual() { return *cv::Mat::getStdAllocator(); }
+};
+
+// Before main(), since OpenCV does not guard the change against other threads.
+[[maybe_unused]] const bool kIsInstalled = [] {
+  static LimitedAllocator allocator;
+  cv::Mat::setDefaultAllocator(&allocator);
+  return true;
+}();
+
+// What the stream of mute_codecs() is written.
+ssize_t pass_on(void*, const char* bytes, size_t size) {
+  if (decoded_file != nullptr) return static_cast<ssize_t>(size);
+  size_t done = 0;
+  while (done < size) {
+    const ssize_t written = ::write(STDERR_FILENO, bytes + done, size - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) break;
+    done += static_cast<size_t>(written);
+  }
+  return static_cast<ssize_t>(done);
+}
+
+}  // namespace
+
+cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format) {
+  const auto fail = [&](std::string_view why) {
+    throw Error(ErrorKind::input,
+                fmt::format("{}: can't be decoded: {}; remove it, or give --skip-unreadable",
+                            path.string(), why));
+  };
+  const std::string file = read_whole_file(path);
+  if (file.empty()) fail("the file is empty");
+  if (!is_accepted_format(file)) fail("it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image");
+  if (file.starts_with(kJpegStart)) {
+    const JpegScans scans = jpeg_scans(file);
+    if (scans.count > kMostScans)
+      fail(fmt::format("the JPEG has {} scans, more than {}", scans.count, kMostScans));
+    if (is_truncated(file, scans)) fail("the JPEG is truncated");
+  }
+  if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
+    fail("the file is larger than 2 GiB");
+  const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
+  cv::Mat image;
+  try {
+    const CodecScope scope(path);
+    image =
+        cv::imdecode(bytes, format == PixelFormat::grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+  } catch (const cv::Exception& error) {
+    if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos) fail_as_too_large(path);
+    fail(error.err);
+  }
+  if (image.empty()) fail("it is damaged");
+  return image;
+}
+
+MegapixelLimit::MegapixelLimit(uint64_t megapixels) : before_(most_megapixels) {
+  if (megapixels < 1 || megapixels > kMostMegapixels)
+    throw Error(ErrorKind::usage, fmt::format("max_megapixels must be from 1 to {}, found {}",
+                                              kMostMegapixels, megapixels));
+  most_megapixels = megapixels;
+}
+
+MegapixelLimit::~MegapixelLimit() { most_megapixels = before_; }
+
+void check_frame_size(const std::filesystem::path& file, uint64_t width, uint64_t height) {
+  const uint64_t limit = most_megapixels;
+  if (width == 0 || height <= limit * kMillion / width) return;
+  const uint64_t needed = (width * height + kMillion - 1) / kMillion;
+  throw Error(
+      ErrorKind::usage,
+      fmt::format(
+          "{}: has {} x {} pixels, more than the {} megapixels that are allowed; {}", file.string(),
+          width, height, limit,
+          needed > kMostMegapixels
+              ? "remove it, or make it smaller"
+              : fmt::format("remove it, or give --max-megapixels {} if it is meant", needed)));
+}
+
+CodecScope::CodecScope(const std::filesystem::path& file) {
+  assert(decoded_file == nullptr);
+  decoded_file = &file;
+}
+
+CodecScope::~CodecScope() { decoded_file = nullptr; }
+
+// glibc lets a program set the stream.
+void mute_codecs() {
+  std::FILE* const stream = ::fopencookie(nullptr, "w", {nullptr, pass_on, nullptr, nullptr});
+  if (stream == nullptr) return;
+  std::setvbuf(stream, nullptr, _IONBF, 0);
+  stderr = stream;
+}
+
+}  // namespace vpr

@@ -1,0 +1,149 @@
+#include "sequence/video_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "sequence/decode.h"
+
+namespace vpr {
+
+cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
+  if (format != PixelFormat::grey || image.channels() != 3) return image.clone();
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+VideoReader::VideoReader(const SequenceArgument& argument, PixelFormat format)
+    : argument_(argument), format_(format) {
+  const std::string path = argument.path.string();
+  bool opened = false;
+  try {
+    const CodecScope scope(argument_.path);
+    opened = capture_.open(path, cv::CAP_FFMPEG);
+  } catch (const cv::Exception&) {
+    opened = false;
+  }
+  if (!opened)
+    throw Error(ErrorKind::input,
+                fmt::format("{}: is neither a folder of images, a list (.txt) nor a video that "
+                            "can be decoded",
+                            path));
+  check_frame_size(argument_.path, property(cv::CAP_PROP_FRAME_WIDTH),
+                   property(cv::CAP_PROP_FRAME_HEIGHT));
+}
+
+bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
+  const FrameRange& range = argument_.range;
+  const std::optional<uint64_t> source = source_of(frames_.names.size());
+  const uint64_t wanted = range.first + source.value_or(0) * range.step;
+  if (!source || (range.last && wanted >= *range.last)) {
+    // Are there as many frames as the range says, or the video?
+    grab_below(range.last.value_or(std::numeric_limits<uint64_t>::max()), monitor);
+    return false;
+  }
+  if (!grab_below(wanted + 1, monitor)) return false;
+  frame.index = frames_.names.size();
+  frame.recorded = wanted;
+  frames_.names.push_back(fmt::format("#{}", wanted));
+  cv::Mat image;
+  if (retrieve(image)) {
+    frame.image = in_format(image, format_);
+  } else {
+    frames_.unreadable.push_back(frame.index);
+    frame.image = cv::Mat();
+  }
+  return true;
+}
+
+// The frame of the range that is the next of those that are kept; nothing behind them.
+std::optional<uint64_t> VideoReader::source_of(size_t index) const {
+  if (!argument_.kept) return index;
+  const std::vector<uint32_t>& sources = argument_.kept->sources;
+  return index < sources.size() ? std::optional<uint64_t>(sources[index]) : std::nullopt;
+}
+
+FrameList VideoReader::finish(Unreadable unreadable, const Monitor& monitor) {
+  const FrameRange& range = argument_.range;
+  const std::string path = argument_.path.string();
+  if (ended_ && (frames_.names.empty() || range.last))
+    throw Error(range.is_all() ? ErrorKind::input : ErrorKind::usage,
+                fmt::format("{}: has only {} to decode{}", path, counted(position_, "frame"),
+                            range.is_all() ? "" : " for " + range_text(range)));
+  const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+  const bool is_short = ended_ && stated > static_cast<double>(position_) * 1.02 + 2;
+  const std::string short_text = fmt::format("{}: ends after {} although it states {:.0f}", path,
+                                             counted(position_, "frame"), stated);
+  if (unreadable == Unreadable::fail && is_short)
+    throw Error(ErrorKind::input,
+                short_text + "; give --skip-unreadable to use the frames that there are");
+  if (unreadable == Unreadable::fail && !frames_.unreadable.empty())
+    throw Error(ErrorKind::input,
+                fmt::format("{}: frame {} can't be decoded; give --skip-unreadable to go on "
+                            "without it",
+                            path, frames_.names[frames_.unreadable.front()]));
+  if (is_short) warn(monitor, short_text);
+  return std::move(frames_);
+}
+
+size_t VideoReader::expected_frames() const {
+  if (argument_.kept) return argument_.kept->frames();
+  const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+  const FrameRange& range = argument_.range;
+  if (!(stated > static_cast<double>(range.first)) || stated > 1e12) return 0;
+  const uint64_t last = std::min(range.last.value_or(std::numeric_limits<uint64_t>::max()),
+                                 static_cast<uint64_t>(stated));
+  return last <= range.first ? 0 : (last - range.first + range.step - 1) / range.step;
+}
+
+uint64_t VideoReader::property(cv::VideoCaptureProperties name) const {
+  return static_cast<uint64_t>(std::max(0.0, capture_.get(name)));
+}
+
+// The frame that was grabbed last; it may be larger than the first one.
+bool VideoReader::retrieve(cv::Mat& image) {
+  const CodecScope scope(argument_.path);
+  return capture_.retrieve(image) && !image.empty();
+}
+
+// Moves on until `position` frames have been taken; false if there are fewer.
+bool VideoReader::grab_below(uint64_t position, const Monitor& monitor) {
+  for (; position_ < position; ++position_) {
+    check_stop(monitor);
+    if (ended_ || !capture_.grab()) {
+      ended_ = true;
+      return false;
+    }
+  }
+  return true;
+}
+
+double VideoReader::shown_at_ms() const { return capture_.get(cv::CAP_PROP_POS_MSEC); }
+
+double VideoReader::frames_per_second() const { return capture_.get(cv::CAP_PROP_FPS); }
+
+std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Monitor& monitor) {
+  VideoReader reader(argument, PixelFormat::grey);
+  std::vector<int64_t> times;
+  std::vector<int64_t> by_rate;
+  bool do_rise = true;
+  const double fps = reader.frames_per_second();
+  for (IndexedFrame frame; reader.next(frame, monitor);) {
+    times.push_back(std::llround(reader.shown_at_ms() * 1e6));
+    by_rate.push_back(fps > 0 ? std::llround(static_cast<double>(frame.recorded) * 1e9 / fps) : 0);
+    do_rise = do_rise && (times.size() < 2 || times.back() > times[times.size() - 2]);
+  }
+  if (do_rise) return times;
+  if (fps > 0 && fps < 1e6) return by_rate;
+  throw Error(ErrorKind::input, fmt::format("{}: has neither times of its frames nor a frame rate",
+                                            argument.path.string()));
+}
+
+}  // namespace vpr

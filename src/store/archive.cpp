@@ -1,0 +1,163 @@
+#include "store/archive.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/checksum.h"
+#include "base/error.h"
+#include "base/json.h"
+#include "base/mapped_file.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The manifest's last key. Its value covers every byte in front of this text.
+constexpr std::string_view kChecksumStart = ",\n  \"checksum\": \"";
+constexpr std::string_view kChecksumEnd = "\"\n}\n";
+
+// Nothing if the text does not end in the checksum of what is in front of it.
+bool is_intact(std::string_view text) {
+  const size_t start = text.rfind(kChecksumStart);
+  if (start == std::string_view::npos) return false;
+  const std::string_view content = text.substr(0, start);
+  return text.substr(start) ==
+         fmt::format("{}{}{}", kChecksumStart, checksum(content), kChecksumEnd);
+}
+
+std::string method_name(const Archive& archive) {
+  return manifest_text(archive, archive.manifest(), "method");
+}
+
+}  // namespace
+
+bool is_database_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(folder / kManifestName, error)) return false;
+  const auto json = parse_json(MappedFile(folder / kManifestName).text());
+  if (!json || !json->is_object() || !json->contains("schema") || !json->contains("files"))
+    return false;
+  const Json& schema = (*json)["schema"];
+  if (!schema.is_string() || !schema.get<std::string>().starts_with("vpr.database/")) return false;
+  return holds_only_files(folder, [&](const std::string& name) {
+    return name == kManifestName || (*json)["files"].contains(name);
+  });
+}
+
+std::string sealed_manifest(const Json& manifest) {
+  std::string text = to_text(manifest);
+  text.resize(text.size() - std::string_view("\n}\n").size());
+  return text + fmt::format("{}{}{}", kChecksumStart, checksum(text), kChecksumEnd);
+}
+
+void ArchiveWriter::add_text(const std::string& name, std::string_view text) {
+  write_part(folder_.temporary() / name, text);
+  add_entry(name);
+}
+
+void ArchiveWriter::add_entry(const std::string& name) {
+  const MappedFile file(folder_.temporary() / name);
+  files_[name] = {{"bytes", file.bytes().size()}, {"checksum", checksum(file.bytes())}};
+}
+
+void ArchiveWriter::finish(Json manifest) {
+  manifest["files"] = files_;
+  write_part(folder_.temporary() / kManifestName, sealed_manifest(manifest));
+}
+
+Archive::Archive(fs::path path) : path_(std::move(path)) {
+  std::error_code error;
+  if (!fs::exists(path_, error))
+    throw Error(ErrorKind::input, fmt::format("{}: no such database", path_.string()));
+  const fs::path file_name = path_ / kManifestName;
+  if (!fs::exists(file_name, error))
+    throw Error(ErrorKind::data,
+                fmt::format("{}: is not a database (a folder with {}, made by vpr-train)",
+                            path_.string(), kManifestName));
+  const MappedFile file(file_name);
+  const auto json = parse_json(file.text());
+  if (!json) fail("it is not valid JSON");
+  require_schema(*json, "database", file_name.string(), ErrorKind::data);
+  if (!is_intact(file.text())) fail("its checksum does not fit its text");
+  manifest_ = *json;
+}
+
+std::string Archive::fingerprint() const { return manifest_text(*this, manifest_, "checksum"); }
+
+void Archive::fail(std::string_view what) const {
+  throw Error(ErrorKind::data,
+              fmt::format("{}: the manifest is damaged: {}; train it again", path_.string(), what));
+}
+
+bool Archive::has(const std::string& name) const {
+  const auto files = manifest_.find("files");
+  return files != manifest_.end() && files->contains(name);
+}
+
+void Archive::verify(const std::string& name, std::span<const std::byte> bytes) const {
+  if (!has(name)) fail(fmt::format("it does not list {}", name));
+  const Json& entry = manifest_["files"][name];
+  const size_t size = manifest_count(*this, entry, "bytes");
+  if (bytes.size() != size)
+    throw Error(ErrorKind::data, fmt::format("{}/{}: expected {} bytes, found {}; the file is "
+                                             "truncated or damaged, train it again",
+                                             path_.string(), name, size, bytes.size()));
+  if (checksum(bytes) != manifest_text(*this, entry, "checksum"))
+    throw Error(ErrorKind::data, fmt::format("{}/{}: its checksum is not the manifest's; the file "
+                                             "is damaged, train it again",
+                                             path_.string(), name));
+}
+
+NpyArray Archive::array(const std::string& name) const {
+  NpyArray array(path_ / name);
+  verify(name, array.file_bytes());
+  return array;
+}
+
+std::string Archive::text(const std::string& name) const {
+  const MappedFile file(path_ / name);
+  verify(name, file.bytes());
+  return std::string(file.text());
+}
+
+size_t manifest_count(const Archive& archive, const Json& object, const std::string& key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number_unsigned())
+    archive.fail(fmt::format("\"{}\" is no number", key));
+  return found->get<size_t>();
+}
+
+std::string manifest_text(const Archive& archive, const Json& object, const std::string& key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_string())
+    archive.fail(fmt::format("\"{}\" is no text", key));
+  return found->get<std::string>();
+}
+
+const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array())
+    archive.fail(fmt::format("\"{}\" is no list", key));
+  return *found;
+}
+
+DatabaseFamily database_family(const std::filesystem::path& path) {
+  const Archive archive(path);
+  const std::string name = method_name(archive);
+  if (const auto family = enum_value<DatabaseFamily>(name)) return *family;
+  throw Error(ErrorKind::data,
+              fmt::format("{}: is a database for {}, which is not known", archive.name(), name));
+}
+
+void require_family(const Archive& archive, DatabaseFamily family) {
+  const std::string name = method_name(archive);
+  const std::string_view needed = enum_name(family);
+  if (name != needed)
+    throw Error(ErrorKind::data, fmt::format("{}: is a database for {}, but one for {} is needed; "
+                                             "train it with vpr-train {}",
+                                             archive.name(), name, needed, needed));
+}
+
+}  // namespace vpr

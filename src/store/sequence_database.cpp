@@ -1,0 +1,346 @@
+#include "store/sequence_database.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/provenance.h"
+#include "base/text.h"
+#include "sequence/selection.h"
+#include "store/archive.h"
+
+namespace vpr {
+namespace {
+
+constexpr const char* kCodesFile = "codes.npy";
+constexpr const char* kFramesFile = "frames.txt";
+constexpr const char* kKeptFile = "kept.npy";  // of thinned sequences, the recording's frames
+constexpr const char* kStatisticsFile = "statistics.npy";
+
+Json sequence_to_json(const TrainSequence& sequence) {
+  Json json = {{"name", sequence.name},
+               {"frames", sequence.frame_count()},
+               {"unreadable", sequence.unreadable}};
+  if (sequence.typical_distance) json["typical_distance"] = *sequence.typical_distance;
+  if (sequence.half_width) json["half_width"] = *sequence.half_width;
+  if (sequence.fps) json["fps"] = *sequence.fps;
+  if (sequence.kept)
+    json["thinned"] = {{"fps", sequence.kept->fps}, {"frames", sequence.kept->recorded_frames}};
+  return json;
+}
+
+// No distance of descriptors as they are stored is larger.
+double most_distance(const DescriptorShape& shape) {
+  constexpr size_t kMost = 65535;
+  return static_cast<double>(
+      shape.element == ElementType::bits ? std::min(8 * shape.row_bytes(), kMost) : kMost);
+}
+
+// A number of a manifest above 0, or from 0 on, up to `most`.
+double read_number(const Archive& archive, const Json& json, const std::string& key,
+                   double most = std::numeric_limits<double>::max(), bool may_be_zero = false) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number())
+    archive.fail(fmt::format("\"{}\" is no number", key));
+  const auto number = found->get<double>();
+  if (!(number >= 0 && number <= most) || (number == 0 && !may_be_zero))
+    archive.fail(fmt::format("\"{}\" is out of range", key));
+  return number;
+}
+
+// A mean frame distance.
+double read_typical_distance(const Archive& archive, const Json& json,
+                             const DescriptorShape& shape) {
+  return read_number(archive, json, "typical_distance", most_distance(shape), true);
+}
+
+size_t read_half_width(const Archive& archive, const Json& json, size_t frame_count) {
+  const size_t width = manifest_count(archive, json, "half_width");
+  if (width == 0 || width > frame_count) archive.fail("\"half_width\" is out of range");
+  return width;
+}
+
+Json thresholds_to_json(const ThresholdTable& table) {
+  Json closest = Json::array();
+  for (const auto& item : table.closest) {
+    if (!item) {
+      closest.push_back(nullptr);
+      continue;
+    }
+    closest.push_back({{"distance", item->score},
+                       {"window", item->window},
+                       {"other_sequence", item->other_sequence},
+                       {"other_window", item->other_window}});
+  }
+  return {
+      {"c_l", table.window_length}, {"safety_factor", table.safety_factor}, {"closest", closest}};
+}
+
+// One name a line, in the order of the codes.
+std::string frame_lines(const SequenceDatabase& database) {
+  std::string text;
+  for (const TrainSequence& sequence : database.sequences) {
+    for (std::string name : sequence.frame_names) {
+      std::replace(name.begin(), name.end(), '\n', ' ');
+      text += name + "\n";
+    }
+  }
+  return text;
+}
+
+std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, size_t frame_count) {
+  std::vector<size_t> frames;
+  for (const Json& item : manifest_list(archive, json, "unreadable")) {
+    if (!item.is_number_unsigned()) archive.fail("an unreadable frame is no number");
+    const auto frame = item.get<size_t>();
+    if (frame >= frame_count || (!frames.empty() && frame <= frames.back()))
+      archive.fail("its unreadable frames are out of range or order");
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+void write_kept(ArchiveWriter& writer, const std::vector<TrainSequence>& sequences) {
+  std::vector<int32_t> rows;
+  for (const TrainSequence& sequence : sequences)
+    if (sequence.kept)
+      rows.insert(rows.end(), sequence.kept->sources.begin(), sequence.kept->sources.end());
+  if (!rows.empty()) writer.add_array(kKeptFile, std::span<const int32_t>(rows), {rows.size()});
+}
+
+void read_kept(const Archive& archive, std::vector<TrainSequence>& sequences) {
+  const Json& list = archive.manifest()["sequences"];
+  const auto is_thinned = [](const Json& json) { return json.contains("thinned"); };
+  if (std::none_of(list.begin(), list.end(), is_thinned)) return;
+  const NpyArray array = archive.array(kKeptFile);
+  const auto rows = array.values<int32_t>(1);
+  size_t next = 0;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    if (!is_thinned(list[s])) continue;
+    const Json& json = list[s]["thinned"];
+    if (!json.is_object()) archive.fail("\"thinned\" is no object");
+    const size_t frames = sequences[s].frame_count();
+    if (frames > rows.size() - next) archive.fail("kept.npy does not fit its sequences");
+    auto kept = kept_frames(rows.subspan(next, frames), manifest_count(archive, json, "frames"),
+                            read_number(archive, json, "fps"));
+    if (!kept) archive.fail("kept.npy holds frames out of range or order");
+    sequences[s].kept = std::move(kept);
+    next += frames;
+  }
+  if (next != rows.size()) archive.fail("kept.npy does not fit its sequences");
+}
+
+std::vector<TrainSequence> read_sequences(const Archive& archive,
+                                          const std::vector<std::string_view>& frame_names,
+                                          const DescriptorShape& shape) {
+  std::vector<TrainSequence> sequences;
+  size_t first = 0;
+  for (const Json& json : manifest_list(archive, archive.manifest(), "sequences")) {
+    const size_t count = manifest_count(archive, json, "frames");
+    if (count == 0 || count > frame_names.size() - first)
+      archive.fail("its numbers of frames do not fit frames.txt");
+    TrainSequence& sequence = sequences.emplace_back();
+    sequence.name = manifest_text(archive, json, "name");
+    for (size_t s = 0; s + 1 < sequences.size(); ++s)
+      if (sequences[s].name == sequence.name) archive.fail("two sequences have the same name");
+    sequence.unreadable = read_unreadable(archive, json, count);
+    sequence.typical_distance = read_typical_distance(archive, json, shape);
+    sequence.half_width = read_half_width(archive, json, count);
+    if (json.contains("fps")) sequence.fps = read_number(archive, json, "fps");
+    sequence.frame_names.assign(frame_names.begin() + ptrdiff_t(first),
+                                frame_names.begin() + ptrdiff_t(first + count));
+    first += count;
+  }
+  if (sequences.empty() || first != frame_names.size())
+    archive.fail("its numbers of frames do not fit frames.txt");
+  read_kept(archive, sequences);
+  return sequences;
+}
+
+std::optional<ClosestWindows> read_closest(const Archive& archive, const Json& json,
+                                           size_t window_length, size_t own,
+                                           const std::vector<TrainSequence>& sequences) {
+  if (json.is_null()) return std::nullopt;
+  const ClosestWindows closest{
+      static_cast<uint32_t>(std::min<size_t>(manifest_count(archive, json, "distance"), ~0U)),
+      manifest_count(archive, json, "window"), manifest_count(archive, json, "other_sequence"),
+      manifest_count(archive, json, "other_window")};
+  const auto fits = [&](size_t sequence, size_t window) {
+    return sequence < sequences.size() && window_length <= sequences[sequence].frame_count() &&
+           window <= sequences[sequence].frame_count() - window_length;
+  };
+  if (!fits(own, closest.window) || !fits(closest.other_sequence, closest.other_window))
+    archive.fail("a closest pair of windows is out of range");
+  return closest;
+}
+
+std::vector<ThresholdTable> read_thresholds(const Archive& archive,
+                                            const std::vector<TrainSequence>& sequences) {
+  std::vector<ThresholdTable> tables;
+  for (const Json& json : manifest_list(archive, archive.manifest(), "thresholds")) {
+    ThresholdTable& table = tables.emplace_back();
+    table.window_length = manifest_count(archive, json, "c_l");
+    table.safety_factor = read_number(archive, json, "safety_factor", 1e6);
+    for (const Json& item : manifest_list(archive, json, "closest"))
+      table.closest.push_back(
+          read_closest(archive, item, table.window_length, table.closest.size(), sequences));
+    if (table.window_length == 0 || table.closest.size() != sequences.size())
+      archive.fail("its thresholds do not fit its sequences");
+  }
+  return tables;
+}
+
+std::vector<std::pair<size_t, size_t>> read_shared_places(const Archive& archive,
+                                                          size_t sequences) {
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (const Json& item : manifest_list(archive, archive.manifest(), "shared_places")) {
+    if (!item.is_array() || item.size() != 2 || !item[0].is_number_unsigned() ||
+        !item[1].is_number_unsigned())
+      archive.fail("its \"shared_places\" are no pairs of sequences");
+    const std::pair pair(item[0].get<size_t>(), item[1].get<size_t>());
+    if (pair.first >= pair.second || pair.second >= sequences ||
+        (!pairs.empty() && pair <= pairs.back()))
+      archive.fail("its \"shared_places\" are out of range or order");
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+const DescriptorKind& read_kind(const Archive& archive) {
+  const std::string name = manifest_text(archive, archive.manifest(), "descriptor");
+  const DescriptorKind* kind = find_descriptor_kind(name);
+  if (kind == nullptr)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: its frames are described by {}, which this version does not know",
+                            archive.name(), name));
+  return *kind;
+}
+
+// Of descriptors that say how long they are.
+size_t read_length(const Archive& archive, const DescriptorKind& kind) {
+  if (kind.shape.length != 0) return kind.shape.length;
+  const size_t length = manifest_count(archive, archive.manifest(), "length");
+  if (length == 0 || length > most_elements(kind.shape.element))
+    archive.fail("\"length\" is out of range");
+  return length;
+}
+
+NpyArray read_codes(const Archive& archive, size_t frame_count, const DescriptorShape& shape) {
+  NpyArray codes = archive.array(kCodesFile);
+  codes.values<uint8_t>(2);
+  if (codes.shape()[0] != frame_count || codes.shape()[1] != shape.row_bytes())
+    archive.fail(
+        fmt::format("codes.npy does not have one row of {} bytes a frame", shape.row_bytes()));
+  return codes;
+}
+
+Json statistics_to_json(const TrainStatistics& statistics) {
+  Json json = value_to_json(statistics.settings);
+  json["typical_distance"] = statistics.typical_distance;
+  return json;
+}
+
+// Bias and variance of every frame, side by side.
+std::vector<float> statistics_rows(const TrainStatistics& statistics) {
+  std::vector<float> values;
+  for (size_t i = 0; i < statistics.bias.size(); ++i)
+    values.insert(values.end(), {statistics.bias[i], statistics.variance[i]});
+  return values;
+}
+
+TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
+                                const DescriptorShape& shape) {
+  const auto found = archive.manifest().find("statistics");
+  if (found == archive.manifest().end() || !found->is_object())
+    archive.fail("\"statistics\" is not an object");
+  Json json = *found;
+  TrainStatistics statistics;
+  statistics.typical_distance = read_typical_distance(archive, json, shape);
+  json.erase("typical_distance");
+  stored_settings_from_json({{"settings", json}}, statistics.settings, archive.name());
+  const NpyArray rows = archive.array(kStatisticsFile);
+  const auto values = rows.values<float>(2);
+  if (rows.shape()[0] != frame_count || rows.shape()[1] != 2)
+    archive.fail("statistics.npy does not have one row of 2 numbers a frame");
+  const auto most = static_cast<float>(most_distance(shape));
+  for (size_t i = 0; i < values.size(); i += 2) {
+    if (!(std::abs(values[i]) <= most) || !(values[i + 1] >= 0 && values[i + 1] <= most * most))
+      archive.fail("statistics.npy holds a number out of range");
+    statistics.bias.push_back(values[i]);
+    statistics.variance.push_back(values[i + 1]);
+  }
+  return statistics;
+}
+
+}  // namespace
+
+SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
+  const Archive archive(path);
+  require_family(archive, DatabaseFamily::sequences);
+  SequenceDatabase database;
+  database.fingerprint = archive.fingerprint();
+  stored_settings_from_json(archive.manifest(), database.descriptor, archive.name());
+  const DescriptorKind& kind = read_kind(archive);
+  const DescriptorShape shape{kind.shape.element, read_length(archive, kind)};
+  const std::string names = archive.text(kFramesFile);
+  auto frame_names = split(names, '\n');
+  if (frame_names.back().empty()) frame_names.pop_back();  // behind the end of the last line
+  database.sequences = read_sequences(archive, frame_names, shape);
+  database.thresholds = read_thresholds(archive, database.sequences);
+  const size_t frames = frame_names.size();
+  const bool has_unit = shape.element == ElementType::coordinates;
+  database.descriptors = {&kind,
+                          {},
+                          read_codes(archive, frames, shape),
+                          shape.length,
+                          has_unit ? read_number(archive, archive.manifest(), "unit") : 0};
+  database.statistics = read_statistics(archive, frames, shape);
+  database.shared_places = read_shared_places(archive, database.sequences.size());
+  return database;
+}
+
+void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
+                             Outputs& outputs) {
+  const DescriptorRows rows = database.descriptors.rows();
+  ArchiveWriter writer(outputs.folder(path, is_database_folder));
+  writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
+  writer.add_text(kFramesFile, frame_lines(database));
+  write_kept(writer, database.sequences);
+  if (database.statistics)
+    writer.add_array(kStatisticsFile, std::span<const float>(statistics_rows(*database.statistics)),
+                     {rows.size(), 2});
+  Json manifest = {{"schema", "vpr.database/1"},
+                   {"method", enum_name(DatabaseFamily::sequences)},
+                   {"descriptor", database.descriptors.kind->name}};
+  if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
+  if (rows.shape.element == ElementType::coordinates) manifest["unit"] = database.descriptors.unit;
+  manifest["settings"] = value_to_json(database.descriptor);
+  manifest["sequences"] = Json::array();
+  for (const TrainSequence& sequence : database.sequences)
+    manifest["sequences"].push_back(sequence_to_json(sequence));
+  manifest["thresholds"] = Json::array();
+  for (const ThresholdTable& table : database.thresholds)
+    manifest["thresholds"].push_back(thresholds_to_json(table));
+  if (database.shared_places) {
+    manifest["shared_places"] = Json::array();
+    for (const auto& [a, b] : *database.shared_places) manifest["shared_places"].push_back({a, b});
+  }
+  if (database.statistics) manifest["statistics"] = statistics_to_json(*database.statistics);
+  manifest["provenance"] = {
+      {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
+  writer.finish(manifest);
+}
+
+const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables,
+                                      size_t window_length) {
+  for (const ThresholdTable& table : tables)
+    if (table.window_length == window_length) return &table;
+  return nullptr;
+}
+
+}  // namespace vpr

@@ -1,0 +1,259 @@
+#include "truth/builder.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/monitor.h"
+#include "base/output.h"
+#include "truth/ground_truth.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr size_t kMostExamples = 5;
+/// 16 bytes each. A matrix of 10 000 x 10 000 has a few runs a row, unless it is noise.
+constexpr size_t kMostRuns = size_t{1} << 24;
+
+constexpr size_t kMostGrownSequences = 10000;
+/// Query frames times training sequences, where the file alone says how many there are.
+constexpr size_t kMostGrownRows = size_t{1} << 25;
+
+bool stands_before(const GroundTruth::Pair& a, const GroundTruth::Pair& b) {
+  return std::tie(a.sequence, a.first, a.label, a.further) <
+         std::tie(b.sequence, b.first, b.label, b.further);
+}
+
+FrameCount frame_count(size_t frames) {
+  return frames == kUnknownFrames ? FrameCount{0, true} : FrameCount{frames, false};
+}
+
+constexpr size_t kPieceBytes = size_t{1} << 20;
+
+}  // namespace
+
+GroundTruthBuilder::GroundTruthBuilder(const GroundTruthArgument& argument,
+                                       const GroundTruthScope& scope,
+                                       InconsistentPairs inconsistent, const Monitor& monitor)
+    : argument_(argument),
+      scope_(scope),
+      inconsistent_(inconsistent),
+      monitor_(monitor),
+      query_(frame_count(scope.query_frames)),
+      location_{argument.path.string()} {
+  for (const auto& sequence : scope.sequences) train_.push_back(frame_count(sequence.frames));
+  pairs_.resize(query_.frames);
+}
+
+size_t GroundTruthBuilder::only_searched(std::string_view what) const {
+  size_t searched = 0;
+  size_t index = 0;
+  for (size_t s = 0; s < scope_.sequences.size(); ++s) {
+    if (!scope_.sequences[s].searched) continue;
+    ++searched;
+    index = s;
+  }
+  if (searched == 1) return index;
+  throw Error(ErrorKind::usage,
+              fmt::format("{} needs exactly one training sequence, and the result has {}; use "
+                          "pairs with a sequence column, or vpr-query --only-sequence",
+                          what, searched));
+}
+
+size_t GroundTruthBuilder::find_sequence(const std::string& name) {
+  for (size_t s = 0; s < scope_.sequences.size(); ++s)
+    if (scope_.sequences[s].name == name) return s;
+  if (query_.grows && scope_.sequences.size() < kMostGrownSequences) {  // nobody said which
+    const bool is_first = scope_.sequences.size() == 1 && scope_.sequences.front().name.empty();
+    if (is_first) {
+      scope_.sequences.front().name = name;
+    } else {
+      scope_.sequences.push_back({name, kUnknownFrames});
+      train_.push_back({0, true});
+    }
+    return scope_.sequences.size() - 1;
+  }
+  fail(fmt::format("the result has no training sequence \"{}\"", name));
+}
+
+void GroundTruthBuilder::require_query_frames(size_t frames) {
+  if (query_.grows && frames > kMostGrownFrames)
+    fail(fmt::format("is for {} query frames, which is too many", frames));
+  if (!query_.grows && query_.frames != frames)
+    fail(fmt::format("is for {} query frames, and there are {}", frames, query_.frames));
+  query_ = {frames, false};
+  pairs_.resize(frames);
+}
+
+void GroundTruthBuilder::require_train_frames(size_t sequence, size_t frames) {
+  FrameCount& side = train_[sequence];
+  if (side.grows && frames > kMostGrownFrames)
+    fail(fmt::format("is for {} training frames, which is too many", frames));
+  if (!side.grows && side.frames != frames)
+    fail(fmt::format("is for {} training frames, and there are {}", frames, side.frames));
+  side = {frames, false};
+}
+
+void GroundTruthBuilder::note(FindingKind kind, uint64_t count, const std::string& what) {
+  if (inconsistent_ == InconsistentPairs::refuse && kind != FindingKind::duplicate) fail(what);
+  GroundTruthFinding& finding = findings_[static_cast<size_t>(kind)];
+  finding.count += count;
+  if (finding.examples.size() < kMostExamples)
+    finding.examples.push_back(
+        location_.unit.empty() ? what
+                               : fmt::format("{} {}: {}", location_.unit, location_.number, what));
+}
+
+void GroundTruthBuilder::note_out_of_range(std::string_view what, std::string_view text,
+                                           const FrameCount& side) {
+  const std::string there = side.grows         ? ""
+                            : side.frames == 0 ? "; there are no frames"
+                            : side.frames == 1 ? "; there is 1 frame (0)"
+                                               : fmt::format("; there are {} frames (0 to {})",
+                                                             side.frames, side.frames - 1);
+  note(FindingKind::out_of_range, 1,
+       fmt::format(
+           "{} {} is out of range{}{}", what, text, there,
+           &side == &query_ && inconsistent_ == InconsistentPairs::refuse ? query_hint_ : ""));
+}
+
+bool GroundTruthBuilder::accept(size_t index, FrameCount& side, std::string_view what) {
+  if (index < side.frames) return true;
+  if (side.grows && index < kMostGrownFrames) {
+    side.frames = index + 1;
+    return true;
+  }
+  if (side.grows) fail(fmt::format("{} {} is too large; give the numbers of frames", what, index));
+  note_out_of_range(what, std::to_string(index), side);
+  return false;
+}
+
+void GroundTruthBuilder::append(size_t query, const GroundTruth::Pair& pair) {
+  check_stop();
+  auto& pairs = pairs_[query];
+  if (!pairs.empty()) {
+    GroundTruth::Pair& back = pairs.back();
+    if (back.sequence == pair.sequence && back.label == pair.label &&
+        size_t{back.last()} + 1 == pair.first) {
+      back.further += pair.further + 1;
+      return;
+    }
+  }
+  if (++runs_ > kMostRuns)
+    fail(fmt::format("labels more than {} runs of frames. Use fewer frames, or check the format",
+                     kMostRuns));
+  pairs.push_back(pair);
+}
+
+void GroundTruthBuilder::add(size_t query, size_t sequence, size_t first, size_t last,
+                             PlaceLabel label) {
+  const bool is_good = accept(query, query_, "query") &&
+                       accept(first, train_[sequence], "reference") &&
+                       accept(last, train_[sequence], "reference");
+  if (!is_good || !scope_.sequences[sequence].searched) return;
+  if (pairs_.size() <= query) pairs_.resize(query + 1);
+  append(query, {static_cast<uint32_t>(sequence), static_cast<uint32_t>(first), label,
+                 static_cast<uint32_t>(last - first)});
+}
+
+void GroundTruthBuilder::add_beyond_end(size_t query, size_t sequence, size_t reference) {
+  append(query, {static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
+}
+
+// Kept runs lie side by side; those that `pair`, which begins behind none of them, says again.
+void GroundTruthBuilder::note_overlaps(size_t query, std::span<const GroundTruth::Pair> kept,
+                                       const GroundTruth::Pair& pair) {
+  size_t k = kept.size();
+  while (k > 0 && kept[k - 1].sequence == pair.sequence && kept[k - 1].last() >= pair.first) --k;
+  for (; k < kept.size() && kept[k].first <= pair.last(); ++k) {
+    const uint32_t first = std::max(kept[k].first, pair.first);
+    const uint32_t last = std::min(kept[k].last(), pair.last());
+    const bool agree = pair.label == kept[k].label;
+    note(agree ? FindingKind::duplicate : FindingKind::contradiction, last - first + 1,
+         fmt::format("the pair of query {} and reference {} is {}", query, first,
+                     agree ? "given more than once" : "labelled both same and ignore"));
+  }
+}
+
+void GroundTruthBuilder::join(size_t query) {
+  auto& pairs = pairs_[query];
+  if (!std::is_sorted(pairs.begin(), pairs.end(), stands_before))
+    std::sort(pairs.begin(), pairs.end(), stands_before);
+  size_t kept = 0;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    GroundTruth::Pair pair = pairs[i];
+    if (kept > 0 && pairs[kept - 1].sequence == pair.sequence) {
+      GroundTruth::Pair& back = pairs[kept - 1];
+      if (pair.first <= back.last()) {
+        note_overlaps(query, std::span(pairs).first(kept), pair);
+        if (pair.last() <= back.last()) continue;
+        pair.further = pair.last() - back.last() - 1;
+        pair.first = back.last() + 1;
+      }
+      if (pair.label == back.label && pair.first == back.last() + 1) {
+        back.further += pair.further + 1;
+        continue;
+      }
+    }
+    pairs[kept++] = pair;
+  }
+  pairs.resize(kept);
+}
+
+InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
+  pairs_.resize(query_.frames);
+  at({}, 0);
+  const bool grows = query_.grows ||
+                     std::ranges::any_of(train_, [](const FrameCount& side) { return side.grows; });
+  if (grows && train_.size() > kMostGrownRows / std::max<size_t>(query_.frames, 1))
+    fail(
+        fmt::format("names {} query frames and {} training sequences, which is too many. Give the "
+                    "sequences with --query and --train",
+                    query_.frames, train_.size()));
+  for (size_t query = 0; query < pairs_.size(); ++query) {
+    check_stop();
+    join(query);
+  }
+  InspectedGroundTruth result;
+  scope_.query_frames = query_.frames;
+  for (size_t s = 0; s < train_.size(); ++s) scope_.sequences[s].frames = train_[s].frames;
+  result.scope = std::move(scope_);
+  result.truth = {std::move(pairs_), argument_.tolerance_frames, std::move(protocol)};
+  result.findings = findings_;
+  return result;
+}
+
+size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::string_view format) {
+  size_t searched = 0;
+  size_t index = 0;
+  const auto& sequences = ground_truth.scope.sequences;
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    if (!sequences[s].searched) continue;
+    ++searched;
+    index = s;
+  }
+  if (searched == 1) return index;
+  throw Error(ErrorKind::usage,
+              fmt::format("the format {} holds one training sequence, and there are {}; use pairs",
+                          format, searched));
+}
+
+void require_writable(uint64_t count, uint64_t most, std::string_view what) {
+  if (count > most)
+    throw Error(ErrorKind::data,
+                fmt::format("the file would hold {} {}; the limit is {}. Check the largest frame "
+                            "numbers, or use fewer frames",
+                            count, what, most));
+}
+
+void write_piece(Output& file, std::string& text, const Monitor& monitor) {
+  if (text.size() < kPieceBytes) return;
+  check_stop(monitor);
+  file.write(text);
+  text.clear();
+}
+
+}  // namespace vpr

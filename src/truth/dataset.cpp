@@ -1,0 +1,184 @@
+#include "truth/dataset.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.h"
+#include "base/json.h"
+
+namespace vpr {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One object of the file: takes keys out, and complains about those that nobody took.
+class ObjectReader {
+ public:
+  ObjectReader(const Json& json, std::string where) : json_(json), where_(std::move(where)) {
+    if (!json.is_object()) fail("must be an object");
+  }
+
+  const Json* find(const std::string& key) {
+    known_.push_back(key);
+    const auto found = json_.find(key);
+    return found == json_.end() ? nullptr : &*found;
+  }
+  const Json& require(const std::string& key) {
+    const Json* found = find(key);
+    if (found == nullptr) fail(fmt::format("needs the key \"{}\"", key));
+    return *found;
+  }
+  std::string text(const std::string& key) {
+    std::string value;
+    value_from_json(require(key), value, where_, key);
+    return value;
+  }
+  const Json& list(const std::string& key) {
+    const Json* found = find(key);
+    static const Json kEmpty = Json::array();
+    if (found == nullptr) return kEmpty;
+    if (!found->is_array()) fail(fmt::format("\"{}\" must be a list", key));
+    return *found;
+  }
+  void finish() const {
+    for (const auto& item : json_.items())
+      if (std::find(known_.begin(), known_.end(), item.key()) == known_.end())
+        detail::unknown_key(where_, item.key(), known_);
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorKind::usage, fmt::format("{}: {}", where_, what));
+  }
+  const std::string& where() const { return where_; }
+
+ private:
+  const Json& json_;
+  std::string where_;
+  std::vector<std::string> known_;
+};
+
+SequenceArgument sequence_argument(const Json& json, const fs::path& folder,
+                                   const std::string& where) {
+  std::string text;
+  value_from_json(json, text, where, "sequence");
+  const fs::path path = fs::path(text).is_absolute() ? fs::path(text) : folder / text;
+  return parse_sequence_argument(path.string());
+}
+
+// Relative to the description; empty where the key is missing.
+fs::path optional_path(ObjectReader& reader, const std::string& key, const fs::path& folder) {
+  if (reader.find(key) == nullptr) return {};
+  return folder / reader.text(key);
+}
+
+NamedSequence named_sequence(ObjectReader& reader, const fs::path& folder) {
+  return {reader.text("name"),
+          sequence_argument(reader.require("sequence"), folder, reader.where()),
+          optional_path(reader, "poses", folder)};
+}
+
+std::optional<GroundTruthArgument> ground_truth(ObjectReader& query, const std::string& key,
+                                                const fs::path& folder) {
+  const Json* json = query.find(key);
+  if (json == nullptr) return std::nullopt;
+  ObjectReader reader(*json, query.where() + ", " + key);
+  GroundTruthArgument argument;
+  if (reader.find("format") != nullptr) argument.format = reader.text("format");
+  const auto path = [&](const std::string& name) {
+    return reader.find(name) == nullptr ? fs::path() : folder / reader.text(name);
+  };
+  argument.path = path("path");
+  visit_paths(argument.options, [&](const char* name, fs::path& file) { file = path(name); });
+  if (argument.format.empty() && argument.path.empty())
+    reader.fail("needs a \"format\" or a \"path\"");
+  if (const Json* tolerance = reader.find("tolerance"))
+    value_from_json(*tolerance, argument.tolerance_frames, reader.where(), "tolerance");
+  if (argument.tolerance_frames < 0) reader.fail("\"tolerance\" must not be negative");
+  visit_fields(argument.options, [&](const char* name, auto& field) {
+    if (const Json* value = reader.find(name)) value_from_json(*value, field, reader.where(), name);
+  });
+  reader.finish();
+  return argument;
+}
+
+void check_names(const std::vector<std::string>& names, const std::string& where) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (name.empty()) throw Error(ErrorKind::usage, fmt::format("{}: a name is empty", where));
+    if (!seen.insert(name).second)
+      throw Error(ErrorKind::usage, fmt::format("{}: the name \"{}\" is given twice", where, name));
+  }
+}
+
+}  // namespace
+
+Dataset read_dataset(const fs::path& path) {
+  const std::string where = path.string();
+  const Json json = read_json(path, ErrorKind::usage);
+  require_schema(json, "dataset", where, ErrorKind::usage);
+  const fs::path folder = path.parent_path();
+  ObjectReader reader(json, where);
+  reader.find("schema");
+  Dataset dataset;
+  dataset.name = reader.text("name");
+  if (const Json* fps = reader.find("fps"))
+    value_from_json(*fps, dataset.frames_per_second, where, "fps");
+  for (const Json& item : reader.list("pretrain"))
+    dataset.pretrain.push_back(sequence_argument(item, folder, where + ", pretrain"));
+  if (!(dataset.frames_per_second >= 0)) reader.fail("\"fps\" must not be negative");
+  std::vector<std::string> names;
+  for (const Json& item : reader.list("train")) {
+    ObjectReader train(item, where + ", train");
+    dataset.train.push_back(named_sequence(train, folder));
+    train.finish();
+    names.push_back(dataset.train.back().name);
+  }
+  check_names(names, where + ", train");
+  names.clear();
+  for (const Json& item : reader.list("places")) {
+    ObjectReader place(item, where + ", places");
+    DatasetPlace& added = dataset.places.emplace_back();
+    added.name = place.text("name");
+    for (const Json& view : place.list("sequences"))
+      added.views.push_back(sequence_argument(view, folder, place.where()));
+    place.finish();
+    if (added.views.empty()) place.fail(fmt::format("\"{}\" has no sequences", added.name));
+    names.push_back(added.name);
+  }
+  check_names(names, where + ", places");
+  names.clear();
+  for (const Json& item : reader.list("queries")) {
+    ObjectReader query(item, where + ", queries");
+    DatasetQuery& added = dataset.queries.emplace_back();
+    added.sequence = named_sequence(query, folder);
+    added.sequence_ground_truth = ground_truth(query, "ground_truth", folder);
+    added.place_ground_truth = ground_truth(query, "place_ground_truth", folder);
+    query.finish();
+    names.push_back(added.sequence.name);
+  }
+  check_names(names, where + ", queries");
+  dataset.plan = optional_path(reader, "plan", folder);
+  dataset.place_poses = optional_path(reader, "place_poses", folder);
+  reader.finish();
+  return dataset;
+}
+
+const DatasetQuery& select_query(const Dataset& dataset, const std::optional<std::string>& name) {
+  std::vector<std::string> names;
+  for (const DatasetQuery& query : dataset.queries) {
+    if (name == query.sequence.name || (!name && dataset.queries.size() == 1)) return query;
+    names.push_back(query.sequence.name);
+  }
+  if (names.empty())
+    throw Error(ErrorKind::usage, fmt::format("the data set {} has no queries", dataset.name));
+  if (!name)
+    throw Error(ErrorKind::usage, fmt::format("the data set {} has the queries {}; choose one with "
+                                              "--query NAME",
+                                              dataset.name, fmt::join(names, ", ")));
+  throw Error(ErrorKind::usage, fmt::format("the data set {} has no query {}; it has {}",
+                                            dataset.name, *name, fmt::join(names, ", ")));
+}
+
+}  // namespace vpr

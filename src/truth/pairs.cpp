@@ -1,0 +1,389 @@
+#include "truth/pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/csv.h"
+#include "base/error.h"
+#include "base/mapped_file.h"
+#include "base/text.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_argument.h"
+#include "truth/association.h"
+#include "truth/builder.h"
+#include "truth/check.h"
+#include "truth/ground_truth.h"
+#include "truth/text_file.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr uint64_t kMostLines = uint64_t{1} << 30;
+
+/// Column numbers of a pairs file.
+struct PairColumns {
+  size_t count = 0;
+  bool has_sequence = false;
+  bool has_label = false;
+};
+
+PairColumns read_header(const std::vector<CsvRow>& rows, const GroundTruthBuilder& builder) {
+  if (!rows.empty()) {
+    const auto& names = rows.front().fields;
+    for (const bool has_sequence : {false, true}) {
+      for (const bool has_label : {false, true}) {
+        std::vector<std::string> wanted = {"query"};
+        if (has_sequence) wanted.emplace_back("sequence");
+        wanted.emplace_back("reference");
+        if (has_label) wanted.emplace_back("label");
+        if (names == wanted) return {wanted.size(), has_sequence, has_label};
+      }
+    }
+  }
+  builder.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
+}
+
+/// One side of a pair. `names` is filled when the first name is met.
+struct PairSide {
+  std::string_view what;
+  const FrameCount& frames;
+  const NameReader& reader;
+  std::optional<FrameNames>& names;
+};
+
+size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const std::string& text) {
+  if (!side.reader)
+    builder.fail(
+        fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, "
+                    "give the sequences: --query and --train",
+                    side.what, text));
+  if (!side.names) side.names.emplace(side.reader());
+  const size_t count = side.names->count().value_or(0);
+  if (!side.frames.grows && count != side.frames.frames)
+    builder.fail(
+        fmt::format("{} \"{}\" is one of {}, and the result has {}. Use the sequence that "
+                    "was evaluated",
+                    side.what, text, counted(count, "name"), counted(side.frames.frames, "frame")));
+  const auto frame = side.names->find(text);
+  if (!frame)
+    builder.fail(
+        fmt::format("{} \"{}\" is neither a frame number nor the name of exactly one of {}",
+                    side.what, text, counted(count, "frame")));
+  return *frame;
+}
+
+// Nothing if the frame is out of range, which is noted, or outside `range`, which names ignore.
+std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string& text,
+                                 const PairSide& side, const FrameRange& range) {
+  const auto frame = parse_frame(text);
+  if (!frame) return find_name(builder, side, text);
+  if (frame->in_range) return frame_in_range(range, frame->value);
+  builder.note_out_of_range(side.what, text, side.frames);
+  return std::nullopt;
+}
+
+/// Names of the query's frames, and of the frames of each training sequence.
+struct PairNames {
+  std::optional<FrameNames> query;
+  std::map<size_t, std::optional<FrameNames>> train;
+};
+
+PlaceLabel read_label(const GroundTruthBuilder& builder, const std::string& text) {
+  if (text == "same" || text.empty()) return PlaceLabel::same;
+  if (text == "ignore") return PlaceLabel::ignore;
+  builder.fail(fmt::format("label \"{}\" is neither same nor ignore", text));
+}
+
+// Whether the row's query frame is one of the range.
+bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const CsvRow& row,
+              size_t only_sequence, const FrameRange& range, PairNames& names) {
+  builder.at("line", row.line);
+  if (row.fields.size() != columns.count)
+    builder.fail(fmt::format("expected {} columns, found {}", columns.count, row.fields.size()));
+  const size_t sequence =
+      columns.has_sequence ? builder.find_sequence(row.fields[1]) : only_sequence;
+  const GroundTruthScope& scope = builder.scope();
+  const auto query = read_frame(builder, row.fields[0],
+                                {"query", builder.query(), scope.query_names, names.query}, range);
+  const auto reference = read_frame(builder, row.fields[columns.has_sequence ? 2 : 1],
+                                    {"reference", builder.train(sequence),
+                                     scope.sequences[sequence].names, names.train[sequence]},
+                                    {});
+  const PlaceLabel label =
+      columns.has_label ? read_label(builder, row.fields.back()) : PlaceLabel::same;
+  if (query && reference) builder.add(*query, sequence, *reference, *reference, label);
+  return query.has_value();
+}
+
+void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) {
+  const auto in_range = frame_count(source.range);
+  if (in_range && !builder.query().grows && *in_range != builder.query().frames)
+    builder.fail(fmt::format("its range has {}, and the query has {}", counted(*in_range, "frame"),
+                             builder.query().frames));
+  if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
+}
+
+// A few anchors have the same header as pairs, and another meaning for the frames between them.
+void warn_of_anchors(const GroundTruthBuilder& builder, const PairColumns& columns,
+                     const std::vector<CsvRow>& rows) {
+  constexpr size_t kFramesAPair = 10;  // with fewer frames to a pair it is no mere outline
+  const size_t pairs = rows.size() - 1;
+  if (columns.has_label || pairs < 2 || builder.query().grows ||
+      pairs * kFramesAPair > builder.query().frames)
+    return;
+  for (size_t r = 2; r < rows.size(); ++r) {
+    const auto before = parse_frame(rows[r - 1].fields.front());
+    const auto frame = parse_frame(rows[r].fields.front());
+    if (!before || !frame || frame->value <= before->value) return;
+  }
+  builder.warn_user(fmt::format(
+      "{} labels {} of {}, and what is recognised in the others counts as wrong; if "
+      "these are anchors, with the frames between them on the way, add "
+      "--ground-truth-format anchors",
+      builder.argument().path.string(), pairs, counted(builder.query().frames, "query frame")));
+}
+
+struct Anchor {
+  size_t query = 0;  ///< of the whole recording, if the path has a range
+  size_t reference = 0;
+};
+
+/// By training sequence, with rising query frames.
+using Anchors = std::map<size_t, std::vector<Anchor>>;
+
+size_t read_frame(const NamedRows& rows, const char* column) {
+  const auto frame = parse_frame(rows.text(column));
+  if (!frame || !frame->in_range || frame->value > kMostGrownFrames)
+    rows.fail(fmt::format("{} \"{}\" is not a frame number", column, rows.text(column)));
+  return frame->value;
+}
+
+Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path) {
+  const std::string name = builder.argument().path.string();
+  NamedRows rows(path, name, {"query", "reference"});
+  const bool has_sequences = rows.has("sequence");
+  const size_t only = has_sequences ? 0 : builder.only_searched(name);
+  Anchors anchors;
+  for (size_t row = 0; row < rows.size(); ++row) {
+    rows.go_to(row);
+    builder.at("line", rows.line());
+    const size_t sequence = has_sequences ? builder.find_sequence(rows.text("sequence")) : only;
+    const Anchor anchor{read_frame(rows, "query"), read_frame(rows, "reference")};
+    const FrameCount& train = builder.train(sequence);
+    if (!train.grows && anchor.reference >= train.frames)
+      rows.fail(fmt::format("reference {} is out of range; there are {} frames", anchor.reference,
+                            train.frames));
+    auto& known = anchors[sequence];
+    if (!known.empty() && anchor.query <= known.back().query)
+      rows.fail(
+          fmt::format("query {} is not behind the anchor before, {}; anchors stand in the "
+                      "order of query frames",
+                      anchor.query, known.back().query));
+    known.push_back(anchor);
+  }
+  return anchors;
+}
+
+/// Where on the training sequence a query frame is, in frames; nothing beyond the anchors.
+std::optional<double> position_of(const std::vector<Anchor>& anchors, size_t& next, size_t query) {
+  while (next < anchors.size() && anchors[next].query < query) ++next;
+  if (next == anchors.size()) return std::nullopt;
+  const Anchor& b = anchors[next];
+  if (b.query == query) return static_cast<double>(b.reference);
+  if (next == 0) return std::nullopt;
+  const Anchor& a = anchors[next - 1];
+  const double share =
+      static_cast<double>(query - a.query) / static_cast<double>(b.query - a.query);
+  const auto from = static_cast<double>(a.reference);
+  return from + share * (static_cast<double>(b.reference) - from);
+}
+
+/// The query frames of the ground truth that lie between anchors, with their positions.
+template <class Use>
+void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& anchors,
+                       const FrameRange& range, Use&& use) {
+  if (anchors.empty()) return;
+  size_t next = 0;
+  for (size_t recorded = anchors.front().query; recorded <= anchors.back().query; ++recorded) {
+    const auto query = frame_in_range(range, recorded);
+    const auto position = position_of(anchors, next, recorded);
+    if (!query || !position) continue;
+    if (!builder.query().grows && *query >= builder.query().frames)
+      builder.fail(fmt::format("query {} is out of range; there are {} frames{}", recorded,
+                               builder.query().frames,
+                               range.is_all() ? range_hint(builder.argument().path) : ""));
+    use(*query, *position);
+  }
+}
+
+/// The position on the straight line between the poses of two neighbouring frames; nothing where
+/// one is unknown.
+std::optional<Pose> pose_at(const Poses& poses, double position) {
+  const auto before = static_cast<size_t>(position);
+  const double share = position - static_cast<double>(before);
+  if (before >= poses.size() || !poses[before]) return std::nullopt;
+  if (share == 0) return poses[before];
+  if (before + 1 >= poses.size() || !poses[before + 1]) return std::nullopt;
+  Pose pose;
+  for (size_t k = 0; k < 3; ++k)
+    pose.position[k] = poses[before]->position[k] +
+                       share * (poses[before + 1]->position[k] - poses[before]->position[k]);
+  return pose;
+}
+
+std::string in_metres(GroundTruthBuilder& builder, const Anchors& anchors,
+                      const FrameRange& range) {
+  const GroundTruthOptions& options = builder.argument().options;
+  if (builder.argument().tolerance_frames != 0)
+    throw Error(ErrorKind::usage,
+                "anchors take a tolerance in frames or a radius in metres, not both");
+  const size_t sequence = builder.only_searched("a radius of anchors");
+  const Poses train = read_train_poses(options.reference, options, builder.monitor()).poses;
+  builder.require_train_frames(sequence, train.size());
+  Poses query;
+  std::vector<bool> nowhere;
+  for (const auto& [anchored, list] : anchors)
+    for_each_position(builder, list, range, [&](size_t frame, double position) {
+      query.resize(std::max(query.size(), frame + 1));
+      nowhere.resize(query.size(), true);
+      query[frame] = pose_at(train, position);
+      nowhere[frame] = false;
+    });
+  if (!builder.query().grows) query.resize(builder.query().frames);
+  nowhere.resize(query.size(), true);
+  builder.require_query_frames(query.size());
+  return match_poses(builder, sequence, query, train, {}, nowhere);
+}
+
+std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
+                      const FrameRange& range) {
+  for (const auto& [sequence, list] : anchors)
+    for_each_position(builder, list, range, [&, s = sequence](size_t query, double position) {
+      const auto reference = static_cast<size_t>(std::floor(position + 0.5));
+      builder.add(query, s, reference, reference, PlaceLabel::same);
+    });
+  return "within " + counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame");
+}
+
+// Only positions of training frames go by time.
+void check_times(const GroundTruthOptions& options) {
+  const bool has_query_times =
+      options.offset_s || !options.query_times.empty() || !options.query_pose_times.empty();
+  const bool has_reference_times = options.reference_offset_s || options.max_difference_s ||
+                                   !options.reference_times.empty() ||
+                                   !options.reference_pose_times.empty();
+  if (has_query_times || (has_reference_times && !options.radius_m))
+    throw Error(ErrorKind::usage,
+                "of anchors, only the poses of training frames go by time: give --radius with "
+                "--reference-times, and no times or offset of the query");
+}
+
+}  // namespace
+
+bool is_pairs_csv(const FileStart& start) {
+  return start.first_line.starts_with("query,") || start.first_line.starts_with("\"query\",");
+}
+
+std::string read_pairs_csv(GroundTruthBuilder& builder) {
+  const std::filesystem::path& path = builder.argument().path;
+  const SequenceArgument source = parse_sequence_argument(path.string());
+  const MappedFile file(source.path);
+  const std::vector<CsvRow> rows = parse_csv(file.text(), path.string());
+  require_range(builder, source);
+  const PairColumns columns = read_header(rows, builder);
+  const size_t only_sequence =
+      columns.has_sequence
+          ? 0
+          : builder.only_searched(fmt::format("{} (it has no sequence column)", path.string()));
+  PairNames names;
+  size_t pairs = 0;
+  for (size_t r = 1; r < rows.size(); ++r)
+    pairs += read_row(builder, columns, rows[r], only_sequence, source.range, names) ? 1 : 0;
+  if (builder.argument().format.empty()) warn_of_anchors(builder, columns, rows);
+  const std::string text = "pairs: " + counted(pairs, "labelled pair");
+  const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
+  if (tolerance == 0) return text;
+  return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
+}
+
+void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
+                     const Monitor& monitor) {
+  const auto& sequences = ground_truth.scope.sequences;
+  const GroundTruth& truth = ground_truth.truth;
+  const GroundTruthSummary summary = summarise(ground_truth, monitor);
+  require_writable(summary.same + summary.ignored, kMostLines, "pairs");
+  const bool several = sequences.size() > 1;
+  bool has_ignored = false;
+  for (const auto& row : truth.pairs)
+    for (const auto& pair : row) has_ignored = has_ignored || pair.label == PlaceLabel::ignore;
+  file.write(fmt::format("query,{}reference{}\n", several ? "sequence," : "",
+                         has_ignored ? ",label" : ""));
+  for (size_t s = 0; s < sequences.size(); ++s) {
+    const std::string name = several ? csv_field(sequences[s].name) + "," : "";
+    for (size_t query = 0; query < truth.pairs.size(); ++query) {
+      check_stop(monitor);
+      std::string lines;
+      for (const LabelRun& run : label_runs(truth, query, s, sequences[s].frames)) {
+        const std::string_view label = !has_ignored                    ? ""
+                                       : run.label == PlaceLabel::same ? ",same"
+                                                                       : ",ignore";
+        for (size_t reference = run.first; reference <= run.last; ++reference) {
+          lines += fmt::format("{},{}{}{}\n", query, name, reference, label);
+          write_piece(file, lines, monitor);
+        }
+      }
+      file.write(lines);
+    }
+  }
+}
+
+std::string read_anchors(GroundTruthBuilder& builder) {
+  const GroundTruthOptions& options = builder.argument().options;
+  if (options.radius_m.has_value() == options.reference.empty())
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: a tolerance of anchors in metres needs both --radius and the poses "
+                    "of the training sequence (--ground-truth-reference)",
+                    builder.argument().path.string()));
+  check_times(options);
+  const SequenceArgument source = parse_sequence_argument(builder.argument().path.string());
+  const Anchors anchors = read_file(builder, source.path);
+  size_t count = 0;
+  for (const auto& [sequence, list] : anchors) count += list.size();
+  const std::string within = options.radius_m ? in_metres(builder, anchors, source.range)
+                                              : in_frames(builder, anchors, source.range);
+  return fmt::format("anchors: {}, linear between them and nothing beyond, {}",
+                     counted(count, "anchor"), within);
+}
+
+bool is_anchors_csv(const FileStart& start) {
+  return start.path.filename().string().ends_with("anchors.csv") && is_pairs_csv(start);
+}
+
+std::string read_aligned(GroundTruthBuilder& builder) {
+  const size_t sequence = builder.only_searched("the ground truth \"aligned\"");
+  const double step = builder.argument().options.reference_step.value_or(1);
+  if (!(step > 0 && step <= 1e6))
+    throw Error(ErrorKind::usage, "the reference step must be above 0, and at most a million");
+  if (builder.query().grows || builder.train(sequence).grows)
+    throw Error(ErrorKind::usage,
+                "the ground truth \"aligned\" has no numbers of frames of its own; give them");
+  const int tolerance = builder.argument().tolerance_frames;
+  const double end = static_cast<double>(builder.train(sequence).frames) + tolerance;
+  for (size_t frame = 0; frame < builder.query().frames; ++frame) {
+    const double reference = std::floor(step * static_cast<double>(frame) + 0.5);
+    if (!(reference < end)) break;
+    builder.add_beyond_end(frame, sequence, static_cast<size_t>(reference));
+  }
+  const std::string of_query = step == 1 ? "i" : fmt::format("{} i", step);
+  return fmt::format("aligned: query frame i is training frame {}, within {}", of_query,
+                     counted(static_cast<uint64_t>(tolerance), "frame"));
+}
+
+}  // namespace vpr

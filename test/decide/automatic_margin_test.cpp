@@ -1,0 +1,132 @@
+// Margins of best matches that are all wrong, and what follows from them.
+#include "decide/automatic_margin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "decide/elsewhere.h"
+#include "examples.h"
+#include "match/plain.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+MatchSettings match(size_t length) { return {length, kDefaultMemoryLimit, select_kernels()}; }
+
+size_t apart(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
+
+/// Cells of one row: of which sequence, which window, what score.
+struct Value {
+  size_t sequence = 0;
+  size_t window = 0;
+  uint32_t score = 0;
+};
+
+// The best one first; by the definition.
+std::optional<uint32_t> slow_margin(const std::vector<Value>& row, const Elsewhere& elsewhere,
+                                    const Value*& best) {
+  best = nullptr;
+  for (const Value& value : row)
+    if (best == nullptr || value.score < best->score) best = &value;
+  std::optional<uint32_t> smallest;
+  for (const Value& value : row) {
+    const bool is_elsewhere =
+        value.sequence == best->sequence
+            ? apart(value.window, best->window) > elsewhere.widths[value.sequence]
+            : elsewhere.shared[value.sequence][best->sequence] == 0;
+    if (is_elsewhere && (!smallest || value.score < *smallest)) smallest = value.score;
+  }
+  return smallest ? std::optional(*smallest - best->score) : std::nullopt;
+}
+
+std::vector<uint32_t> slow_margins(const std::vector<DescriptorSpan>& walks,
+                                   const Elsewhere& elsewhere, size_t length) {
+  std::vector<uint32_t> margins;
+  for (size_t own = 0; own < walks.size(); ++own) {
+    const size_t gap = half_width(walks[own]) + length;
+    const double mean = mean_distance_within(frame_distances({&walks[own], 1}, walks[own]));
+    for (size_t j = 0; j + length <= walks[own].rows.size(); ++j) {
+      std::vector<Value> far;
+      std::vector<Value> others;
+      for (size_t s = 0; s < walks.size(); ++s)
+        for (size_t i = 0; i + length <= walks[s].rows.size(); ++i) {
+          const uint32_t distance =
+              plain_window_distance(walks[s].rows, i, walks[own].rows, j, length);
+          if (s == own && apart(i, j) >= gap) far.push_back({s, i, distance});
+          if (s != own && elsewhere.shared[s][own] == 0) others.push_back({s, i, distance});
+        }
+      const Value* best = nullptr;
+      const auto margin = slow_margin(far, elsewhere, best);
+      if (margin && !is_same_place(best->score / double(length), mean, length, kOwnDepth))
+        margins.push_back(*margin);
+      if (const auto other = slow_margin(others, elsewhere, best)) margins.push_back(*other);
+    }
+  }
+  std::sort(margins.begin(), margins.end(), std::greater<>());
+  return margins;
+}
+
+}  // namespace
+
+TEST_CASE("false margins are those of the definition, for any number of threads") {
+  const test::Example example = test::make_example({70, 45, 60, 4}, 1, 5);
+  const std::vector<DescriptorSpan> walks = example.spans();
+  for (const auto& shared : std::vector<std::vector<std::pair<size_t, size_t>>>{{}, {{0, 2}}}) {
+    const Elsewhere elsewhere = make_elsewhere({2, 0, 5, 1}, shared);
+    for (const size_t length : {1, 6}) {
+      const std::vector<uint32_t> slow = slow_margins(walks, elsewhere, length);
+      REQUIRE(slow.size() > 100);
+      for (const size_t threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        CHECK(false_margins(walks, elsewhere, nullptr, match(length), {}) == slow);
+      }
+    }
+  }
+}
+
+TEST_CASE("a walk that shows a place twice has no false margins there") {
+  std::vector<LdbCode> walk = test::walk_codes(90, 1, 200);
+  std::copy_n(walk.begin() + 5, 20, walk.begin() + 60);
+  const DescriptorSpan span{walk, {}};
+  const Elsewhere elsewhere = make_elsewhere({2}, {});
+  const std::vector<uint32_t> margins = false_margins({&span, 1}, elsewhere, nullptr, match(5), {});
+  CHECK(margins == slow_margins({span}, elsewhere, 5));
+  CHECK(margins.front() < 5 * 150);  // a true one has half of 1386 bits a frame
+}
+
+TEST_CASE("one short walk has no false margins, and the least margin then") {
+  const std::vector<LdbCode> walk = test::walk_codes(10, 1);
+  const DescriptorSpan span{walk, {}};
+  const auto none = false_margins({&span, 1}, make_elsewhere({1}, {}), nullptr, match(9), {});
+  CHECK(none.empty());
+  CHECK(automatic_margin(none, score_kind(Score::raw), 600, 9) == Approx(0.45 * 600 / 3));
+  CHECK(automatic_margin(none, score_kind(Score::standardized), 600, 9) == 1);
+}
+
+TEST_CASE("the automatic margin is a mean above the largest false one, and never below the least") {
+  std::vector<uint32_t> margins(101, 1000);
+  margins[0] = 5000;  // the mean is 1039.6
+  const auto automatic = [&](Score score, size_t length) {
+    return automatic_margin(margins, score_kind(score), 600, length);
+  };
+  CHECK(automatic(Score::raw, 100) == 60.4);
+  CHECK(automatic(Score::raw, 10'000) == Approx(2.7));  // the least
+  CHECK(automatic(Score::standardized, 1) == 6040.0 / 1024);
+  margins.assign(101, 0);
+  CHECK(automatic(Score::raw, 100) == Approx(27));
+}
+
+TEST_CASE("a false margin that is far too large for the others does not decide") {
+  std::vector<uint32_t> margins(102, 1000);
+  margins[0] = 90'000;  // the mean is 1911.8, and no more than 8.6 times of it is likely
+  margins[1] = 5000;
+  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == 69.12);
+  margins[0] = 9000;  // 8.1 times the mean, 1117.6
+  CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == 101.18);
+}

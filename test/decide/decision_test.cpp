@@ -1,0 +1,95 @@
+// The table of decisions: every row against what is said of it elsewhere.
+#include "decide/decision.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "decide/result.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+SequenceQuerySettings by_margin(std::optional<double> margin = std::nullopt) {
+  SequenceQuerySettings settings;
+  settings.decision = Decision::margin;
+  settings.margin = margin;
+  return settings;
+}
+
+bool is_refused(const SequenceQuerySettings& settings) {
+  return test::error_kind([&] { check_decision(settings); }) == ErrorKind::usage;
+}
+
+}  // namespace
+
+TEST_CASE("each decision has its row, whose setting its keys name") {
+  REQUIRE(decision_kinds().size() == kEnumNames<Decision>.size());
+  for (const DecisionKind& kind : decision_kinds()) {
+    const Json all = value_to_json(SequenceQuerySettings{});
+    for (const std::string_view key : kind.settings) CHECK(all.contains(std::string(key)));
+    CHECK(all.contains(std::string(kind.symbol)));
+  }
+  CHECK(decision_kind(Decision::threshold).accepts == nullptr);
+  CHECK(decision_kind(Decision::margin).accepts != nullptr);
+}
+
+TEST_CASE("files hold the settings of the decision in force") {
+  const Json threshold = settings_in_force(SequenceQuerySettings{});
+  for (const char* key : {"decide", "margin", "margin_width", "same_place"})
+    CHECK_FALSE(threshold.contains(key));
+  SequenceQuerySettings settings = by_margin(12.5);
+  settings.margin_width = 3;
+  settings.same_place = {"a=b"};
+  const Json margin = settings_in_force(settings);
+  for (const char* key : {"t_r", "t_r_scale", "safety_factor"}) CHECK_FALSE(margin.contains(key));
+  CHECK(margin["decide"] == "margin");
+  CHECK(margin["margin"] == 12.5);
+  CHECK(margin["margin_width"] == 3);
+  CHECK(margin["same_place"] == Json{"a=b"});
+  CHECK(settings_in_force(by_margin())["margin"] == "auto");
+}
+
+TEST_CASE("a margin is no negative number, none that is none, and none beyond all distances") {
+  CHECK_FALSE(is_refused(by_margin()));
+  CHECK_FALSE(is_refused(by_margin(0)));
+  CHECK_FALSE(is_refused(by_margin(65535)));
+  for (const double margin : {-0.1, std::nan(""), double{INFINITY}, 65536.0})
+    CHECK(is_refused(by_margin(margin)));
+  SequenceQuerySettings scored = by_margin(64);
+  scored.score = Score::standardized;
+  CHECK_FALSE(is_refused(scored));
+  scored.margin = 65;
+  CHECK(is_refused(scored));
+}
+
+TEST_CASE("settings of the other decision are refused, as is a method that does not see all") {
+  SequenceQuerySettings settings;
+  settings.margin = 10;
+  CHECK(is_refused(settings));
+  settings = by_margin();
+  settings.distance_threshold = 0.5;
+  CHECK(is_refused(settings));
+  settings = by_margin();
+  settings.safety_factor = 0.5;
+  CHECK(is_refused(settings));
+}
+
+TEST_CASE("by margin, the hits are the best matches that are enough better than elsewhere") {
+  QueryPlan plan;
+  plan.settings = by_margin(2);
+  plan.settings.window_length = 5;
+  plan.sequences.resize(2);
+  plan.sequences[0].margin = plan.sequences[1].margin = 2;
+  const HitScanResult found{
+      {{0, 0, 0, 1}},
+      {Cell{0, 0, 7, 40}, Cell{1, 1, 8, 30}, std::nullopt, Cell{3, 0, 9, 20}, Cell{4, 1, 9, 20}}};
+  const Result result = make_result(plan, found, {10, 9, std::nullopt, std::nullopt, 11});
+  CHECK(result.hits == std::vector<Match>{{0, 0, 7, 0, 40}, {4, 1, 9, 0, 20}});
+  CHECK(frame_margin(result, 0) == 2);
+  CHECK(frame_margin(result, 3) == std::nullopt);
+}

@@ -1,0 +1,170 @@
+#include "decide/margin_scan.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "match/row_kernels.h"
+#include "match/score_kernels.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Values of one row, by sequence and window; none where no cell comes.
+using FullRow = std::vector<std::vector<std::optional<uint32_t>>>;
+
+// By the definition, from a whole row.
+std::optional<uint32_t> slow_margin(const FullRow& row, const Elsewhere& elsewhere,
+                                    std::optional<Cell>& best) {
+  best.reset();
+  for (size_t s = 0; s < row.size(); ++s)
+    for (size_t i = 0; i < row[s].size(); ++i)
+      if (row[s][i] && (!best || *row[s][i] < best->score))
+        best = Cell{0, uint32_t(s), uint32_t(i), *row[s][i]};
+  std::optional<uint32_t> smallest;
+  for (size_t s = 0; best && s < row.size(); ++s)
+    for (size_t i = 0; i < row[s].size(); ++i) {
+      const size_t apart =
+          std::max<size_t>(i, best->train_window) - std::min<size_t>(i, best->train_window);
+      const bool is_elsewhere = s == best->sequence ? apart > elsewhere.widths[s]
+                                                    : elsewhere.shared[s][best->sequence] == 0;
+      if (row[s][i] && is_elsewhere && (!smallest || *row[s][i] < *smallest)) smallest = row[s][i];
+    }
+  return smallest ? std::optional(*smallest - best->score) : std::nullopt;
+}
+
+struct Piece {
+  size_t query = 0;
+  size_t sequence = 0;
+  size_t first = 0;
+  std::vector<uint32_t> scores;
+};
+
+// A row as matchers give it: valleys in noise, few different values so that there are ties, holes.
+FullRow random_row(RandomEngine& engine, const std::vector<size_t>& windows) {
+  FullRow row;
+  const size_t values = 2 + uniform_below(engine, 60);
+  const bool has_holes = uniform_below(engine, 3) == 0;
+  for (const size_t count : windows) {
+    auto& cells = row.emplace_back(count);
+    for (auto& cell : cells) cell = static_cast<uint32_t>(20 + uniform_below(engine, values));
+    for (size_t valley = uniform_below(engine, 3); valley > 0 && count > 0; --valley) {
+      const size_t at = uniform_below(engine, count);
+      const size_t reach = 1 + uniform_below(engine, 12);
+      for (size_t i = at - std::min(at, reach); i < std::min(count, at + reach); ++i) {
+        const size_t apart = std::max(i, at) - std::min(i, at);
+        cells[i] = std::min<uint32_t>(*cells[i], static_cast<uint32_t>(apart * 20 / reach));
+      }
+    }
+    for (auto& cell : cells)
+      if (has_holes && uniform_below(engine, 9) == 0) cell.reset();
+  }
+  return row;
+}
+
+// Cuts rows where a cell is missing, and elsewhere at random.
+std::vector<Piece> pieces_of(const std::vector<FullRow>& rows, size_t longest,
+                             RandomEngine& engine) {
+  std::vector<Piece> pieces;
+  for (size_t q = 0; q < rows.size(); ++q)
+    for (size_t s = 0; s < rows[q].size(); ++s) {
+      size_t room = 0;
+      for (size_t i = 0; i < rows[q][s].size(); ++i) {
+        if (!rows[q][s][i]) {
+          room = 0;
+          continue;
+        }
+        if (room == 0) {
+          pieces.push_back({q, s, i, {}});
+          room = 1 + uniform_below(engine, longest);
+        }
+        pieces.back().scores.push_back(*rows[q][s][i]);
+        --room;
+      }
+    }
+  for (size_t i = pieces.size(); i > 1; --i)
+    std::swap(pieces[i - 1], pieces[uniform_below(engine, i)]);
+  return pieces;
+}
+
+MarginScanResult scan_pieces(const std::vector<Piece>& pieces, const Elsewhere& elsewhere,
+                             size_t rows) {
+  MarginScan scan(elsewhere, rows, select_kernels());
+  parallel_for(pieces.size(), {}, [&](size_t p) {
+    scan({pieces[p].query, pieces[p].sequence, pieces[p].first, pieces[p].scores});
+  });
+  return scan.result();
+}
+
+MarginScanResult scan_row(const std::vector<std::vector<uint32_t>>& row,
+                          const Elsewhere& elsewhere) {
+  MarginScan scan(elsewhere, 1, select_kernels());
+  for (size_t s = 0; s < row.size(); ++s)
+    if (!row[s].empty()) scan({0, s, 0, row[s]});
+  return scan.result();
+}
+
+}  // namespace
+
+TEST_CASE("the margin is what the best value outside +-w is above the best one") {
+  const std::vector<std::vector<uint32_t>> row = {{9, 7, 4, 3, 5, 6, 8}};
+  CHECK(scan_row(row, make_elsewhere({0}, {})).margins[0] == 1);
+  CHECK(scan_row(row, make_elsewhere({1}, {})).margins[0] == 3);
+  CHECK(scan_row(row, make_elsewhere({2}, {})).margins[0] == 5);
+  CHECK(scan_row(row, make_elsewhere({2}, {})).best[0] == Cell{0, 0, 3, 3});
+}
+
+TEST_CASE("nothing is elsewhere where w reaches both ends") {
+  CHECK(scan_row({{9, 7, 4, 3, 5, 6, 8}}, make_elsewhere({3}, {})).margins[0] == std::nullopt);
+  CHECK(scan_row({{3}}, make_elsewhere({0}, {})).margins[0] == std::nullopt);
+  CHECK(scan_row({{3}}, make_elsewhere({0}, {})).best[0] == Cell{0, 0, 0, 3});
+  CHECK(scan_row({{}}, make_elsewhere({0}, {})).best[0] == std::nullopt);
+}
+
+TEST_CASE("other sequences count where they show another place, and only there") {
+  const std::vector<std::vector<uint32_t>> row = {{9, 9, 2, 9}, {3, 9, 9}, {5, 9}};
+  CHECK(scan_row(row, make_elsewhere({1, 1, 1}, {})).margins[0] == 1);
+  CHECK(scan_row(row, make_elsewhere({1, 1, 1}, {{0, 1}})).margins[0] == 3);
+  CHECK(scan_row(row, make_elsewhere({1, 1, 1}, {{2, 0}, {0, 1}})).margins[0] == 7);
+}
+
+TEST_CASE("of equal values the first is best, and the margin may be 0") {
+  const MarginScanResult result =
+      scan_row({{5, 4, 4, 4}, {4, 4}}, make_elsewhere({1, 1}, {{0, 1}}));
+  CHECK(result.best[0] == Cell{0, 0, 1, 4});
+  CHECK(result.margins[0] == 0);
+  CHECK(scan_row({{5, 4, 4}, {4, 4}}, make_elsewhere({1, 1}, {{0, 1}})).margins[0] == std::nullopt);
+}
+
+TEST_CASE("pieces in any order from any number of threads give the margins of whole rows") {
+  RandomEngine engine(7);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<size_t> windows;
+    std::vector<uint32_t> widths;
+    std::vector<std::pair<size_t, size_t>> shared;
+    for (size_t s = 1 + uniform_below(engine, 4); s > 0; --s) {
+      for (size_t other = 0; other < windows.size(); ++other)
+        if (uniform_below(engine, 2) == 0) shared.emplace_back(other, windows.size());
+      windows.push_back(uniform_below(engine, 70));
+      widths.push_back(static_cast<uint32_t>(uniform_below(engine, 15)));
+    }
+    const Elsewhere elsewhere = make_elsewhere(widths, shared);
+    std::vector<FullRow> rows;
+    for (int q = 0; q < 6; ++q) rows.push_back(random_row(engine, windows));
+    const std::vector<Piece> pieces =
+        pieces_of(rows, 1 + uniform_below(engine, trial % 2 == 0 ? 6 : 60), engine);
+    const ThreadLimit limit(1 + trial % 4);
+    const MarginScanResult result = scan_pieces(pieces, elsewhere, rows.size());
+    for (size_t q = 0; q < rows.size(); ++q) {
+      INFO("trial " << trial << ", row " << q);
+      std::optional<Cell> best;
+      const auto margin = slow_margin(rows[q], elsewhere, best);
+      if (best) best->query_window = static_cast<uint32_t>(q);
+      CHECK(result.best[q] == best);
+      CHECK(result.margins[q] == margin);
+    }
+  }
+}

@@ -1,0 +1,123 @@
+#include "decide/row_scan.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+struct Piece {
+  size_t query = 0;
+  size_t sequence = 0;
+  size_t first = 0;
+  std::vector<uint32_t> scores;
+};
+
+// Two sequences of 50 and 9 windows, 20 query windows, cut into pieces.
+std::vector<Piece> random_pieces(uint64_t seed) {
+  RandomEngine engine(seed);
+  std::vector<Piece> pieces;
+  for (size_t query = 0; query < 20; ++query) {
+    if (query == 5) continue;  // no cell at all
+    for (size_t sequence = 0; sequence < 2; ++sequence) {
+      const size_t windows = sequence == 0 ? 50 : 9;
+      for (size_t first = 0; first < windows;) {
+        Piece piece{query, sequence, first, {}};
+        const size_t count = std::min(windows - first, size_t(1 + uniform_below(engine, 20)));
+        for (size_t i = 0; i < count; ++i)
+          piece.scores.push_back(static_cast<uint32_t>(uniform_below(engine, 40)));
+        first += count;
+        pieces.push_back(piece);
+      }
+    }
+  }
+  return pieces;
+}
+
+ScoreRow as_row(const Piece& piece) {
+  return {piece.query, piece.sequence, piece.first, piece.scores};
+}
+
+HitScanSettings scan_settings(size_t max_hits = 100000) {
+  return {{3, 6}, 20, max_hits, select_kernels()};
+}
+
+}  // namespace
+
+TEST_CASE("hits are the cells strictly below their sequence's limit, best ties go to the first") {
+  HitScan scan(scan_settings());
+  scan({0, 0, 10, std::vector<uint32_t>{5, 2, 3}});
+  scan({0, 1, 0, std::vector<uint32_t>{2, 5, 6}});
+  scan({0, 0, 4, std::vector<uint32_t>{2}});
+  const HitScanResult result = scan.result();
+  CHECK(result.hits == std::vector<Cell>{{0, 0, 4, 2}, {0, 0, 11, 2}, {0, 1, 0, 2}, {0, 1, 1, 5}});
+  CHECK(result.best.at(0) == Cell{0, 0, 4, 2});
+  CHECK_FALSE(result.best.at(1).has_value());
+}
+
+TEST_CASE("the result does not depend on the order of rows or the number of threads") {
+  const std::vector<Piece> pieces = random_pieces(1);
+  std::vector<Cell> hits;
+  std::vector<std::optional<Cell>> best(20);
+  std::vector<uint32_t> maxima(2, 0);
+  for (const Piece& piece : pieces) {
+    for (size_t x = 0; x < piece.scores.size(); ++x) {
+      const Cell cell{uint32_t(piece.query), uint32_t(piece.sequence), uint32_t(piece.first + x),
+                      piece.scores[x]};
+      if (cell.score < (piece.sequence == 0 ? 3U : 6U)) hits.push_back(cell);
+      auto& kept = best[piece.query];
+      if (!kept || cell.score < kept->score) kept = cell;
+      maxima[piece.sequence] = std::max(maxima[piece.sequence], cell.score);
+    }
+  }
+  for (const size_t threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    std::vector<Piece> shuffled = pieces;
+    RandomEngine engine(threads);
+    for (size_t i = shuffled.size(); i > 1; --i)
+      std::swap(shuffled[i - 1], shuffled[uniform_below(engine, i)]);
+    HitScan scan(scan_settings());
+    MaximumScan maximum(2, select_kernels());
+    parallel_for(shuffled.size(), {}, [&](size_t i) {
+      scan(as_row(shuffled[i]));
+      maximum(as_row(shuffled[i]));
+    });
+    const HitScanResult result = scan.result();
+    CHECK(result.hits == hits);
+    CHECK(result.best == best);
+    CHECK(maximum.result() == maxima);
+  }
+}
+
+TEST_CASE("the maxima of no row at all are 0") {
+  CHECK(MaximumScan(3, select_kernels()).result() == std::vector<uint32_t>{0, 0, 0});
+}
+
+TEST_CASE("more hits than allowed are an error that says what to do") {
+  HitScan scan(scan_settings(2));
+  const std::string text = test::error_text([&] {
+    scan({0, 1, 0, std::vector<uint32_t>{1, 1, 1}});
+  });
+  CHECK(text.find("--t-r") != std::string::npos);
+}
+
+TEST_CASE("given cells are picked out of the pieces that hold them") {
+  const std::vector<Piece> pieces = random_pieces(2);
+  std::vector<Cell> wanted = {{0, 0, 0, 0}, {0, 0, 49, 0}, {0, 1, 8, 0}, {19, 0, 25, 0}};
+  CellScan scan(wanted);
+  for (const Piece& piece : pieces) scan(as_row(piece));
+  for (const Cell& cell : scan.result()) {
+    for (const Piece& piece : pieces) {
+      if (piece.query != cell.query_window || piece.sequence != cell.sequence) continue;
+      if (cell.train_window < piece.first || cell.train_window >= piece.first + piece.scores.size())
+        continue;
+      CHECK(cell.score == piece.scores[cell.train_window - piece.first]);
+    }
+  }
+}

@@ -1,0 +1,174 @@
+#include "evaluate/comparison.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// One letter a query, as reports have them; scores rise from query to query unless given.
+NamedOutcomes method(const std::string& letters, size_t first_frame = 0,
+                     const std::vector<double>& scores = {}) {
+  NamedOutcomes named;
+  named.outcomes.window_length = first_frame + 1;
+  for (size_t q = 0; q < letters.size(); ++q) {
+    QueryOutcome& query = named.outcomes.queries.emplace_back();
+    query.frame = first_frame + q;
+    const char letter = letters[q];
+    query.verdict = letter == 'c'   ? Verdict::correct
+                    : letter == 'u' ? Verdict::unreadable
+                    : letter == 'i' ? Verdict::ignored
+                                    : Verdict::incorrect;
+    query.has_match = letter == 'c' || letter == 'w';
+    query.key = score_key(scores.empty() ? double(q) : scores[q], ScoreOrder::distance);
+  }
+  return named;
+}
+
+Comparison compare(const std::vector<NamedOutcomes>& methods, size_t block = 1,
+                   size_t resamples = 500) {
+  return compare_outcomes(methods, block, resamples, 1, {});
+}
+
+ComparedValue find(const Comparison& comparison, const std::string& metric, size_t method) {
+  for (const ComparedValue& value : comparison.values)
+    if (value.metric == metric && value.method == method) return value;
+  FAIL("no " << metric);
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("values, differences and pairs are those counted by hand") {
+  const Comparison found = compare({method("ccwwn"), method("cwccn")});
+  CHECK(found.common == 5);
+  CHECK(found.judged == 4);
+  CHECK(find(found, "recall_at_1", 0).value == 0.5);
+  CHECK_FALSE(find(found, "recall_at_1", 0).difference);
+  CHECK(find(found, "recall_at_1", 1).value == 0.75);
+  CHECK(find(found, "recall_at_1", 1).difference == 0.25);
+  // c c w w n: (1 + 1) / 4; c w c c n: (1 + 2/3 + 3/4) / 4.
+  CHECK(*find(found, "average_precision", 0).value == Approx(0.5));
+  CHECK(*find(found, "average_precision", 1).value == Approx((1 + 2 / 3.0 + 0.75) / 4));
+  CHECK(found.paired[1].both_right == 1);
+  CHECK(found.paired[1].only_this == 2);
+  CHECK(found.paired[1].only_first == 1);
+  CHECK(found.paired[1].neither == 0);
+}
+
+TEST_CASE("a method equals itself, with certainty") {
+  const NamedOutcomes one = method("ccwwncwcwcwcw");
+  for (const ComparedValue& value : compare({one, one}).values) {
+    if (value.method == 0) continue;
+    CHECK(value.difference == 0);
+    CHECK(value.interval->low == 0);
+    CHECK(value.interval->high == 0);
+  }
+}
+
+TEST_CASE("queries are paired by their frame, and only those that all judge count") {
+  // Windows of 3 frames begin at frame 2; frame 4 is unreadable, frame 5 ignored in one of them.
+  const Comparison found = compare({method("cccccc"), method("cwuc", 2), method("ccccwi")});
+  CHECK(found.common == 2);  // frames 2 and 3
+  CHECK(found.own == std::vector<size_t>{6, 3, 5});
+  CHECK(find(found, "recall_at_1", 1).value == 0.5);
+  CHECK(find(found, "recall_at_1", 0).value == 1);
+}
+
+TEST_CASE("methods that cannot be compared are refused") {
+  const auto kind = [](const std::vector<NamedOutcomes>& methods) {
+    return test::error_kind([&] { compare(methods); });
+  };
+  CHECK(kind({method("cc")}) == ErrorKind::data);
+  CHECK(kind({method("cc"), method("cc", 7)}) == ErrorKind::data);
+  CHECK(kind({method("cw"), method("cn")}) == ErrorKind::data);
+  CHECK(kind({method("cw"), method("cu")}) == std::nullopt);
+}
+
+TEST_CASE("queries that ground truths disagree on, or windows can't reach, are left out") {
+  const std::vector<NamedOutcomes> methods = {method("cwcc"), method("cnwc")};
+  const Comparison found = compare_outcomes(methods, 1, 10, 1, {}, Disputed::leave_out);
+  CHECK(found.common == 3);
+  CHECK(found.disputed == 1);
+  CHECK(find(found, "recall_at_1", 1).value == Approx(2 / 3.0));
+  NamedOutcomes longer = method("cnwc");
+  longer.outcomes.queries[1].is_unreachable = true;
+  const Comparison reached = compare({method("cwcc"), longer});
+  CHECK(reached.common == 3);
+  CHECK(reached.disputed == 0);
+}
+
+TEST_CASE("recall@K beyond 1 is known of methods with ranks, and compared where both have them") {
+  NamedOutcomes one = method("cw");
+  one.outcomes.has_ranks = true;
+  one.outcomes.queries[0].rank = 1;
+  one.outcomes.queries[1].rank = 4;
+  CHECK(find(compare({one, one}), "recall_at_5", 1).value == 1);
+  const Comparison mixed = compare({one, method("cw")});
+  CHECK(find(mixed, "recall_at_5", 0).value == 1);
+  CHECK_FALSE(find(mixed, "recall_at_5", 1).value);
+  CHECK_FALSE(find(mixed, "recall_at_5", 1).difference);
+  for (const ComparedValue& value : compare({method("cw"), method("cw")}).values)
+    CHECK(value.metric != "recall_at_5");
+}
+
+TEST_CASE("each method is compared by the confidence that it decided by") {
+  // By score the mistake comes first (R@100P 0), by margin last (2/3).
+  NamedOutcomes one = method("wcc");
+  one.outcomes.has_margins = true;
+  for (size_t q = 0; q < 3; ++q) one.outcomes.queries[q].margin = double(q);
+  CHECK(find(compare({one, one}), "recall_at_100_precision", 1).value == 0);
+  NamedOutcomes by_margin = one;
+  by_margin.outcomes.confidence = Confidence::margin;
+  const Comparison found = compare({one, by_margin});
+  CHECK(find(found, "recall_at_100_precision", 0).value == 0);
+  CHECK(*find(found, "recall_at_100_precision", 1).value == Approx(2 / 3.0));
+  by_margin.outcomes.queries[2].margin.reset();  // never accepted
+  CHECK(*find(compare({one, by_margin}), "recall_at_100_precision", 1).value == Approx(1 / 3.0));
+}
+
+TEST_CASE("another walk is measured over its own queries, without partners") {
+  NamedOutcomes replay = method("ccwwwwwcn");  // twice as slow, and with a frame that has no match
+  replay.is_paired = false;
+  const Comparison found = compare({method("cwwc"), replay, method("cccw")});
+  CHECK(found.common == 4);
+  CHECK(found.own == std::vector<size_t>{4, 9, 4});
+  CHECK(find(found, "recall_at_1", 0).value == 0.5);
+  CHECK(find(found, "recall_at_1", 1).value == Approx(3 / 8.0));
+  CHECK(*find(found, "recall_at_1", 1).difference == Approx(-1 / 8.0));
+  CHECK_FALSE(find(found, "recall_at_1", 1).interval);
+  CHECK(find(found, "recall_at_1", 2).interval);
+  CHECK(found.paired[1].both_right + found.paired[1].neither == 0);
+  CHECK(found.paired[2].both_right == 1);
+}
+
+TEST_CASE("intervals are those of the closed form for independent queries") {
+  // The methods differ in a fifth of 500 queries, each time for the better: the mean of n draws of
+  // 0 or 1 with p = 0.2 is normal, +- 1.96 sqrt(p (1 - p) / n).
+  std::string first(500, 'w');
+  std::string second(500, 'w');
+  for (size_t i = 0; i < 500; i += 5) second[i] = 'c';
+  const ComparedValue found =
+      find(compare({method(first), method(second)}, 1, 2000), "recall_at_1", 1);
+  const double half = 1.96 * std::sqrt(0.2 * 0.8 / 500);
+  CHECK(found.interval->low == Approx(0.2 - half).margin(0.006));
+  CHECK(found.interval->high == Approx(0.2 + half).margin(0.006));
+}
+
+TEST_CASE("pairing makes the interval of a difference narrower than its parts") {
+  // Both methods fail in the same stretches; one fails a little more.
+  std::string first;
+  for (int i = 0; i < 400; ++i) first += i / 40 % 2 == 0 ? 'c' : 'w';
+  std::string second = first;
+  for (size_t i = 0; i < 400; i += 80) second[i] = 'w';
+  const Comparison found = compare({method(first), method(second)}, 20, 1000);
+  const ComparedValue value = find(found, "recall_at_1", 1);
+  CHECK(*value.difference == Approx(-5.0 / 400));
+  CHECK(value.interval->high - value.interval->low < 0.05);
+  CHECK(compare({method(first), method(second)}, 20, 1000).values[1].interval->low ==
+        value.interval->low);
+}

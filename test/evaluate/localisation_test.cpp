@@ -1,0 +1,150 @@
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/monitor.h"
+#include "evaluate/judgement.h"
+#include "support.h"
+#include "truth/route.h"
+
+using namespace vpr;
+
+namespace {
+
+std::vector<Fix> path(const std::string& text) {
+  std::vector<Fix> fixes;
+  for (const char c : text)
+    fixes.push_back(c == 'r'   ? Fix::right
+                    : c == 'w' ? Fix::wrong
+                    : c == 'i' ? Fix::unjudged
+                               : Fix::none);
+  return fixes;
+}
+
+}  // namespace
+
+TEST_CASE("a path with three fixes, computed by hand") {
+  const std::vector<double> travelled = {0, 1, 2, 3, 10, 11, 12, 13, 14, 15};
+  const Localisation found = localise(path("..r.wr...r"), travelled);
+  CHECK(found.frames == 10);
+  CHECK(found.right == 3);
+  CHECK(found.wrong == 1);
+  CHECK(*found.share() == Approx(0.3));
+  CHECK(found.first_fix_frames == 2);
+  CHECK(found.first_fix_m == 2);
+  CHECK(found.longest_gap_frames == 3);  // frames 6 to 8
+  CHECK(found.longest_gap_m == 9);       // from frame 2 to frame 5
+}
+
+TEST_CASE("the ends of the path bound gaps") {
+  const std::vector<double> travelled = {0, 2, 4, 6, 8};
+  const Localisation late = localise(path("...r."), travelled);
+  CHECK(late.longest_gap_frames == 3);
+  CHECK(late.longest_gap_m == 6);
+  const Localisation early = localise(path("r...."), travelled);
+  CHECK(early.longest_gap_frames == 4);
+  CHECK(early.longest_gap_m == 8);
+  CHECK(early.first_fix_frames == 0);
+  CHECK(early.first_fix_m == 0);
+}
+
+TEST_CASE("a path without a fix is one gap, and a wrong fix is none") {
+  const Localisation found = localise(path("ww.w"), std::vector<double>{0, 1, 1, 5});
+  CHECK(found.right == 0);
+  CHECK(found.wrong == 3);
+  CHECK(found.longest_gap_frames == 4);
+  CHECK(found.longest_gap_m == 5);
+  CHECK_FALSE(found.first_fix_frames);
+  CHECK_FALSE(found.first_fix_m);
+  CHECK(found.share() == 0);
+}
+
+TEST_CASE("without positions there are no metres, and an empty path has no share") {
+  const Localisation found = localise(path("r.r"), {});
+  CHECK(found.longest_gap_frames == 1);
+  CHECK_FALSE(found.longest_gap_m);
+  CHECK_FALSE(found.first_fix_m);
+  const Localisation empty = localise({}, {});
+  CHECK_FALSE(empty.share());
+  CHECK(empty.longest_gap_frames == 0);
+}
+
+TEST_CASE("everywhere localised: no gap") {
+  const Localisation found = localise(path("rrrr"), std::vector<double>{0, 1, 3, 4});
+  CHECK(found.share() == 1);
+  CHECK(found.longest_gap_frames == 0);
+  CHECK(found.longest_gap_m == 2);  // between two fixes
+}
+
+TEST_CASE("the closest hit of a window is its fix, at the anchor") {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 3;
+  result.settings = settings;
+  result.query_frames = 6;
+  result.query_windows = 4;
+  result.targets = {{"ref", 6, 4, true, 0.5, ThresholdScale::relative, 10, 100}};
+  result.hits = {
+      {0, 0, 0, 0, 9}, {0, 0, 3, 0, 8}, {1, 0, 1, 0, 5}, {1, 0, 2, 0, 5}, {3, 0, 3, 0, 1}};
+  GroundTruth truth;
+  truth.pairs.resize(6);
+  for (uint32_t frame = 0; frame < 5; ++frame)
+    truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
+  truth.pairs[5].push_back({0, 5, PlaceLabel::ignore});
+  CHECK(fixes_of(result, truth) == path("..wr.i"));
+}
+
+TEST_CASE("best matches are fixes up to the threshold, which counts") {
+  Outcomes outcomes;
+  outcomes.query_frames = 4;
+  for (size_t frame = 0; frame < 4; ++frame)
+    outcomes.queries.push_back({frame,
+                                frame == 1 ? Verdict::incorrect : Verdict::correct,
+                                true,
+                                false,
+                                FrameMatch{0, frame},
+                                10 + frame,
+                                false,
+                                {}});
+  CHECK(fixes_of(outcomes, 12) == path("rwr."));
+  CHECK(fixes_of(outcomes, std::nullopt) == path("...."));
+}
+
+TEST_CASE("ways are sums of straight lines") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "p.csv", "frame,x,y,heading\n1,3,4,0\n0,0,0,0\n2,3,5.5,90\n");
+  CHECK(read_travelled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6.5});
+  test::write_text(folder / "all.csv", "# a recording\nframe,x,y\n5,3,+4\n3,0,0\n9,1,1\n");
+  CHECK(read_travelled(folder / "all.csv@3:6:2", 2, {}) == std::vector<double>{0, 5});
+}
+
+TEST_CASE("ways of a replay go along what it shows") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n");
+  const auto way = [&](const std::string& warp) {
+    const Replay shown = replay(warp, 3, 1);
+    return read_travelled(folder / "p.csv", shown.frames(), {}, shown);
+  };
+  CHECK(way("0.5") == std::vector<double>{0, 0, 5, 5, 6, 6});
+  CHECK(way("reversed") == std::vector<double>{0, 1, 6});
+}
+
+TEST_CASE("without the pose of a frame there are no metres, which is said once") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n3,1,1\n");
+  std::vector<std::string> warnings;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  CHECK(read_travelled(folder / "p.csv", 4, monitor).empty());
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("no pose of 2 of 4 frames (the first is frame 1)") != std::string::npos);
+}
+
+TEST_CASE("damaged positions are refused") {
+  const test::TemporaryFolder folder;
+  const std::string csv = GENERATE("", "x,y\n", "frame,x,y\n0,0,0\n0,1,1\n",
+                                   "frame,x,y\n0,0,0\n2,1,1\n", "frame,x,y\n0,0,0\n1,a,1\n",
+                                   "frame,x,y\n0,0,0\n1,1\n", "frame,x,y\n0,0,0\n1,nan,1\n",
+                                   "frame,x,y\n0,0,0\n-1,1,1\n", "frame,x,y\n0,0,0\n1,inf,1\n");
+  test::write_text(folder / "p.csv", csv);
+  CHECK(test::error_kind([&] { read_travelled(folder / "p.csv", 2, {}); }) == ErrorKind::data);
+}

@@ -1,0 +1,137 @@
+// Loop closures against a trajectory: by hand, and against every pair of frames.
+#include "evaluate/loops.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "evaluate/metrics.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// A second apart, on a line.
+Trajectory along(const std::vector<double>& xs) {
+  Trajectory trajectory;
+  for (const double x : xs) {
+    trajectory.poses.emplace_back(Pose{{x, 0, 0}, {}, {}});
+    trajectory.times_ns.push_back(static_cast<int64_t>(trajectory.poses.size()) * 1'000'000'000);
+  }
+  return trajectory;
+}
+
+LoopRules within(double radius_m, size_t gap_frames) { return {radius_m, {{}, gap_frames}}; }
+
+/// Every frame with every earlier one.
+std::vector<bool> plain_frames_with_loop(const Trajectory& trajectory, const LoopRules& rules) {
+  std::vector<bool> has_loop(trajectory.poses.size());
+  for (size_t query = 0; query < has_loop.size(); ++query)
+    for (size_t match = 0; match < query; ++match)
+      if (trajectory.poses[query] && trajectory.poses[match] &&
+          is_past(rules.gap, trajectory.times_ns, query, match) &&
+          distance_between(trajectory, query, match) <= rules.radius_m)
+        has_loop[query] = true;
+  return has_loop;
+}
+
+}  // namespace
+
+TEST_CASE("loops there and back, by hand") {
+  // 0 1 2 3 metres and back: frames 4, 5 and 6 are where 2, 1 and 0 were.
+  const Trajectory trajectory = along({0, 1, 2, 3, 2, 1, 0});
+  LoopList list;
+  list.has_scores = true;
+  list.loops = {{4, 2, 0.9, 1},    // right: 2 frames apart is the gap
+                {5, 4, 0.95, 2},   // too near in time
+                {5, 0, 0.8, 3},    // a metre off, and the radius is half of one
+                {5, 1, 0.7, 4},    // right, but not its frame's best
+                {4, 2, 0.1, 5},    // the first again
+                {3, 0, 0.85, 6}};  // nothing is there
+  const LoopJudgement judgement = judge_loops(list, trajectory, within(0.5, 2));
+  CHECK(judgement.has_loop == std::vector<bool>{false, false, false, false, true, true, true});
+  CHECK(judgement.repeated == 1);
+  CHECK(judgement.count(PlaceLabel::same) == 2);
+  CHECK(judgement.count(PlaceLabel::different) == 2);
+  CHECK(judgement.count(PlaceLabel::ignore) == 1);
+  CHECK(judgement.frames_with_loop() == 3);
+  CHECK(judgement.frames_found() == 2);
+  CHECK(judgement.revisits == std::vector<Revisit>{{4, 6, true}});
+  CHECK(judgement.longest_missed() == Revisit{6, 6, false});
+  // 0.9 right, 0.85 wrong, 0.8 wrong (of frame 5, whose right one scores less).
+  REQUIRE(judgement.curve);
+  CHECK(recall_at_full_precision(*judgement.curve).value == Approx(1 / 3.0));
+  CHECK(average_precision(*judgement.curve).value == Approx(1 / 3.0));
+}
+
+TEST_CASE("bounds of radius and gap are included, and small distances may be good") {
+  const Trajectory trajectory = along({0, 10, 20, 0.5, 10, 20});
+  LoopRules rules = within(0.5, 1);
+  rules.gap = {3'000'000'000, 0};
+  CHECK(frames_with_loop(trajectory, rules) ==
+        std::vector<bool>{false, false, false, true, true, true});
+  rules.radius_m = 0.49;
+  CHECK(frames_with_loop(trajectory, rules) ==
+        std::vector<bool>{false, false, false, false, true, true});
+  rules.gap.nanoseconds = 3'000'000'001;
+  CHECK(frames_with_loop(trajectory, rules) == std::vector<bool>(6, false));
+  rules = within(0, 3);
+  rules.order = ScoreOrder::distance;
+  LoopList list;
+  list.has_scores = true;
+  list.loops = {{4, 1, 3.0, 1}, {5, 0, 7.0, 2}, {5, 2, 7.0, 3}};
+  const LoopJudgement judgement = judge_loops(list, trajectory, rules);
+  CHECK(judgement.revisits == std::vector<Revisit>{{4, 5, true}});
+  CHECK(recall_at_full_precision(*judgement.curve).threshold == 3.0);
+  CHECK(recall_at_full_precision(*judgement.curve).value == Approx(0.5));
+}
+
+TEST_CASE("frames without a pose have no loop, and no list finds nothing") {
+  Trajectory trajectory = along({0, 5, 0, 0});
+  trajectory.poses[2].reset();
+  const LoopJudgement judgement = judge_loops({}, trajectory, within(1, 1));
+  CHECK(judgement.has_loop == std::vector<bool>{false, false, false, true});
+  CHECK_FALSE(judgement.curve);
+  CHECK(judgement.longest_missed() == Revisit{3, 3, false});
+  CHECK(judge_loops({}, along({}), within(1, 1)).revisits.empty());
+}
+
+TEST_CASE("a radius that is none and a gap without times are refused") {
+  Trajectory trajectory = along({0, 1});
+  CHECK(test::error_kind([&] { judge_loops({}, trajectory, within(-1, 1)); }) == ErrorKind::usage);
+  trajectory.times_ns.clear();
+  LoopRules rules = within(1, 1);
+  rules.gap.nanoseconds = 1;
+  CHECK(test::error_kind([&] { judge_loops({}, trajectory, rules); }) == ErrorKind::usage);
+}
+
+TEST_CASE("cubes find what comparing every pair finds") {
+  RandomEngine random = named_engine(7, "loops");
+  for (int trial = 0; trial < 60; ++trial) {
+    Trajectory trajectory;
+    const double size = trial % 3 == 0 ? 1e18 : 4;
+    for (int frame = 0; frame < 120; ++frame) {
+      trajectory.times_ns.push_back(frame * 10);
+      trajectory.poses.emplace_back();
+      // Half of them on a grid, where distances are just the radius.
+      const auto coordinate = [&] {
+        const double x = static_cast<double>(uniform_below(random, 1001)) / 1000 * size - size / 2;
+        return trial % 2 == 0 ? x : std::round(x);
+      };
+      if (uniform_below(random, 10) != 0)
+        trajectory.poses.back() =
+            Pose{{coordinate(), coordinate(), trial % 5 ? 0 : coordinate()}, {}, {}};
+    }
+    for (const double radius : {0.0, 0.1, 1.0, 1.5}) {
+      LoopRules rules = within(radius, 1 + uniform_below(random, 20));
+      if (trial % 4 == 0) rules.gap.nanoseconds = 55;
+      CHECK(frames_with_loop(trajectory, rules) == plain_frames_with_loop(trajectory, rules));
+    }
+  }
+  // Just within the radius after rounding, though two cubes lie between.
+  const Trajectory rounded = along({-1e-17, 1});
+  CHECK(frames_with_loop(rounded, within(1, 1)) == plain_frames_with_loop(rounded, within(1, 1)));
+}

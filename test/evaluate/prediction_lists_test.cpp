@@ -1,0 +1,170 @@
+// Lists of what other programs found, and lists for them.
+#include "evaluate/prediction_lists.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/random.h"
+#include "evaluate/matrix_scan.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+const Names kQueries = {"q/a.jpg", "q/b.jpg", "q/c.jpg"};
+const Names kReferences = {"db/left/1.jpg", "db/left/2.jpg", "db/right/1.jpg", "db/right/2.jpg"};
+
+// Row after row, "-" where there is no score.
+std::string rows_of(const ScoreMatrix& matrix) {
+  std::vector<std::string> rows(matrix.queries());
+  matrix.for_each_row(1, {}, "", [&](size_t, size_t query, std::span<const uint64_t> keys) {
+    for (const uint64_t key : keys) {
+      const double score = score_of_key(key, matrix.kind());
+      rows[query] += std::isnan(score) ? " -" : fmt::format(" {}", score);
+    }
+  });
+  return fmt::format("{}", fmt::join(rows, " |"));
+}
+
+struct List {
+  test::TemporaryFolder folder;
+  std::string name = "list.txt";
+
+  explicit List(const std::string& text, const std::string& called = "list.txt") : name(called) {
+    test::write_text(folder / name, text);
+  }
+  ScoreMatrix matrix(std::optional<ScoreOrder> kind = {}, const Names& queries = kQueries,
+                     const Names& references = kReferences) const {
+    return prediction_scores(folder / name, FrameNames(queries), FrameNames(references), kind);
+  }
+  std::string error(std::optional<ScoreOrder> kind = {}) const {
+    return test::error_text([&] { matrix(kind); });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("frames are found by the end of their paths") {
+  const FrameNames names(kReferences);
+  CHECK(names.count() == 4U);
+  CHECK(names.find("db/left/2.jpg") == 1U);
+  CHECK(names.find("/data/db/right/2.jpg") == 3U);
+  CHECK(names.find("right/1.jpg") == 2U);
+  CHECK_FALSE(names.find("1.jpg"));        // of two folders
+  CHECK_FALSE(names.find("other/1.jpg"));  // of none
+  CHECK_FALSE(names.find("3.jpg"));
+  CHECK(FrameNames({"q/a.jpg"}).find("/elsewhere/a.jpg") == 0U);
+  const FrameNames numbers({});
+  CHECK_FALSE(numbers.count());
+  CHECK(numbers.find("12") == 12U);
+  for (const char* word : {"-1", "1.5", "", "a", "99999999999"}) CHECK_FALSE(numbers.find(word));
+}
+
+TEST_CASE("names are the lines of a list, whether or not files are there") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "db.txt", "# names\r\none/1.jpg\r\n\nwith blank/2.jpg\ntwo/1.jpg\n");
+  const auto names = [&](const FrameRange& range) {
+    return frame_names({folder / "db.txt", range});
+  };
+  CHECK(names({}) == Names{"one/1.jpg", "with blank/2.jpg", "two/1.jpg"});
+  CHECK(names({1, 3, 1}) == Names{"with blank/2.jpg", "two/1.jpg"});
+  CHECK(names({0, {}, 2}) == Names{"one/1.jpg", "two/1.jpg"});
+  CHECK(test::error_kind([&] { names({3, {}, 1}); }) == ErrorKind::usage);
+  test::write_image(folder / "10.png", 1);
+  test::write_image(folder / "9.png", 2);
+  const Names found = frame_names({folder.path(), {}});
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].ends_with("/9.png"));
+}
+
+TEST_CASE("lists of pairs have ranks, those with scores have scores") {
+  const List pairs(
+      "q/b.jpg db/right/1.jpg\nq/b.jpg db/left/1.jpg\n\n# nothing\nq/a.jpg left/2.jpg\n");
+  CHECK(rows_of(pairs.matrix()) == " - 1 - - | 2 - 1 - | - - - -");
+  CHECK(pairs.matrix(ScoreOrder::distance).kind() == ScoreOrder::distance);
+  const List scored("a.jpg db/left/1.jpg 0.25\na.jpg db/right/2.jpg 0.5\na.jpg db/left/1.jpg 1\n");
+  CHECK(rows_of(scored.matrix(ScoreOrder::similarity)) == " 1 - - 0.5 | - - - - | - - - -");
+  CHECK(rows_of(scored.matrix(ScoreOrder::distance)) == " 0.25 - - 0.5 | - - - - | - - - -");
+  const List table("query,reference,score\n\"q/c.jpg\",db/left/2.jpg,-3e-1\n", "list.csv");
+  CHECK(rows_of(table.matrix(ScoreOrder::distance)) == " - - - - | - - - - | - -0.3 - -");
+  CHECK(rows_of(List("0 2\n2 1\n").matrix({}, {}, {})) == " - - 1 | - - - | - 1 -");
+}
+
+TEST_CASE("a folder has a file for each query") {
+  const test::TemporaryFolder folder;
+  const auto text = [](const char* query, const Names& found) {
+    return fmt::format("Query path:\n{}\n\nPredictions paths:\n{}\n\nPositives paths:\n{}\n", query,
+                       fmt::join(found, "\n"), "db/left/1.jpg");
+  };
+  test::write_text(folder / "000.txt", text("/data/q/a.jpg", {"/d/left/2.jpg", "/d/right/2.jpg"}));
+  test::write_text(folder / "002.txt", text("/data/q/c.jpg", {"/d/right/1.jpg"}));
+  test::write_text(folder / "000.jpg", "no list");
+  const auto read = [&] {
+    return prediction_scores(folder.path(), FrameNames(kQueries), FrameNames(kReferences), {});
+  };
+  CHECK(rows_of(read()) == " - 1 - 2 | - - - - | - - 1 -");
+  const std::string before = read().fingerprint({});
+  test::write_text(folder / "002.txt", text("/data/q/c.jpg", {"/d/left/1.jpg"}));
+  CHECK(read().fingerprint({}) != before);
+  for (const char* bad : {"", "Query path:\n", "something\n", "Predictions paths:\ndb/left/1.jpg\n",
+                          "Query path:\nq/a.jpg\nq/b.jpg\n"}) {
+    test::write_text(folder / "002.txt", bad);
+    CHECK(test::error_kind(read) == ErrorKind::data);
+    CHECK(test::error_text(read).find("002.txt") != std::string::npos);
+  }
+}
+
+TEST_CASE("lists that are none are refused, with the line") {
+  CHECK(List("q/a.jpg db/left/1.jpg\nq/a.jpg\n").error().find("line 2") != std::string::npos);
+  CHECK(List("q/a.jpg db/left/1.jpg\nq/x.jpg db/left/1.jpg\n").error().find("line 2: no query") !=
+        std::string::npos);
+  CHECK(List("q/a.jpg 1.jpg\n").error().find("no training frame, or more than one") !=
+        std::string::npos);
+  CHECK(List("q/a.jpg left/1.jpg 3\nq/a.jpg left/2.jpg\n").error(ScoreOrder::distance) != "");
+  CHECK(List("q/a.jpg left/1.jpg nan\n").error(ScoreOrder::distance).find("finite") !=
+        std::string::npos);
+  CHECK(List("q/a.jpg left/1.jpg 3\n").error().find("--similarity") != std::string::npos);
+  CHECK(List("q/a.jpg left/1.jpg\n").error(ScoreOrder::similarity).find("ranks") !=
+        std::string::npos);
+  CHECK(List("# nothing\n").error().find("lists no reference") != std::string::npos);
+  CHECK(test::error_kind([] {
+          prediction_scores("/nowhere", FrameNames({}), FrameNames({}), {});
+        }) == ErrorKind::input);
+}
+
+TEST_CASE("the best pairs are those of sorted rows") {
+  RandomEngine engine(3);
+  constexpr size_t kRows = 7;
+  constexpr size_t kColumns = 40;
+  std::vector<float> scores(kRows * kColumns);
+  for (float& score : scores) score = static_cast<float>(uniform_below(engine, 12));  // many ties
+  for (size_t i = 0; i < kColumns; ++i) scores[3 * kColumns + i] = NAN;
+  scores[3 * kColumns + 9] = 1;
+  const test::TemporaryFolder folder;
+  test::write_array(folder / "s.npy", scores, {kRows, kColumns});
+  for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
+    const ScoreMatrix matrix(folder / "s.npy", {kind == ScoreOrder::similarity, false, {}});
+    const ScoreLayout layout = layout_of(matrix, 3);
+    const std::vector<BestPair> pairs = best_pairs(matrix, layout, 5, {});
+    REQUIRE(pairs.size() == 6 * 5 + 1);
+    size_t p = 0;
+    for (size_t row = 0; row < kRows; ++row) {
+      std::vector<size_t> order;
+      for (size_t i = 0; i < kColumns; ++i)
+        if (!std::isnan(scores[row * kColumns + i])) order.push_back(i);
+      std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+        const float left = scores[row * kColumns + a];
+        const float right = scores[row * kColumns + b];
+        return kind == ScoreOrder::distance ? left < right : left > right;
+      });
+      for (size_t k = 0; k < std::min<size_t>(5, order.size()); ++k, ++p)
+        CHECK(pairs[p] == BestPair{row + 2, {0, order[k] + 2}});
+    }
+  }
+}

@@ -1,0 +1,294 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <tuple>
+#include <utility>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "describe/imported.h"
+#include "match/components.h"
+#include "match/distance_statistics.h"
+#include "match/fastable_batch.h"
+#include "match/lsh.h"
+#include "match/methods.h"
+#include "match/plain.h"
+#include "match/standardized_frames.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Vectors of whole numbers, one after the other.
+struct Vectors {
+  DescriptorShape shape;
+  std::vector<uint8_t> bytes;
+
+  DescriptorSpan span(std::span<const size_t> unreadable = {}) const {
+    return {{shape, bytes}, unreadable};
+  }
+};
+
+Vectors make_vectors(const std::vector<std::vector<int>>& rows) {
+  Vectors vectors{{ElementType::whole_numbers, rows.front().size()}, {}};
+  for (const auto& row : rows)
+    for (const int number : row) vectors.bytes.push_back(static_cast<uint8_t>(number));
+  return vectors;
+}
+
+// A walk: every frame's numbers are near those of the one before.
+Vectors walk_vectors(size_t count, size_t length, uint64_t seed) {
+  RandomEngine engine(seed);
+  const auto below = [&](uint64_t bound) { return static_cast<int>(uniform_below(engine, bound)); };
+  std::vector<std::vector<int>> rows;
+  std::vector<int> row(length);
+  for (int& number : row) number = below(255) - 127;
+  for (size_t i = 0; i < count; ++i) {
+    for (int& number : row) number = std::clamp(number + below(61) - 30, -128, 127);
+    rows.push_back(row);
+  }
+  return make_vectors(rows);
+}
+
+// The same of 16-bit numbers, which are imported.
+Vectors wide_walk(size_t count, size_t length, uint64_t seed) {
+  const Vectors narrow = walk_vectors(count, length, seed);
+  Vectors wide{{ElementType::wide_numbers, length}, {}};
+  std::vector<double> row(length);
+  std::vector<int16_t> numbers(length);
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t x = 0; x < length; ++x)
+      row[x] = static_cast<int8_t>(narrow.bytes[i * length + x]) + 0.25;
+    quantise_numbers(row, std::span(numbers));
+    const auto* bytes = reinterpret_cast<const uint8_t*>(numbers.data());
+    wide.bytes.insert(wide.bytes.end(), bytes, bytes + 2 * length);
+  }
+  return wide;
+}
+
+uint32_t distance(const std::vector<int>& a, const std::vector<int>& b) {
+  const Vectors both = make_vectors({a, b});
+  const uint32_t found = frame_distance(both.span().rows, 0, 1);
+  CHECK(plain_distance(both.span().rows, 0, both.span().rows, 1) == found);
+  CHECK(frame_distance(both.span().rows, 1, 0) == found);
+  return found;
+}
+
+using Cells = std::map<std::tuple<size_t, size_t, size_t>, uint32_t>;
+
+RowConsumer collecting(Cells& cells, std::mutex& mutex) {
+  return [&](const ScoreRow& row) {
+    const std::lock_guard lock(mutex);
+    for (size_t x = 0; x < row.scores.size(); ++x)
+      cells[{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
+  };
+}
+
+}  // namespace
+
+TEST_CASE("cosine distances worked out by hand") {
+  CHECK(distance({3, 4}, {6, 8}) == 0);              // the same direction
+  CHECK(distance({3, 4}, {-3, -4}) == 65535);        // the opposite one
+  CHECK(distance({1, 0}, {0, 127}) == 32768);        // a right angle: 32767.5, rounded up
+  CHECK(distance({1, 0}, {1, 1}) == 9597);           // 32767.5 * (1 - sqrt(1/2)) = 9597.4
+  CHECK(distance({3, 4, 0}, {4, 3, 0}) == 1311);     // 32767.5 * (1 - 24/25) = 1310.7
+  CHECK(distance({0, 0}, {5, 5}) == 32768);          // no direction at all
+  CHECK(distance({-128, -128}, {-128, -128}) == 0);  // the largest numbers
+  CHECK(distance({-128}, {127}) == 65535);
+}
+
+TEST_CASE("cosine distances are those of the oracle, for any length, on every SIMD target") {
+  for (const size_t length : {1, 2, 15, 16, 17, 31, 33, 64, 127, 256, 1001}) {
+    const Vectors one = walk_vectors(77, length, 1);
+    const Vectors two = walk_vectors(9, length, 2);
+    Vectors query = walk_vectors(5, length, 3);
+    std::copy_n(one.bytes.begin(), length, query.bytes.begin());
+    std::fill_n(query.bytes.begin() + static_cast<ptrdiff_t>(length), length, uint8_t{0});
+    const std::vector<DescriptorSpan> train = {one.span(), two.span()};
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << length << " numbers");
+      const FrameDistances distances = frame_distances(train, query.span());
+      CHECK(distances.largest == 65535);
+      CHECK(distances.unit.size * distances.largest ==
+            Approx(2));  // 1 - cos of opposite directions
+      const std::vector<uint32_t> order = {4, 0, 1, 3};
+      std::vector<uint16_t> tile(order.size() * 100, 7);
+      distances.tile(order, 8, 86, tile.data(), 100);
+      for (size_t t = 0; t < order.size(); ++t)
+        for (size_t i = 8; i < 86; ++i) {
+          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
+          REQUIRE(tile[t * 100 + i - 8] == plain_cosine(row, query.span().rows[order[t]]));
+          REQUIRE(cosine_distance(row, query.span().rows[order[t]]) == tile[t * 100 + i - 8]);
+        }
+    }
+  }
+}
+
+TEST_CASE("cosine distances of 16-bit numbers are those of the oracle, on every SIMD target") {
+  for (const size_t length : {1, 15, 32, 33, 127, 512, 1001}) {
+    const Vectors one = wide_walk(77, length, 1);
+    const Vectors two = wide_walk(9, length, 2);
+    const Vectors query = wide_walk(7, length, 3);
+    const std::vector<DescriptorSpan> train = {one.span(), two.span()};
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << length << " numbers");
+      const FrameDistances distances = frame_distances(train, query.span());
+      const std::vector<uint32_t> order = {4, 0, 1, 3, 6, 6, 2};
+      std::vector<uint16_t> tile(order.size() * 100, 7);
+      distances.tile(order, 8, 86, tile.data(), 100);
+      for (size_t t = 0; t < order.size(); ++t)
+        for (size_t i = 8; i < 86; ++i) {
+          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
+          REQUIRE(tile[t * 100 + i - 8] == plain_wide_cosine(row, query.span().rows[order[t]]));
+          REQUIRE(wide_cosine_distance(row, query.span().rows[order[t]]) == tile[t * 100 + i - 8]);
+        }
+    }
+  }
+}
+
+TEST_CASE("the longest vectors of the largest 8-bit numbers have exact products") {
+  for (const auto& [a, b] : {std::pair(-128, -127), std::pair(127, -128), std::pair(-128, 127)}) {
+    const auto made = [](int number) {
+      return make_vectors(
+          {std::vector<int>(kMostNumbers, number), std::vector<int>(kMostNumbers, number / 2)});
+    };
+    const Vectors train = made(a);
+    const Vectors query = made(b);
+    const DescriptorSpan span = train.span();
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << a << " and " << b);
+      const FrameDistances distances = frame_distances({&span, 1}, query.span());
+      const std::vector<uint32_t> order = {0, 1, 0, 1, 1};
+      std::vector<uint16_t> tile(order.size() * 8);
+      distances.tile(order, 0, 2, tile.data(), 8);
+      for (const uint16_t distance : {tile[0], tile[1], tile[8], tile[33]})
+        CHECK(distance == ((a < 0) == (b < 0) ? 0 : 65535));
+    }
+  }
+}
+
+TEST_CASE(
+    "the largest vectors of 16-bit numbers have exact products, and longer ones are refused") {
+  const auto vectors = [](const std::vector<int16_t>& numbers, size_t length) {
+    Vectors made{{ElementType::wide_numbers, length}, {}};
+    made.bytes.resize(2 * numbers.size());
+    std::memcpy(made.bytes.data(), numbers.data(), made.bytes.size());
+    return made;
+  };
+  std::vector<int16_t> numbers(64, 0);
+  numbers[0] = numbers[1] = 32767;  // 46339.5 long; the other way round, the product is negative
+  numbers[32] = numbers[33] = -32767;
+  const Vectors longest = vectors(numbers, 32);
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    const DescriptorSpan train = longest.span();
+    const FrameDistances distances = frame_distances({&train, 1}, longest.span());
+    std::vector<uint16_t> row(8);
+    const uint32_t query = 0;
+    distances.tile({&query, 1}, 0, 2, row.data(), 0);
+    CHECK(row[0] == 0);
+    CHECK(row[1] == 65535);
+  }
+  numbers[2] = 300;
+  const Vectors longer = vectors(numbers, 32);
+  const DescriptorSpan train = longer.span();
+  CHECK(test::error_text([&] {
+          frame_distances({&train, 1}, longest.span());
+        }) == "the vector of frame 0 is longer than 46340");
+  CHECK(test::error_kind([&] { frame_distances({}, longer.span()); }) == ErrorKind::data);
+}
+
+TEST_CASE("the mean distance to all vectors is that of their distances, but for rounding") {
+  const bool is_wide = GENERATE(false, true);
+  const auto make = is_wide ? wide_walk : walk_vectors;
+  const Vectors one = make(200, 40, 4);
+  const Vectors query = make(20, 40, 5);
+  const std::vector<size_t> unreadable = {3, 99};
+  const DescriptorSpan train = one.span(unreadable);
+  const FrameDistances distances = frame_distances({&train, 1}, query.span());
+  CHECK(distances.centred_frames == 198);
+  for (size_t j = 0; j < 20; ++j) {
+    double sum = 0;
+    for (size_t i = 0; i < 200; ++i)
+      if (i != 3 && i != 99) sum += plain_distance(train.rows, i, query.span().rows, j);
+    CHECK(row_mean(distances, j) == Approx(sum / 198).margin(0.5));
+  }
+}
+
+TEST_CASE("windows of vectors are compared by every exact method as the definition says") {
+  const Vectors one = walk_vectors(60, 24, 6);
+  const Vectors two = walk_vectors(37, 24, 7);
+  const Vectors query = walk_vectors(45, 24, 8);
+  const std::vector<size_t> unreadable = {20};
+  const std::vector<DescriptorSpan> train = {one.span(unreadable), two.span()};
+  const FrameDistances distances = frame_distances(train, query.span());
+  for (const size_t length : {1, 7, 20}) {
+    Cells expected;
+    for (size_t s = 0; s < 2; ++s)
+      for (size_t j = 0; j + length <= 45; ++j)
+        for (size_t i = 0; i + length <= train[s].rows.size(); ++i)
+          if (s == 1 || i + length <= 20 || i > 20)
+            expected[{j, s, i}] =
+                plain_window_distance(train[s].rows, i, query.span().rows, j, length);
+    for (const SequenceMethod& method : sequence_methods()) {
+      if (method.has_paths) continue;
+      const MatchSettings settings{length, size_t{1} << 30, select_kernels()};
+      Cells cells;
+      std::mutex mutex;
+      method.match(distances, settings, {}, collecting(cells, mutex));
+      CHECK(cells == expected);
+    }
+    const MatchSettings hashed{length, size_t{1} << 30, select_kernels()};
+    CHECK(test::error_text([&] { match_lsh(distances, hashed, {}, [](const ScoreRow&) {}); }) ==
+          "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
+  }
+}
+
+TEST_CASE("standardized scores of vectors are those of the oracle") {
+  const bool is_wide = GENERATE(false, true);
+  const auto make = is_wide ? wide_walk : walk_vectors;
+  const Vectors one = make(80, 32, 9);
+  const Vectors query = make(50, 32, 10);
+  const DescriptorSpan train = one.span();
+  TrainStatistics statistics = compute_statistics({&train, 1}, {}, {});
+  statistics.components = compute_components({&train, 1}, statistics.typical_distance, {});
+  const size_t length = 5;
+  for (const bool offline : {false, true}) {
+    const ScoreBasis basis = make_score_basis({}, offline, statistics);
+    Cells cells;
+    std::mutex mutex;
+    match_fastable(standardized(frame_distances({&train, 1}, query.span()), basis, {}),
+                   {length, size_t{1} << 30, select_kernels()}, {}, collecting(cells, mutex));
+    CHECK(cells.size() == 76 * 46);
+    const PlainUpdates updates = plain_updates({&train, 1}, query.span(), basis, {});
+    std::vector<std::vector<double>> plain;
+    for (size_t i = 0; i < 80; ++i)
+      plain.push_back(plain_frame_scores(train.rows[i], i, query.span().rows, updates, basis));
+    for (const auto& [cell, biased] : cells) {
+      const auto& [j, s, i] = cell;
+      double expected = 0;
+      for (size_t k = 0; k < length; ++k) expected += plain[i + k][j + k];
+      const double found = (static_cast<double>(biased) - length * kScoreBias) / kScoreUnit;
+      REQUIRE(std::abs(found - expected) <= score_tolerance(length));
+    }
+  }
+}
+
+TEST_CASE("vectors and codes are not compared, nor vectors that are too long") {
+  const Vectors vectors = walk_vectors(3, 176, 11);
+  const std::vector<LdbCode> codes = test::random_codes(3, 1);
+  const DescriptorSpan train{codes, {}};
+  CHECK(test::error_kind([&] { frame_distances({&train, 1}, vectors.span()); }) == ErrorKind::data);
+  const Vectors longest{{ElementType::whole_numbers, 131'072}, {}};
+  const Vectors allowed{{ElementType::whole_numbers, 131'071}, {}};
+  CHECK(test::error_kind([&] { frame_distances({}, longest.span()); }) == ErrorKind::data);
+  CHECK_FALSE(test::error_kind([&] { frame_distances({}, allowed.span()); }));
+}

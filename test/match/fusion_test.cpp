@@ -1,0 +1,189 @@
+// What FAB-MAP's words take from scores: by hand, and against the oracle.
+#include "match/fusion.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "reference/plain_fusion.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Views of so many words, each in half of all frames and independent of others: view 0 shows all,
+/// view 1 none. Each is a sequence of one frame.
+std::shared_ptr<FusedViews> all_and_none(uint32_t words) {
+  auto views = std::make_shared<FusedViews>();
+  FabmapDatabase& fabmap = views->fabmap;
+  const std::vector<double> half(words, 0.5);
+  fabmap.tree = {{}, half, half, half};
+  WordSet all;
+  for (uint32_t word = 0; word < words; ++word) {
+    fabmap.tree.parent.push_back(word);
+    all.push_back(word);
+  }
+  add_group(fabmap, {"a", false, {"0"}}, std::vector<WordSet>{all});
+  add_group(fabmap, {"b", false, {"0"}}, std::vector<WordSet>{{}});
+  index_views(fabmap);
+  views->frames = {1, 1};
+  views->views = {0, 1};
+  views->words = {all, {}};
+  return views;
+}
+
+// A fusion of walks of random words.
+FusionBasis random_basis(uint64_t seed, double weight) {
+  RandomEngine engine(seed);
+  auto views = std::make_shared<FusedViews>();
+  const auto random_words = [&] {
+    WordSet words;
+    for (uint32_t word = 0; word < 30; ++word)
+      if (uniform_below(engine, 10) < 3) words.push_back(word);
+    return words;
+  };
+  std::vector<WordSet> all;
+  for (const size_t frames : {40, 3, 25, 1}) {
+    std::vector<WordSet> walk(frames);
+    for (WordSet& words : walk) {
+      if (uniform_below(engine, 8) > 0) words = random_words();
+      views->views.push_back(static_cast<uint32_t>(views->views.size()));
+      all.push_back(words);
+    }
+    views->frames.push_back(frames);
+    add_group(views->fabmap, {std::to_string(frames), false, std::vector<std::string>(frames)},
+              walk);
+  }
+  for (const size_t frame : {0, 7, 41, 68}) views->views[frame] = FusedViews::kNoView;
+  views->fabmap.tree = train_chow_liu(all, 30, {});
+  views->words = all;
+  index_views(views->fabmap);
+  return make_fusion_basis(views, weight, {});
+}
+
+}  // namespace
+
+TEST_CASE("what words make of scores, by hand") {
+  // P(z|L) is 0.39 where the view shows the word, and 0.39 * 0.61 / 1.61 = 0.14776 elsewhere: a
+  // word that the frame shows speaks for view 0 by ln(0.39 / 0.14776) = 0.97054 nats.
+  const auto row_is = [](const std::shared_ptr<FusedViews>& views, double weight, double behind) {
+    const FusionRow row =
+        fusion_row(make_fusion_basis(views, 0.2, {0, 0}), views->words[0], weight);
+    CHECK(row.likeliest == 0);
+    CHECK(std::abs(row.added[0] + weight * behind / 2) < 0.002 * weight + 1e-12);
+    CHECK(std::abs(row.added[1] - weight * behind / 2) < 0.002 * weight + 1e-12);
+    const double deviation = weight * behind / 2;
+    CHECK(std::abs(row.scale - 1 / std::sqrt(1 + deviation * deviation)) < 0.002);
+  };
+  row_is(all_and_none(1), 0.2, 0.97054);
+  row_is(all_and_none(6), 0.2, 5.82327);
+  row_is(all_and_none(6), 1, 5.82327);
+  row_is(all_and_none(6), 0, 5.82327);
+  row_is(all_and_none(60), 0.5, 40);  // cut off
+  // A frame without words says nothing, and one that can't be read counts nowhere.
+  const FusionRow silent = fusion_row(make_fusion_basis(all_and_none(60), 0.2, {0, 0}), {}, 1);
+  CHECK(silent.added == std::vector<double>{0, 0});
+  CHECK(silent.scale == 1);
+  CHECK_FALSE(silent.likeliest);
+  const auto gap = all_and_none(60);
+  gap->views[0] = FusedViews::kNoView;
+  const FusionRow other = fusion_row(make_fusion_basis(gap, 0.2, {0, 0}), gap->words[0], 1);
+  CHECK(other.added == std::vector<double>{0, 0});
+  CHECK(other.likeliest == 1);
+}
+
+TEST_CASE("FAB-MAP is trusted as far as matches agree, by hand") {
+  // Of 100 frames 11 are near one of the first walk, and 5 near one of the second.
+  const std::vector<FusedWalk> walks = {{0, 60, 5}, {2, 40, 2}};
+  FusionBasis basis;
+  basis.weight = 0.2;
+  Agreement agreement;
+  CHECK(agreement.ratio() == 0.6);
+  CHECK(std::abs(fusion_weight(basis, agreement) - 0.2 * std::pow(0.6, 1.5)) < 1e-12);
+  agreement.count({{}, {}}, walks);
+  agreement.count({10, 70}, walks);  // nothing before, and not together
+  CHECK(std::abs(agreement.together + 0.11) < 1e-12);
+  CHECK(agreement.likeliest_steps == 0);
+  agreement.count({15, 73}, walks);  // a step of 5, and one of 3
+  CHECK(std::abs(agreement.likeliest_steps - 0.89) < 1e-12);
+  CHECK(std::abs(agreement.closest_steps + 0.11) < 1e-12);
+  agreement.count({61, 59}, walks);  // beside each other, in two walks
+  CHECK(std::abs(agreement.likeliest_steps - 0.78) < 1e-12);
+  CHECK(std::abs(agreement.closest_steps + 0.22) < 1e-12);
+  CHECK(std::abs(agreement.together + 0.27) < 1e-12);
+  agreement.count({{}, 58}, walks);  // without words
+  agreement.count({63, 61}, walks);
+  CHECK(std::abs(agreement.closest_steps + 0.22) < 1e-12);
+  CHECK(std::abs(agreement.together - 0.68) < 1e-12);
+  CHECK(std::abs(agreement.ratio() - (0.73 + 3) / 5) < 1e-12);
+  for (int frame = 0; frame < 1000; ++frame) {
+    agreement.count({0, frame % 2 == 0 ? 0U : 99U}, walks);
+  }
+  CHECK(agreement.ratio() > 20);
+  CHECK(fusion_weight(basis, agreement) == 1);
+}
+
+TEST_CASE("the closest frame of a row that comes in parts is the first of the smallest score") {
+  ClosestFrame closest;
+  CHECK_FALSE(closest.frame());
+  closest.add(7, 50);
+  closest.add(9, 3);
+  CHECK(closest.frame() == 50);
+  closest.add(7, 20);
+  closest.add(7, 30);
+  CHECK(closest.frame() == 20);
+  closest.add(0, 1'000'000);
+  CHECK(closest.frame() == 1'000'000);
+  closest.reset();
+  CHECK_FALSE(closest.frame());
+}
+
+TEST_CASE("rows in whole numbers are those of the definition") {
+  for (const double weight : {0.2, 0.01, 1.0}) {
+    const FusionBasis all = random_basis(7, weight);
+    const FusionBasis some = fusion_of(all, {1, 0, 1, 1});
+    RandomEngine engine(3);
+    for (int trial = 0; trial < 40; ++trial) {
+      WordSet words;
+      const uint64_t share = uniform_below(engine, 11);
+      for (uint32_t word = 0; word < 30; ++word)
+        if (uniform_below(engine, 10) < share) words.push_back(word);
+      for (const FusionBasis* basis : {&all, &some}) {
+        const FusionRow row = fusion_row(*basis, words, weight);
+        const FusionRow plain = plain_fusion_row(*basis, words, weight);
+        REQUIRE(row.added.size() == plain.added.size());
+        CHECK(row.likeliest.has_value() == plain.likeliest.has_value());
+        for (size_t i = 0; i < row.added.size(); ++i)
+          for (const double z : {-32.0, -2.0, 0.0, 31.0})
+            CHECK(std::abs((z + row.added[i]) * row.scale - (z + plain.added[i]) * plain.scale) <=
+                  fusion_tolerance(*basis) / 1024);
+      }
+    }
+  }
+}
+
+TEST_CASE("a training walk as the query does not know its own views") {
+  const FusionBasis all = random_basis(7, 0.25);
+  const FusionBasis some = fusion_of(all, {0, 1, 1, 1});
+  const auto& views = *std::as_const(all).evidence->of;
+  for (const size_t own : {0, 20, 39, 41, 43, 50, 67, 68}) {
+    for (const FusionBasis* basis : {&all, &some}) {
+      FusionBasis without = *basis;
+      size_t frame = 0;
+      size_t before = 0;  // of all training frames
+      for (const FusedWalk& walk : all.walks) {
+        const bool is_matched = basis == &all || walk.sequence > 0;
+        for (size_t i = 0; i < walk.frames && is_matched; ++i, ++frame)
+          if (own >= before && own < before + walk.frames &&
+              std::abs(static_cast<int>(before + i) - static_cast<int>(own)) <= 5)
+            without.views[frame] = FusedViews::kNoView;
+        before += walk.frames;
+      }
+      const FusionRow row = fusion_row(*basis, views.words[own], 0.1, own);
+      const FusionRow other = fusion_row(without, views.words[own], 0.1);
+      CHECK(row.added == other.added);
+      CHECK(row.scale == other.scale);
+    }
+  }
+}

@@ -1,0 +1,230 @@
+// The contract of every sequence method: the same cells as the definition, each exactly once.
+#include "match/methods.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "examples.h"
+#include "match/fastable_batch.h"
+#include "match/lsh.h"
+#include "match/plain.h"
+#include "support.h"
+
+using namespace vpr;
+using test::CellKey;
+using test::Cells;
+using test::Example;
+using test::make_example;
+
+namespace {
+
+bool touches(const std::vector<size_t>& frames, size_t first, size_t count) {
+  return std::any_of(frames.begin(), frames.end(),
+                     [&](size_t f) { return f >= first && f < first + count; });
+}
+
+Cells by_definition(const Example& example, size_t length) {
+  Cells cells;
+  for (size_t s = 0; s < example.train.size(); ++s)
+    for (size_t j = 0; j + length <= example.query.size(); ++j)
+      for (size_t i = 0; i + length <= example.train[s].size(); ++i)
+        if (!touches(example.query_unreadable, j, length) &&
+            !touches(example.train_unreadable[s], i, length))
+          cells[{j, s, i}] = plain_window_distance(example.train[s], i, example.query, j, length);
+  return cells;
+}
+
+Cells by_method(const Example& example, const SequenceMethod& method,
+                const MatchSettings& settings) {
+  const std::vector<DescriptorSpan> spans = example.spans();
+  Cells cells;
+  std::mutex mutex;
+  method.match(
+      frame_distances(spans, {example.query, example.query_unreadable}), settings, {},
+      [&](const ScoreRow& row) {
+        const std::lock_guard lock(mutex);
+        for (size_t x = 0; x < row.scores.size(); ++x)
+          REQUIRE(cells
+                      .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
+                               row.scores[x])
+                      .second);
+      });
+  return cells;
+}
+
+Cells by_lsh(const Example& example, const MatchSettings& settings) {
+  return by_method(example, {"lsh", "", false, false, false, match_lsh}, settings);
+}
+
+void check_all_methods(const Example& example, size_t length, const RowKernels& kernels) {
+  const Cells expected = by_definition(example, length);
+  for (const SequenceMethod& method : sequence_methods()) {
+    if (method.has_paths) continue;
+    for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
+      INFO(method.name << ", " << kernels.target << ", c_l " << length << ", memory " << memory);
+      REQUIRE(by_method(example, method, {length, memory, kernels}) == expected);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the definition, worked out by hand") {
+  // Codes of which the first byte counts 1, 3, 7 bits: distances to zero are 1, 2, 3.
+  std::vector<LdbCode> train(3, LdbCode{});
+  train[0][0] = 0b1;
+  train[1][0] = 0b11;
+  train[2][0] = 0b111;
+  const std::vector<LdbCode> query(2, LdbCode{});
+  CHECK(test::plain_openable(train, query, 1) == std::vector<uint32_t>{1, 2, 3, 1, 2, 3});
+  CHECK(test::plain_openable(train, query, 2) == std::vector<uint32_t>{1 + 2, 2 + 3});
+  CHECK(test::plain_openable(train, query, 3).empty());
+  CHECK(test::plain_fastable(train, query, 2) == test::plain_openable(train, query, 2));
+}
+
+TEST_CASE("the recurrence gives the definition, cell by cell") {
+  const std::vector<LdbCode> train = test::walk_codes(40, 1);
+  const std::vector<LdbCode> query = test::walk_codes(33, 2);
+  for (size_t length = 1; length <= 34; ++length)
+    REQUIRE(test::plain_fastable(train, query, length) ==
+            test::plain_openable(train, query, length));
+}
+
+TEST_CASE("every method gives the definition for every window length, on every SIMD target") {
+  const Example example = make_example({37}, 29, 1);
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    for (size_t length = 1; length <= 38; ++length)
+      check_all_methods(example, length, select_kernels());
+  }
+}
+
+TEST_CASE("windows never cross the end of a sequence, nor an unreadable frame") {
+  Example example = make_example({9, 1, 20, 3, 8, 16}, 23, 2);
+  example.train_unreadable[2] = {0, 7, 8, 19};
+  example.train_unreadable[5] = {15};
+  example.query_unreadable = {4, 22};
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    for (size_t length = 1; length <= 21; ++length)
+      check_all_methods(example, length, select_kernels());
+  }
+}
+
+TEST_CASE("one frame against one frame") {
+  const Example example = make_example({1}, 1, 3);
+  for (const size_t length : {1, 2}) check_all_methods(example, length, select_kernels());
+}
+
+TEST_CASE("sets larger than a chunk, a strip and a tile give the definition, on any threads") {
+  Example example = make_example({5000, 700, 3001}, 150, 4);
+  example.train_unreadable[0] = {2047, 2048, 4095};
+  example.query_unreadable = {63};
+  for (const size_t length : {1, 7, 64}) {
+    const Cells expected = by_definition(example, length);
+    for (const size_t threads : {1, 2, 5}) {
+      const ThreadLimit limit(threads);
+      for (const SequenceMethod& method : sequence_methods())
+        for (const size_t memory : {size_t{1} << 30, size_t{0}})
+          if (!method.has_paths)
+            REQUIRE(by_method(example, method, {length, memory, select_kernels()}) == expected);
+    }
+  }
+}
+
+TEST_CASE("a database that is shared between threads online gives the definition") {
+  // More than the 65536 frames from which two threads share a row.
+  const std::vector<LdbCode> train = test::walk_codes(70'001, 5);
+  const std::vector<LdbCode> query = test::walk_codes(40, 6);
+  const DescriptorSpan span{train, {}};
+  const FrameDistances distances = frame_distances({&span, 1}, {query, {}});
+  for (const size_t length : {1, 3, 30}) {
+    for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
+      size_t cells = 0;
+      const auto check = [&](const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); x += 997, ++cells)
+          REQUIRE(row.scores[x] == plain_window_distance(train, row.train_window + x, query,
+                                                         row.query_window, length));
+        const size_t last = row.scores.size() - 1;
+        REQUIRE(row.scores[last] == plain_window_distance(train, row.train_window + last, query,
+                                                          row.query_window, length));
+      };
+      find_sequence_method("fastable-online")
+          .match(distances, {length, memory, select_kernels()}, {}, check);
+      CHECK(cells > 0);
+    }
+  }
+}
+
+TEST_CASE("several window lengths in one pass give the rows of each alone") {
+  Example example = make_example({300, 7, 90}, 150, 9);
+  example.train_unreadable[0] = {100};
+  example.query_unreadable = {70};
+  const std::vector<size_t> lengths = {5, 1, 40, 12, 40, 149};
+  const std::vector<DescriptorSpan> spans = example.spans();
+  for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
+    std::vector<Cells> cells(lengths.size());
+    std::mutex mutex;
+    match_fastable_lengths(
+        frame_distances(spans, {example.query, example.query_unreadable}), lengths,
+        {1, memory, select_kernels()}, {}, [&](size_t l, const ScoreRow& row) {
+          const std::lock_guard lock(mutex);
+          for (size_t x = 0; x < row.scores.size(); ++x)
+            REQUIRE(cells[l]
+                        .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
+                                 row.scores[x])
+                        .second);
+        });
+    for (size_t l = 0; l < lengths.size(); ++l)
+      REQUIRE(cells[l] == by_definition(example, lengths[l]));
+  }
+}
+
+TEST_CASE("hashing finds cells of the definition, each once, the same on any threads") {
+  Example example = make_example({60, 3, 200}, 40, 7);
+  example.train_unreadable[2] = {90};
+  example.query_unreadable = {20};
+  // Windows that are there exactly share every bucket, and must be found.
+  std::copy_n(example.train[2].begin() + 100, 12, example.query.begin());
+  for (const size_t length : {1, 4, 12}) {
+    const Cells expected = by_definition(example, length);
+    MatchSettings settings{length, size_t{1} << 30, select_kernels()};
+    settings.lsh = {4, 6, 1};
+    const Cells found = by_lsh(example, settings);
+    CHECK(found.size() < expected.size());
+    for (const auto& [cell, distance] : found) REQUIRE(expected.at(cell) == distance);
+    for (size_t window = 0; window + length <= 12; ++window)
+      CHECK(found.contains({window, 2, 100 + window}));
+    for (const size_t threads : {1, 5}) {
+      const ThreadLimit limit(threads);
+      CHECK(by_lsh(example, settings) == found);
+    }
+    settings.seed = 2;
+    if (length > 1) CHECK(by_lsh(example, settings) != found);
+    // With as many probes as bits, every window is in a bucket that is looked up.
+    settings.lsh = {1, 3, 3};
+    CHECK(by_lsh(example, settings) == expected);
+  }
+}
+
+TEST_CASE("settings of hashing out of range are refused") {
+  const Example example = make_example({9}, 9, 1);
+  for (const LshSettings& lsh : {LshSettings{0, 6, 1}, LshSettings{999, 6, 1},
+                                 LshSettings{1, 29, 1}, LshSettings{1, 6, 5}}) {
+    MatchSettings settings{2, size_t{1} << 30, select_kernels()};
+    settings.lsh = lsh;
+    CHECK(test::error_kind([&] { by_lsh(example, settings); }) == ErrorKind::usage);
+  }
+}
+
+TEST_CASE("an unknown method is refused with the choices") {
+  const std::string text = test::error_text([] { find_sequence_method("fastabel"); });
+  for (const SequenceMethod& method : sequence_methods())
+    CHECK(text.find(method.name) != std::string::npos);
+}

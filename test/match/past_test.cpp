@@ -1,0 +1,277 @@
+// A walk against its own past: windows and scores against their definitions, and nothing from later
+// frames.
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "base/simd.h"
+#include "examples.h"
+#include "match/methods.h"
+#include "match/past_scores.h"
+#include "match/plain.h"
+#include "match/score_kernels.h"
+#include "reference/plain_past.h"
+#include "support.h"
+#include "truth/loop_list.h"
+#include "truth/times.h"
+
+using namespace vpr;
+using test::CellKey;
+using test::Cells;
+
+namespace {
+
+struct Walk {
+  std::vector<LdbCode> codes;
+  std::vector<size_t> unreadable;
+  std::vector<uint32_t> past;
+
+  DescriptorSpan span() const { return {codes, unreadable}; }
+  std::vector<DescriptorSpan> spans() const { return {span()}; }
+};
+
+// Half a walk twice, so that there are loops.
+Walk make_walk(size_t frames, const LoopGap& gap, uint64_t seed) {
+  Walk walk{test::walk_codes((frames + 1) / 2, seed), {}, past_frames(gap, {}, frames)};
+  for (size_t f = 0; walk.codes.size() < frames; ++f) walk.codes.push_back(walk.codes[f]);
+  return walk;
+}
+
+// Frames come every 10 to 60 ms.
+std::vector<int64_t> uneven_times(size_t frames, uint64_t seed) {
+  RandomEngine engine(seed);
+  std::vector<int64_t> times;
+  int64_t time = 0;
+  for (size_t f = 0; f < frames; ++f) {
+    time += 10'000'000 + static_cast<int64_t>(uniform_below(engine, 50'000'001));
+    times.push_back(time);
+  }
+  return times;
+}
+
+bool is_broken(const Walk& walk, size_t first, size_t length) {
+  return std::any_of(walk.unreadable.begin(), walk.unreadable.end(),
+                     [&](size_t f) { return f >= first && f < first + length; });
+}
+
+// Every pair of windows of which the earlier ends in the other's past.
+Cells by_definition(const Walk& walk, size_t length) {
+  Cells cells;
+  for (size_t j = 0; j + length <= walk.codes.size(); ++j)
+    for (size_t i = 0; i + length <= walk.codes.size(); ++i)
+      if (i + length - 1 < walk.past[j + length - 1] && !is_broken(walk, i, length) &&
+          !is_broken(walk, j, length))
+        cells[{j, 0, i}] = plain_window_distance(walk.codes, i, walk.codes, j, length);
+  return cells;
+}
+
+Cells cells_of(const FrameDistances& distances, const SequenceMethod& method,
+               const MatchSettings& settings) {
+  Cells cells;
+  size_t repeated = 0;
+  std::mutex mutex;
+  method.match(distances, settings, {}, [&](const ScoreRow& row) {
+    const std::lock_guard lock(mutex);
+    for (size_t x = 0; x < row.scores.size(); ++x)
+      repeated += !cells
+                       .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
+                                row.scores[x])
+                       .second;
+  });
+  REQUIRE(repeated == 0);
+  return cells;
+}
+
+FrameDistances distances_of(const Walk& walk) {
+  FrameDistances distances = frame_distances(walk.spans(), walk.span());
+  distances.past = walk.past;
+  return distances;
+}
+
+void check_methods(const Walk& walk, size_t length) {
+  const Cells expected = by_definition(walk, length);
+  for (const SequenceMethod& method : sequence_methods()) {
+    if (method.has_paths) continue;
+    for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
+      INFO(method.name << ", " << walk.codes.size() << " frames, c_l " << length << ", memory "
+                       << memory);
+      REQUIRE(cells_of(distances_of(walk), method, {length, memory, select_kernels()}) == expected);
+    }
+  }
+}
+
+Cells scores_of(const Walk& walk, size_t length, const StandardizationSettings& settings,
+                const char* method = "fastable") {
+  return cells_of(standardized_past(distances_of(walk), settings), find_sequence_method(method),
+                  {length, size_t{1} << 30, select_kernels()});
+}
+
+// The largest difference of a fast score from the plain one, in tolerances; all cells are there.
+double worst_score(const Walk& walk, size_t length, const StandardizationSettings& settings) {
+  const Cells fast = scores_of(walk, length, settings);
+  const Cells raw = by_definition(walk, length);
+  REQUIRE(fast.size() == raw.size());
+  const PlainPast shared = plain_past(walk.span(), walk.past, settings, {});
+  std::vector<std::vector<double>> columns;
+  for (size_t i = 0; i < walk.codes.size(); ++i)
+    columns.push_back(
+        plain_past_scores(walk.span(), walk.past, settings, shared, i, walk.codes.size() - 1));
+  double worst = 0;
+  for (const auto& [key, sum] : fast) {
+    if (!raw.contains(key)) FAIL("a cell that is none");
+    const auto& [j, s, i] = key;
+    double right = 0;
+    for (size_t k = 0; k < length; ++k) right += columns[i + k][j + k];
+    const double found = (double(sum) - double(length) * kScoreBias) / kScoreUnit;
+    worst = std::max(worst, std::abs(found - right) / (double(length) / kScoreUnit));
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("a gap of frames, by hand") {
+  CHECK(past_frames({{}, 2}, {}, 5) == std::vector<uint32_t>{0, 0, 1, 2, 3});
+  CHECK(past_frames({{}, 1}, {}, 3) == std::vector<uint32_t>{0, 1, 2});
+  // No frame is in its own past.
+  CHECK(past_frames({{}, 0}, {}, 3) == std::vector<uint32_t>{0, 1, 2});
+  CHECK(past_frames({{}, 9}, {}, 3) == std::vector<uint32_t>{0, 0, 0});
+  CHECK(past_frames({{}, 9}, {}, 0).empty());
+  const std::vector<int64_t> times = {0, 1 * kSecond, 5 * kSecond, 6 * kSecond, 20 * kSecond};
+  CHECK(past_frames({5 * kSecond, 0}, times, 5) == std::vector<uint32_t>{0, 0, 1, 2, 4});
+}
+
+TEST_CASE("gaps are numbers of frames or of seconds") {
+  CHECK(parse_loop_gap("300", "--gap").frames == 300);
+  CHECK(!parse_loop_gap("300", "--gap").nanoseconds);
+  CHECK(parse_loop_gap("2.5s", "--gap").nanoseconds == 5 * kSecond / 2);
+  for (const char* text : {"", "s", "0", "-1", "2.5", "1e10", "many", "nans"})
+    CHECK_THROWS_AS(parse_loop_gap(text, "--gap"), Error);
+}
+
+TEST_CASE("windows of two frames of a walk of five, by hand") {
+  // Codes of which the first byte counts 0, 1, 2, 3, 0 bits.
+  Walk walk{std::vector<LdbCode>(5, LdbCode{}), {}, past_frames({{}, 2}, {}, 5)};
+  walk.codes[1][0] = 0b1;
+  walk.codes[2][0] = 0b11;
+  walk.codes[3][0] = 0b111;
+  // The window that ends at frame 3 matches the one that ends at 1, the last also that at 2.
+  const Cells expected = {{{2, 0, 0}, 2 + 2}, {{3, 0, 0}, 3 + 1}, {{3, 0, 1}, 2 + 2}};
+  CHECK(by_definition(walk, 2) == expected);
+  check_methods(walk, 2);
+}
+
+TEST_CASE("every exact method gives the definition for every gap and length, on any target") {
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    for (const size_t gap : {0, 1, 2, 7, 30, 35, 36, 37, 50}) {
+      Walk walk = make_walk(37, {{}, gap}, gap + 1);
+      for (const size_t length : {1, 2, 5, 18, 36, 37, 38}) check_methods(walk, length);
+      walk.unreadable = {0, 11, 12, 36};
+      for (const size_t length : {1, 2, 5, 18}) check_methods(walk, length);
+    }
+  }
+}
+
+TEST_CASE("gaps of time are those of each window's last frames") {
+  for (const uint64_t seed : {1, 2, 3}) {
+    Walk walk = make_walk(90, {{}, 1}, seed);
+    const std::vector<int64_t> times = uneven_times(90, seed);
+    for (const int64_t gap : {kSecond / 20, kSecond / 2, kSecond, 10 * kSecond}) {
+      walk.past = past_frames({gap, 0}, times, 90);
+      for (const size_t length : {1, 4, 20}) {
+        check_methods(walk, length);
+        CHECK(worst_score(walk, length, {}) <= 1);
+      }
+    }
+  }
+}
+
+TEST_CASE("walks longer than a chunk, a strip and a tile give the definition, on any threads") {
+  const Walk walk = make_walk(2300, {{}, 140}, 5);
+  const Cells expected = by_definition(walk, 3);
+  const Cells scores = scores_of(walk, 3, {});
+  for (const size_t threads : {1, 7}) {
+    const ThreadLimit limit(threads);
+    for (const char* method : {"fastable", "fastable-online"}) {
+      REQUIRE(cells_of(distances_of(walk), find_sequence_method(method),
+                       {3, size_t{1} << 30, select_kernels()}) == expected);
+      REQUIRE(scores_of(walk, 3, {}, method) == scores);
+    }
+  }
+}
+
+TEST_CASE("walks of one frame, and of none that may be matched, have no cell") {
+  for (const auto& [frames, gap] : {std::pair<size_t, size_t>{1, 1}, {1, 0}, {5, 5}, {5, 900}}) {
+    const Walk walk = make_walk(frames, {{}, gap}, 3);
+    check_methods(walk, 1);
+    CHECK(scores_of(walk, 1, {}).empty());
+  }
+}
+
+TEST_CASE("scores of the past are those in double precision, by any settings") {
+  std::vector<StandardizationSettings> all(9);
+  all[1].centre = false;
+  all[2].learn = false;
+  all[3].divide = false;
+  all[4].lag_views = 1;
+  all[5].lag_views = 20;
+  all[6].view_change = 0;
+  all[7].start_weight = 0;
+  all[8].forgetting = 1;
+  all[8].start_bias = 1;
+  for (const StandardizationSettings& settings : all) {
+    Walk walk = make_walk(150, {{}, 12}, 8);
+    walk.unreadable = {0, 3, 40, 41, 99, 149};
+    for (const size_t length : {1, 7}) CHECK(worst_score(walk, length, settings) <= 1);
+  }
+}
+
+TEST_CASE("all targets give the same scores of the past") {
+  const Walk walk = make_walk(200, {{}, 9}, 4);
+  const Cells expected = scores_of(walk, 5, {});
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    CHECK(scores_of(walk, 5, {}) == expected);
+  }
+}
+
+TEST_CASE("a walk that ends earlier has the same scores up to there") {
+  const Walk walk = make_walk(160, {{}, 15}, 6);
+  const Cells whole = scores_of(walk, 4, {});
+  for (const size_t frames : {20, 81, 159}) {
+    Walk part = walk;
+    part.codes.resize(frames);
+    part.past.resize(frames);
+    Cells expected = whole;
+    std::erase_if(expected, [&](const auto& cell) { return std::get<0>(cell.first) + 4 > frames; });
+    CHECK(scores_of(part, 4, {}) == expected);
+  }
+}
+
+TEST_CASE("scores of the past of three frames, by hand") {
+  // Frames 0, 1 and 2 have 0, 200 and 400 bits set.
+  Walk walk{std::vector<LdbCode>(3, LdbCode{}), {}, past_frames({{}, 1}, {}, 3)};
+  std::fill_n(walk.codes[1].begin(), 25, uint8_t{255});
+  std::fill_n(walk.codes[2].begin(), 50, uint8_t{255});
+  // Frame 1 has one distance, which is its mean: x = 0. Frame 2 has 400 and 200, which are 100 off
+  // their mean. Frame 0 starts with a variance of (20 * 64^2 + 0) / 21, frame 1 with one of (20 *
+  // 64^2 + 20000) / 23, so that z is 1.6011 and -1.5022.
+  const Cells expected = {
+      {{1, 0, 0}, kScoreBias}, {{2, 0, 0}, kScoreBias + 1640}, {{2, 0, 1}, kScoreBias - 1538}};
+  CHECK(scores_of(walk, 1, {}) == expected);
+}
+
+TEST_CASE("components of a whole walk are refused for its past") {
+  StandardizationSettings settings;
+  CHECK_NOTHROW(check_past_settings(settings));
+  settings.components = 0;
+  CHECK_NOTHROW(check_past_settings(settings));
+  settings.components = 3;
+  CHECK_THROWS_AS(check_past_settings(settings), Error);
+}

@@ -1,0 +1,132 @@
+// Euclidean distances of points.
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "describe/imported.h"
+#include "match/components.h"
+#include "match/distance_statistics.h"
+#include "match/fastable_batch.h"
+#include "match/plain.h"
+#include "match/standardized_frames.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+struct Points {
+  DescriptorShape shape;
+  std::vector<uint8_t> bytes;
+
+  DescriptorSpan span(std::span<const size_t> unreadable = {}) const {
+    return {{shape, bytes}, unreadable};
+  }
+};
+
+void append(Points& points, const std::vector<int16_t>& row) {
+  const auto* first = reinterpret_cast<const uint8_t*>(row.data());
+  points.bytes.insert(points.bytes.end(), first, first + 2 * row.size());
+}
+
+// A walk: every point is near the one before, none farther than 30000 from the origin.
+Points walk(size_t count, size_t length, uint64_t seed) {
+  RandomEngine engine(seed);
+  Points points{{ElementType::coordinates, length}, {}};
+  const int most = static_cast<int>(30000 / std::sqrt(static_cast<double>(length)));
+  std::vector<int> row(length);
+  for (int& x : row) x = static_cast<int>(uniform_below(engine, 2 * most + 1)) - most;
+  for (size_t i = 0; i < count; ++i) {
+    std::vector<int16_t> numbers;
+    for (int& x : row) {
+      x = std::clamp(x + static_cast<int>(uniform_below(engine, most / 5 + 1)) - most / 10, -most,
+                     most);
+      numbers.push_back(static_cast<int16_t>(x));
+    }
+    append(points, numbers);
+  }
+  return points;
+}
+
+uint32_t distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) {
+  Points points{{ElementType::coordinates, a.size()}, {}};
+  append(points, a);
+  append(points, b);
+  const DescriptorRows rows = points.span().rows;
+  CHECK(point_distance(rows[0], rows[1]) == plain_point(rows[0], rows[1]));
+  CHECK(point_distance(rows[0], rows[1]) == point_distance(rows[1], rows[0]));
+  return point_distance(rows[0], rows[1]);
+}
+
+}  // namespace
+
+TEST_CASE("distances of points worked out by hand") {
+  CHECK(distance({3, 4}, {0, 0}) == 5);
+  CHECK(distance({1, 1}, {0, 0}) == 1);        // 1.41
+  CHECK(distance({1, 1, 1}, {0, 0, 0}) == 2);  // 1.73
+  CHECK(distance({-7, 2}, {-7, 2}) == 0);
+  CHECK(distance({32767, 0}, {-32767, 0}) == 65534);
+}
+
+TEST_CASE("distances of points are those of the oracle, on every SIMD target") {
+  for (const size_t length : {1, 31, 32, 33, 200, 4096}) {
+    const Points one = walk(77, length, 1);
+    const Points two = walk(9, length, 2);
+    const Points query = walk(6, length, 3);
+    const std::vector<size_t> gap = {3};
+    const std::vector<DescriptorSpan> train = {one.span(gap), two.span()};
+    for (const std::string& target : simd_targets()) {
+      const test::ChosenTarget chosen(target);
+      INFO(target << ", " << length << " coordinates");
+      const FrameDistances distances = frame_distances(train, query.span());
+      CHECK(distances.largest == 65534);
+      const std::vector<uint32_t> order = {4, 0, 1, 3, 5};
+      std::vector<uint16_t> tile(order.size() * 100, 7);
+      distances.tile(order, 8, 86, tile.data(), 100);
+      for (size_t t = 0; t < order.size(); ++t)
+        for (size_t i = 8; i < 86; ++i) {
+          const DescriptorRow row = i < 77 ? train[0].rows[i] : train[1].rows[i - 77];
+          REQUIRE(tile[t * 100 + (i - 8)] == plain_point(row, query.span().rows[order[t]]));
+        }
+      uint64_t total = 0;
+      for (size_t i = 0; i < 86; ++i)
+        if (i != 3)
+          total +=
+              plain_point(i < 77 ? train[0].rows[i] : train[1].rows[i - 77], query.span().rows[2]);
+      CHECK(distances.row_total(2) == total);
+      const std::vector<DescriptorSpan> searched = {{}, two.span()};
+      CHECK(frame_distances(searched, query.span(), train).row_total(2) == total);
+    }
+  }
+}
+
+TEST_CASE("a point that is too long for exact products is refused") {
+  Points far{{ElementType::coordinates, 3}, {}};
+  append(far, {32767, 32767, 32767});
+  const DescriptorSpan span = far.span();
+  CHECK(test::error_kind([&] { frame_distances({&span, 1}, span); }) == ErrorKind::data);
+}
+
+TEST_CASE("standardized scores of points are those of the oracle") {
+  const Points train = walk(120, 40, 5);
+  const Points query = walk(30, 40, 6);
+  const DescriptorSpan span = train.span();
+  TrainStatistics statistics = compute_statistics({&span, 1}, {}, {});
+  statistics.components = compute_components({&span, 1}, statistics.typical_distance, {});
+  const ScoreBasis basis = make_score_basis({}, false, statistics);
+  const FrameDistances scores = standardized(frame_distances({&span, 1}, query.span()), basis, {});
+  const PlainUpdates updates = plain_updates({&span, 1}, query.span(), basis, {});
+  std::vector<std::vector<double>> plain;
+  for (size_t i = 0; i < 120; ++i)
+    plain.push_back(plain_frame_scores(span.rows[i], i, query.span().rows, updates, basis));
+  for (uint32_t frame = 0; frame < 30; ++frame) {
+    std::vector<uint16_t> row(128);
+    scores.start_row(frame);
+    scores.tile({&frame, 1}, 0, 120, row.data(), 128);
+    for (size_t i = 0; i < 120; ++i) {
+      const double found = (row[i] - 32768) / 1024.0;
+      REQUIRE(std::abs(found - plain[i][frame]) <= score_tolerance(1));
+    }
+  }
+}

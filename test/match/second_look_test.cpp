@@ -1,0 +1,221 @@
+// A path read again: by hand, against its plain twin, and what scores are made of.
+#include <cmath>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "examples.h"
+#include "match/distance_statistics.h"
+#include "match/filter.h"
+#include "match/plain.h"
+#include "match/score_kernels.h"
+#include "match/standardized_frames.h"
+#include "reference/plain_filter.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+constexpr uint16_t kWorst = std::numeric_limits<uint16_t>::max();
+
+/// Sequences of so many places, two frames each, and a path's views.
+struct Path {
+  FilterState filter;
+  SecondLook look;
+  std::vector<uint16_t> scores;  ///< of the next view, to all frames
+  std::vector<ScoreScale> made;  ///< what makes them
+  std::vector<ScoreScale> known;
+
+  explicit Path(const std::vector<size_t>& places, const FilterSettings& settings = {}) {
+    test::Example example;
+    for (size_t s = 0; s < places.size(); ++s) {
+      std::vector<LdbCode>& codes = example.train.emplace_back();
+      for (const LdbCode& code : test::random_codes(places[s], 30 + s))
+        codes.insert(codes.end(), 2, code);
+    }
+    example.train_unreadable.resize(places.size());
+    const std::vector<DescriptorSpan> spans = example.spans();
+    filter = start_filter(frame_distances(spans, {spans[0].rows.first(0), {}}), settings, 1);
+    look = start_second_look(filter);
+    const size_t frames = filter.cells.runs.back().frames_end;
+    scores.assign(frames, static_cast<uint16_t>(kScoreBias));
+    made.resize(frames);
+    known.resize(frames);
+  }
+
+  size_t cell(size_t sequence, size_t place) const {
+    return filter.cells.runs[sequence].first + place;
+  }
+
+  void see(size_t best) {
+    see_view(
+        look, filter.cells, scores, [this](size_t frame) { return made[frame]; }, best);
+  }
+
+  PathReading read() {
+    return read_again(look, filter.cells, [this](size_t frame) { return known[frame]; });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("what places support is scored with what is known now") {
+  Path path({5, 4});
+  const size_t best = path.cell(1, 2);
+  const size_t frame = path.filter.cells.frames[best];
+  path.scores[frame] = static_cast<uint16_t>(kScoreBias - 2 * kScoreUnit);
+  path.made[frame] = {4, 10};  // a centred distance of -16
+  path.see(best);
+  path.known[frame] = {4, 10};
+  CHECK(path.read().supports == std::vector<int32_t>{2 * kScoreUnit});
+  path.known[frame] = {-8, 16};
+  CHECK(path.read().supports == std::vector<int32_t>{kScoreUnit / 2});
+  path.scores[frame] = static_cast<uint16_t>(kScoreBias + kScoreUnit);  // of 14
+  path.see(best);
+  path.known[frame] = {-2, 8};
+  CHECK(path.read().supports ==
+        std::vector<int32_t>{7 * kScoreUnit / 4, -2 * static_cast<int32_t>(kScoreUnit)});
+}
+
+TEST_CASE("no more than the last 48 views are read") {
+  Path path({60});
+  for (size_t view = 0; view < 60; ++view) {
+    path.scores[2 * view] = static_cast<uint16_t>(kScoreBias - view);
+    path.see(path.cell(0, view));
+  }
+  const PathReading reading = path.read();
+  REQUIRE(reading.supports.size() == kRereadViews);
+  CHECK(reading.supports.front() == 12);
+  CHECK(reading.supports.back() == 59);
+}
+
+TEST_CASE("a path that fits is likelier than being nowhere, and one that does not is not") {
+  for (const double z : {-3.0, 1.0}) {
+    Path path({30, 20});
+    uint32_t margin = 0;
+    for (size_t view = 0; view < 12; ++view) {
+      path.scores[2 * view] = static_cast<uint16_t>(kScoreBias + z * kScoreUnit);
+      path.see(path.cell(0, view));
+      margin = path.read().margin;
+    }
+    if (z < 0)
+      CHECK(margin > 6 * kScoreUnit);
+    else
+      CHECK(margin == 0);
+  }
+}
+
+TEST_CASE("the margin of a path is what plain code finds") {
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    RandomEngine engine(seed);
+    FilterSettings settings;
+    settings.near_views = seed % 3 == 0 ? 2 : 10;
+    Path path({40, 1 + uniform_below(engine, 30)}, settings);
+    const size_t sequence = uniform_below(engine, 2);
+    const size_t places = path.filter.cells.runs[sequence].count;
+    size_t place = uniform_below(engine, places);
+    for (size_t view = 0; view < 20 + 10 * (seed % 4); ++view) {
+      place = std::min(place + uniform_below(engine, 3), places - 1);
+      for (uint16_t& score : path.scores)
+        score = static_cast<uint16_t>(kScoreBias - 4 * kScoreUnit +
+                                      uniform_below(engine, 6 * kScoreUnit));
+      path.see(path.cell(sequence, place));
+    }
+    const PathReading reading = path.read();
+
+    const CellRun& run = path.filter.cells.runs[sequence];
+    std::vector<std::vector<uint16_t>> plain;
+    for (const SeenView& view : path.look.views) {
+      std::vector<uint16_t>& scores = plain.emplace_back(run.count, kWorst);
+      for (size_t k = 0; k < view.distances.size(); ++k)
+        scores[view.first + k - run.first] =
+            static_cast<uint16_t>(kScoreBias + std::lround(view.distances[k] * kScoreUnit));
+    }
+    // Only the places around the path are asked for.
+    size_t first = run.count;
+    size_t end = 0;
+    for (const SeenView& view : path.look.views) {
+      first = std::min(first, view.first - run.first);
+      end = std::max(end, view.first + view.distances.size() - run.first);
+    }
+    for (std::vector<uint16_t>& scores : plain)
+      scores = {scores.begin() + static_cast<ptrdiff_t>(first),
+                scores.begin() + static_cast<ptrdiff_t>(end)};
+    const double expected =
+        plain_path_margin(plain, place - first, path.filter.cells.places, settings);
+    INFO("seed " << seed);
+    CHECK(static_cast<double>(reading.margin) / kScoreUnit ==
+          Approx(expected).margin(filter_tolerance(plain.size())));
+  }
+}
+
+TEST_CASE("views from before a training frame that can't be read count as support only") {
+  test::Example example;
+  example.train = {test::random_codes(30, 7)};
+  example.train_unreadable = {{10}};
+  const std::vector<DescriptorSpan> spans = example.spans();
+  const FilterState filter =
+      start_filter(frame_distances(spans, {spans[0].rows.first(0), {}}), {}, 1);
+  SecondLook look = start_second_look(filter);
+  const auto scale = [](size_t) { return ScoreScale{}; };
+  const std::vector<uint16_t> scores(30, static_cast<uint16_t>(kScoreBias - 3 * kScoreUnit));
+  const CellRun& behind = filter.cells.runs[1];
+  for (size_t view = 0; view < 8; ++view)
+    see_view(look, filter.cells, scores, scale, filter.cells.runs[0].first + view);
+  see_view(look, filter.cells, scores, scale, behind.first);
+  const PathReading both = read_again(look, filter.cells, scale);
+  look.views.erase(look.views.begin(), look.views.end() - 1);
+  const PathReading one = read_again(look, filter.cells, scale);
+  CHECK(both.supports.size() == 9);
+  CHECK(both.margin == one.margin);
+}
+
+TEST_CASE("scores say what made them, and what would with a start of little weight") {
+  test::Example example;
+  example.train = {test::walk_codes(60, 1, 25), test::walk_codes(50, 2, 25)};
+  example.train_unreadable.resize(2);
+  example.query = test::walk_codes(300, 3, 60);
+  const std::vector<DescriptorSpan> spans = example.spans();
+  TrainStatistics statistics = compute_statistics(spans, {}, {});
+  statistics.components = compute_components(spans, statistics.typical_distance, {});
+  const ScoreBasis basis = make_score_basis({}, false, statistics);
+  const FrameDistances scores =
+      standardized(frame_distances(spans, {example.query, {}}), basis, {});
+  const PlainUpdates updates = plain_updates(spans, {example.query, {}}, basis, {});
+  const StandardizationSettings settings;
+  std::vector<std::vector<double>> centred;  // by query and training frame
+  std::vector<size_t> learned;
+  std::vector<uint16_t> row(scores.train_frames + kStretchFrames);
+  for (uint32_t query = 0; query < scores.query_frames; ++query) {
+    scores.start_row(query);
+    scores.tile({&query, 1}, 0, scores.train_frames, row.data(), 0);
+    if (updates.learned[query]) learned.push_back(*updates.learned[query]);
+    std::vector<double>& x = centred.emplace_back();
+    for (size_t i = 0; i < scores.train_frames; ++i) {
+      const ScoreScale made = scores.scale(i);
+      x.push_back(made.mean + made.deviation * (row[i] - double{kScoreBias}) / kScoreUnit);
+    }
+    if (query % 31 != 0) continue;
+    for (size_t i = 0; i < scores.train_frames; i += 7) {
+      double weight = settings.offline_start_weight;
+      double sum = weight * basis.mean[i];
+      double squares = weight * (basis.variance + basis.mean[i] * basis.mean[i]);
+      for (size_t k = 0; k < learned.size(); ++k) {
+        const double share =
+            std::pow(settings.forgetting, static_cast<double>(learned.size() - 1 - k));
+        const double past = centred[learned[k]][i];
+        weight += share;
+        sum += share * past;
+        squares += share * past * past;
+      }
+      const double mean = sum / weight;
+      const double deviation = std::sqrt(std::max(squares / weight - mean * mean, 100.0));
+      INFO("query frame " << query << ", training frame " << i);
+      CHECK(scores.learned_scale(i).mean == Approx(mean).margin(0.1));
+      CHECK(scores.learned_scale(i).deviation == Approx(deviation).margin(0.1));
+    }
+  }
+  CHECK(learned.size() > 20);
+}

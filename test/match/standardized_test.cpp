@@ -1,0 +1,393 @@
+// Standardized scores: fast against plain, and what the method promises.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "base/simd.h"
+#include "examples.h"
+#include "match/components.h"
+#include "match/distance_statistics.h"
+#include "match/fastable_batch.h"
+#include "match/plain.h"
+#include "match/standardized_frames.h"
+#include "support.h"
+
+using namespace vpr;
+using test::CellKey;
+using test::Cells;
+using test::Example;
+using test::make_example;
+
+namespace {
+
+ScoreBasis make_basis(const Example& example, const StandardizationSettings& settings = {},
+                      bool offline = false) {
+  const std::vector<DescriptorSpan> spans = example.spans();
+  TrainStatistics statistics = compute_statistics(spans, {}, {});
+  statistics.components = compute_components(spans, statistics.typical_distance, {});
+  return make_score_basis(settings, offline, statistics);
+}
+
+FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
+  return standardized(frame_distances(example.spans(), {example.query, example.query_unreadable}),
+                      basis, {});
+}
+
+Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length) {
+  Cells cells;
+  match_fastable(
+      scores_of(example, basis), {length, size_t{1} << 30, select_kernels()}, {},
+      [&](const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); ++x)
+          REQUIRE(cells
+                      .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
+                               row.scores[x])
+                      .second);
+      });
+  return cells;
+}
+
+double score(uint32_t biased, size_t length) {
+  return (static_cast<double>(biased) - static_cast<double>(length) * kScoreBias) / kScoreUnit;
+}
+
+// Every fast cell against the oracle. Returns how far the worst is off, in units a frame.
+double check_against_oracle(const Example& example, const ScoreBasis& basis, size_t length) {
+  const std::vector<DescriptorSpan> spans = example.spans();
+  const PlainUpdates updates =
+      plain_updates(spans, {example.query, example.query_unreadable}, basis, {});
+  std::vector<std::vector<std::vector<double>>> plain(example.train.size());
+  size_t frame = 0;
+  for (size_t s = 0; s < example.train.size(); ++s)
+    for (const LdbCode& code : example.train[s]) {
+      plain[s].push_back(plain_frame_scores(code, frame, example.query, updates, basis));
+      ++frame;
+    }
+  double worst = 0;
+  for (const auto& [cell, biased] : fast_cells(example, basis, length)) {
+    const auto& [window, sequence, train_window] = cell;
+    double sum = 0;
+    for (size_t k = 0; k < length; ++k) sum += plain[sequence][train_window + k][window + k];
+    const double difference = std::abs(sum - score(biased, length));
+    REQUIRE(difference <= score_tolerance(length));
+    worst = std::max(worst, difference * kScoreUnit / static_cast<double>(length));
+  }
+  return worst;
+}
+
+size_t window_pairs(const Example& example, size_t length) {
+  return count_windows(readable_runs(example.spans()), length) *
+         count_windows(readable_runs({example.query, example.query_unreadable}), length);
+}
+
+std::vector<LdbCode> slow_walk(size_t count, uint64_t seed) {
+  return test::walk_codes(count, seed, 25);
+}
+
+}  // namespace
+
+TEST_CASE("a score worked out by hand") {
+  // Two frames far apart, and a query in between; nothing is learned.
+  Example example;
+  example.train = {std::vector<LdbCode>(2, LdbCode{})};
+  example.train_unreadable = {{}};
+  for (size_t byte = 0; byte < 10; ++byte) example.train[0][1][byte] = 0xff;
+  example.query = {LdbCode{}};
+  for (size_t byte = 0; byte < 2; ++byte) example.query[0][byte] = 0xff;
+  // Distances 16 and 64, mean 40: x = -24 and 24. No component is taken away.
+  ScoreBasis basis = make_basis(example);
+  basis.settings.components = 0;
+  basis.mean = {-4, 8};
+  basis.variance = 256;
+  const Cells cells = fast_cells(example, basis, 1);
+  REQUIRE(cells.size() == 2);
+  CHECK(score(cells.at({0, 0, 0}), 1) == -1.25);  // (-24 + 4) / 16
+  CHECK(score(cells.at({0, 0, 1}), 1) == 1.0);    // (24 - 8) / 16
+  basis.variance = 25;                            // below the floor of 10 bits
+  CHECK(score(fast_cells(example, basis, 1).at({0, 0, 1}), 1) ==
+        Approx(1.6).margin(0.5 / kScoreUnit));
+}
+
+TEST_CASE("the start holds a share of every frame's bias, and the mean variance") {
+  TrainStatistics statistics;
+  statistics.typical_distance = 300;
+  statistics.bias = {-40, 12, 28};
+  statistics.variance = {100, 400, 250};
+  const ScoreBasis basis = make_score_basis({}, true, statistics);
+  CHECK(basis.mean == std::vector<float>{-20, 6, 14});
+  CHECK(basis.variance == 250);
+  CHECK(basis.typical_distance == 300);
+  CHECK(basis.offline);
+  StandardizationSettings settings;
+  settings.start_bias = 0.25;
+  CHECK(make_score_basis(settings, false, statistics).mean == std::vector<float>{-10, 3, 7});
+  CHECK(make_score_basis({}, false, {}).variance == 0);
+}
+
+TEST_CASE("what is learned, worked out by hand") {
+  // Every frame is a view, learned one frame later, of weight 1 against a start of weight 1.
+  Example example;
+  example.train = {std::vector<LdbCode>(2, LdbCode{})};
+  example.train_unreadable = {{}};
+  example.train[0][1][0] = 0xff;
+  example.query = {LdbCode{}, LdbCode{}};
+  StandardizationSettings settings;
+  settings.start_weight = 1;
+  settings.forgetting = 1;
+  settings.view_change = 0;
+  settings.lag_views = 1;
+  settings.deviation_floor = 1;
+  settings.components = 0;
+  ScoreBasis basis = make_basis(example, settings);
+  basis.mean = {0, 0};
+  basis.variance = 16;
+  // Distances 0 and 8, mean 4: x = -4 and 4 in both frames. After the first: mean -2 and 2,
+  // variance (16 + 16) / 2 - 4 = 12.
+  const Cells cells = fast_cells(example, basis, 1);
+  CHECK(score(cells.at({0, 0, 0}), 1) == -1.0);
+  CHECK(score(cells.at({0, 0, 1}), 1) == 1.0);
+  CHECK(score(cells.at({1, 0, 0}), 1) == Approx(-2 / std::sqrt(12)).margin(0.5 / kScoreUnit));
+  CHECK(score(cells.at({1, 0, 1}), 1) == Approx(2 / std::sqrt(12)).margin(0.5 / kScoreUnit));
+}
+
+TEST_CASE("scores are those of the oracle within a unit a frame, on every SIMD target") {
+  Example example = make_example({70, 9, 40}, 60, 1);
+  example.train_unreadable[0] = {3, 4};
+  example.query_unreadable = {20, 59};
+  for (const bool offline : {false, true}) {
+    for (const size_t length : {1, 2, 7, 20}) {
+      const ScoreBasis basis = make_basis(example, {}, offline);
+      const Cells expected = fast_cells(example, basis, length);
+      CHECK(expected.size() == window_pairs(example, length));
+      CHECK(check_against_oracle(example, basis, length) < 1);
+      for (const std::string& target : simd_targets()) {
+        use_simd_target(target);
+        INFO(target);
+        CHECK(fast_cells(example, basis, length) == expected);
+      }
+      use_simd_target("");
+    }
+  }
+}
+
+TEST_CASE("every step can be left out, and still is what the oracle says") {
+  const Example example = make_example({50, 30}, 70, 3);
+  for (const int without : {0, 1, 2, 3, 4, 5, 6, 7, 8}) {
+    StandardizationSettings settings;
+    settings.centre = without != 0;
+    settings.learn = without != 1;
+    settings.divide = without != 2;
+    if (without == 3) settings.start_weight = settings.offline_start_weight = 0;
+    if (without == 4) settings.view_change = 0;
+    if (without == 5) settings.lag_views = 1;
+    if (without == 6) settings.components = 0;
+    if (without == 7) settings.components = 3;
+    if (without == 8) settings.lag_views = kMostKeptRows + 1;
+    for (const bool offline : {false, true})
+      check_against_oracle(example, make_basis(example, settings, offline), 5);
+  }
+}
+
+TEST_CASE("sets larger than a chunk give the same on any threads") {
+  Example example = make_example({5000, 700, 3001}, 60, 4);
+  example.train_unreadable[0] = {2047, 2048, 4095};
+  const ScoreBasis basis = make_basis(example);
+  check_against_oracle(example, basis, 7);
+  const Cells expected = fast_cells(example, basis, 7);
+  for (const size_t threads : {1, 5}) {
+    const ThreadLimit limit(threads);
+    CHECK(fast_cells(example, basis, 7) == expected);
+    CHECK(make_basis(example).mean == basis.mean);
+    CHECK(make_basis(example).variance == basis.variance);
+  }
+}
+
+TEST_CASE("a database that is shared between threads gives the same scores") {
+  const Example example = make_example({70'001}, 14, 5);  // beyond 65536 frames, two threads a row
+  const ScoreBasis basis = make_basis(example);
+  Cells expected;
+  for (const size_t threads : {1, 2, 3}) {
+    const ThreadLimit limit(threads);
+    for (const bool offline : {false, true}) {
+      ScoreBasis own = basis;
+      own.offline = offline;
+      Cells sampled;
+      const size_t length = 6;
+      match_fastable(scores_of(example, own), {length, size_t{1} << 30, select_kernels()}, {},
+                     [&](const ScoreRow& row) {
+                       for (size_t x = 0; x < row.scores.size(); x += 97)
+                         sampled[{row.query_window + (offline ? 1000 : 0), row.sequence,
+                                  row.train_window + x}] = row.scores[x];
+                     });
+      if (threads == 1)
+        expected.merge(sampled);
+      else
+        for (const auto& [cell, value] : sampled) REQUIRE(expected.at(cell) == value);
+    }
+  }
+}
+
+TEST_CASE("scores do not change when later frames arrive; offline ones do") {
+  const Example whole = make_example({60}, 80, 6);
+  for (const bool offline : {false, true}) {
+    const ScoreBasis basis = make_basis(whole, {}, offline);
+    const Cells all = fast_cells(whole, basis, 5);
+    bool same = true;
+    for (const size_t frames : {5, 6, 20, 41, 79}) {
+      Example part = whole;
+      part.query.resize(frames);
+      for (const auto& [cell, value] : fast_cells(part, basis, 5))
+        same = same && all.at(cell) == value;
+    }
+    CHECK(same != offline);
+  }
+}
+
+TEST_CASE("several window lengths in one pass give the scores of each alone") {
+  Example example = make_example({300, 7, 90}, 150, 9);
+  example.query_unreadable = {70};
+  const std::vector<size_t> lengths = {5, 1, 40, 5, 149};
+  const ScoreBasis basis = make_basis(example);
+  std::vector<Cells> cells(lengths.size());
+  match_fastable_lengths(
+      scores_of(example, basis), lengths, {1, size_t{1} << 30, select_kernels()}, {},
+      [&](size_t l, const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); ++x)
+          cells[l][{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
+      });
+  for (size_t l = 0; l < lengths.size(); ++l)
+    CHECK(cells[l] == fast_cells(example, basis, lengths[l]));
+}
+
+TEST_CASE("one training sequence of three frames, and a query of one frame") {
+  for (const size_t query_frames : {1, 2, 30}) {
+    const Example example = make_example({3}, query_frames, 7);
+    const ScoreBasis basis = make_basis(example);
+    CHECK(basis.typical_distance == 400);
+    for (const bool offline : {false, true}) {
+      const ScoreBasis own = make_basis(example, {}, offline);
+      for (const size_t length : {1, 3}) {
+        check_against_oracle(example, own, length);
+        CHECK(fast_cells(example, own, length).size() == window_pairs(example, length));
+      }
+    }
+  }
+}
+
+TEST_CASE("constant images all have the score 0") {
+  Example example;
+  example.train = {std::vector<LdbCode>(40, LdbCode{})};
+  example.train_unreadable = {{}};
+  example.query.assign(30, LdbCode{});
+  for (const bool offline : {false, true})
+    for (const auto& [cell, value] : fast_cells(example, make_basis(example, {}, offline), 4))
+      REQUIRE(value == 4 * kScoreBias);
+}
+
+TEST_CASE("scores beyond 32 deviations are cut off, not wrapped around") {
+  Example example = make_example({40}, 1, 8);
+  ScoreBasis basis = make_basis(example);
+  for (size_t i = 0; i < 40; ++i) basis.mean[i] = i % 2 == 0 ? 1386 : -1386;
+  basis.variance = 0;
+  const Cells cells = fast_cells(example, basis, 1);
+  CHECK(score(cells.at({0, 0, 0}), 1) == -32);
+  CHECK(cells.at({0, 0, 1}) == 65535);
+  check_against_oracle(example, basis, 1);
+}
+
+TEST_CASE("a query that stands still keeps the present place, however long") {
+  // A walk again, with some bits changed, that stops at frame 60 for 600 frames.
+  Example example;
+  example.train = {slow_walk(200, 11)};
+  example.train_unreadable = {{}};
+  RandomEngine engine(1);
+  const auto seen_again = [&](size_t frame) {
+    LdbCode code = example.train[0][frame];
+    for (int i = 0; i < 200; ++i) {
+      const uint64_t bit = uniform_below(engine, kLdbBits);
+      code[bit / 8] = static_cast<uint8_t>(code[bit / 8] ^ 1 << bit % 8);
+    }
+    return code;
+  };
+  std::vector<LdbCode> moving;
+  for (size_t i = 0; i < 120; ++i) moving.push_back(seen_again(i));
+  const LdbCode stop = moving[60];
+  const auto best_while_standing = [&](size_t standing, const StandardizationSettings& settings) {
+    example.query.assign(moving.begin(), moving.begin() + 61);
+    example.query.insert(example.query.end(), standing, stop);
+    example.query.insert(example.query.end(), moving.begin() + 61, moving.end());
+    std::pair<uint32_t, size_t> best = {~0U, 0};
+    for (const auto& [cell, value] : fast_cells(example, make_basis(example, settings), 1))
+      if (std::get<0>(cell) == 60 + standing) best = std::min(best, {value, std::get<2>(cell)});
+    return std::pair(score(best.first, 1), best.second);
+  };
+  const auto [score_at_once, place_at_once] = best_while_standing(0, {});
+  const auto [score_later, place_later] = best_while_standing(600, {});
+  CHECK(place_at_once == 60);
+  CHECK(place_later == 60);
+  CHECK(score_later == score_at_once);  // nothing is learned while nothing new is seen
+  // With every frame a view, as much as 600 frames of the present place are learned, and it is
+  // lost.
+  StandardizationSettings every_frame;
+  every_frame.view_change = 0;
+  const auto [score_lost, place_lost] = best_while_standing(600, every_frame);
+  CHECK(score_lost > score_at_once / 2);
+}
+
+TEST_CASE("a memory limit that has no room for the ring is said") {
+  const Example example = make_example({100}, 20, 1);
+  const size_t length = 5;
+  const auto match = [&](size_t memory, size_t c_l) {
+    match_fastable(scores_of(example, make_basis(example)), {c_l, memory, select_kernels()}, {},
+                   [](const ScoreRow&) {});
+  };
+  CHECK_FALSE(test::error_kind([&] { match(2 * 104 * (length + 1), length); }));
+  CHECK(test::error_kind([&] { match(2 * 104 * (length + 1) - 1, length); }) == ErrorKind::usage);
+  CHECK(test::error_text([&] { match(0, length); }).find("--max-memory") != std::string::npos);
+}
+
+TEST_CASE("settings of standardized scores out of range are refused") {
+  const auto refused = [](auto&& change) {
+    StandardizationSettings settings;
+    change(settings);
+    return test::error_kind([&] { check_standardization(settings); }) == ErrorKind::usage;
+  };
+  CHECK_FALSE(refused([](StandardizationSettings&) {}));
+  CHECK(refused([](StandardizationSettings& s) { s.forgetting = 0; }));
+  CHECK(refused([](StandardizationSettings& s) { s.forgetting = 1.01; }));
+  CHECK(refused([](StandardizationSettings& s) { s.forgetting = std::nan(""); }));
+  CHECK(refused([](StandardizationSettings& s) { s.start_weight = -1; }));
+  CHECK(refused([](StandardizationSettings& s) { s.offline_start_weight = 1e7; }));
+  CHECK(refused([](StandardizationSettings& s) { s.start_bias = 1.5; }));
+  CHECK(refused([](StandardizationSettings& s) { s.components = 7; }));
+  CHECK(refused([](StandardizationSettings& s) { s.deviation_floor = 0; }));
+  CHECK(refused([](StandardizationSettings& s) { s.view_change = -0.1; }));
+  CHECK(refused([](StandardizationSettings& s) { s.lag_views = 0; }));
+}
+
+TEST_CASE("learning a whole query says how far it is, and stops when asked to") {
+  const Example example = make_example({40, 30}, 50, 3);
+  const ScoreBasis basis = make_basis(example, {}, true);
+  const std::vector<DescriptorSpan> spans = example.spans();
+  const FrameDistances distances = frame_distances(spans, {example.query, {}});
+  size_t learned = 0;
+  Monitor monitor;
+  monitor.progress = [&](const std::string& step, size_t done, size_t total) {
+    CHECK(step == "learn");
+    CHECK(total == 50);
+    learned = std::max(learned, done);
+  };
+  start_standardized(distances, basis, monitor);
+  CHECK(learned == 50);
+  const std::atomic<bool> stop{true};
+  monitor.stop = &stop;
+  CHECK(test::error_kind([&] { start_standardized(distances, basis, monitor); }) ==
+        ErrorKind::interrupted);
+}

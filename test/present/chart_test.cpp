@@ -1,0 +1,145 @@
+#include "present/chart.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "present/chart_layout.h"
+#include "present/charts.h"
+#include "present/raster.h"
+#include "present/sweep_report.h"
+#include "support.h"
+
+using namespace vpr;
+using test::count_of;
+using test::has;
+using test::pixels_of;
+using test::svg_of;
+
+TEST_CASE("a heat map has a cell for every setting, the darker the more hits") {
+  Sweep sweep;
+  sweep.query_name = "walk";
+  for (const double threshold : {0.4, 0.5}) {
+    CellCounts cell;
+    cell.window = 10;
+    cell.threshold = threshold;
+    cell.counts.hits.correct = threshold > 0.45 ? 100 : 25;
+    cell.counts.hits.incorrect = threshold > 0.45 ? 4 : 0;
+    sweep.cells.push_back(cell);
+  }
+  const cv::Mat image = pixels_of(heat_map_png({sweep}));
+  CHECK(count_of(image, Meaning::right) > 1000);
+  CHECK(count_of(image, Meaning::wrong) > 1000);
+  const cv::Vec3b full = bgr_of(Meaning::right);  // a quarter of the hits: half the shade
+  const cv::Scalar half((255 + full[0]) / 2, (255 + full[1]) / 2, (255 + full[2]) / 2);
+  cv::Mat found;
+  cv::inRange(image, half - cv::Scalar::all(1), half + cv::Scalar::all(1), found);
+  CHECK(cv::countNonZero(found) > 1000);
+}
+
+TEST_CASE("labels that would cover each other are left out") {
+  Chart chart{"c", "t"};
+  chart.series.push_back({"a", {{0, 100}, {0, 99}, {50, 100}}});
+  chart.series[0].labels = {"first", "second", "third"};
+  const std::string svg = svg_of(chart);
+  CHECK(has(svg, ">first<"));
+  CHECK_FALSE(has(svg, ">second<"));
+  CHECK(has(svg, ">third<"));
+}
+
+TEST_CASE("ranges are those of the values, and a little more") {
+  CHECK(range_of({}, {}) == std::pair(0.0, 1.0));
+  CHECK(range_of({"", true}, {}) == std::pair(1.0, 10.0));
+  CHECK(range_of({"", false, true}, {50, 100}) == std::pair(0.0, 104.0));
+  CHECK(range_of({}, {100, 200}).first == Approx(97));
+  CHECK(range_of({}, {7, 7}).second > 7);
+  CHECK(range_of({"", true}, {3, 700}) == std::pair(2.0, 1000.0));
+  CHECK(range_of({"", true}, {0.5, 0.5}) == std::pair(0.5, 1.0));
+  ChartAxis fixed;
+  fixed.range = {5, 1};
+  CHECK(range_of(fixed, {7}) == std::pair(5.0, 1.0));
+}
+
+TEST_CASE("ticks are round") {
+  const auto texts = [](bool is_log, double from, double to, size_t most) {
+    std::string text;
+    for (const ChartTick& tick : ticks_of(is_log, {from, to}, most)) text += tick.text + " ";
+    return text;
+  };
+  CHECK(texts(false, 0, 1, 5) == "0 0.2 0.4 0.6 0.8 1 ");
+  CHECK(texts(false, 8, 0, 4) == "0 2 4 6 8 ");
+  CHECK(texts(false, -0.3, 0.35, 3) == "0 ");
+  CHECK(texts(false, -30, 35, 7) == "-30 -20 -10 0 10 20 30 ");
+  CHECK(texts(true, 0.5, 200, 9) == "0.5 1 2 5 10 20 50 100 200 ");
+  CHECK(texts(true, 0.5, 200, 8) == "1 10 100 ");
+  CHECK(texts(true, 2, 5, 1) == "2 5 ");
+}
+
+TEST_CASE("names of any length leave room for what is drawn") {
+  Chart chart{"c", "t"};
+  chart.series.push_back({"a", {{0, 0}, {1, 1}}});
+  chart.y.ticks = {{0, "short"}, {1, std::string(20000, 'x')}, {1, "äöü" + std::string(99, 'y')}};
+  const ChartLayout layout = layout_of(chart, true);
+  CHECK(layout.area.width > 100);
+  CHECK(layout.x_ticks.size() < 10);
+  CHECK(layout.y_ticks[0].text == "short");
+  CHECK(layout.y_ticks[1].text.ends_with("xx…"));
+  CHECK(layout.y_ticks[2].text.starts_with("äöüyy"));
+  CHECK(text_width(layout.y_ticks[1].text, 13) <= chart.width * 2 / 3.0);
+  CHECK(text_width(layout.y_ticks[2].text, 13) == text_width(layout.y_ticks[1].text, 13));
+}
+
+TEST_CASE("charts are drawn side by side and row by row, whatever is empty") {
+  Chart chart{"c", "first"};
+  const auto height = [](const std::vector<Chart>& charts, size_t columns) {
+    const cv::Mat image = pixels_of(chart_png(charts, columns));
+    CHECK(image.at<cv::Vec3b>(image.rows - 1, image.cols - 1) == cv::Vec3b(255, 255, 255));
+    return std::pair(image.cols, image.rows);
+  };
+  CHECK(height({chart}, 1) == std::pair(1200, 720));
+  CHECK(height({chart, chart, chart}, 2) == std::pair(2400, 1440));
+  chart.series.push_back({"empty", {}});
+  chart.series.push_back({"gap", {kChartGap}});
+  chart.y.is_log = true;
+  CHECK(height({chart}, 1) == std::pair(1200, 720));
+}
+
+TEST_CASE("every style and mark of a series has its colour in the picture") {
+  for (const SeriesStyle style : {SeriesStyle::line, SeriesStyle::wide_line, SeriesStyle::bar,
+                                  SeriesStyle::boxes, SeriesStyle::line_and_points}) {
+    Chart chart{"c", "t"};
+    chart.series = {series_of(Meaning::wrong, style)};
+    chart.series[0].points = {{0, 0}, {1, 1}};
+    CHECK(count_of(pixels_of(chart_png({chart})), Meaning::wrong) > 100);
+  }
+  for (const SeriesMark mark : {SeriesMark::disc, SeriesMark::dot, SeriesMark::square,
+                                SeriesMark::cross, SeriesMark::circle}) {
+    Chart chart{"c", "t"};
+    chart.series = {series_of(Meaning::wrong, SeriesStyle::points, mark)};
+    chart.series[0].name.clear();
+    for (int i = 0; i < 50; ++i) chart.series[0].points.emplace_back(i, i);
+    chart.series[0].points.push_back(kChartGap);
+    CHECK(count_of(pixels_of(chart_png({chart})), Meaning::wrong) > 50);
+  }
+}
+
+TEST_CASE("what is no SVG can't be drawn, and hostile titles are text") {
+  CHECK(test::error_kind([] { png_of_svg("no picture", 1); }) == ErrorKind::internal);
+  Chart chart{"c", "<script>alert(1)</script> & \"so\" \x01\xff"};
+  chart.series.push_back({"<b>", {{1, 1}}});
+  CHECK_FALSE(has(svg_of(chart), "<script>"));
+  CHECK_FALSE(has(svg_of(chart), "<b>"));
+  CHECK_FALSE(chart_png({chart}).empty());
+}
+
+TEST_CASE("pictures are complete, or an error") {
+  const test::TemporaryFolder folder;
+  Chart chart{"line", "t"};
+  chart.series.push_back({"a", {{0, 1}, {1, 2}}});
+  draw_chart(chart, folder.path());
+  CHECK(test::list_folder(folder.path()) == std::vector<std::string>{"line.png", "line.svg"});
+  CHECK(test::read_text(folder / "line.svg").ends_with("</svg>\n"));
+  CHECK_FALSE(pixels_of(test::read_text(folder / "line.png")).empty());
+  CHECK(test::error_kind([&] { draw_chart(chart, folder / "none"); }) == ErrorKind::output);
+}

@@ -1,0 +1,340 @@
+#include "present/evaluation_charts.h"
+
+#include <atomic>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "present/chart_layout.h"
+#include "present/charts.h"
+#include "present/evaluation_report.h"
+#include "present/loops_report.h"
+#include "present/route_map.h"
+#include "present/score_matrix.h"
+#include "present/sweep_report.h"
+#include "support.h"
+
+using namespace vpr;
+using test::has;
+using test::pixels_of;
+using test::svg_of;
+
+namespace {
+
+/// Windows of 3 frames; queries 2 to 9, right, wrong or ignored as the letters say; capital
+/// letters are recognised.
+Judgement walk(const std::string& letters) {
+  Judgement judgement;
+  ScoreLayout& layout = judgement.layout;
+  layout.window_length = 3;
+  layout.scope = {letters.size() + 2, {{"monday", 30, true}, {"friday", 20, true}}};
+  layout.columns = {{0, 0, 28}, {1, 28, 18}};
+  judgement.fixes.assign(layout.scope.query_frames, Fix::none);
+  judgement.outcomes.window_length = 3;
+  judgement.outcomes.query_frames = layout.scope.query_frames;
+  for (size_t q = 0; q < letters.size(); ++q) {
+    const bool is_right = letters[q] == 'r' || letters[q] == 'R';
+    QueryOutcome query;
+    query.frame = layout.anchor(q);
+    query.verdict = is_right ? Verdict::correct : Verdict::incorrect;
+    query.best = FrameMatch{is_right ? 0u : 1u, query.frame};
+    query.key = score_key(double(q), ScoreOrder::distance);
+    judgement.outcomes.queries.push_back(query);
+    if (letters[q] == 'R') judgement.fixes[query.frame] = Fix::right;
+    if (letters[q] == 'W') judgement.fixes[query.frame] = Fix::wrong;
+  }
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  return judgement;
+}
+
+GroundTruth aligned(const Judgement& judgement) {
+  GroundTruth truth;
+  for (uint32_t frame = 0; frame < judgement.layout.scope.query_frames; ++frame)
+    truth.pairs.push_back({{0, frame}});
+  return truth;
+}
+
+Json report_of(const Judgement& judgement, const GroundTruth& truth) {
+  return scores_report_json({"mine", {}, 3, {}}, "it's", judgement, truth, "xxh3:0", {});
+}
+
+const Series* find(const Chart& chart, Meaning meaning) {
+  for (const Series& series : chart.series)
+    if (series.meaning == meaning && series.name == colour_of(meaning).words) return &series;
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("frames of several sequences stand one behind the other, with round ticks") {
+  const std::vector<FrameBand> bands = frame_bands(walk("rr").layout);
+  REQUIRE(bands.size() == 2);
+  CHECK(bands[1].name == "friday");
+  CHECK(bands[1].at == 30);
+  CHECK(length_of(bands) == 50);
+  CHECK(position_of(bands, {1, 7}) == 37);
+  const std::vector<AxisTick> ticks = ticks_of(bands, 5);
+  std::vector<size_t> frames;
+  for (const AxisTick& tick : ticks) frames.push_back(tick.frame);
+  CHECK(frames == std::vector<size_t>{0, 10, 20, 0, 10});
+  CHECK(ticks[3].position == 30.5);
+  const std::vector<FrameBand> columns = column_bands(walk("rr").layout);
+  CHECK(columns[1].at == 28);
+  CHECK(columns[1].first_frame == 2);
+  CHECK(position_of(columns, {1, 2}) == 28);
+  CHECK(round_step(0, 5) == 1);
+  CHECK(round_step(50, 5) == 10);
+  CHECK(round_step(51, 5) == 10);
+  CHECK(round_step(100, 8) == 20);
+  CHECK(ticks_of({}, 5).empty());
+}
+
+TEST_CASE("of two ticks that are near each other, a band's first stays") {
+  const std::vector<AxisTick> ticks = ticks_of({{"a", 0, 0, 0, 21}, {"b", 1, 21, 0, 20}}, 4);
+  std::vector<double> positions;
+  for (const AxisTick& tick : ticks) positions.push_back(tick.position);
+  CHECK(positions == std::vector<double>{0.5, 10.5, 21.5, 31.5});
+}
+
+TEST_CASE("ticks of an axis cost what they show") {
+  const std::vector<AxisTick> ticks = ticks_of({{"a", 0, 0, 7, size_t{1} << 60}}, 5);
+  REQUIRE(ticks.size() > 3);
+  CHECK(ticks[0].frame == 7);
+  CHECK(ticks[1].frame == 200000000000000000);
+}
+
+TEST_CASE("a timeline has the palette's colours by meaning, and the ground truth") {
+  const Judgement judgement = walk("rRwWrRRR");
+  const GroundTruth truth = aligned(judgement);
+  const Chart chart = timeline_chart(report_of(judgement, truth), judgement, truth);
+  for (const Meaning meaning :
+       {Meaning::right, Meaning::wrong, Meaning::weak_right, Meaning::weak_wrong, Meaning::truth})
+    REQUIRE(find(chart, meaning) != nullptr);
+  CHECK(find(chart, Meaning::unjudged) == nullptr);
+  CHECK(find(chart, Meaning::right)->points.size() == 4);
+  CHECK(find(chart, Meaning::wrong)->points[0] == std::pair(5.5, 35.5));  // frame 5 of friday
+  CHECK(find(chart, Meaning::truth)->points.size() == 20);
+  CHECK(find(chart, Meaning::truth)->points[3] == std::pair(2.0, 2.0));
+  CHECK(chart.y.bands[1].name == "friday");
+  CHECK(chart.y.bands[1].begin == 30);
+  CHECK(chart.x.range == std::pair(0.0, 10.0));
+  // Frame 3 is right, frame 5 wrong, and 7 to 9 are right again.
+  std::vector<std::pair<double, double>> runs;
+  for (const ChartRun& run : chart.runs) runs.emplace_back(run.begin, run.end);
+  CHECK(runs == std::vector<std::pair<double, double>>{{3, 4}, {5, 6}, {7, 10}});
+  CHECK(chart.runs[1].meaning == Meaning::wrong);
+  const std::string svg = svg_of(chart);
+  CHECK(has(svg, ">mine on it&#39;s</text>"));
+  CHECK(has(svg, ">friday</text>"));
+  CHECK(has(svg, ">recognised, wrong</text>"));  // in the legend
+  // A page has its own title, legend and colours.
+  const std::string page = page_svg(chart);
+  CHECK(has(page, "<svg class=\"timeline\""));
+  CHECK_FALSE(has(page, ">recognised, wrong</text>"));
+  CHECK_FALSE(has(page, "<style>"));
+  CHECK(has(page, "id=\"here\""));
+}
+
+TEST_CASE("a matrix has axes in frames, a legend and, of scores, a scale") {
+  const Judgement judgement = walk("rRwWrRRR");
+  const GroundTruth truth = aligned(judgement);
+  const ScorePicture picture = draw_scores(judgement, truth, nullptr, 100, {});
+  Chart chart = matrix_chart(judgement.layout, picture, "training frame", "distance");
+  CHECK(chart.x.ticks.front().text == "2");  // the first window's anchor
+  CHECK(chart.x.bands[1].name == "friday");
+  CHECK(chart.y.range == std::pair(8.0, 0.0));
+  CHECK(chart.image->columns == 46);
+  CHECK(chart.image->width == 46 * 14);  // pixels are enlarged by whole numbers,
+  CHECK(chart.image->height == 8 * 19);  // so that either side can be looked at
+  CHECK(find(chart, Meaning::truth) != nullptr);
+  CHECK_FALSE(has(svg_of(chart), "distance"));
+  chart.image->greys = std::pair(3.0, 7.0);
+  CHECK(has(svg_of(chart), ">distance</text>"));
+  CHECK(has(svg_of(chart), ">7</text>"));
+}
+
+TEST_CASE("a matrix shows scores, the ground truth, and above it what is recognised") {
+  Judgement judgement = walk("rrrrrrrr");
+  judgement.layout.columns = {{0, 0, 28}};
+  judgement.layout.scope.sequences.resize(1);
+  judgement.recognised = {{0, 0}, {1, 5}};  // right, and wrong
+  const GroundTruth truth = aligned(judgement);
+  RowPixels pixels(judgement.layout, 2000);
+  std::vector<uint32_t> row(27);
+  for (uint32_t x = 0; x < 27; ++x) row[x] = 1000 + x;
+  for (size_t window = 0; window < 8; ++window) pixels({window, 0, 0, row});
+  const std::vector<double> scores = pixels.scores(1000);
+  CHECK(scores[0] == 0);
+  CHECK(scores[26] == 26);
+  CHECK(std::isnan(scores[27]));  // no row came
+  const ScorePicture picture = draw_scores(judgement, truth, pixels.grid(), scores, {});
+  const cv::Mat image = pixels_of(picture.image.png);
+  const auto at = [&](int x, int y) {
+    return image.at<cv::Vec3b>(y * image.rows / 8 + 1, x * image.cols / 28 + 1);
+  };
+  CHECK(at(0, 0) == bgr_of(Meaning::right));
+  CHECK(at(5, 1) == bgr_of(Meaning::wrong));
+  CHECK(at(3, 3) == bgr_of(Meaning::truth));
+  CHECK(at(0, 7) == cv::Vec3b(0, 0, 0));  // the smallest distance is black
+  CHECK(at(26, 0) == cv::Vec3b(255, 255, 255));
+  CHECK(at(10, 0)[0] > at(9, 0)[0]);
+  CHECK(at(27, 0) != cv::Vec3b(255, 255, 255));  // and none has a colour of its own
+  CHECK(at(27, 0)[0] != at(27, 0)[2]);
+  CHECK(picture.shown == std::vector<Meaning>{Meaning::right, Meaning::wrong, Meaning::truth});
+  CHECK(picture.image.greys == std::pair(0.0, 26.0));
+  // The file shows the same pixels.
+  const Chart chart = matrix_chart(judgement.layout, picture, "training frame", "distance");
+  const cv::Mat drawn = pixels_of(chart_png({chart}));
+  const ChartArea area = layout_of(chart, false).area;
+  for (const auto& [x, y] : {std::pair(0, 0), std::pair(5, 1), std::pair(9, 0)}) {
+    const auto column = static_cast<int>(area.left) + x * image.cols / 28 + 2;
+    CHECK(drawn.at<cv::Vec3b>(static_cast<int>(area.top) + y * image.rows / 8 + 2, column) ==
+          at(x, y));
+  }
+}
+
+TEST_CASE("the closest of the cells in a pixel is shown, however rows are cut") {
+  ScoreLayout layout;
+  layout.scope = {6, {{"a", 4, true}, {"b", 5, true}}};
+  layout.columns = {{0, 0, 4}, {1, 4, 5}};
+  RowPixels pixels(layout, 3);  // pixels of 3 x 3 cells
+  REQUIRE(pixels.grid().cells == 3);
+  pixels({0, 0, 1, std::vector<uint32_t>{9, 8, 7}});
+  pixels({2, 0, 0, std::vector<uint32_t>{6}});
+  pixels({5, 1, 0, std::vector<uint32_t>{5, 4, 3, 2, 1}});
+  const std::vector<double> scores = pixels.scores(0);
+  REQUIRE(scores.size() == 6);
+  CHECK(scores[0] == 6);
+  CHECK(scores[1] == 7);
+  CHECK(std::isnan(scores[2]));
+  CHECK(std::isnan(scores[3]));
+  CHECK(scores[4] == 4);
+  CHECK(scores[5] == 1);
+}
+
+TEST_CASE("correct against incorrect starts at zero and names thresholds") {
+  Sweep sweep;
+  sweep.query_name = "walk";
+  for (const double threshold : {0.4, 0.5, 0.6}) {
+    CellCounts cell;
+    cell.window = 10;
+    cell.threshold = threshold;
+    cell.counts.hits.correct = static_cast<uint64_t>(threshold * 100);
+    cell.counts.hits.incorrect = threshold > 0.55 ? 9 : 0;
+    sweep.cells.push_back(cell);
+  }
+  CellCounts automatic;
+  automatic.window = 10;
+  automatic.counts.hits = {45, 3, 0};
+  sweep.cells.insert(sweep.cells.begin(), automatic);
+  const Chart chart = sweep_chart(sweep);
+  REQUIRE(chart.series.size() == 1);
+  std::vector<std::string> order;  // a gap has no label
+  for (const std::string& label : chart.series[0].labels) order.push_back(label);
+  CHECK(order == std::vector<std::string>{"t_r 0.4", "t_r 0.5", "t_r 0.6", "", "t_r auto"});
+  CHECK(std::isnan(chart.series[0].points[3].first));
+  CHECK(layout_of(chart, false).x.from == 0);
+  CHECK(layout_of(chart, false).y.from == 0);
+  const std::string svg = svg_of(chart);
+  CHECK(has(svg, ">t_r 0.4</text>"));
+  CHECK(has(svg, ">t_r 0.6</text>"));
+}
+
+TEST_CASE("a map has a bar of metres, and places only of FAB-MAP") {
+  RouteMap map;
+  map.train = {{RoutePoint{0, 0, ""}, RoutePoint{40, 0, ""}}};
+  map.query = {RoutePoint{0, 1, ""}, RoutePoint{20, 1, ""}, RoutePoint{40, 1, ""}};
+  map.places = {{10, 0, ""}};
+  MapPanel panel{"p", {Meaning::right, Meaning::missed, Meaning::unmapped}};
+  const Chart chart = route_charts(map, {panel}).front();
+  CHECK(find(chart, Meaning::place) == nullptr);
+  CHECK(find(chart, Meaning::train_path)->style == SeriesStyle::wide_line);
+  CHECK(find(chart, Meaning::unmapped)->points.size() == 1);
+  CHECK(find(chart, Meaning::right)->points.size() == 1);
+  CHECK(has(svg_of(chart), ">10 m</text>"));
+  const ChartLayout layout = layout_of(chart, false);  // a metre is as long on both axes
+  CHECK(layout.x(10) - layout.x(0) == Approx(layout.y(0) - layout.y(10)));
+  panel.shows_places = true;
+  CHECK(find(route_charts(map, {panel}).front(), Meaning::place) != nullptr);
+}
+
+TEST_CASE("frames at which nothing can be recognised are not drawn as missed") {
+  Judgement judgement = walk("rRwWrR");  // frames 0 and 1 end no window
+  GroundTruth truth = aligned(judgement);
+  const size_t frames = judgement.fixes.size();
+  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
+  judgement.outcomes.queries[1].has_match = false;
+  judgement.outcomes.queries[1].is_unreachable = true;
+  const size_t elsewhere = judgement.outcomes.queries[1].frame;
+  judgement.fixes.assign(frames, Fix::none);
+  judgement.fixes.back() = Fix::right;
+  const std::vector<Meaning> meanings = meanings_of(judgement, truth);
+  REQUIRE(meanings.size() == frames);
+  const size_t first = judgement.outcomes.queries.front().frame;
+  for (size_t frame = 0; frame < frames; ++frame) {
+    INFO(frame);
+    const Meaning expected = frame == frames - 1                   ? Meaning::right
+                             : frame < first || frame == elsewhere ? Meaning::unreachable
+                                                                   : Meaning::missed;
+    CHECK(meanings[frame] == expected);
+  }
+  truth.pairs.assign(frames, {});
+  judgement.outcomes.queries[2].has_match = false;
+  CHECK(meanings_of(judgement, truth)[judgement.outcomes.queries[2].frame] == Meaning::unmapped);
+}
+
+TEST_CASE("a map can be stopped") {
+  RouteMap map;
+  map.query = {RoutePoint{0, 1, "a"}, RoutePoint{20, 1, "b"}, RoutePoint{40, 1, "a"}};
+  const MapPanel panel{"p", {Meaning::right, Meaning::missed, Meaning::unmapped}};
+  CHECK(route_charts(map, {panel}).size() == 2);  // a chart a floor
+  const std::atomic<bool> stop{true};
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK_THROWS_AS(route_charts(map, {panel}, monitor), Error);
+}
+
+TEST_CASE("risk against coverage, and what thresholds accept, are those counted by hand") {
+  Judgement judgement = walk("rRwr");
+  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  const Json report = report_of(judgement, aligned(judgement));
+  const Chart chart = risk_chart(report, judgement);
+  REQUIRE(chart.series.size() == 1);
+  CHECK(chart.series[0].points ==
+        std::vector<std::pair<double, double>>{{0.25, 0}, {0.5, 0}, {1, 0.25}});
+  const auto steps = threshold_steps(report, judgement, 100);
+  REQUIRE(steps.size() == 4);
+  CHECK(steps[1].accepted == std::array<size_t, 3>{2, 0, 0});
+  CHECK(steps[2].threshold == 2);
+  CHECK(steps[3].accepted == std::array<size_t, 3>{3, 1, 0});
+  // Equal scores are accepted together.
+  judgement.outcomes.queries[2].key = judgement.outcomes.queries[1].key;
+  CHECK(threshold_steps(report, judgement, 100)[1].accepted == std::array<size_t, 3>{2, 1, 0});
+  const auto thinned = threshold_steps(report, judgement, 1);
+  CHECK(thinned.back().accepted == std::array<size_t, 3>{3, 1, 0});
+}
+
+TEST_CASE("of very many loops a map draws some, and says so") {
+  LoopsEvaluation evaluation;
+  for (int frame = 0; frame < 10'000; ++frame)
+    evaluation.trajectory.poses.push_back(Pose{{0.01 * frame, 0.0001 * frame, 0}, {}, {}});
+  evaluation.judgement.has_loop.resize(10'000);
+  evaluation.judgement.is_found.resize(10'000);
+  const auto wrong_lines = [&](size_t loops) {
+    evaluation.judgement.loops.clear();
+    for (size_t i = 0; i < loops; ++i) {
+      JudgedLoop judged;
+      judged.loop.query = 9'999 - i;
+      evaluation.judgement.loops.push_back(judged);
+    }
+    for (const Series& series : loops_map_chart(evaluation).series)
+      if (series.name.starts_with("wrong loop"))
+        return std::pair(series.name, series.points.size());
+    return std::pair(std::string(), size_t{0});
+  };
+  CHECK(wrong_lines(2000) == std::pair(std::string("wrong loop"), size_t{3 * 2000}));
+  CHECK(wrong_lines(5000) == std::pair(std::string("wrong loop (2000 of 5000)"), size_t{3 * 2000}));
+}

@@ -1,0 +1,278 @@
+#include "present/html_report.h"
+
+#include <atomic>
+#include <limits>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "base/json.h"
+#include "evaluate/metrics.h"
+#include "present/evaluation_report.h"
+#include "present/gallery.h"
+#include "present/html_page.h"
+#include "present/score_matrix.h"
+#include "sequence/sequence.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Twenty queries, best matches as the letters say (c right, w wrong), scores as they come.
+Judgement example(const std::string& letters, size_t window_length = 1) {
+  Judgement judgement;
+  ScoreLayout& layout = judgement.layout;
+  layout.window_length = window_length;
+  layout.scope = {letters.size() + window_length - 1, {{"ref", 40, true}}};
+  layout.columns = {{0, 0, 40 - window_length + 1}};
+  judgement.outcomes.query_frames = layout.scope.query_frames;
+  judgement.outcomes.window_length = window_length;
+  for (size_t q = 0; q < letters.size(); ++q) {
+    const size_t frame = layout.anchor(q);
+    judgement.outcomes.queries.push_back({frame,
+                                          letters[q] == 'c' ? Verdict::correct : Verdict::incorrect,
+                                          true,
+                                          false,
+                                          FrameMatch{0, frame},
+                                          score_key(double(q), ScoreOrder::distance),
+                                          false,
+                                          {}});
+  }
+  judgement.fixes.assign(layout.scope.query_frames, Fix::none);
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  return judgement;
+}
+
+GroundTruth example_truth(const Judgement& judgement) {
+  return read_ground_truth({"aligned", {}, 0}, judgement.layout.scope);
+}
+
+std::vector<size_t> chosen(const std::vector<GalleryItem>& items, GalleryKind kind) {
+  std::vector<size_t> queries;
+  for (const GalleryItem& item : items)
+    if (item.kind == kind) queries.push_back(item.query);
+  return queries;
+}
+
+}  // namespace
+
+TEST_CASE("text in a page can neither open an element nor leave an attribute") {
+  CHECK(html_escaped("<a href=\"x\" id='y'>&") ==
+        "&lt;a href=&quot;x&quot; id=&#39;y&#39;&gt;&amp;");
+  CHECK(html_escaped("a\x01z\xff") == "a\xef\xbf\xbdz\xef\xbf\xbd");
+  CHECK(html_escaped("\xc3\xa4") == "\xc3\xa4");
+}
+
+TEST_CASE("data in a page cannot end its script") {
+  CHECK(script_json(Json{{"a", "</script><!--"}}) == "{\"a\":\"\\u003c/script>\\u003c!--\"}");
+}
+
+TEST_CASE("base64 is that of RFC 4648's examples") {
+  const auto encode = [](const std::string& text) {
+    return base64(std::as_bytes(std::span(text)));
+  };
+  CHECK(encode("").empty());
+  CHECK(encode("f") == "Zg==");
+  CHECK(encode("fo") == "Zm8=");
+  CHECK(encode("foo") == "Zm9v");
+  CHECK(encode("foobar") == "Zm9vYmFy");
+  CHECK(encode("\xff\xfe") == "//4=");
+}
+
+TEST_CASE("what is put into a page is not looked through again") {
+  CHECK(fill_page("a{{x}}b{{y}}c", {{"x", "{{y}}"}, {"y", "2"}}) == "a{{y}}b2c");
+  CHECK(fill_page("a {{ b", {}) == "a {{ b");
+}
+
+TEST_CASE("the gallery has the worst mistakes and the best and weakest hits, well apart") {
+  const Judgement judgement = example("cwwwwwwccccccccccccccccccccw");
+  const auto items = choose_gallery(judgement, example_truth(judgement), 3);
+  CHECK(chosen(items, GalleryKind::mistake) == std::vector<size_t>{1, 6, 27});
+  CHECK(chosen(items, GalleryKind::hit) == std::vector<size_t>{0, 7, 12});
+  CHECK(chosen(items, GalleryKind::weak) == std::vector<size_t>{26, 21, 16});
+  CHECK(items[0].truth == FrameMatch{0, 1});
+  CHECK(choose_gallery(example(""), {}, 3).empty());
+}
+
+TEST_CASE("queries without a match have no true place in the gallery") {
+  const Judgement judgement = example("w");
+  GroundTruth truth;
+  truth.pairs.resize(1);
+  CHECK_FALSE(choose_gallery(judgement, truth, 3)[0].truth);
+}
+
+TEST_CASE("a strip ends at the anchor and spans the window") {
+  CHECK(strip_frames(7, 1, 5) == std::vector<size_t>{7});
+  CHECK(strip_frames(7, 3, 5) == std::vector<size_t>{5, 6, 7});
+  CHECK(strip_frames(39, 40, 5) == std::vector<size_t>{0, 10, 20, 30, 39});
+  CHECK(strip_frames(2, 40, 5) == std::vector<size_t>{0, 1, 2});
+}
+
+TEST_CASE("thumbnails are small, and frames that cannot be read are gaps") {
+  const test::TemporaryFolder folder;
+  test::write_image(folder / "1.png", 1, 400, 300);
+  test::write_text(folder / "2.png", "no image");
+  const Sequence sequence = open_sequence({folder.path(), {}});
+  const auto found = make_thumbnails(sequence, {0, 1, 9}, 100, {});
+  REQUIRE(found.size() == 2);
+  CHECK(found.at(0).name == "1.png");
+  const auto& bytes = found.at(0).jpeg;
+  const cv::Mat image =
+      cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data())),
+                   cv::IMREAD_COLOR);
+  CHECK(image.cols == 100);
+  CHECK(image.rows == 75);
+  CHECK(found.at(1).jpeg.empty());
+}
+
+TEST_CASE("a page names nothing outside itself, however hostile its names are") {
+  const test::TemporaryFolder folder;
+  const std::string hostile = "<img src=x onerror=alert(1)>\"'&{{data}}.png";
+  for (int i = 0; i < 6; ++i)
+    test::write_image(folder / (std::to_string(i) + hostile), uint64_t(i));
+  Judgement judgement = example("cwcwcw");
+  judgement.layout.scope.sequences[0] = {"</script><script>alert(2)</script>", 6, true};
+  judgement.layout.columns = {{0, 0, 6}};
+  const GroundTruth truth = example_truth(judgement);
+  const Json report = scores_report_json({"<b>method</b>", {}, 1, {}}, "<i>query</i>", judgement,
+                                         truth, "xxh3:0", {});
+  const Sequence sequence = open_sequence({folder.path(), {}});
+  const std::string page =
+      html_report(report, "<s>all</s>", judgement, truth, nullptr, {sequence, {sequence}}, {});
+  CHECK(page.find("<s>all") == std::string::npos);
+  CHECK(page.find("<img src=x") == std::string::npos);
+  CHECK(page.find("</script><script>alert") == std::string::npos);
+  CHECK(page.find("<b>method") == std::string::npos);
+  CHECK(page.find("&lt;b&gt;method") != std::string::npos);
+  CHECK(page.find("&lt;img src=x onerror=alert(1)&gt;&quot;&#39;&amp;{{data}}.png") !=
+        std::string::npos);
+  CHECK(page.find("://") == std::string::npos);
+  CHECK(page.find("default-src 'none'") != std::string::npos);
+  CHECK(page.find("data:image/jpeg;base64,/9j/") != std::string::npos);
+  CHECK(page.find("data:image/png;base64,") != std::string::npos);
+}
+
+TEST_CASE("a page of nothing is a page") {
+  const Judgement judgement = example("");
+  GroundTruth truth;
+  const Json report = scores_report_json({}, "none", judgement, truth, "xxh3:0", {});
+  CHECK(html_report(report, "", judgement, truth, nullptr, {}, {}).find("No query has") !=
+        std::string::npos);
+}
+
+namespace {
+
+size_t count_of(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+std::string page_of(const Judgement& judgement, const GroundTruth& truth,
+                    const Monitor& monitor = {}) {
+  const Json report = scores_report_json({"mine", {}, judgement.layout.window_length, {}}, "walk",
+                                         judgement, truth, "xxh3:0", {});
+  return html_report(report, "Recognised in 2 of 8 frames.", judgement, truth, nullptr, {},
+                     monitor);
+}
+
+}  // namespace
+
+TEST_CASE("a page opens with its sentence and states the protocol once") {
+  const Judgement judgement = example("cwcwcwcw");
+  GroundTruth truth = example_truth(judgement);
+  truth.protocol = "pairs from my desk";
+  const std::string page = page_of(judgement, truth);
+  CHECK(page.find("<p class=\"summary\">Recognised in 2 of 8 frames.</p>") < page.find("<table"));
+  CHECK(count_of(page, "pairs from my desk") == 1);
+  CHECK(page.find("best match wrong, not recognised") != std::string::npos);
+  CHECK(page.find("worst mistakes") != std::string::npos);
+  CHECK(page.find("{{") == std::string::npos);
+}
+
+TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
+  Judgement judgement = example("cccccccc", 20);
+  ScoreLayout& layout = judgement.layout;
+  layout.scope.sequences = {{"monday", 111, true}, {"unused", 50, false}, {"<tuesday>", 41, true}};
+  layout.columns = {{0, 0, 92}, {2, 92, 22}};
+  const std::string page = page_of(judgement, example_truth(example("cccccccc", 20)));
+  const std::string timeline =
+      page.substr(page.find("<svg class=\"timeline\""),
+                  page.find("</svg>", page.find("<svg class=\"timeline\"")) -
+                      page.find("<svg class=\"timeline\""));
+  CHECK(timeline.find(">100</text>") != std::string::npos);
+  CHECK(timeline.find(">monday</text>") != std::string::npos);
+  CHECK(timeline.find(">&lt;tuesday&gt;</text>") != std::string::npos);
+  CHECK(timeline.find("unused") == std::string::npos);
+  const std::string matrix = page.substr(page.find("<svg class=\"matrix\""));
+  CHECK(matrix.find(">19</text>") != std::string::npos);  // the first window's anchor
+  CHECK(matrix.find(">monday</text>") != std::string::npos);
+}
+
+TEST_CASE("a page costs what it shows, however many frames a sequence claims to have") {
+  Judgement judgement = example("cwcwcwcw", 3);
+  constexpr size_t kClaimed = std::numeric_limits<int32_t>::max();
+  judgement.layout.scope.sequences[0].frames = kClaimed;
+  judgement.layout.columns = {{0, 0, kClaimed - 2}};
+  const std::string page = page_of(judgement, example_truth(judgement));
+  CHECK(count_of(page, "2000000000</text>") == 2);  // on the axes of timeline and matrix
+  CHECK(page.size() < 1000000);
+}
+
+TEST_CASE("a page can be stopped where it draws") {
+  const Judgement judgement = example("cwcwcwcw");
+  const GroundTruth truth = example_truth(judgement);
+  const std::atomic<bool> stop{true};
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK(test::error_kind([&] { page_of(judgement, truth, monitor); }) == ErrorKind::interrupted);
+  CHECK(test::error_kind([&] { draw_scores(judgement, truth, nullptr, 100, monitor); }) ==
+        ErrorKind::interrupted);
+}
+
+TEST_CASE("without a ground truth a page shows matches and judges nothing") {
+  Judgement judgement = example("cccccccc");
+  const GroundTruth truth = unknown_ground_truth(judgement.layout.scope);
+  for (QueryOutcome& query : judgement.outcomes.queries) query.verdict = Verdict::ignored;
+  judgement.fixes.assign(8, Fix::unjudged);
+  judgement.fixes[3] = Fix::none;
+  Json report = scores_report_json({"mine", {}, 1, {}}, "walk", judgement, truth, "xxh3:0", {});
+  report["counts"] = {{"hits", {{"correct", 0}, {"incorrect", 0}, {"ignored", 7}}}};
+  const std::string page = html_report(report, "", judgement, truth, nullptr, {}, {});
+  CHECK(page.find("recognised, not judged") != std::string::npos);
+  CHECK(page.find("recognised, wrong") == std::string::npos);
+  CHECK(page.find("worst mistakes") == std::string::npos);
+  CHECK(page.find("class=\"card mistake\"") == std::string::npos);
+  CHECK(page.find("class=\"card hit unjudged\"") != std::string::npos);
+  CHECK(page.find("wrong: query") == std::string::npos);
+  CHECK(page.find("right: query") == std::string::npos);
+  CHECK(page.find("; the ground truth has no match") == std::string::npos);
+  CHECK(page.find("<td>7</td>") != std::string::npos);
+}
+
+TEST_CASE("a page has risk against coverage, with the area of the metric") {
+  Judgement judgement = example("cwcwcw");
+  for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
+  judgement.single_best = single_best_curve(judgement.outcomes);
+  const auto area = risk_coverage_area(judgement.single_best).value;
+  REQUIRE(area);
+  const std::string page = page_of(judgement, example_truth(judgement));
+  CHECK(page.find(fmt::format("Risk and coverage: area {:.3f}", *area)) != std::string::npos);
+  CHECK(page.find("risk: share of mistakes among them") != std::string::npos);
+}
+
+TEST_CASE("a page of thinned sequences knows the frames of the recordings, for what it saves") {
+  Judgement judgement = example("cwcwcw");
+  const GroundTruth truth = example_truth(judgement);
+  CHECK(page_of(judgement, truth).find("\"query_sources\"") == std::string::npos);
+  Replay kept;
+  kept.recorded_frames = 20;
+  kept.fps = 5;
+  kept.sources = {0, 3, 7, 9, 12, 19};
+  judgement.layout.scope.replay = judgement.layout.scope.sequences[0].kept = kept;
+  const std::string page = page_of(judgement, truth);
+  CHECK(page.find("\"query_sources\":[0,3,7,9,12,19]") != std::string::npos);
+  CHECK(page.find("\"train_sources\":[[0,3,7,9,12,19]]") != std::string::npos);
+}

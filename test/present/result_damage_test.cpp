@@ -1,0 +1,141 @@
+// What does not fit is refused, by a reader that is never led astray.
+#include <cmath>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "present/result_examples.h"
+
+using namespace vpr;
+using namespace vpr::test;
+namespace fs = std::filesystem;
+
+TEST_CASE("a result of places that was tampered with is refused") {
+  const test::TemporaryFolder folder;
+  for (const auto& change : std::vector<void (*)(Result&)>{
+           [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
+           [](Result& r) { r.targets.push_back(r.targets[0]); },
+           [](Result& r) { r.places->new_place.pop_back(); }, [](Result& r) { r.best.pop_back(); },
+           [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.hits[1].train = 2; },
+           [](Result& r) { r.hits[1] = r.hits[0]; },
+           [](Result& r) { r.hits[2].score = std::nan(""); }}) {
+    Result result = places_example();
+    change(result);
+    write(folder / "r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("companions of another run are refused") {
+  const test::TemporaryFolder folder;
+  const test::TemporaryFolder other;
+  const fs::path path = write_example(folder);
+  Result changed = example_result();
+  changed.hits.pop_back();
+  write(other / "r.json", changed, Existing::refuse);
+  fs::copy_file(other / "r.hits.npy", folder / "r.hits.npy", fs::copy_options::overwrite_existing);
+  CHECK(test::error_text([&] { read_result(path); }).find("belongs to another run") !=
+        std::string::npos);
+  fs::remove(folder / "r.hits.npy");
+  CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
+}
+
+TEST_CASE("a file of another run beside a result is refused, and may be removed") {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder / "r.json";
+  {
+    Outputs outputs(Existing::refuse);
+    outputs.file(folder / "m.png").write("image");
+    outputs.file(folder / "m.npy").write("matrix");
+    write_result(path, example_result(), {}, outputs);
+    outputs.commit();
+  }
+  read_result(path);
+  for (const char* name : {"m.png", "m.npy"}) {
+    test::write_text(folder / name, "of another run");
+    CHECK(test::error_text([&] { read_result(path); }) ==
+          fmt::format("{}: belongs to another run than {}; run vpr-query again, with --force, or "
+                      "remove this file",
+                      (folder / name).string(), path.string()));
+    fs::remove(folder / name);
+  }
+  read_result(path);
+}
+
+TEST_CASE("results that were tampered with are refused, never a crash") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  const Json whole = Json::parse(test::read_text(path));
+  const auto broken = [&](const std::string& pointer, const Json& value) {
+    Json json = whole;
+    json[Json::json_pointer(pointer)] = value;
+    json.erase("checksum");
+    json["checksum"] = result_checksum(json);
+    test::write_text(path, json.dump());
+    return test::error_kind([&] { read_result(path); });
+  };
+  for (const auto& [pointer, value] :
+       std::vector<std::pair<std::string, Json>>{{"/settings/c_l", 0},
+                                                 {"/settings/c_l", 3},
+                                                 {"/query/windows", 5},
+                                                 {"/query/frames", -1},
+                                                 {"/query/frames", 1e30},
+                                                 {"/targets/0/frames", 2},
+                                                 {"/targets/0/windows", 6},
+                                                 {"/targets", 3},
+                                                 {"/clusters/0/target", 2},
+                                                 {"/clusters/0/train/last", 5},
+                                                 {"/clusters/0/query/window", 4},
+                                                 {"/files/hits/checksum", "xxh3:0"},
+                                                 {"/files", Json::array()},
+                                                 {"/settings/clustering/eps", 5000},
+                                                 {"/settings/clustering/eps", 0},
+                                                 {"/clusters", Json::array()},
+                                                 {"/clusters/0/hits", 3},
+                                                 {"/schema", "vpr.result/3"},
+                                                 {"/query", Json()}}) {
+    INFO(pointer);
+    CHECK(broken(pointer, value) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("a result whose text was changed is refused, unless only machine and timing were") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  Json json = Json::parse(test::read_text(path));
+  json["machine"]["threads"] = 99;
+  test::write_text(path, to_text(json));
+  read_result(path);
+  json["clusters"] = Json::array();
+  test::write_text(path, to_text(json));
+  CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
+}
+
+TEST_CASE("random damage gives an error or a result, never a crash") {
+  const test::TemporaryFolder folder;
+  const fs::path path = write_example(folder);
+  RandomEngine engine(1);
+  for (const char* name :
+       {"r.json", "r.hits.npy", "r.hit_scores.npy", "r.best.npy", "r.best_scores.npy"}) {
+    const std::string whole = test::read_text(folder / name);
+    for (int i = 0; i < 300; ++i) {
+      std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));
+      text[uniform_below(engine, text.size())] = static_cast<char>(engine());
+      test::write_text(folder / name, text);
+      test::error_kind([&] { read_result(path); });
+    }
+    test::write_text(folder / name, whole);
+  }
+  CHECK(read_result(path).result.hits == example_result().hits);
+}
+
+TEST_CASE("an existing result is refused as a whole") {
+  const test::TemporaryFolder folder;
+  write_example(folder);
+  fs::remove(folder / "r.json");
+  Outputs outputs(Existing::refuse);
+  CHECK(test::error_kind([&] { claim_result(folder / "r.json", outputs); }) == ErrorKind::usage);
+  write_example(folder, Existing::replace);
+}

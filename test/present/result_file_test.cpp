@@ -1,0 +1,177 @@
+#include "present/result_file.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "present/result_examples.h"
+
+using namespace vpr;
+using namespace vpr::test;
+namespace fs = std::filesystem;
+
+TEST_CASE("companions are named after the result") {
+  CHECK(companion_path("a/r.json", "hits.npy") == "a/r.hits.npy");
+  CHECK(companion_path("a/r", "hits.npy") == "a/r.hits.npy");
+  CHECK(companion_path("a/r.v2.json", "best.npy") == "a/r.v2.best.npy");
+}
+
+TEST_CASE("a result that was written is read back") {
+  const test::TemporaryFolder folder;
+  const Result result = read_result(write_example(folder)).result;
+  const Result expected = example_result();
+  CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
+  CHECK(result.hits == expected.hits);
+  CHECK(result.best == expected.best);
+  CHECK(result.clusters->all == expected.clusters->all);
+  CHECK(result.query_unreadable == expected.query_unreadable);
+  CHECK(result.targets[0].max_distance == 30);
+  CHECK_FALSE(result.targets[1].searched);
+  CHECK(test::list_folder(folder.path()) ==
+        std::vector<std::string>{"r.best.npy", "r.best_scores.npy", "r.hit_scores.npy",
+                                 "r.hits.npy", "r.json"});
+}
+
+TEST_CASE("A replayed query keeps which frames it shows, and what does not fit is refused") {
+  const test::TemporaryFolder folder;
+  Result expected = example_result();
+  expected.replay = Replay{"varying", 7, 9, {0, 0, 4, 8, 8}};
+  const Json json = write(folder / "r.json", expected, Existing::refuse);
+  CHECK(json["query"]["warp"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", 9}});
+  const Result result = read_result(folder / "r.json").result;
+  REQUIRE(result.replay);
+  CHECK(result.replay->warp == "varying");
+  CHECK(result.replay->seed == 7);
+  CHECK(result.replay->recorded_frames == 9);
+  CHECK(result.replay->sources == expected.replay->sources);
+  for (const Replay& broken :
+       {Replay{"2", 1, 8, {0, 0, 4, 8, 8}}, Replay{"2", 1, 9, {0, 0, 4, 8}},
+        Replay{"2", 1, 9, {0, 0, 4, 8, 8, 8}}, Replay{"2", 1, 51, {0, 0, 4, 8, 8}}}) {
+    Result other = example_result();
+    other.replay = broken;
+    write(folder / "r.json", other, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("margins are written beside the best matches, and missing ones are no number") {
+  const test::TemporaryFolder folder;
+  Result result = example_result();
+  CHECK(read_result(write_example(folder)).result.margins.empty());
+  result.margins = {3, 0, std::nullopt, std::nullopt};
+  result.targets[0].margin = 1.5;
+  write(folder / "r.json", result, Existing::replace);
+  const NpyArray file(folder / "r.margins.npy");
+  const auto values = file.values<double>(1);
+  REQUIRE(values.size() == 4);
+  CHECK(values[0] == 3);
+  CHECK(std::isnan(values[3]));
+  const Result read = read_result(folder / "r.json").result;
+  CHECK(read.margins == result.margins);
+  CHECK(read.targets[0].margin == 1.5);
+  for (const std::vector<std::optional<double>>& wrong :
+       std::vector<std::vector<std::optional<double>>>{
+           {3, 0, {}}, {-1, 0, {}, {}}, {0.5, 0, {}, {}}, {1e10, 0, {}, {}}, {3, 0, {}, 1}}) {
+    result.margins = wrong;
+    write(folder / "r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("a result of places is written by the same writer, and read back by the same reader") {
+  const test::TemporaryFolder folder;
+  const Result expected = places_example();
+  const Json json = write(folder / "r.json", expected, Existing::refuse);
+  CHECK(json["targets"][0] ==
+        Json{{"name", "places"}, {"frames", 2}, {"windows", 2}, {"searched", true}});
+  CHECK(json["places"]["views"] == 3);
+  CHECK_FALSE(json.contains("clusters"));
+  const Result result = read_result(folder / "r.json").result;
+  CHECK(settings_in_force(result.settings) == settings_in_force(expected.settings));
+  CHECK(result.hits == expected.hits);
+  CHECK(result.best == expected.best);
+  CHECK_FALSE(result.clusters);
+  CHECK(result.places->names == expected.places->names);
+  CHECK(result.places->new_place == expected.places->new_place);
+  CHECK(result.places->featureless == 1);
+  const NpyArray hits(folder / "r.hits.npy");
+  const auto values = hits.values<int32_t>(2);
+  CHECK(std::vector<int32_t>(values.begin(), values.end()) ==
+        std::vector<int32_t>{0, 0, 0, 1, 0, 0, 1, 2, 2, 0, 1, 2});
+}
+
+TEST_CASE("standardized scores are written as they are, may be negative, and are read back") {
+  const test::TemporaryFolder folder;
+  Result scored = example_result();
+  auto& settings = std::get<SequenceQuerySettings>(scored.settings);
+  settings.score = Score::standardized;
+  settings.distance_threshold = -1.5;
+  settings.threshold_scale = ThresholdScale::mean_z;
+  scored.targets[0] = {"a", 6, 5, true, -1.5, ThresholdScale::mean_z, 2 * 32768 - 3072, {}};
+  scored.hits = {{0, 0, 1, 0, -4000}, {1, 0, 2, 0, -3073}};
+  scored.best = {scored.hits[0], scored.hits[1], Match{2, 0, 0, 0, 17}, std::nullopt};
+  scored.clusters->all[0].best_score = -4000;
+  scored.statistics = UsedStatistics{{}, 300.5};
+  write(folder / "r.json", scored, Existing::refuse);
+  const NpyArray file(folder / "r.best.npy");
+  const auto best = file.values<int32_t>(2);
+  CHECK(std::vector<int32_t>(best.begin(), best.end()) ==
+        std::vector<int32_t>{0, 0, 1, 1, 0, 2, 2, 0, 0, 3, -1, -1});
+  const NpyArray score_file(folder / "r.best_scores.npy");
+  const auto scores = score_file.values<double>(1);
+  CHECK(std::vector<double>(scores.begin(), scores.begin() + 3) ==
+        std::vector<double>{-4000, -3073, 17});
+  CHECK(std::isnan(scores[3]));
+  const Json json = read_result_json(folder / "r.json");
+  CHECK(json["targets"][0]["limit"] == -3072);
+  CHECK(json["clusters"][0]["best_score"] == -4000);
+  CHECK(json["statistics"]["typical_distance"] == 300.5);
+  CHECK(json["settings"]["t_r_scale"] == "mean-z");
+  const Result result = read_result(folder / "r.json").result;
+  CHECK(result.hits == scored.hits);
+  CHECK(result.best == scored.best);
+  CHECK(result.clusters->all == scored.clusters->all);
+  CHECK(result.targets[0].distance_limit == scored.targets[0].distance_limit);
+}
+
+TEST_CASE("settings of raw distances do not tell of standardized scores") {
+  const Json raw = settings_in_force(SequenceQuerySettings{});
+  CHECK(raw["t_r_scale"] == "relative");
+  for (const char* key : {"score", "standardization"}) CHECK_FALSE(raw.contains(key));
+  SequenceQuerySettings settings;
+  settings.score = Score::standardized_offline;
+  CHECK(settings_in_force(settings)["score"] == "standardized-offline");
+  CHECK(settings_in_force(settings)["t_r_scale"] == "mean-z");
+}
+
+TEST_CASE("where views begin is written beside the result and read back") {
+  const test::TemporaryFolder folder;
+  Result result = example_result();
+  result.views = ResultViews{{0, 3}, {{0, 1, 5}, {0}}};
+  const Json json = write(folder / "r.json", result, Existing::refuse);
+  CHECK(json["files"]["views"]["rows"] == 6);
+  const auto views = read_result(folder / "r.json").result.views;
+  REQUIRE(views);
+  CHECK(views->query == result.views->query);
+  CHECK(views->train == result.views->train);
+  test::write_text(folder / "r.views.npy", test::read_text(folder / "r.best.npy"));
+  CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  // Frames that are out of range or order, and sequences without the first one.
+  for (const ResultViews& bad : {ResultViews{{0, 5}, {{0}, {0}}}, ResultViews{{0, 0}, {{0}, {0}}},
+                                 ResultViews{{1}, {{0}, {0}}}, ResultViews{{0}, {{0}, {}}},
+                                 ResultViews{{0}, {{0}, {0}, {0}}}}) {
+    result.views = bad;
+    write(folder / "r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result(folder / "r.json"); }) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("a cluster says which frames its windows cover") {
+  const Json place = result_json(example_result(), {})["clusters"][0]["query"];
+  CHECK(place["first"] == 0);
+  CHECK(place["first_frame"] == 0);
+  CHECK(place["last"] == 1);
+  CHECK(place["anchor"] == 2);
+  CHECK(place["last_frame"] == 2);
+}

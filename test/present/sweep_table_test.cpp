@@ -1,0 +1,79 @@
+#include <catch2/catch.hpp>
+
+#include "present/sweep_report.h"
+
+using namespace vpr;
+
+namespace {
+
+CellCounts cell(uint64_t c_l, std::optional<double> t_r, LabelCounts hits, LabelCounts places,
+                uint64_t mixed) {
+  CellCounts made{c_l, t_r, ThresholdScale::relative, {}};
+  made.counts.hits = hits;
+  made.counts.clusters = places;
+  made.counts.mixed_clusters = mixed;
+  made.counts.distinct = places.correct;
+  made.counts.best_match.queries = 9;
+  made.counts.best_match.correct = 7;
+  made.counts.best_match.ignored = 1;
+  return made;
+}
+
+Sweep example() {
+  Sweep sweep;
+  sweep.query_name = "a walk, \"quoted\"";
+  sweep.cells = {cell(5, 0.3, {4, 0, 0}, {1, 0, 0}, 0), cell(5, 0.4, {6, 0, 1}, {1, 0, 0}, 0),
+                 cell(5, 0.5, {24, 8, 2}, {2, 0, 1}, 1)};
+  sweep.recommendation = recommend(sweep.cells, ScoreOrder::distance);
+  return sweep;
+}
+
+}  // namespace
+
+TEST_CASE("as CSV a sweep has one row a cell, with hits and places") {
+  CHECK(render_table(cells_table({example()}), TableFormat::csv) ==
+        "query,c_l,t_r,scale,hits_correct,hits_incorrect,hits_ignored,places_correct,places_mixed,"
+        "places_incorrect,places_ignored,distinct,best_match_correct,best_match_queries,"
+        "best_match_ignored,pareto,recommended\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.3,relative,4,0,0,1,0,0,0,1,7,9,1,no,yes\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.4,relative,6,0,1,1,0,0,0,1,7,9,1,yes,no\n"
+        "\"a walk, \"\"quoted\"\"\",5,0.5,relative,24,8,2,2,1,0,1,2,7,9,1,yes,no\n");
+}
+
+TEST_CASE("FAB-MAP's rows have the same columns, and nothing under places") {
+  Sweep sweep;
+  sweep.query_name = "q";
+  CellCounts fabmap{3, 0.9, {}, {}};
+  sweep.score = &probability_kind();
+  fabmap.counts.hits = {5, 1, 0};
+  fabmap.counts.distinct = 2;
+  sweep.cells = {fabmap};
+  const Table table = cells_table({sweep});
+  CHECK(table.columns.size() == cells_table({example()}).columns.size());
+  CHECK(table.rows[0] == std::vector<std::string>{"q", "3", "0.9", "probability", "5", "1", "0", "",
+                                                  "", "", "", "2", "0", "0", "0", "no", "no"});
+}
+
+TEST_CASE("tables have hits beside places, and say which right places have wrong hits") {
+  const std::vector<Table> tables = sweep_tables({example()});
+  REQUIRE(tables.size() == 3);
+  CHECK(tables[0].columns == std::vector<std::string>{"t_r", "5 right", "5 wrong"});
+  CHECK(tables[0].rows == std::vector<std::vector<std::string>>{
+                              {"0.3", "4*", "0"}, {"0.4", "6", "0"}, {"0.5", "24", "8"}});
+  CHECK(tables[1].rows[2] == std::vector<std::string>{"0.5", "2 (1)", "0"});
+  CHECK(tables[2].rows == std::vector<std::vector<std::string>>{{"7", "1"}});
+  const Table both = sweep_tables({example(), example()})[0];
+  CHECK(both.columns[0] == "query");
+  CHECK(both.rows.size() == 6);
+}
+
+TEST_CASE("the recommendation says where the first error is") {
+  const std::string text = recommendation_text(example());
+  CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct hits") != std::string::npos);
+  CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect hits, 24 correct") !=
+        std::string::npos);
+  Sweep short_grid = example();
+  short_grid.cells.resize(1);
+  short_grid.recommendation = recommend(short_grid.cells, ScoreOrder::distance);
+  CHECK(recommendation_text(short_grid).find("the grid has no looser t_r") != std::string::npos);
+}

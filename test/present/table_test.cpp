@@ -1,0 +1,85 @@
+#include "present/table.h"
+
+#include <catch2/catch.hpp>
+
+using namespace vpr;
+
+namespace {
+const Table kTable = {"Title_1", {"name", "n"}, {{"a|b, c", "7"}, {"\xc3\xa4", "123"}}};
+}
+
+TEST_CASE("a text table aligns numbers to the right, by characters") {
+  CHECK(render_table(kTable, TableFormat::text) ==
+        "Title_1\n"
+        "name      n\n"
+        "-----------\n"
+        "a|b, c    7\n"
+        "\xc3\xa4       123\n");
+}
+
+TEST_CASE("tables stand below each other under every column that one of them has") {
+  const Table first = {"same", {"a", "b"}, {{"1", "2"}}};
+  const Table second = {"same", {"b", "c"}, {{"3", "4"}, {"5", "6"}}};
+  const Table stacked = stack_tables({first, second}, "name", {"x", "y", "z"});
+  CHECK(stacked.title == "same");
+  CHECK(render_table(stacked, TableFormat::csv) == "name,a,b,c\nx,1,2,\ny,,3,4\nz,,5,6\n");
+  CHECK(stack_tables({first, {"other", {"a"}, {}}}, "name", {"x"}).title.empty());
+}
+
+TEST_CASE("a name in a table can neither steer a terminal nor leave its cell") {
+  const Table hostile = {"t\x1b[2J", {"na\nme"}, {{"a\x1b[31m\nb"}}};
+  CHECK(render_table(hostile, TableFormat::text) ==
+        "t\\x1b[2J\n"
+        "na\\x0ame\n"
+        "--------------\n"
+        "a\\x1b[31m\\x0ab\n");
+  for (const TableFormat format : {TableFormat::markdown, TableFormat::latex})
+    CHECK(render_table(hostile, format).find('\x1b') == std::string::npos);
+  CHECK(render_table(hostile, TableFormat::csv) == "\"na\nme\"\n\"a\x1b[31m\nb\"\n");
+}
+
+TEST_CASE("CSV quotes what it must and has no title") {
+  CHECK(render_table(kTable, TableFormat::csv) == "name,n\n\"a|b, c\",7\n\xc3\xa4,123\n");
+}
+
+TEST_CASE("Markdown escapes bars") {
+  CHECK(render_table(kTable, TableFormat::markdown) ==
+        "**Title_1**\n\n| name | n |\n| --- | ---: |\n| a\\|b, c | 7 |\n| \xc3\xa4 | 123 |\n");
+}
+
+TEST_CASE("LaTeX escapes its special characters") {
+  const std::string text = render_table({"a_b", {"50 %"}, {{"x & y"}}}, TableFormat::latex);
+  CHECK(text.find("\\caption{a\\_b}") != std::string::npos);
+  CHECK(text.find("50 \\%") != std::string::npos);
+  CHECK(text.find("x \\& y \\\\") != std::string::npos);
+}
+
+TEST_CASE("a LaTeX table has rules of booktabs, and a label that can be referred to") {
+  CHECK(render_table({"fastable on query (pairs, tolerance 3)", {"n"}, {{"1"}}},
+                     TableFormat::latex) ==
+        "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n"
+        "\\caption{fastable on query (pairs, tolerance 3)}\n"
+        "\\label{tab:fastable-on-query-pairs-tolerance-3}\n"
+        "\\begin{tabular}{r}\n\\toprule\nn \\\\\n\\midrule\n1 \\\\\n\\bottomrule\n"
+        "\\end{tabular}\n\\end{table}\n");
+}
+
+TEST_CASE("the best cells are bold, with a star in text, and CSV has numbers only") {
+  Table table{"T", {"of", "R@1", "gap"}, {{"a|b", "0.5", "-"}, {"c", "0.25", "3"}}};
+  table.best = {{0, 1}, {1, 2}};
+  CHECK(render_table(table, TableFormat::text) ==
+        "T\n"
+        "of     R@1  gap\n"
+        "---------------\n"
+        "a|b   0.5*   -\n"
+        "c    0.25    3*\n"
+        "* the best\n");
+  CHECK(render_table(table, TableFormat::csv) == "of,R@1,gap\na|b,0.5,-\nc,0.25,3\n");
+  CHECK(render_table(table, TableFormat::markdown) ==
+        "**T**\n\n| of | R@1 | gap |\n| --- | ---: | ---: |\n| a\\|b | **0.5** | - |\n"
+        "| c | 0.25 | **3** |\n");
+  const std::string latex = render_table(table, TableFormat::latex);
+  CHECK(latex.find("a|b & \\textbf{0.5} & - \\\\") != std::string::npos);
+  CHECK(latex.find("c & 0.25 & \\textbf{3} \\\\") != std::string::npos);
+  CHECK(latex.find("\\label{tab:T}") != std::string::npos);
+}

@@ -1,0 +1,90 @@
+// What is said if a query recognizes nothing, or everything.
+#include "run/advice.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "examples.h"
+#include "run/score_basis.h"
+
+using namespace vpr;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+// Twenty query windows against ten training windows.
+Result planned_result(std::optional<double> threshold) {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 2;
+  settings.distance_threshold = threshold;
+  result.settings = settings;
+  result.query_windows = 20;
+  Target& sequence = result.targets.emplace_back();
+  sequence.name = "walk";
+  sequence.windows = 10;
+  sequence.threshold = threshold;
+  for (uint32_t j = 0; j < 20; ++j) result.best.emplace_back(Match{j, 0, 3, 0, 100 + 10.0 * j});
+  return result;
+}
+
+QueryResources resources() {
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  return resources;
+}
+
+// What is said of frames first, first + step, ... of a sequence of 160.
+std::string finding(const test::Example& walk, size_t first, size_t step) {
+  std::vector<LdbCode> frames;
+  for (size_t f = first; f < walk.train[0].size(); f += step) frames.push_back(walk.train[0][f]);
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  return filter_finding(database, test::make_query(frames), {}, resources(), {});
+}
+
+}  // namespace
+
+TEST_CASE("more than a fifth of all pairs as hits is too much") {
+  Result result = planned_result(200);
+  for (uint32_t j = 0; j < 20; ++j)
+    for (uint32_t i = 0; i < 2; ++i) result.hits.push_back({j, 0, i, 0, 300});
+  CHECK_FALSE(too_many_hits(result));  // 40 of 200
+  result.hits.push_back({19, 0, 2, 0, 300});
+  CHECK(too_many_hits(result) ==
+        "20 % of all window pairs are hits: t_r is too large to tell places apart");
+  CHECK(recognised_windows(result) == 20);
+  CHECK_FALSE(too_many_hits(Result{}));
+}
+
+TEST_CASE("without a threshold nothing is said to be too far") {
+  CHECK(has(nothing_recognized(planned_result(10)), "no score is below t_r"));
+  CHECK(nothing_recognized(planned_result(std::nullopt)) ==
+        "Without a threshold there are no recognitions, only best matches.");
+  Result by_margin = planned_result(std::nullopt);
+  std::get<SequenceQuerySettings>(by_margin.settings).decision = Decision::margin;
+  CHECK(has(nothing_recognized(by_margin), "--margin-width"));
+  by_margin.margins.assign(20, 5.0);
+  CHECK(has(nothing_recognized(by_margin), "no best match has the margin"));
+  by_margin.path = ResultPath{};
+  CHECK(has(nothing_recognized(by_margin), "the opposite direction"));
+}
+
+TEST_CASE("the filter tells another speed from another place") {
+  const test::Example walk = test::make_example({160}, 0, 3);
+  CHECK(has(finding(walk, 0, 1), "The filter recognizes "));
+  const std::string twice = finding(walk, 0, 2);
+  INFO(twice);
+  CHECK(has(twice, "At another speed (about 2.0 training frames per query frame) "));
+  CHECK(has(twice, " of 80 frames are recognized: use --method filter."));
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  const test::Example other = test::make_example({1}, 100, 4);
+  CHECK(filter_finding(database, test::make_query(other.query), {}, resources(), {}) ==
+        "Nothing is recognized at any speed: the query may show another place or the opposite "
+        "direction.");
+}

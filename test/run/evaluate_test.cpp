@@ -1,0 +1,113 @@
+#include "run/evaluate.h"
+
+#include <catch2/catch.hpp>
+
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+const JudgedBy kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}, {}};
+
+/// Four frames, of which the first two are recognised where they are, the third elsewhere, and the
+/// last nowhere.
+Result example() {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 1;
+  result.settings = settings;
+  result.query_name = "walk";
+  result.query_frames = result.query_windows = 4;
+  Target& target = result.targets.emplace_back();
+  target.name = "ref";
+  target.frames = target.windows = 4;
+  result.hits = {{0, 0, 0, 0, 5}, {1, 0, 1, 0, 6}, {2, 0, 0, 0, 7}};
+  for (const Match& hit : result.hits) result.best.emplace_back(hit);
+  result.best.emplace_back();
+  Clusters& clusters = result.clusters.emplace();
+  clusters.all = {{0, 0, 0, 1, 0, 0, 1, 2, 5}, {0, 2, 2, 2, 0, 0, 0, 1, 7}};
+  clusters.of_hit = {0, 0, 1};
+  return result;
+}
+
+std::vector<uint64_t> numbers(const LabelCounts& counts) {
+  return {counts.correct, counts.incorrect, counts.ignored};
+}
+
+}  // namespace
+
+TEST_CASE("a result is judged and counted by one ground truth") {
+  const Evaluation found = evaluate_result(example(), {}, kAligned, {});
+  CHECK(found.query_name == "walk");
+  CHECK(found.truth.is_known);
+  CHECK_FALSE(found.matrix);
+  REQUIRE(found.result);
+  const Counts& counts = found.result->counts;
+  CHECK(numbers(counts.hits) == std::vector<uint64_t>{2, 1, 0});
+  CHECK(numbers(*counts.clusters) == std::vector<uint64_t>{1, 1, 0});
+  CHECK((counts.best_match.queries == 4 && counts.best_match.correct == 2));
+  REQUIRE(found.result->clusters.size() == 2);
+  CHECK(found.result->clusters[0].label == PlaceLabel::same);
+  CHECK(numbers(found.result->clusters[1].hits) == std::vector<uint64_t>{0, 1, 0});
+  CHECK(found.judgement.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
+  CHECK_FALSE(found.judgement.localisation.longest_gap_m);
+  CHECK_FALSE(found.result->by_view);
+}
+
+TEST_CASE("poses of the query give metres") {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "poses.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n3,3,7\n");
+  JudgedBy by = kAligned;
+  by.poses = folder / "poses.csv";
+  const Evaluation found = evaluate_result(example(), {}, by, {});
+  CHECK(found.judgement.localisation.first_fix_m == 0);
+  CHECK(found.judgement.localisation.longest_gap_m == 5);
+}
+
+TEST_CASE("without a ground truth a result is shown, and nothing is right or wrong") {
+  const Evaluation found = evaluate_result(example(), {}, {}, {});
+  CHECK_FALSE(found.truth.is_known);
+  CHECK(numbers(found.result->counts.hits) == std::vector<uint64_t>{0, 0, 3});
+  CHECK(found.judgement.fixes[0] == Fix::unjudged);
+}
+
+TEST_CASE("of a result without clusters every hit is judged by itself") {
+  Result result = example();
+  result.settings = FabmapQuerySettings{};
+  result.clusters.reset();
+  result.places.emplace().names = {"a", "b", "c", "d"};
+  const Evaluation found = evaluate_result(std::move(result), {}, kAligned, {});
+  REQUIRE(found.result->clusters.size() == 3);
+  CHECK(found.result->clusters[1].label == PlaceLabel::same);
+  CHECK(found.result->clusters[2].label == PlaceLabel::different);
+  CHECK(found.result->counts.distinct == 2);
+}
+
+TEST_CASE("scores alone are judged by their best matches, and a saved matrix by its pairs") {
+  const test::TemporaryFolder folder;
+  const std::vector<int32_t> scores = {5, 9, 9, 9,  //
+                                       9, 6, 9, 9,  //
+                                       7, 9, 8, 9,  //
+                                       9, 9, 9, 9};
+  Output file(folder / "s.npy", Existing::refuse);
+  write_npy<int32_t>(file, scores, {4, 4});
+  file.commit();
+  ScoreSettings settings;
+  settings.threshold = 7;
+  const auto matrix = [&] { return ScoreMatrix(folder / "s.npy", settings.format); };
+  const Evaluation alone = evaluate_scores(matrix(), settings, "theirs", kAligned, {});
+  CHECK(alone.query_name == "theirs");
+  CHECK_FALSE(alone.result);
+  CHECK(alone.fingerprint == matrix().fingerprint({}));
+  CHECK(alone.judgement.fixes == std::vector<Fix>{Fix::right, Fix::right, Fix::wrong, Fix::none});
+  REQUIRE(alone.judgement.all_pairs);
+
+  const Evaluation both = evaluate_result(example(), matrix(), kAligned, {});
+  REQUIRE(both.matrix);
+  REQUIRE(both.judgement.all_pairs);
+  CHECK(both.judgement.all_pairs->curve.points.size() ==
+        alone.judgement.all_pairs->curve.points.size());
+  CHECK(both.judgement.fixes == alone.judgement.fixes);
+  CHECK(both.result->counts.hits.correct == 2);
+}

@@ -1,0 +1,224 @@
+// Standardized scores fused with FAB-MAP's: of training walks, and of whole queries.
+#include "run/fuse.h"
+
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "examples.h"
+#include "match/fusion.h"
+#include "match/standardized_frames.h"
+#include "reference/verified_query.h"
+#include "run/query.h"
+#include "run/score_basis.h"
+#include "run/train.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Two walks and a query that comes by parts of both; some frames can't be read.
+struct Walks {
+  SequenceDatabase database;
+  DescriptorSet query;
+
+  Walks() {
+    const std::vector<std::vector<LdbCode>> train = {
+        test::walk_codes(60, 1), test::walk_codes(70, 2), test::walk_codes(30, 5)};
+    database = test::make_database(train);
+    database.sequences[0].unreadable = {31, 32};
+    ensure_statistics(database, {});
+    fuse_views(database, test::make_fabmap(database), "f");
+    std::vector<LdbCode> codes = test::walk_codes(12, 3);
+    codes.insert(codes.end(), train[0].begin() + 5, train[0].begin() + 25);
+    codes.insert(codes.end(), train[1].begin() + 40, train[1].begin() + 65);
+    query = test::make_query(codes);
+    query.frames.unreadable = {20};
+    for (const LdbCode& code : codes) query.words.push_back(test::words_of(code));
+    query.words[20].clear();
+    query.words[3].clear();
+  }
+};
+
+SequenceQuerySettings fused_settings(uint64_t length) {
+  SequenceQuerySettings settings;
+  settings.score = Score::standardized;
+  settings.window_length = length;
+  settings.fusion_weight = 0.25;
+  settings.distance_threshold = -2;
+  return settings;
+}
+
+void check_row(const std::vector<uint16_t>& fused, const std::vector<uint16_t>& scores,
+               const FusionRow& row) {
+  for (size_t i = 0; i < row.added.size(); ++i) {
+    const double score = (scores[i] - 32768.0 + 1024 * row.added[i]) * row.scale + 32768;
+    CHECK(fused[i] == std::floor(std::clamp(score + 0.5, 0.0, 65535.0)));
+  }
+}
+
+Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size_t verify = 200) {
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  const QueryPlan plan = plan_query(walks.database, walks.query, "q", settings, resources, {});
+  return test::run_verified(plan, resources, verify).result;
+}
+
+}  // namespace
+
+TEST_CASE("automatic thresholds and margins ask what a training walk does not know of itself") {
+  const Walks walks;
+  const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
+  ScoreBasis alone = basis;
+  alone.fusion = {};
+  const std::vector<DescriptorSpan> train = descriptor_spans(walks.database);
+  const FrameDistances scores = standardized(frame_distances(train, train[1]), alone, {});
+  const FrameDistances both = standardized(frame_distances(train, train[1]), basis, {});
+  std::vector<uint16_t> plain(192);
+  std::vector<uint16_t> fast(192);
+  for (uint32_t frame = 0; frame < 70; ++frame) {
+    scores.start_row(frame);
+    both.start_row(frame);
+    scores.tile({&frame, 1}, 0, 160, plain.data(), 192);
+    both.tile({&frame, 1}, 0, 160, fast.data(), 192);
+    check_row(fast, plain,
+              fusion_row(basis.fusion, train[1].words[frame], basis.fusion.weight / 2, 60 + frame));
+  }
+}
+
+TEST_CASE("fused scores are scores and the row that frames before let trust, cut off") {
+  const Walks walks;
+  const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
+  const std::vector<DescriptorSpan> train = descriptor_spans(walks.database);
+  ScoreBasis alone = basis;
+  alone.fusion = {};
+  const FrameDistances distances = frame_distances(train, walks.query.span());
+  const FrameDistances scores = standardized(distances, alone, {});
+  const FrameDistances both = standardized(distances, basis, {});
+  std::vector<uint16_t> plain(192);
+  std::vector<uint16_t> fast(192);
+  Agreement agreement;
+  BestFrames best;
+  for (uint32_t frame = 0; frame < scores.query_frames; ++frame) {
+    scores.start_row(frame);
+    both.start_row(frame);
+    scores.tile({&frame, 1}, 0, 160, plain.data(), 192);
+    agreement.count(best, basis.fusion.walks);
+    const FusionRow row =
+        fusion_row(basis.fusion, walks.query.words[frame], fusion_weight(basis.fusion, agreement));
+    std::optional<size_t> closest;
+    for (size_t i = 0; i < 160; ++i)
+      if (i != 31 && i != 32 && (!closest || plain[i] < plain[*closest])) closest = i;
+    best = {row.likeliest, closest};
+    both.tile({&frame, 1}, 0, 72, fast.data(), 192);  // in two stretches
+    both.tile({&frame, 1}, 72, 160, fast.data() + 72, 192);
+    check_row(fast, plain, row);
+  }
+  CHECK(agreement.likeliest_steps > 5);  // something is learned
+  CHECK(agreement.closest_steps > 5);
+}
+
+TEST_CASE("whole queries are verified, by every method, score and number of threads") {
+  const Walks walks;
+  const SequenceQuerySettings settings = fused_settings(5);
+  const Result result = query_all(walks, settings);
+  CHECK(recognised_windows(result) > 10);
+  CHECK(result.best[14]->train == 7);
+  for (const size_t threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    SequenceQuerySettings online = settings;
+    online.method = "fastable-online";
+    const Result same = query_all(walks, online);
+    CHECK(same.hits == result.hits);
+    CHECK(same.best == result.best);
+    CHECK(same.margins == result.margins);
+  }
+  SequenceQuerySettings other = settings;
+  other.score = Score::standardized_offline;
+  query_all(walks, other);
+  other = settings;
+  other.only_sequences = {"b"};
+  query_all(walks, other);
+  other.rates = {"1/2", "1", "2"};
+  query_all(walks, other);
+  other = settings;
+  other.decision = Decision::margin;
+  other.distance_threshold.reset();
+  CHECK(recognised_windows(query_all(walks, other)) > 10);
+}
+
+TEST_CASE("words decide where frames look alike") {
+  // Every training frame is the same picture: distances say nothing.
+  const std::vector<std::vector<LdbCode>> train = {
+      std::vector<LdbCode>(40, test::walk_codes(1, 1).front())};
+  Walks walks;
+  walks.database = test::make_database(train);
+  ensure_statistics(walks.database, {});
+  FabmapDatabase fabmap = test::make_fabmap(walks.database);
+  std::vector<WordSet> words;
+  for (const LdbCode& code : test::walk_codes(40, 9, 300)) words.push_back(test::words_of(code));
+  fabmap.views = {};
+  fabmap.groups.clear();
+  const TrainSequence& sequence = walks.database.sequences.front();
+  add_group(fabmap, {sequence.name, false, sequence.frame_names}, words);
+  fabmap.tree = train_chow_liu(words, 40, {});
+  index_views(fabmap);
+  fuse_views(walks.database, std::move(fabmap), "f");
+  walks.query = test::make_query(train.front());
+  walks.query.words = words;
+  const Result result = query_all(walks, fused_settings(3), 50);
+  for (size_t window = 0; window < result.best.size(); ++window)
+    CHECK(result.best[window]->train == window);
+}
+
+TEST_CASE("databases that can't be fused are refused") {
+  Walks walks;
+  const auto refused = [&](const auto& change) {
+    FabmapDatabase fabmap = test::make_fabmap(walks.database);
+    change(fabmap);
+    return test::error_kind([&] { fuse_views(walks.database, std::move(fabmap), "f"); });
+  };
+  CHECK_FALSE(refused([](FabmapDatabase&) {}));
+  CHECK(refused([](FabmapDatabase& f) { f.groups[1].name = "other"; }) == ErrorKind::data);
+  CHECK(refused([](FabmapDatabase& f) { f.groups[1].frame_names[4] = "x"; }) == ErrorKind::data);
+  CHECK(refused([](FabmapDatabase& f) { f.groups[1].frame_names.pop_back(); }) == ErrorKind::data);
+  CHECK(refused([](FabmapDatabase& f) { f.groups[0].unreadable = {31}; }) == ErrorKind::data);
+  // Groups of other names stand before and between, and frames of one place are views, too.
+  CHECK_FALSE(refused([](FabmapDatabase& f) {
+    FabmapDatabase more;
+    more.tree = f.tree;
+    more.vocabulary = f.vocabulary;
+    add_group(more, {"elsewhere", false, {"0"}}, std::vector<WordSet>{{1, 2}});
+    size_t view = 0;
+    for (ViewGroup group : f.groups) {
+      std::vector<WordSet> words;
+      for (size_t i = 0; i < group.frame_names.size(); ++i, ++view)
+        words.emplace_back(f.views.view(view).begin(), f.views.view(view).end());
+      group.is_place = true;
+      add_group(more, group, words);
+    }
+    index_views(more);
+    f = more;
+  }));
+  CHECK(query_all(walks, fused_settings(5)).best[14]->train == 7);
+
+  const auto rejects = [&](const SequenceQuerySettings& settings) {
+    QueryResources resources;
+    resources.kernels = select_kernels();
+    return test::error_kind(
+        [&] { plan_query(walks.database, walks.query, "q", settings, resources, {}); });
+  };
+  SequenceQuerySettings settings = fused_settings(5);
+  CHECK_FALSE(rejects(settings));
+  settings.fusion_weight = 1.1;
+  CHECK(rejects(settings) == ErrorKind::usage);
+  settings.fusion_weight = std::nan("");
+  CHECK(rejects(settings) == ErrorKind::usage);
+  settings.fusion_weight = 0.25;
+  settings.method = "openable";
+  CHECK(rejects(settings) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { fuse_views(walks.database, settings, ""); }) == ErrorKind::usage);
+}

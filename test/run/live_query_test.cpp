@@ -1,0 +1,202 @@
+// A query frame by frame says of every window what the whole query says of it.
+#include "run/live_query.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "examples.h"
+#include "run/fuse.h"
+#include "run/score_basis.h"
+#include "run/thresholds.h"
+#include "run/train.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+QueryResources resources() {
+  QueryResources r;
+  r.kernels = select_kernels();
+  return r;
+}
+
+/// Two walks, and a query that goes through part of the first, stops, goes on through the second,
+/// and has frames that can't be read.
+struct Walks {
+  SequenceDatabase database;
+  DescriptorSet query;
+
+  explicit Walks(size_t sequences = 2) {
+    std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1), test::walk_codes(70, 2)};
+    train.resize(sequences);
+    std::vector<LdbCode> codes = test::walk_codes(8, 3);
+    const auto append = [&](const std::vector<LdbCode>& from, size_t first, size_t count) {
+      codes.insert(codes.end(), from.begin() + first, from.begin() + first + count);
+    };
+    append(train[0], 10, 40);
+    codes.insert(codes.end(), 30, codes.back());  // a stop
+    append(train.back(), 5, 50);
+    database = test::make_database(train);
+    ensure_statistics(database, {});
+    for (size_t length : {1, 6})
+      database.thresholds.push_back(
+          compute_thresholds(descriptor_spans(database), length, 1, select_kernels(), {}));
+    for (const size_t frame : {20, 21, 90}) {
+      codes[frame] = {};
+      gaps.push_back(frame);
+    }
+    query = test::make_query(codes);
+    query.frames.unreadable = gaps;
+  }
+
+  std::vector<size_t> gaps;
+};
+
+bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+std::vector<Match> hits_of(const Result& whole, uint32_t window) {
+  std::vector<Match> hits;
+  for (Match hit : whole.hits)
+    if (hit.query == window) {
+      hit.query = 0;
+      hits.push_back(hit);
+    }
+  return hits;
+}
+
+void check_window(const Result& live, const Result& whole, size_t window) {
+  INFO("window " << window);
+  REQUIRE(live.best.size() == 1);
+  std::optional<Match> best = whole.best[window];
+  if (best) best->query = 0;
+  CHECK(live.best[0] == best);
+  CHECK(live.margins == std::vector{whole.margins[window]});
+  CHECK(live.hits == hits_of(whole, static_cast<uint32_t>(window)));
+  REQUIRE(live.path.has_value() == whole.path.has_value());
+  if (!whole.path) return;
+  CHECK(is_same(live.path->nowhere[0], whole.path->nowhere[window]));
+  CHECK(is_same(live.path->rates[0], whole.path->rates[window]));
+}
+
+// Gives how many windows were recognised.
+size_t check_live_query(const Walks& walks, const SequenceQuerySettings& settings) {
+  const Result whole =
+      run_query(plan_query(walks.database, walks.query, "q", settings, resources(), {}),
+                resources(), {}, {})
+          .result;
+  LiveQuery query(walks.database, "q", settings, resources(), {});
+  const DescriptorRows rows = walks.query.rows();
+  const size_t length = whole.window_length();
+  for (size_t frame = 0; frame < rows.size(); ++frame) {
+    INFO("frame " << frame);
+    const bool is_gap = std::find(walks.gaps.begin(), walks.gaps.end(), frame) != walks.gaps.end();
+    FrameRow row{rows[frame], !is_gap};
+    if (!walks.query.words.empty()) row.words = walks.query.words[frame];
+    const std::optional<Result> live = query.take(row);
+    if (live) {
+      check_window(*live, whole, frame + 1 - length);
+    } else if (frame + 1 >= length) {
+      CHECK_FALSE(whole.best[frame + 1 - length]);
+    }
+  }
+  return recognised_windows(whole);
+}
+
+}  // namespace
+
+TEST_CASE("frames that come say what the whole query says: thresholds of distances") {
+  const Walks two;
+  SequenceQuerySettings settings;
+  settings.window_length = 6;
+  CHECK(check_live_query(two, settings) > 40);  // automatic: bits
+  settings.method = "fastable-online";
+  settings.only_sequences = {"b"};
+  CHECK(check_live_query(two, settings) > 30);
+  settings.distance_threshold = 300;
+  settings.threshold_scale = ThresholdScale::bits;
+  settings.window_length = 1;
+  CHECK(check_live_query(two, settings) > 30);
+}
+
+TEST_CASE("frames that come say what the whole query says: margins, scores and the filter") {
+  const Walks walks;
+  SequenceQuerySettings settings;
+  settings.window_length = 6;
+  settings.decision = Decision::margin;
+  CHECK(check_live_query(walks, settings) > 40);
+  settings.score = Score::standardized;
+  CHECK(check_live_query(walks, settings) > 40);
+  settings.only_sequences = {"a"};
+  CHECK(check_live_query(walks, settings) > 5);
+  settings.standardization.view_change = 0;  // every frame is a view
+  CHECK(check_live_query(walks, settings) > 5);
+  SequenceQuerySettings filter;
+  filter.method = "filter";
+  CHECK(check_live_query(walks, filter) > 0);
+}
+
+TEST_CASE("frames that come say what the whole query says: fused with FAB-MAP") {
+  Walks walks;
+  fuse_views(walks.database, test::make_fabmap(walks.database), "f");
+  const DescriptorRows rows = walks.query.rows();
+  for (size_t frame = 0; frame < rows.size(); ++frame)
+    walks.query.words.push_back(test::words_of(rows[frame]));
+  SequenceQuerySettings settings;
+  settings.fusion_weight = 0.25;
+  settings.window_length = 6;
+  settings.score = Score::standardized;
+  settings.distance_threshold = -2;
+  CHECK(check_live_query(walks, settings) > 40);
+  settings.distance_threshold.reset();
+  settings.decision = Decision::margin;
+  settings.only_sequences = {"a"};
+  CHECK(check_live_query(walks, settings) > 20);
+  SequenceQuerySettings filter;
+  filter.method = "filter";
+  filter.fusion_weight = 0.25;
+  CHECK(check_live_query(walks, filter) > 0);
+}
+
+TEST_CASE("what depends on later frames is not followed") {
+  const Walks walks;
+  const auto refused = [&](const SequenceQuerySettings& settings) {
+    return test::error_kind([&] { LiveQuery(walks.database, "q", settings, resources(), {}); });
+  };
+  SequenceQuerySettings relative;
+  relative.distance_threshold = 0.5;
+  CHECK(refused(relative) == ErrorKind::usage);
+  relative.threshold_scale = ThresholdScale::bits;
+  CHECK_FALSE(refused(relative));
+  SequenceQuerySettings offline;
+  offline.score = Score::standardized_offline;
+  CHECK(refused(offline) == ErrorKind::usage);
+  SequenceQuerySettings lsh;
+  lsh.method = "lsh";
+  CHECK(refused(lsh) == ErrorKind::usage);
+  SequenceQuerySettings rates;
+  rates.rates = {"1", "2"};
+  CHECK(refused(rates) == ErrorKind::usage);
+}
+
+TEST_CASE("a stop of any length keeps no more frames than views that wait") {
+  const Walks walks;
+  SequenceQuerySettings filter;
+  filter.method = "filter";
+  const FrameDistances raw =
+      frame_distances(descriptor_spans(walks.database), {walks.query.rows().first(0), {}});
+  const ScoreBasis basis = *score_basis(&*walks.database.statistics, with_implied(filter));
+  LiveFrames live = start_live(raw, &basis);
+  const DescriptorRows rows = walks.query.rows();
+  size_t most = 0;
+  for (size_t frame = 0; frame < rows.size(); ++frame) {
+    add_frame(live, {rows[frame]});
+    live.distances.start_row(live.last_row());
+    most = std::max(most, live.distances.query_frames);
+  }
+  CHECK(live.frames == rows.size());
+  CHECK(most == filter.standardization.lag_views + 1);
+}

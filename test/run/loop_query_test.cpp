@@ -1,0 +1,226 @@
+// A walk against its own past in one call: what is found by definition, what is refused, and that
+// later frames change nothing.
+#include "run/loop_query.h"
+
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "evaluate/loops.h"
+#include "examples.h"
+#include "match/plain.h"
+#include "reference/verified_query.h"
+#include "run/query.h"
+#include "run/query_steps.h"
+#include "run/verify.h"
+#include "support.h"
+#include "truth/times.h"
+
+using namespace vpr;
+using test::make_query;
+
+namespace {
+
+// 30 frames, the same with a few other bits, and 10 new ones.
+std::vector<LdbCode> two_laps() {
+  std::vector<LdbCode> codes = test::walk_codes(30, 1);
+  for (size_t f = 0; f < 30; ++f) {
+    codes.push_back(codes[f]);
+    for (size_t b = 0; b < 6; ++b) codes.back()[(7 * f + 11 * b) % 170] ^= 0xff;
+  }
+  for (const LdbCode& code : test::walk_codes(10, 99)) codes.push_back(code);
+  return codes;
+}
+
+SequenceQuerySettings loop_settings(size_t length, size_t gap) {
+  SequenceQuerySettings settings;
+  settings.loop = true;
+  settings.loop_gap = gap;
+  settings.window_length = length;
+  return settings;
+}
+
+Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settings,
+                  std::span<const int64_t> times = {}, const Monitor& monitor = {}) {
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  const SequenceDatabase database = own_walk(walk, "w");
+  const QueryPlan plan = plan_loop(database, walk, "w", settings, times, resources, monitor);
+  const CellRuns runs{searched_runs(plan), readable_runs(plan.query), plan.past};
+  const size_t cells = choose_cells(runs, settings.window_length, 60, 1).size();  // or fewer
+  return test::run_verified(plan, resources, cells, monitor).result;
+}
+
+// Of each window the closest that ends at least `gap` frames before it does; of equals the first.
+std::vector<std::optional<Match>> slow_best(const std::vector<LdbCode>& codes, size_t length,
+                                            size_t gap) {
+  std::vector<std::optional<Match>> best;
+  for (uint32_t j = 0; j + length <= codes.size(); ++j) {
+    best.emplace_back();
+    for (uint32_t i = 0; i + gap <= j; ++i) {
+      const double distance = plain_window_distance(codes, i, codes, j, length);
+      if (!best.back() || distance < best.back()->score) best.back() = {j, 0, i, 0, distance};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+TEST_CASE("best matches of a walk in its past are those by definition, by every exact method") {
+  const std::vector<LdbCode> codes = two_laps();
+  for (const char* method : {"fastable", "fastable-online", "openable"})
+    for (const size_t gap : {1, 15, 31, 69, 70, 200})
+      for (const size_t length : {1, 4, 20}) {
+        SequenceQuerySettings settings = loop_settings(length, gap);
+        settings.method = method;
+        INFO(method << ", gap " << gap << ", c_l " << length);
+        const Result result = find_loops(make_query(codes), settings);
+        CHECK(result.best == slow_best(codes, length, gap));
+        CHECK(result.hits.empty());  // nobody said how close they must be
+      }
+}
+
+TEST_CASE("hits of a walk in its past are pairs below t_r, in bits a frame") {
+  const std::vector<LdbCode> codes = two_laps();
+  SequenceQuerySettings settings = loop_settings(4, 15);
+  settings.distance_threshold = 60;
+  const Result result = find_loops(make_query(codes), settings);
+  std::vector<Match> hits;
+  for (uint32_t j = 15; j + 4 <= codes.size(); ++j)
+    for (uint32_t i = 0; i + 15 <= j; ++i) {
+      const double distance = plain_window_distance(codes, i, codes, j, 4);
+      if (distance / 4 < 60) hits.push_back({j, 0, i, 0, distance});
+    }
+  CHECK(result.hits == hits);
+  CHECK(hits.size() >= 27);
+  // Each is a window of the second lap at that of the first.
+  for (const ListedLoop& loop : loops_of(result)) CHECK(loop.query == loop.match + 30);
+  CHECK(loops_of(result).size() == 27);
+  CHECK(loops_of(result).front().query == 33);
+  CHECK(loops_of(result).front().score == Approx(48));
+}
+
+TEST_CASE("a margin in the past is over what is farther than the gap from the best match") {
+  const std::vector<LdbCode> codes = two_laps();
+  SequenceQuerySettings settings = loop_settings(3, 12);
+  settings.decision = Decision::margin;
+  settings.margin = 30;
+  const Result result = find_loops(make_query(codes), settings);
+  const auto best = slow_best(codes, 3, 12);
+  for (uint32_t j = 0; j < best.size(); ++j) {
+    std::optional<double> elsewhere;
+    for (uint32_t i = 0; best[j] && i + 12 <= j; ++i) {
+      if (std::max(i, best[j]->train) - std::min(i, best[j]->train) <= 12) continue;
+      const double distance = plain_window_distance(codes, i, codes, j, 3);
+      elsewhere = std::min(distance, elsewhere.value_or(distance));
+    }
+    INFO("window " << j);
+    REQUIRE(result.margins[j].has_value() == elsewhere.has_value());
+    if (elsewhere) CHECK(*result.margins[j] == *elsewhere - best[j]->score);
+  }
+  CHECK_FALSE(result.hits.empty());
+}
+
+TEST_CASE("what is found of a walk does not change as it goes on") {
+  const std::vector<LdbCode> codes = two_laps();
+  for (const Score score : {Score::raw, Score::standardized}) {
+    SequenceQuerySettings settings = loop_settings(3, 12);
+    settings.score = score;
+    const Result whole = find_loops(make_query(codes), settings);
+    const std::vector<LdbCode> begin(codes.begin(), codes.begin() + 50);
+    const Result part = find_loops(make_query(begin), settings);
+    for (size_t j = 0; j < part.best.size(); ++j) {
+      CHECK(part.best[j] == whole.best[j]);
+      CHECK(part.margins[j] == whole.margins[j]);
+    }
+  }
+}
+
+TEST_CASE("a gap of seconds is one of time stamps") {
+  const std::vector<LdbCode> codes = two_laps();
+  std::vector<int64_t> times;
+  for (size_t f = 0; f < codes.size(); ++f) times.push_back(static_cast<int64_t>(f) * kSecond / 2);
+  SequenceQuerySettings settings = loop_settings(3, 0);
+  settings.loop_gap_s = 7.5;
+  CHECK(find_loops(make_query(codes), settings, times).best == slow_best(codes, 3, 15));
+  const Json json = settings_in_force(settings);
+  CHECK(json["loop_gap_s"] == 7.5);
+  CHECK_FALSE(json.contains("loop_gap"));
+}
+
+TEST_CASE("unreadable frames of a walk match nothing, and nothing matches them") {
+  DescriptorSet walk = make_query(two_laps());
+  walk.frames.unreadable = {5, 40};
+  for (const Score score : {Score::raw, Score::standardized}) {
+    SequenceQuerySettings settings = loop_settings(3, 12);
+    settings.score = score;
+    const Result result = find_loops(walk, settings);
+    for (const auto& best : result.best) {
+      if (!best) continue;
+      CHECK((best->query + 2 < 40 || best->query > 40));
+      CHECK((best->train + 2 < 5 || best->train > 5));
+    }
+    CHECK_FALSE(result.best[39].has_value());
+  }
+}
+
+TEST_CASE("a gap longer than the walk finds nothing and says so") {
+  std::string said;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& text) { said += text; };
+  const Result result = find_loops(make_query(two_laps()), loop_settings(5, 70), {}, monitor);
+  CHECK(loops_of(result).empty());
+  CHECK(said.find("smaller --loop-gap") != std::string::npos);
+  const std::vector<LdbCode> one = test::walk_codes(1, 4);
+  CHECK(loops_of(find_loops(make_query(one), loop_settings(1, 1))).empty());
+  CHECK_THROWS_AS(find_loops(make_query(one), loop_settings(2, 1)), Error);
+}
+
+TEST_CASE("what would need later frames, or other training data, is refused") {
+  std::vector<SequenceQuerySettings> all(14, loop_settings(3, 12));
+  all[0].loop_gap = 0;
+  all[1].loop_gap_s = 3;
+  all[2].method = "lsh";
+  all[3].method = "filter";
+  all[4].rates = {"1", "2"};
+  all[5].score = Score::standardized_offline;
+  all[6].threshold_scale = ThresholdScale::relative;
+  all[7].rates = {"2"};
+  all[8].decision = Decision::margin;
+  all[9].only_sequences = {"w"};
+  all[10].same_place = {"none"};
+  all[11].score = Score::standardized;
+  all[11].standardization.components = 2;
+  all[12].loop_gap = 0;
+  all[12].loop_gap_s = -1;
+  all[13].fusion_weight = 0.1;
+  for (size_t i = 0; i < all.size(); ++i) {
+    INFO(i);
+    CHECK_THROWS_AS(find_loops(make_query(two_laps()), all[i]), Error);
+  }
+  // Where there is a database, there is no loop.
+  const DescriptorSet walk = make_query(two_laps());
+  const SequenceDatabase database = own_walk(walk, "w");
+  CHECK_THROWS_AS(plan_query(database, walk, "w", loop_settings(3, 12), {}, {}), Error);
+}
+
+TEST_CASE("a list of loops is one of the frames of its trajectory") {
+  const Result result = find_loops(make_query(two_laps()), loop_settings(3, 12));
+  Trajectory trajectory;
+  trajectory.name = "poses";
+  trajectory.poses.assign(70, Pose{});
+  const LoopList list = loop_list_of(result, "r.json", trajectory);
+  CHECK(list.loops.size() == 68 - 12);
+  CHECK(loops_csv({{14, 2, 51.5, 0}}) == "query,match,score\n14,2,51.5\n");
+  trajectory.poses[2].reset();
+  CHECK_THROWS_AS(loop_list_of(result, "r.json", trajectory), Error);
+  trajectory.poses.pop_back();
+  CHECK_THROWS_AS(loop_list_of(result, "r.json", trajectory), Error);
+  Result other = result;
+  std::get<SequenceQuerySettings>(other.settings).loop = false;
+  trajectory.poses.assign(70, Pose{});
+  CHECK_THROWS_AS(loop_list_of(other, "r.json", trajectory), Error);
+}

@@ -1,0 +1,168 @@
+// Queries by margin: every margin of a query against its definition, and what it makes a hit.
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "examples.h"
+#include "match/plain.h"
+#include "run/margin_plan.h"
+#include "run/query.h"
+#include "support.h"
+
+using namespace vpr;
+using test::make_query;
+
+namespace {
+
+QueryResources resources() {
+  QueryResources r;
+  r.kernels = select_kernels();
+  return r;
+}
+
+Result query_by(const SequenceDatabase& database, const DescriptorSet& query,
+                const SequenceQuerySettings& settings) {
+  return run_query(plan_query(database, query, "q", settings, resources(), {}), resources(), {}, {})
+      .result;
+}
+
+SequenceQuerySettings by_margin(size_t length, std::optional<double> margin) {
+  SequenceQuerySettings settings;
+  settings.window_length = length;
+  settings.decision = Decision::margin;
+  settings.margin = margin;
+  return settings;
+}
+
+// Two walks and a query that has some of the first, noisy.
+struct Walks {
+  std::vector<std::vector<LdbCode>> train = {test::walk_codes(90, 1), test::walk_codes(70, 2)};
+  std::vector<LdbCode> query = test::walk_codes(60, 3);
+  Walks() { std::copy_n(train[0].begin() + 20, 30, query.begin() + 15); }
+};
+
+// By the definition, from all distances of a query window; `width` of every sequence.
+std::optional<double> slow_margin(const Walks& walks, size_t window, size_t length, size_t width) {
+  std::optional<Match> best;
+  std::vector<Match> row;
+  for (size_t s = 0; s < walks.train.size(); ++s)
+    for (size_t i = 0; i + length <= walks.train[s].size(); ++i)
+      row.push_back({uint32_t(window), uint32_t(s), uint32_t(i), 0,
+                     double(plain_window_distance(DescriptorRows(walks.train[s]), i,
+                                                  DescriptorRows(walks.query), window, length))});
+  for (const Match& match : row)
+    if (!best || match.score < best->score) best = match;
+  std::optional<double> elsewhere;
+  for (const Match& match : row) {
+    const size_t apart = std::max(match.train, best->train) - std::min(match.train, best->train);
+    if (match.target == best->target && apart <= width) continue;
+    if (!elsewhere || match.score < *elsewhere) elsewhere = match.score;
+  }
+  return elsewhere ? std::optional(*elsewhere - best->score) : std::nullopt;
+}
+
+}  // namespace
+
+TEST_CASE("every exact method gives each query window its margin, whatever decides") {
+  const Walks walks;
+  const SequenceDatabase database = test::make_database(walks.train);
+  const DescriptorSet query = make_query(walks.query);
+  for (const char* method : {"fastable", "fastable-online", "openable"}) {
+    for (const size_t width : {0, 4, 1000}) {
+      SequenceQuerySettings settings;
+      settings.method = method;
+      settings.window_length = 6;
+      settings.margin_width = width;
+      const ThreadLimit limit(1 + width % 3);
+      const Result result = query_by(database, query, settings);
+      REQUIRE(result.margins.size() == 55);
+      for (size_t window = 0; window < 55; ++window) {
+        INFO(method << " " << width << " " << window);
+        CHECK(result.margins[window] == slow_margin(walks, window, 6, width));
+      }
+    }
+  }
+}
+
+TEST_CASE("by margin, a place that is seen again is recognised, and nothing else") {
+  const Walks walks;
+  const SequenceDatabase database = test::make_database(walks.train);
+  for (const std::optional<double> margin : {std::optional<double>(), std::optional(60.0)}) {
+    const Result result = query_by(database, make_query(walks.query), by_margin(10, margin));
+    CHECK(result.hits.size() >= 20);
+    for (const Match& hit : result.hits) {
+      CHECK(hit.target == 0);
+      CHECK(std::abs(int(hit.train) - int(hit.query) - 5) <= 1);
+    }
+    REQUIRE(result.clusters->all.size() == 1);
+    CHECK(result.clusters->all[0].hits == result.hits.size());
+  }
+}
+
+TEST_CASE("two walks of one place do not cost each other their margin") {
+  const Walks walks;
+  const DescriptorSet query = make_query(walks.query);
+  const auto hits = [&](const SequenceDatabase& database, std::vector<std::string> same_place) {
+    SequenceQuerySettings settings = by_margin(10, 60.0);
+    settings.same_place = std::move(same_place);
+    return query_by(database, query, settings).hits;
+  };
+  const std::vector<Match> once = hits(test::make_database(walks.train), {});
+  REQUIRE(once.size() >= 20);
+  const SequenceDatabase twice =
+      test::make_database({walks.train[0], walks.train[1], walks.train[0]});
+  CHECK(hits(twice, {}) == once);
+  CHECK(hits(twice, {"a=c"}) == once);
+  CHECK(hits(twice, {"none"}).empty());
+  CHECK(hits(twice, {"a=b"}).empty());
+  CHECK(test::error_kind([&] { hits(twice, {"a=d"}); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { hits(twice, {"a=a"}); }) == ErrorKind::usage);
+}
+
+TEST_CASE("a database that knows half-widths and shared places gives what one without does") {
+  const Walks walks;
+  const std::vector<std::vector<LdbCode>> train = {walks.train[0], walks.train[1], walks.train[0]};
+  const SequenceDatabase old = test::make_database(train);
+  SequenceDatabase database = test::make_database(train);
+  add_half_widths(database, {});
+  add_shared_places(database, select_kernels(), {});
+  CHECK(database.shared_places == std::vector<std::pair<size_t, size_t>>{{0, 2}});
+  const SequenceQuerySettings settings = by_margin(10, std::nullopt);
+  const DescriptorSet query = make_query(walks.query);
+  const Result result = query_by(database, query, settings);
+  const Result derived = query_by(old, query, settings);
+  CHECK(result.hits == derived.hits);
+  CHECK(result.margins == derived.margins);
+  CHECK(result.targets[1].margin == derived.targets[1].margin);
+  // What the database says is taken.
+  database.shared_places->clear();
+  CHECK(query_by(database, query, settings).hits.empty());
+}
+
+TEST_CASE("with nothing elsewhere there is no margin, and no hit by margin") {
+  const Walks walks;
+  SequenceQuerySettings settings = by_margin(10, 0.0);
+  settings.margin_width = 10'000;
+  const SequenceDatabase one = test::make_database({walks.train[0]});
+  Result result = query_by(one, make_query(walks.query), settings);
+  CHECK(result.hits.empty());
+  CHECK(std::none_of(result.margins.begin(), result.margins.end(),
+                     [](const auto& margin) { return margin.has_value(); }));
+  // A training sequence of one frame, and a query of one.
+  const SequenceDatabase frame = test::make_database({{walks.train[0][0]}});
+  result = query_by(frame, make_query({walks.query[0]}), by_margin(1, std::nullopt));
+  CHECK(result.hits.empty());
+  CHECK(result.margins == std::vector<std::optional<double>>{std::nullopt});
+}
+
+TEST_CASE("unreadable frames have no margin") {
+  const Walks walks;
+  DescriptorSet query = make_query(walks.query);
+  query.frames.unreadable = {30};
+  const Result result =
+      query_by(test::make_database(walks.train), query, by_margin(5, std::nullopt));
+  for (size_t window = 0; window < result.margins.size(); ++window)
+    CHECK(result.margins[window].has_value() == (window < 26 || window > 30));
+}

@@ -1,0 +1,406 @@
+#include "run/query.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "examples.h"
+#include "match/plain.h"
+#include "run/lsh_query.h"
+#include "run/thresholds.h"
+#include "run/train.h"
+#include "run/verify.h"
+#include "support.h"
+
+using namespace vpr;
+using test::make_query;
+
+namespace {
+
+SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences,
+                               size_t window_length) {
+  SequenceDatabase database = test::make_database(sequences);
+  database.thresholds.push_back(
+      compute_thresholds(descriptor_spans(database), window_length, 1, select_kernels(), {}));
+  return database;
+}
+
+QueryResources resources(size_t verify = 0) {
+  QueryResources r;
+  r.kernels = select_kernels();
+  r.verify_cells = verify;
+  return r;
+}
+
+QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
+                   const SequenceQuerySettings& settings, const Monitor& monitor = {}) {
+  return run_query(plan_query(database, query, "q", settings, resources(), monitor), resources(50),
+                   {}, monitor);
+}
+
+// Hits by the definition and a division per cell.
+std::vector<Match> slow_hits(const std::vector<std::vector<LdbCode>>& train,
+                             const std::vector<LdbCode>& query, size_t length, double threshold) {
+  std::vector<Match> hits;
+  for (size_t s = 0; s < train.size(); ++s) {
+    const auto distances = test::plain_openable(train[s], query, length);
+    const double most = *std::max_element(distances.begin(), distances.end());
+    const size_t cols = train[s].size() - length + 1;
+    for (size_t x = 0; x < distances.size(); ++x)
+      if (distances[x] / most < threshold)
+        hits.push_back(
+            {uint32_t(x / cols), uint32_t(s), uint32_t(x % cols), 0, double(distances[x])});
+  }
+  std::sort(hits.begin(), hits.end(), [](const Match& a, const Match& b) {
+    return std::tie(a.query, a.target, a.train) < std::tie(b.query, b.target, b.train);
+  });
+  return hits;
+}
+
+}  // namespace
+
+TEST_CASE("relative thresholds use the finished maximum of each training sequence") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  std::vector<LdbCode> query = test::walk_codes(50, 3);
+  std::copy_n(train[0].begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database(train, 5);
+  for (const double threshold : {0.2, 0.8, 0.95}) {
+    SequenceQuerySettings settings;
+    settings.window_length = 5;
+    settings.distance_threshold = threshold;
+    for (const char* method : {"fastable", "fastable-online", "openable"}) {
+      settings.method = method;
+      const Result result = query_all(database, make_query(query), settings).result;
+      CHECK(result.hits == slow_hits(train, query, 5, threshold));
+      CHECK_FALSE(result.hits.empty());
+    }
+  }
+}
+
+TEST_CASE("automatic thresholds find a revisit and nothing between the training sequences") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(60, 2)};
+  std::vector<LdbCode> query = test::walk_codes(50, 3);
+  std::copy_n(train[1].begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database(train, 10);
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  const Result result = query_all(database, make_query(query), settings).result;
+  CHECK(result.targets[0].scale == ThresholdScale::bits);
+  REQUIRE_FALSE(result.clusters->all.empty());
+  for (const Cluster& cluster : result.clusters->all) CHECK(cluster.target == 1);
+  // The threshold is strict: the closest windows of the training sequences are no hits.
+  const DescriptorSet first = make_query(train[0]);
+  settings.only_sequences = {"b"};
+  CHECK(query_all(database, first, settings).result.hits.empty());
+}
+
+TEST_CASE("a window length without thresholds is computed") {
+  const SequenceDatabase database =
+      make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 10);
+  std::vector<std::string> warnings;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  SequenceQuerySettings settings;
+  settings.window_length = 7;
+  const auto computed = query_all(database, make_query(test::walk_codes(30, 3)), settings, monitor);
+  CHECK(warnings.empty());
+  const SequenceDatabase other =
+      make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 7);
+  CHECK(
+      query_all(other, make_query(test::walk_codes(30, 3)), settings).result.targets[1].threshold ==
+      computed.result.targets[1].threshold);
+}
+
+TEST_CASE("training walks that look different don't make everything a hit") {
+  // Frames of one building differ by some 180 bits, of two buildings by some 690.
+  std::vector<std::vector<LdbCode>> walks(2);
+  for (size_t w = 0; w < 2; ++w) {
+    const LdbCode base = test::random_codes(1, 50 + w)[0];
+    for (size_t i = 0; i < 40; ++i) {
+      LdbCode code = test::random_codes(1, 100 * w + i)[0];
+      for (size_t byte = 0; byte < code.size(); ++byte)
+        code[byte] = static_cast<uint8_t>(byte % 4 == 0 ? code[byte] : base[byte]);
+      walks[w].push_back(code);
+    }
+  }
+  const SequenceDatabase database = make_database(walks, 5);
+  SequenceQuerySettings settings;
+  settings.window_length = 5;
+  const Result result = query_all(database, make_query(walks[0]), settings).result;
+  CHECK(result.hits.size() == 36);  // each window its own; with the closest windows all 1296
+  CHECK(*result.targets[0].threshold < 180);
+}
+
+TEST_CASE("the automatic threshold needs two training sequences, and raw distances") {
+  const DescriptorSet query = make_query(test::walk_codes(50, 3, 120));
+  const SequenceDatabase one = make_database({test::walk_codes(90, 1, 120)}, 10);
+  const SequenceDatabase two =
+      make_database({test::walk_codes(90, 1, 120), test::walk_codes(90, 2, 120)}, 10);
+  REQUIRE(one.thresholds[0].closest.size() == 1);
+  CHECK_FALSE(one.thresholds[0].closest[0]);
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  CHECK_THROWS_WITH(query_all(one, query, settings),
+                    Catch::Contains("needs two or more training sequences. Use --method filter, "
+                                    "--score standardized --decide margin, or a number"));
+  CHECK_NOTHROW(query_all(two, query, settings));
+  settings.score = Score::standardized;
+  CHECK_THROWS_WITH(query_all(two, query, settings),
+                    Catch::Contains("have no automatic t_r. Use --decide margin"));
+  settings.score = Score::raw;
+  settings.distance_threshold = 0.6;
+  CHECK_NOTHROW(query_all(one, query, settings));
+}
+
+TEST_CASE("only queries with an automatic threshold are warned that sequences show one place") {
+  std::vector<std::vector<LdbCode>> walks = {test::walk_codes(60, 1, 150),
+                                             test::walk_codes(60, 2, 150)};
+  std::copy_n(walks[0].begin() + 20, 15, walks[1].begin() + 40);
+  const SequenceDatabase database = make_database(walks, 10);
+  std::vector<std::string> said;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
+  const DescriptorSet query = make_query(test::walk_codes(50, 3, 150));
+  SequenceQuerySettings settings;
+  settings.window_length = 10;
+  query_all(database, query, settings, monitor);
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].find("a and b seem to show the same place") == 0);
+  said.clear();
+  settings.decision = Decision::margin;
+  query_all(database, query, settings, monitor);
+  settings.decision = Decision::threshold;
+  settings.distance_threshold = 0.5;
+  query_all(database, query, settings, monitor);
+  CHECK(said.empty());
+}
+
+TEST_CASE("long walks are left to the queries that ask") {
+  const std::vector<LdbCode> codes = test::random_codes(1, 1);
+  const auto walks = [&](size_t frames) {
+    static std::vector<LdbCode> many;
+    many.assign(frames, codes[0]);
+    return std::vector<DescriptorSpan>(3, DescriptorSpan{many, {}});
+  };
+  CHECK_FALSE(is_left_to_queries(walks(30'000)));  // 2.7 billion pairs
+  CHECK(is_left_to_queries(walks(40'000)));
+  CHECK_FALSE(is_left_to_queries(std::vector<DescriptorSpan>(1, walks(100'000)[0])));
+}
+
+TEST_CASE("a search can be limited to sequences, whose indices stay those of the database") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
+                                                   test::walk_codes(30, 2)};
+  const SequenceDatabase database = make_database(train, 5);
+  SequenceQuerySettings settings;
+  settings.window_length = 5;
+  settings.distance_threshold = 1;
+  settings.only_sequences = {"b"};
+  const Result result = query_all(database, make_query(train[0]), settings).result;
+  CHECK_FALSE(result.hits.empty());
+  for (const Match& hit : result.hits) CHECK(hit.target == 1);
+  CHECK_FALSE(result.targets[0].searched);
+}
+
+TEST_CASE("identical training and query windows only: the maximum is 0 and so is every quotient") {
+  const std::vector<LdbCode> same(8, test::random_codes(1, 1)[0]);
+  const SequenceDatabase database = make_database({same}, 3);
+  SequenceQuerySettings settings;
+  settings.window_length = 3;
+  settings.distance_threshold = 0.1;
+  CHECK(query_all(database, make_query(same), settings).result.hits.size() == 36);
+}
+
+TEST_CASE("settings that can't be meant are usage errors that say what to do") {
+  const SequenceDatabase one = make_database({test::walk_codes(30, 1)}, 5);
+  const DescriptorSet query = make_query(test::walk_codes(20, 2));
+  const auto kind = [&](auto change) {
+    SequenceQuerySettings settings;
+    settings.window_length = 5;
+    settings.distance_threshold = 0.4;
+    change(settings);
+    return test::error_kind([&] { query_all(one, query, settings); });
+  };
+  CHECK_FALSE(kind([](auto&) {}).has_value());
+  CHECK(kind([](auto& s) { s.distance_threshold.reset(); }) == ErrorKind::usage);
+  CHECK_FALSE(kind([](auto& s) { s.distance_threshold = 1; }));
+  CHECK(kind([](auto& s) { s.distance_threshold = 1.01; }) == ErrorKind::usage);
+  CHECK_FALSE(kind([](auto& s) {
+    s.distance_threshold = 300;
+    s.threshold_scale = ThresholdScale::bits;
+  }));
+  CHECK(kind([](auto& s) { s.window_length = 0; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.window_length = 21; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.window_length = uint64_t{1} << 60; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.distance_threshold = NAN; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.distance_threshold = -0.1; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.distance_threshold = INFINITY; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.only_sequences = {"zz"}; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.method = "zz"; }) == ErrorKind::usage);
+  CHECK(kind([](auto& s) { s.clustering.eps = -1; }) == ErrorKind::usage);
+}
+
+TEST_CASE("chosen cells are different, valid, and the same for a seed") {
+  const std::vector<FrameRun> train = {{0, 10, 0, 0}, {12, 5, 1, 2}};
+  const std::vector<FrameRun> query = {{0, 4, 0, 0}, {6, 6, 0, 6}};
+  const auto cells = choose_cells({train, query}, 4, 20, 7);
+  CHECK(cells.size() == 20);
+  CHECK(cells == choose_cells({train, query}, 4, 20, 7));
+  CHECK(cells != choose_cells({train, query}, 4, 20, 8));
+  for (const Cell& cell : cells) {
+    CHECK((cell.query_window == 0 || (cell.query_window >= 6 && cell.query_window <= 8)));
+    CHECK((cell.sequence == 0 ? cell.train_window <= 6
+                              : cell.train_window == 2 || cell.train_window == 3));
+  }
+  CHECK(choose_cells({train, query}, 4, 1000, 7).size() == 9 * 4);
+  CHECK(choose_cells({train, query}, 11, 10, 7).empty());
+}
+
+TEST_CASE("a wrong cell is found") {
+  const std::vector<LdbCode> train = test::random_codes(10, 1);
+  const std::vector<LdbCode> query = test::random_codes(10, 2);
+  const DescriptorSpan span{train, {}};
+  const uint32_t right = plain_window_distance(train, 3, query, 2, 4);
+  const std::vector<Cell> cells = {{2, 0, 3, right}, {2, 0, 4, 1}};
+  const auto wrong = wrong_cells(cells, std::span(&span, 1), query, 4, {});
+  REQUIRE(wrong.size() == 1);
+  CHECK(wrong[0].train_window == 4);
+  CHECK(wrong[0].score == plain_window_distance(train, 4, query, 2, 4));
+}
+
+TEST_CASE("LSH gives some of the hits and best matches of an exact search, and its recall") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  const SequenceDatabase database = make_database(train, 5);
+  const DescriptorSet query = make_query(train[0]);
+  SequenceQuerySettings settings;
+  settings.window_length = 5;
+  settings.distance_threshold = 100;
+  settings.threshold_scale = ThresholdScale::bits;
+  const Result exact = query_all(database, query, settings).result;
+  settings.method = "lsh";
+  const auto by_lsh = [&] {
+    return query_lsh(database, query, "q", settings, resources(), {}).result;
+  };
+  const Result some = by_lsh();
+  CHECK(std::get<SequenceQuerySettings>(some.settings).method == "lsh");
+  CHECK(std::includes(exact.hits.begin(), exact.hits.end(), some.hits.begin(), some.hits.end(),
+                      [](const Match& a, const Match& b) {
+                        return std::tie(a.query, a.target, a.train) <
+                               std::tie(b.query, b.target, b.train);
+                      }));
+  CHECK(some.hits.size() >= 50);
+  CHECK(some.margins.empty());
+  REQUIRE(some.clusters);
+  REQUIRE(some.recall);
+  CHECK(some.recall->windows == 56);
+  CHECK(some.recall->hits == exact.hits.size());
+  size_t same = 0;
+  for (size_t window = 0; window < 56; ++window)
+    same += some.best[window] && some.best[window]->score == exact.best[window]->score;
+  CHECK(some.recall->found_best == same);
+  CHECK_FALSE(exact.recall);
+  const SequenceQuerySettings fine = settings;
+  const auto is_refused = [&] { return test::error_kind(by_lsh) == ErrorKind::usage; };
+  settings.threshold_scale = ThresholdScale::relative;
+  settings.distance_threshold = 0.5;
+  CHECK(is_refused());
+  settings = fine;
+  settings.rates = {"1/2"};
+  CHECK(is_refused());
+  settings = fine;
+  settings.decision = Decision::margin;
+  CHECK(is_refused());
+  settings = fine;
+  settings.score = Score::standardized;
+  CHECK(is_refused());
+  // Drivers of exact methods do not know it.
+  CHECK(test::error_kind([&] { query_all(database, query, fine); }) == ErrorKind::usage);
+}
+
+TEST_CASE("a query that is described otherwise than the database is refused in one sentence") {
+  const SequenceDatabase database = make_database({test::walk_codes(30, 1)}, 4);
+  const DescriptorKind other{"other", "", kLdbShape, nullptr};
+  DescriptorSet query = make_query(test::walk_codes(20, 2));
+  query.descriptors.kind = &other;
+  SequenceQuerySettings settings;
+  settings.window_length = 4;
+  const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
+  CHECK(test::error_kind(plan) == ErrorKind::data);
+  CHECK(test::error_text(plan) ==
+        "frames of the database are described by ldb, those of the query by other; describe both "
+        "by the same");
+}
+
+TEST_CASE("windows whose sums do not fit the files are refused") {
+  DescriptorKind vectors{"vectors", "", {ElementType::whole_numbers, 2}, nullptr};
+  const std::vector<uint8_t> bytes(200, 1);
+  SequenceDatabase database;
+  database.sequences = {{"a", std::vector<std::string>(100), {}}};
+  database.descriptors.kind = &vectors;
+  database.descriptors.owned = bytes;
+  DescriptorSet query;
+  query.descriptors.kind = &vectors;
+  query.descriptors.owned = bytes;
+  query.frames.names.resize(100);
+  SequenceQuerySettings settings;
+  settings.distance_threshold = 0.5;
+  settings.window_length = 32769;
+  const auto plan = [&] { plan_query(database, query, "q", settings, resources(), {}); };
+  CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for frames described by"));
+  settings.window_length = 5;
+  const Result result = query_all(database, query, settings).result;
+  CHECK(result.hits.size() == 96 * 96);  // all vectors are the same
+}
+
+TEST_CASE("A replayed query gives the rows of the recording again, frame by frame") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(70, 1)};
+  const SequenceDatabase database = make_database(train, 1);
+  const auto record = [] {
+    DescriptorSet recording = make_query(test::walk_codes(50, 3));
+    recording.frames.unreadable = {7, 30};
+    return recording;
+  };
+  const auto best_of = [&](const DescriptorSet& query) {
+    SequenceQuerySettings settings;
+    settings.window_length = 1;
+    settings.distance_threshold = 0.5;
+    return query_all(database, query, settings).result;
+  };
+  const Result plain = best_of(record());
+  CHECK_FALSE(plain.replay);
+  for (const WarpRule& rule : warp_rules()) {
+    INFO(rule.name);
+    const bool is_long_enough = rule.least_frames <= 50;
+    REQUIRE(is_long_enough);
+    const Result result = best_of(replayed(record(), std::string(rule.name), 4));
+    REQUIRE(result.replay);
+    REQUIRE(result.query_frames == result.replay->frames());
+    for (size_t k = 0; k < result.query_frames; ++k) {
+      const auto& best = result.best[k];
+      const auto& expected = plain.best[result.replay->sources[k]];
+      REQUIRE(best.has_value() == expected.has_value());
+      if (!best) continue;
+      CHECK(best->train == expected->train);
+      CHECK(best->score == expected->score);
+      CHECK(best->query == k);
+    }
+  }
+}
+
+TEST_CASE("A warp of nothing leaves a query as it is, and short ones say what they lack") {
+  const DescriptorSet same = replayed(make_query(test::walk_codes(3, 3)), "", 1);
+  CHECK_FALSE(same.frames.replay);
+  CHECK(ldb_codes(same) == test::walk_codes(3, 3));
+  CHECK(test::error_text([] {
+          replayed(make_query(test::walk_codes(3, 3)), "kidnap", 1);
+        }).find("41 frames") != std::string::npos);
+  const DescriptorSet one = replayed(make_query(test::walk_codes(1, 3)), "0.5", 1);
+  CHECK(one.frames.count() == 2);
+  CHECK(one.frames.names == std::vector<std::string>{"0", "0"});
+}

@@ -1,0 +1,209 @@
+// Queries with standardized scores: thresholds, searched sequences, verification.
+#include <algorithm>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "decide/automatic_threshold.h"
+#include "examples.h"
+#include "reference/verified_query.h"
+#include "run/query.h"
+#include "run/score_basis.h"
+#include "run/sweep.h"
+#include "run/train.h"
+#include "run/verify.h"
+#include "support.h"
+
+using namespace vpr;
+using test::make_query;
+
+namespace {
+
+SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences) {
+  SequenceDatabase database = test::make_database(sequences);
+  ensure_statistics(database, {});
+  return database;
+}
+
+SequenceQuerySettings scored_settings(uint64_t length) {
+  SequenceQuerySettings settings;
+  settings.score = Score::standardized;
+  settings.window_length = length;
+  return settings;
+}
+
+QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
+                   const SequenceQuerySettings& settings, size_t verify = 50) {
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  resources.verify_cells = verify;
+  return run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {});
+}
+
+}  // namespace
+
+TEST_CASE("standardized scores find a revisit, and every method gives the same") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  std::vector<LdbCode> query = test::walk_codes(50, 3);
+  std::copy_n(train[0].begin() + 10, 20, query.begin() + 15);
+  const SequenceDatabase database = make_database(train);
+  SequenceQuerySettings settings = scored_settings(5);
+  settings.distance_threshold = -4;
+  const Result result = query_all(database, make_query(query), settings).result;
+  REQUIRE_FALSE(result.hits.empty());
+  CHECK(result.targets[0].scale == ThresholdScale::mean_z);
+  for (const Match& hit : result.hits) {
+    CHECK(hit.target == 0);
+    CHECK(result.score().frame_value(hit.score, 5) < -4);
+  }
+  CHECK(result.best[18]->train == 13);
+  settings.method = "fastable-online";
+  CHECK(query_all(database, make_query(query), settings).result.hits == result.hits);
+}
+
+TEST_CASE("windows of several rates are those of the definition, by distances and by scores") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  SequenceDatabase database = make_database(train);
+  database.sequences[0].unreadable = {17};
+  const DescriptorSet query = make_query(test::walk_codes(50, 3));
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  for (const Score score : {Score::raw, Score::standardized, Score::standardized_offline}) {
+    SequenceQuerySettings settings = scored_settings(6);
+    settings.score = score;
+    settings.rates = {"1/2", "2/3", "1", "2"};
+    settings.distance_threshold = score == Score::raw ? 0.4 : -1;
+    const QueryPlan plan = plan_query(database, query, "q", settings, resources, {});
+    test::run_verified(plan, resources, 200);
+    const auto refused = [&] {
+      QueryResources verifying = resources;
+      verifying.verify_cells = 5;
+      run_query(plan, verifying, {}, {});
+    };
+    CHECK(test::error_kind(refused) == ErrorKind::usage);
+  }
+}
+
+TEST_CASE("rows are centred over all training frames, whichever sequences are searched") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1), test::walk_codes(50, 2),
+                                                   test::walk_codes(30, 3)};
+  const SequenceDatabase database = make_database(train);
+  SequenceQuerySettings settings = scored_settings(5);
+  settings.distance_threshold = 0;
+  const DescriptorSet query = make_query(test::walk_codes(40, 4));
+  const Result all = query_all(database, query, settings).result;
+  settings.only_sequences = {"b"};
+  const Result one = query_all(database, query, settings).result;
+  std::vector<Match> expected;
+  for (const Match& hit : all.hits)
+    if (hit.target == 1) expected.push_back(hit);
+  CHECK(expected.size() > 46 * 9);
+  CHECK(one.hits == expected);
+}
+
+TEST_CASE("a wrong score is found, and a right one is not") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
+                                                   test::walk_codes(30, 2)};
+  const SequenceDatabase database = make_database(train);
+  SequenceQuerySettings settings = scored_settings(4);
+  settings.distance_threshold = 0;
+  const DescriptorSet query = make_query(test::walk_codes(40, 4));
+  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+    settings.score = score;
+    const QueryRun run = query_all(database, query, settings, 100'000);
+    CHECK(run.verified_cells == 2 * 27 * 37);  // every one
+    const auto cell_of = [&](const Match& hit) {
+      return Cell{hit.query, hit.target, hit.train, uint32_t(hit.score + double(score_offset(4)))};
+    };
+    const Cell right = cell_of(run.result.hits[300]);
+    std::vector<Cell> cells = {cell_of(run.result.hits[100]), right};
+    cells[1].score += 10;  // two units a frame
+    const auto wrong = wrong_scores(cells, descriptor_spans(database), {query.rows(), {}}, 4,
+                                    *score_basis(&*database.statistics, settings), {});
+    REQUIRE(wrong.size() == 1);
+    CHECK(wrong[0].train_window == cells[1].train_window);
+    CHECK(std::abs(int64_t{wrong[0].score} - int64_t{right.score}) <= 4);
+  }
+}
+
+TEST_CASE("statistics that a database lacks are computed") {
+  SequenceDatabase database = make_database({test::walk_codes(30, 1)});
+  const auto stored = database.statistics;
+  ensure_statistics(database, {});
+  CHECK(database.statistics == stored);
+  database.statistics.reset();
+  SequenceQuerySettings settings = scored_settings(4);
+  settings.distance_threshold = 0;
+  const DescriptorSet query = make_query(test::walk_codes(40, 4));
+  CHECK(test::error_kind([&] { query_all(database, query, settings); }) == ErrorKind::usage);
+  ensure_statistics(database, {});
+  CHECK(database.statistics == stored);
+}
+
+TEST_CASE("settings that do not fit the score are usage errors") {
+  const SequenceDatabase database =
+      make_database({test::walk_codes(30, 1), test::walk_codes(30, 2)});
+  const DescriptorSet query = make_query(test::walk_codes(20, 2));
+  const auto kind = [&](Score score, auto change) {
+    SequenceQuerySettings settings;
+    settings.score = score;
+    settings.window_length = 5;
+    settings.distance_threshold = -0.4;
+    change(settings);
+    return test::error_kind([&] { query_all(database, query, settings); });
+  };
+  for (const Score score : {Score::standardized, Score::standardized_offline}) {
+    CHECK(kind(score, [](auto& s) { s.distance_threshold.reset(); }) == ErrorKind::usage);
+    CHECK_FALSE(kind(score, [](auto& s) { s.distance_threshold = -3; }));
+    CHECK(kind(score, [](auto& s) { s.distance_threshold = 0.4; }) == ErrorKind::usage);
+    CHECK_FALSE(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }));
+    CHECK(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::bits; }) ==
+          ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.threshold_scale = ThresholdScale::relative; }) ==
+          ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.method = "openable"; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.method = "lsh"; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.safety_factor = 0.9; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.window_length = kMaxScoredWindow + 1; }) == ErrorKind::usage);
+    CHECK(kind(score, [](auto& s) { s.standardization.lag_views = 0; }) == ErrorKind::usage);
+  }
+  CHECK(kind(Score::raw, [](auto& s) { s.threshold_scale = ThresholdScale::mean_z; }) ==
+        ErrorKind::usage);
+}
+
+TEST_CASE("a sweep of scores counts what single queries find") {
+  const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
+                                                   test::walk_codes(45, 2)};
+  std::vector<LdbCode> codes = test::walk_codes(50, 3);
+  std::copy_n(train[0].begin() + 10, 20, codes.begin() + 10);
+  const SequenceDatabase database = make_database(train);
+  const DescriptorSet query = make_query(codes);
+  const TruthReader truth = [](const GroundTruthScope& scope) {
+    GroundTruth all;
+    all.pairs.resize(scope.query_frames);
+    for (size_t i = 0; i < all.pairs.size(); ++i)
+      all.pairs[i].push_back({0, static_cast<uint32_t>(i), PlaceLabel::same});
+    return all;
+  };
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  SequenceQuerySettings settings = scored_settings(5);
+  const Grid grid{{5, 1, 12}, {-1.0, -4.0, -2.0}};
+  const auto cells =
+      sweep_sequences(database, query, "q", settings, grid, truth, resources, {}).cells;
+  REQUIRE(cells.size() == 9);
+  for (const CellCounts& cell : cells) {
+    CHECK(cell.scale == ThresholdScale::mean_z);
+    settings.window_length = cell.window;
+    settings.distance_threshold = cell.threshold;
+    const Result result = query_all(database, query, settings).result;
+    const Counts counts = count_recognitions(result, truth(scope_of(result)));
+    CHECK(cell.counts.hits.correct == counts.hits.correct);
+    CHECK(cell.counts.hits.incorrect == counts.hits.incorrect);
+    CHECK(cell.counts.best_match.correct == counts.best_match.correct);
+  }
+}

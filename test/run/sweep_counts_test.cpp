@@ -1,0 +1,127 @@
+// What sweeps count, against single queries and against what chance allows.
+#include <catch2/catch.hpp>
+
+#include "base/random.h"
+#include "evaluate/counts.h"
+#include "run/sweep.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+WordSet some_words(size_t words, RandomEngine& engine) {
+  WordSet set;
+  for (uint32_t q = 0; q < words; ++q)
+    if (uniform_below(engine, 3) == 0) set.push_back(q);
+  return set;
+}
+
+/// A walk of 20 views, and a place of three.
+FabmapDatabase make_database(RandomEngine& engine) {
+  FabmapDatabase database;
+  std::vector<WordSet> pretrain;
+  for (int f = 0; f < 40; ++f) pretrain.push_back(some_words(100, engine));
+  database.tree = train_chow_liu(pretrain, 100, {});
+  for (const WordSet& frame : pretrain) database.pretrain.add(frame);
+  std::vector<WordSet> walk;
+  for (int f = 0; f < 20; ++f) walk.push_back(some_words(100, engine));
+  add_group(database, {"walk", false, std::vector<std::string>(20)}, walk);
+  add_group(database, {"lift", true, std::vector<std::string>(3)},
+            std::vector<WordSet>{walk[3], some_words(100, engine), some_words(100, engine)});
+  index_views(database);
+  return database;
+}
+
+/// The walk again: of every frame a few words differ. Frame 7 can't be decoded.
+SequenceWords make_query(const FabmapDatabase& database, RandomEngine& engine) {
+  SequenceWords query;
+  for (size_t f = 0; f < 20; ++f) {
+    WordSet words;
+    for (const uint32_t word : database.views.view(f))
+      if (uniform_below(engine, 6) != 0) words.push_back(word);
+    query.frames.push_back(words);
+  }
+  query.frames[7].clear();
+  query.unreadable = {7};
+  return query;
+}
+
+GroundTruth same_frames(const GroundTruthScope& scope) {
+  GroundTruth truth;
+  truth.pairs.resize(scope.query_frames);
+  for (uint32_t f = 0; f < scope.query_frames; ++f)
+    if (f != 5) truth.pairs[f].push_back({0, f, f == 9 ? PlaceLabel::ignore : PlaceLabel::same});
+  return truth;
+}
+
+/// Ten windows of c_l frames; right hits and wrong ones in the windows that are named.
+SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
+                            const std::vector<uint32_t>& wrong, size_t windows = 10) {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = length;
+  result.settings = settings;
+  result.query_windows = windows;
+  result.query_frames = windows + length - 1;
+  GroundTruth truth;
+  truth.pairs.resize(result.query_frames);
+  for (uint32_t f = 0; f < result.query_frames; ++f) truth.pairs[f].push_back({0, f});
+  for (const uint32_t window : right) result.hits.push_back({window, 0, window, 0, 1});
+  for (const uint32_t window : wrong) result.hits.push_back({window, 0, window + 50, 0, 1});
+  return count_intervals(result, truth, 1);
+}
+
+}  // namespace
+
+TEST_CASE("a sweep of FAB-MAP gives what single queries give, cell by cell") {
+  RandomEngine engine(4);
+  const FabmapDatabase database = make_database(engine);
+  const SequenceWords query = make_query(database, engine);
+  const Grid grid{{1, 2, 4}, {0.99, 0.9, 0.5, 0.01}};
+  const auto cells = sweep_fabmap(database, query, "q", {}, grid, same_frames, 1, {}).cells;
+  REQUIRE(cells.size() == 12);
+  std::set<uint64_t> different;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    FabmapQuerySettings settings;
+    settings.window = grid.windows[c / 4];
+    settings.place_threshold = *grid.thresholds[c % 4];
+    const Result result = query_fabmap(database, query, "q", settings, 1, {}, {}).result;
+    const Counts alone = count_recognitions(result, same_frames(scope_of(result)));
+    INFO("c_w " << settings.window << ", t_p " << settings.place_threshold);
+    CHECK(cells[c].window == settings.window);
+    CHECK(cells[c].threshold == settings.place_threshold);
+    CHECK_FALSE(cells[c].scale);
+    CHECK(cells[c].counts.hits.correct == alone.hits.correct);
+    CHECK(cells[c].counts.hits.incorrect == alone.hits.incorrect);
+    CHECK(cells[c].counts.hits.ignored == alone.hits.ignored);
+    CHECK(cells[c].counts.distinct == alone.distinct);
+    CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
+    CHECK_FALSE(cells[c].counts.clusters);
+    different.insert(alone.hits.correct);
+  }
+  CHECK(different.size() >= 3);
+  CHECK(cells[3].counts.hits.incorrect > 0);
+  CHECK(cells[3].counts.hits.ignored > 0);
+}
+
+TEST_CASE("an interval is the middle 95 % of the counts that chance gives") {
+  // Of ten windows, drawn one by one, one has hits: it is drawn Binomial(10, 0.1) times, at most 2
+  // times in 93.0 % of all cases and at most 3 times in 98.7 %.
+  const SweepIntervals single = intervals_of(1, {4}, {7, 7});
+  CHECK(single.block == 1);
+  CHECK((single.correct_hits.low == 0 && single.correct_hits.high == 3));
+  CHECK((single.incorrect_hits.low == 0 && single.incorrect_hits.high == 6));
+  // Half of them have one: Binomial(10, 0.5), below 2 in 1.1 %, below 3 in 5.5 %.
+  const SweepIntervals half = intervals_of(1, {0, 2, 4, 6, 8}, {});
+  CHECK((half.correct_hits.low == 2 && half.correct_hits.high == 8));
+  CHECK((half.incorrect_hits.low == 0 && half.incorrect_hits.high == 0));
+  // Two blocks of two of four windows, each with the hit in two of four cases: once or twice, where
+  // four single windows would have it up to three times.
+  CHECK(intervals_of(2, {0}, {}, 4).correct_hits.high == 2);
+  CHECK(intervals_of(1, {0}, {}, 4).correct_hits.high == 3);
+  // One block of all: whatever begins it, every window is drawn once.
+  const SweepIntervals whole = intervals_of(10, {0, 3, 4}, {9});
+  CHECK((whole.correct_hits.low == 3 && whole.correct_hits.high == 3));
+  CHECK((whole.incorrect_hits.low == 1 && whole.incorrect_hits.high == 1));
+}

@@ -1,0 +1,224 @@
+// A sweep's cells are those of queries run one by one.
+#include "run/sweep.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "examples.h"
+#include "run/train.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+std::vector<uint64_t> numbers(const LabelCounts& counts) {
+  return {counts.correct, counts.incorrect, counts.ignored};
+}
+
+SequenceDatabase make_database() {
+  SequenceDatabase database = test::make_database(
+      {test::walk_codes(90, 10, 40), test::walk_codes(90, 11, 40), test::walk_codes(90, 12, 40)});
+  database.sequences[1].unreadable = {40};
+  return database;
+}
+
+GroundTruth make_truth(const GroundTruthScope& scope) {
+  GroundTruth truth;
+  truth.tolerance_frames = 2;
+  truth.pairs.resize(scope.query_frames);
+  for (uint32_t f = 0; f < scope.query_frames; ++f)
+    truth.pairs[f].push_back({0, f + 10, f % 9 == 0 ? PlaceLabel::ignore : PlaceLabel::same});
+  return truth;
+}
+
+}  // namespace
+
+TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
+  const SequenceDatabase database = make_database();
+  std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
+  codes.erase(codes.begin(), codes.begin() + 10);
+  RandomEngine engine(5);
+  for (LdbCode& code : codes)
+    for (int i = 0; i < 200; ++i) {
+      uint8_t& byte = code[uniform_below(engine, 173)];
+      byte = static_cast<uint8_t>(byte ^ 1U << uniform_below(engine, 8));
+    }
+  DescriptorSet query = ldb_set(codes, {});
+  for (size_t i = 0; i < codes.size(); ++i) query.frames.names.push_back(std::to_string(i));
+  query.frames.unreadable = {30};
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  for (const ThresholdScale scale : {ThresholdScale::relative, ThresholdScale::bits}) {
+    SequenceQuerySettings base;
+    base.threshold_scale = scale;
+    const Grid grid = scale == ThresholdScale::bits
+                          ? Grid{{1, 20, 5}, {250, 400, 650, 0, std::nullopt}}
+                          : Grid{{1, 20, 5}, {0.3, 0.6, 0.9, 0, std::nullopt}};
+    const auto cells =
+        sweep_sequences(database, query, "q", base, grid, make_truth, resources, {}).cells;
+    REQUIRE(cells.size() == 15);
+    size_t hits = 0;
+    for (size_t c = 0; c < cells.size(); ++c) {
+      SequenceQuerySettings settings = base;
+      settings.window_length = grid.windows[c / 5];
+      settings.distance_threshold = grid.thresholds[c % 5];
+      const Result result =
+          run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {})
+              .result;
+      const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
+      INFO("c_l " << settings.window_length << ", cell " << c);
+      CHECK(cells[c].window == settings.window_length);
+      CHECK(cells[c].threshold == settings.distance_threshold);
+      CHECK(numbers(cells[c].counts.hits) == numbers(alone.hits));
+      CHECK(numbers(*cells[c].counts.clusters) == numbers(*alone.clusters));
+      CHECK(cells[c].counts.distinct == alone.distinct);
+      CHECK(cells[c].counts.best_match.correct == alone.best_match.correct);
+      CHECK(cells[c].counts.best_match.queries == alone.best_match.queries);
+      hits += alone.hits.correct;
+    }
+    CHECK(hits > 0);
+  }
+}
+
+TEST_CASE("an empty grid is refused") {
+  const SequenceDatabase database = make_database();
+  const DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
+  CHECK(test::error_kind([&] {
+          sweep_sequences(database, query, "q", {}, {{}, {0.3}}, make_truth, {}, {});
+        }) == ErrorKind::usage);
+}
+
+TEST_CASE("a sweep warns of everything that its settings would be warned of, and once") {
+  SequenceDatabase database = make_database();
+  DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
+  for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
+  query.frames.unreadable = {30};
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  std::vector<std::string> said;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
+  // Two of the training sequences have runs of 49 frames at most.
+  database.sequences[2].unreadable = {40};
+  sweep_sequences(database, query, "q", {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, make_truth,
+                  resources, monitor);
+  const auto times = [&](const std::string& words) {
+    return std::count_if(said.begin(), said.end(), [&](const std::string& sentence) {
+      return sentence.find(words) != std::string::npos;
+    });
+  };
+  CHECK(times("b: has no 50 readable frames") == 1);
+  CHECK(times("c: has no 50 readable frames") == 1);
+  CHECK(times("b: has no 55 readable frames") == 1);
+  CHECK(times("can't be decoded") == 1);
+}
+
+TEST_CASE("the hits of all window lengths share the memory") {
+  const SequenceDatabase database = make_database();
+  DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
+  for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  SequenceQuerySettings bits;
+  bits.threshold_scale = ThresholdScale::bits;
+  const auto run = [&](std::vector<uint64_t> lengths, size_t memory) {
+    resources.memory_limit = memory;
+    return test::error_kind([&] {
+      sweep_sequences(database, query, "q", bits, {std::move(lengths), {1500.0}}, make_truth,
+                      resources, {});
+    });
+  };
+  const size_t enough = 64 * size_t{90} * 270;
+  CHECK(!run({1}, enough));
+  CHECK(run({1, 2}, enough) == ErrorKind::usage);
+  CHECK(!run({1, 2}, 2 * enough));
+}
+
+TEST_CASE("intervals of counts that are the same everywhere are the counts") {
+  Result result;
+  SequenceQuerySettings settings;
+  settings.window_length = 3;
+  result.settings = settings;
+  result.query_frames = 12;
+  result.query_windows = 10;
+  result.targets = {{"ref", 30, 28, true, {}, ThresholdScale::bits, 0, {}}};
+  GroundTruth truth;
+  truth.pairs.resize(12);
+  for (uint32_t frame = 0; frame < 12; ++frame)
+    truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
+  // Every window has a right hit, and two wrong ones.
+  for (uint32_t window = 0; window < 10; ++window)
+    for (const uint32_t train : {window, window + 5, window + 9})
+      result.hits.push_back({window, 0, train, 0, 1});
+  result.clusters.emplace();
+  result.clusters->all = {{0, 3, 0, 9, 3, 0, 9, 10, 1}};
+  const SweepIntervals found = count_intervals(result, truth, 7);
+  CHECK(found.block == 3);
+  CHECK((found.correct_hits.low == 10 && found.correct_hits.high == 10));
+  CHECK((found.incorrect_hits.low == 20 && found.incorrect_hits.high == 20));
+  CHECK(found.correct_places.high >= 1);
+  CHECK((found.incorrect_places.low == 0 && found.incorrect_places.high == 0));
+  // Of frames that are compared one by one, blocks are of c_w frames, but at least 8.
+  FabmapQuerySettings fabmap;
+  result.clusters.reset();
+  result.settings = fabmap;
+  result.query_windows = result.query_frames;
+  CHECK(count_intervals(result, truth, 7).block == 8);
+  fabmap.window = 9;
+  result.settings = fabmap;
+  CHECK(count_intervals(result, truth, 7).block == 9);
+  fabmap.window = 100;
+  result.settings = fabmap;
+  CHECK(count_intervals(result, truth, 7).block == 12);
+}
+
+TEST_CASE("a threshold of FAB-MAP is a number") {
+  FabmapDatabase database;
+  CHECK(test::error_kind([&] {
+          sweep_fabmap(database, {}, "q", {}, {{1}, {std::nullopt}}, make_truth, 1, {});
+        }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] {
+          sweep_fabmap(database, {}, "q", {}, {{1}, {1.5}}, make_truth, 1, {});
+        }) == ErrorKind::usage);
+}
+
+TEST_CASE("a sweep by margin gives what single queries by margin give") {
+  const SequenceDatabase database = make_database();
+  std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
+  codes.erase(codes.begin(), codes.begin() + 10);
+  DescriptorSet query = test::make_query(codes);
+  query.frames.unreadable = {30};
+  QueryResources resources;
+  resources.kernels = select_kernels();
+  SequenceQuerySettings base;
+  base.decision = Decision::margin;
+  const Grid grid{{1, 12}, {0, 30, 90, 300, std::nullopt}};
+  const Sweep sweep = sweep_sequences(database, query, "q", base, grid, make_truth, resources, {});
+  CHECK(sweep.threshold_symbol == "margin");
+  CHECK(sweep.threshold_order == ScoreOrder::similarity);
+  REQUIRE(sweep.cells.size() == 10);
+  for (size_t c = 0; c < sweep.cells.size(); ++c) {
+    SequenceQuerySettings settings = base;
+    settings.window_length = grid.windows[c / 5];
+    settings.margin = grid.thresholds[c % 5];
+    const Result result =
+        run_query(plan_query(database, query, "q", settings, resources, {}), resources, {}, {})
+            .result;
+    const Counts alone = count_recognitions(result, make_truth(scope_of(result)));
+    INFO("cell " << c);
+    CHECK(numbers(sweep.cells[c].counts.hits) == numbers(alone.hits));
+    CHECK(numbers(*sweep.cells[c].counts.clusters) == numbers(*alone.clusters));
+    CHECK_FALSE(sweep.cells[c].scale);
+  }
+  // A smaller margin accepts more, and so it would without the places.
+  for (const size_t c : {0, 1, 2, 5, 6, 7}) {
+    CHECK(sweep.cells[c].untrained >= sweep.cells[c + 1].untrained);
+    CHECK(sweep.cells[c].untrained.has_value());
+  }
+  CHECK(sweep.cells[0].untrained > 0u);
+  CHECK(!sweep.cells[4].untrained);
+  CHECK(sweep.cells[0].counts.hits.correct > sweep.cells[3].counts.hits.correct);
+  CHECK(sweep.cells[1].counts.hits.correct > 0);
+}

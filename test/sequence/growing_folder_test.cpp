@@ -1,0 +1,126 @@
+#include <fstream>
+#include <future>
+
+#include <catch2/catch.hpp>
+
+#include "sequence/live_source.h"
+#include "support.h"
+
+using namespace vpr;
+using namespace vpr::test;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+namespace {
+
+// As programs do that write a file under another name first.
+void put(const fs::path& folder, const std::string& name) {
+  write_text(folder / ".part", "x");
+  fs::rename(folder / ".part", folder / name);
+}
+
+std::future<fs::path> next_of(GrowingFolder& folder) {
+  return std::async(std::launch::async, [&] { return folder.next({}); });
+}
+
+}  // namespace
+
+TEST_CASE("images are given in natural order, as soon as they are renamed into a folder") {
+  const TemporaryFolder folder;
+  put(folder.path(), "10.png");
+  put(folder.path(), "9.png");
+  put(folder.path(), "notes.txt");
+  put(folder.path(), ".hidden.png");
+  GrowingFolder growing(folder.path(), 1h);
+  CHECK(growing.next({}) == folder / "9.png");  // a later one is there
+  auto waiting = next_of(growing);              // for one later than 10.png, or that it rests
+  put(folder.path(), "11.png");
+  CHECK(waiting.get() == folder / "10.png");
+  CHECK(growing.next({}) == folder / "11.png");  // renamed: at once
+  for (int i = 12; i < 40; ++i) {
+    auto next = next_of(growing);
+    put(folder.path(), std::to_string(i) + ".png");
+    CHECK(next.get() == folder / (std::to_string(i) + ".png"));
+  }
+}
+
+TEST_CASE("a file that is being written is waited for") {
+  const TemporaryFolder folder;
+  GrowingFolder growing(folder.path(), 1h);
+  write_image(folder / ".whole.png", 1);
+  const std::string image = read_text(folder / ".whole.png");
+  std::ofstream file(folder / "1.png", std::ios::binary);
+  file << image.substr(0, 50) << std::flush;
+  auto next = std::async(std::launch::async, [&] { return fs::file_size(growing.next({})); });
+  file << image.substr(50) << std::flush;
+  file.close();
+  CHECK(next.get() == image.size());
+}
+
+TEST_CASE("an image whose writer pauses is waited for, and a warning names it once") {
+  const TemporaryFolder folder;
+  write_image(folder / ".whole.png", 1);
+  const std::string image = read_text(folder / ".whole.png");
+  const bool is_closed = GENERATE(false, true);  // between the parts
+  GrowingFolder growing(folder.path(), 0ms);
+  std::ofstream file(folder / "1.png", std::ios::binary);
+  file << image.substr(0, 50) << std::flush;
+  if (is_closed) file.close();
+  std::promise<void> was_incomplete;
+  int warnings = 0;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& sentence) {
+    CHECK(has(sentence, "1.png: is incomplete"));
+    if (warnings++ == 0) was_incomplete.set_value();
+  };
+  auto next = std::async(std::launch::async, [&] { return fs::file_size(growing.next(monitor)); });
+  was_incomplete.get_future().wait();
+  if (is_closed) file.open(folder / "1.png", std::ios::binary | std::ios::app);
+  file << image.substr(50) << std::flush;
+  file.close();
+  CHECK(next.get() == image.size());
+  CHECK(warnings == 1);
+}
+
+TEST_CASE("a damaged image is given when a later one is there, or when it was renamed") {
+  const TemporaryFolder folder;
+  write_text(folder / "1.png", "x");
+  GrowingFolder growing(folder.path(), 1h);
+  put(folder.path(), "2.png");
+  CHECK(growing.next({}) == folder / "1.png");
+  CHECK(growing.next({}) == folder / "2.png");
+}
+
+TEST_CASE("a file that was there is given when its size rests") {
+  const TemporaryFolder folder;
+  write_image(folder / "1.png", 1);
+  GrowingFolder growing(folder.path(), 0ms);
+  CHECK(growing.next({}) == folder / "1.png");
+}
+
+TEST_CASE("an image that comes too late is left out, and said") {
+  const TemporaryFolder folder;
+  GrowingFolder growing(folder.path(), 1h);
+  put(folder.path(), "5.png");
+  CHECK(growing.next({}) == folder / "5.png");
+  put(folder.path(), "3.png");
+  put(folder.path(), "6.png");
+  Monitor monitor;
+  std::string said;
+  monitor.warn = [&](const std::string& sentence) { said += sentence; };
+  CHECK(growing.next(monitor) == folder / "6.png");
+  CHECK(has(said, "3.png: came after 5.png"));
+}
+
+TEST_CASE("waiting ends with a stop, and with the folder") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "f");
+  GrowingFolder growing(folder / "f", 1h);
+  std::atomic<bool> stop = true;
+  Monitor monitor;
+  monitor.stop = &stop;
+  CHECK(error_kind([&] { growing.next(monitor); }) == ErrorKind::interrupted);
+  fs::remove(folder / "f");
+  CHECK(error_kind([&] { growing.next({}); }) == ErrorKind::input);
+  CHECK(error_kind([&] { GrowingFolder{folder / "f"}; }) == ErrorKind::input);
+}

@@ -1,0 +1,124 @@
+// Anchors: a few pairs, and lines between them.
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "truth/check.h"
+#include "truth/truth_files.h"
+
+using namespace vpr;
+using test::Files;
+
+TEST_CASE("between two anchors frames lie on a line, and nowhere beyond") {
+  const Files files;
+  files.text("anchors.csv", "query,reference\n1,0\n3,3\n");
+  // Query 2 is at 1.5, rounded up to 2.
+  CHECK(files.read("anchors.csv", 5, 4) == ".... S... ..S. ...S ....");
+  GroundTruthArgument wider{"", "anchors.csv", 1};
+  CHECK(files.read(wider, 5, 4) == ".... SS.. .SSS ..SS ....");
+  // Backwards, too.
+  files.text("back.anchors.csv", "# walked back\nquery,reference\n0,3\n3,0\n");
+  CHECK(files.read("back.anchors.csv", 4, 4) == "...S ..S. .S.. S...");
+  files.text("one.csv", "query,reference\n1,2\n");
+  CHECK(files.read(GroundTruthArgument{"anchors", "one.csv"}, 3, 3) == "... ..S ...");
+  files.text("none.csv", "query,reference\n");
+  CHECK(files.read(GroundTruthArgument{"anchors", "none.csv"}, 2, 2) == ".. ..");
+}
+
+TEST_CASE("anchors are recognised by their file's name, and are pairs under any other") {
+  const Files files;
+  files.text("anchors.csv", "query,reference\n0,0\n2,2\n");
+  files.text("pairs.csv", "query,reference\n0,0\n2,2\n");
+  CHECK(files.read("anchors.csv", 3, 3) == "S.. .S. ..S");
+  CHECK(files.read("pairs.csv", 3, 3) == "S.. ... ..S");
+  CHECK(read_ground_truth({"", files.folder / "anchors.csv"}, {3, {{"ref", 3}}}).protocol ==
+        "anchors: 2 anchors, linear between them and nothing beyond, within 0 frames");
+}
+
+TEST_CASE("pairs that may be meant as anchors are warned of") {
+  const Files files;
+  const auto warnings = [&](const std::string& text, size_t frames, const std::string& format) {
+    files.text("some.csv", text);
+    size_t count = 0;
+    Monitor monitor;
+    monitor.warn = [&](const std::string& sentence) {
+      CHECK(sentence.find("some.csv labels 2 of 20 query frames") != std::string::npos);
+      ++count;
+    };
+    read_ground_truth({format, files.folder / "some.csv"}, {frames, {{"ref", 99}}}, monitor);
+    return count;
+  };
+  CHECK(warnings("query,reference\n0,0\n10,12\n", 20, "") == 1);
+  CHECK(warnings("query,reference\n0,0\n10,12\n", 20, "pairs") == 0);
+  CHECK(warnings("query,reference\n0,0\n10,12\n", 19, "") == 0);
+  CHECK(warnings("query,reference\n10,12\n0,0\n", 20, "") == 0);
+  CHECK(warnings("query,reference\n0,0\n0,1\n", 20, "") == 0);
+  CHECK(warnings("query,reference,label\n0,0,same\n10,12,same\n", 20, "") == 0);
+  CHECK(warnings("query,reference\n0,0\n", 20, "") == 0);
+}
+
+TEST_CASE("a tolerance of anchors in metres goes by the poses of the training sequence") {
+  const Files files;
+  files.text("anchors.csv", "query,reference\n0,0\n2,3\n");
+  // Half a metre between 1 and 2, so that the middle, 1.5, is at 1.25 metres.
+  files.text("r.csv", "frame,x,y\n0,0,0\n1,1,0\n2,1.5,0\n3,4,0\n5,1.25,0.25\n");
+  GroundTruthArgument argument{"", "anchors.csv"};
+  argument.options.reference = "r.csv";
+  argument.options.radius_m = 0.25;
+  CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
+  // The same places by a trajectory of another rate, half of whose poses stand between frames.
+  files.text("r.tum",
+             "10 0 0 0 0 0 0 1\n10.5 0.5 0 0 0 0 0 1\n11 1 0 0 0 0 0 1\n"
+             "12 1.5 0 0 0 0 0 1\n13 4 0 0 0 0 0 1\n15 1.25 0.25 0 0 0 0 1\n");
+  files.text("times.txt", "10\n11\n12\n13\n14\n15\n");
+  argument.options.reference = "r.tum";
+  argument.options.reference_times = files.folder / "times.txt";
+  CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
+  argument.options.reference_times.clear();
+  argument.options.reference = "r.csv";
+  argument.options.radius_m.reset();
+  CHECK(test::error_kind([&] { files.read(argument, 4, 6); }) == ErrorKind::usage);
+  argument.options = {};
+  argument.options.radius_m = 1;
+  CHECK(test::error_text([&] { files.read(argument, 4, 6); }).find("--ground-truth-reference") !=
+        std::string::npos);
+  argument.options.reference = "r.csv";
+  argument.tolerance_frames = 1;
+  CHECK(test::error_kind([&] { files.read(argument, 4, 6); }) == ErrorKind::usage);
+}
+
+TEST_CASE("anchors may name several sequences, and take the range of the query") {
+  const Files files;
+  files.text("anchors.csv", "query,sequence,reference\n0,a,0\n0,b,2\n2,a,2\n1,b,1\n");
+  const GroundTruth truth =
+      read_ground_truth({"", files.folder / "anchors.csv"}, {3, {{"a", 3}, {"b", 3}}});
+  CHECK(truth.label(1, 0, 1) == PlaceLabel::same);
+  CHECK(truth.label(1, 1, 1) == PlaceLabel::same);
+  CHECK(truth.label(2, 0, 2) == PlaceLabel::same);
+  CHECK(truth.label(2, 1, 0) == PlaceLabel::different);
+  files.text("all.csv", "query,reference\n0,0\n10,5\n");
+  GroundTruthArgument part{"anchors", "all.csv@4:9:2"};  // frames 4, 6 and 8
+  CHECK(files.read(part, 3, 6) == "..S... ...S.. ....S.");
+}
+
+TEST_CASE("anchors that fall, repeat or are out of range are refused with their line") {
+  const Files files;
+  const auto refused = [&](const std::string& lines, const std::string& words) {
+    files.text("anchors.csv", "query,reference\n" + lines);
+    CHECK(test::error_kind([&] { files.read("anchors.csv", 5, 5); }) == ErrorKind::data);
+    const std::string text = test::error_text([&] { files.read("anchors.csv", 5, 5); });
+    INFO(text);
+    CHECK(text.find(words) != std::string::npos);
+  };
+  refused("2,2\n1,3\n", "line 3: query 1 is not behind the anchor before, 2");
+  refused("2,2\n2,3\n", "line 3");
+  refused("2,5\n", "line 2: reference 5 is out of range; there are 5 frames");
+  refused("0,0\n7,2\n", "query 5 is out of range; there are 5 frames");
+  refused("-1,2\n", "line 2");
+  refused("1,2,3\n", "line 2");
+  // Without numbers of frames, as many as the anchors need.
+  files.text("anchors.csv", "query,reference\n1,2\n3,4\n");
+  const auto found = inspect_ground_truth({"", files.folder / "anchors.csv"},
+                                          {kUnknownFrames, {{"", kUnknownFrames}}});
+  CHECK(found.scope.query_frames == 4);
+  CHECK(found.scope.sequences[0].frames == 5);
+}

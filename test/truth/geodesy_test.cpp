@@ -1,0 +1,96 @@
+// Positions on the ellipsoid against published values, and dates.
+#include <cmath>
+#include <numbers>
+
+#include <catch2/catch.hpp>
+
+#include "truth/gps.h"
+#include "truth/times.h"
+
+using namespace vpr;
+
+namespace {
+
+double length_between(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  double square = 0;
+  for (size_t k = 0; k < 3; ++k) square += (a[k] - b[k]) * (a[k] - b[k]);
+  return std::sqrt(square);
+}
+
+double metres_apart(const Geographic& a, const Geographic& b) {
+  return length_between(earth_position(a), earth_position(b));
+}
+
+}  // namespace
+
+TEST_CASE("positions on the earth are those of WGS84") {
+  CHECK(length_between(earth_position({0, 0}), {6378137, 0, 0}) < 1e-8);
+  CHECK(length_between(earth_position({90, 17}), {0, 0, 6356752.314245}) < 1e-6);
+  CHECK(length_between(earth_position({45, 0}), {4517590.8788, 0, 4487348.4088}) < 1e-3);
+  CHECK(length_between(earth_position({-45, 90}), {0, 4517590.8788, -4487348.4088}) < 1e-3);
+}
+
+TEST_CASE("distances are those of geodesy, but for the bend of the earth") {
+  // Flinders Peak to Buninyong, the worked example of Geoscience Australia: 54 972.271 m along the
+  // ellipsoid, of which the straight line is d^3 / (24 R^2) = 0.17 m shorter.
+  const Geographic flinders{-(37 + 57 / 60.0 + 3.72030 / 3600), 144 + 25 / 60.0 + 29.52440 / 3600};
+  const Geographic buninyong{-(37 + 39 / 60.0 + 10.15610 / 3600),
+                             143 + 55 / 60.0 + 35.38390 / 3600};
+  CHECK(metres_apart(flinders, buninyong) == Approx(54972.271 - 0.170).margin(0.005));
+  // A degree of longitude on the equator is 111 319.4908 m, of latitude there 110 574.27 m, and
+  // 111 693.9 m at the poles: a hundred thousandth of them.
+  CHECK(metres_apart({0, 10}, {0, 10.00001}) == Approx(1.113194908).margin(1e-6));
+  CHECK(metres_apart({-0.000005, 10}, {0.000005, 10}) == Approx(1.1057427).margin(1e-5));
+  CHECK(metres_apart({90, 0}, {89.99999, 0}) == Approx(1.116939).margin(1e-5));
+}
+
+TEST_CASE("the antimeridian and the poles are places like others") {
+  CHECK(metres_apart({52, 179.999995}, {52, -179.999995}) ==
+        Approx(metres_apart({52, 9.999995}, {52, 10.000005})).margin(1e-6));
+  CHECK(metres_apart({52, 185}, {52, -175}) < 1e-6);
+  CHECK(metres_apart({90, 0}, {90, 120}) < 1e-6);
+  const LocalPlane pole(earth_position({90, 45}));
+  for (const double metres : pole.local(earth_position({89.9999, 45})))
+    CHECK(std::isfinite(metres));
+}
+
+TEST_CASE("a plane has east, north and up, and keeps distances") {
+  const auto origin = earth_position({52, 13});
+  const LocalPlane plane(origin);
+  CHECK(length_between(plane.local(origin), {0, 0, 0}) < 1e-9);
+  const auto east = plane.local(earth_position({52, 13.001}));
+  CHECK(east[0] == Approx(68.678).margin(0.01));  // a N of 6 391 436 m, cos 52, 0.001 degrees
+  CHECK(std::abs(east[1]) < 0.001);
+  const auto north = plane.local(earth_position({52.001, 13}));
+  CHECK(north[1] == Approx(111.267).margin(0.01));
+  CHECK(std::abs(north[0]) < 1e-9);
+  CHECK(length_between(east, north) ==
+        Approx(metres_apart(Geographic{52, 13.001}, Geographic{52.001, 13})).margin(1e-8));
+}
+
+TEST_CASE("ten kilometres from its origin a plane is 4 mm short and 8 m below") {
+  const LocalPlane plane(earth_position({0, 0}));
+  const double angle_deg = 10000 / 6378137.0 * 180 / std::numbers::pi;
+  const auto far = plane.local(earth_position({0, angle_deg}));
+  CHECK(far[0] == Approx(10000 - 0.0041).margin(0.0001));
+  CHECK(far[2] == Approx(-7.839).margin(0.001));
+  CHECK(length_between(far, {0, 0, 0}) == Approx(10000 - 0.001).margin(0.0001));
+}
+
+TEST_CASE("dates are read with their fraction and zone") {
+  const auto time = parse_calendar_time("2024-05-01T12:34:56.789Z");
+  REQUIRE(time);
+  CHECK(*time == 1714566896789000000);
+  CHECK(parse_calendar_time("2024-05-01T14:34:56.789+02:00") == time);
+  CHECK(parse_calendar_time("2024-05-01 07:04:56,789-0530") == time);
+  CHECK(parse_calendar_time("2024-05-01 12:34:56") == 1714566896000000000);
+  CHECK(parse_calendar_time("2024-02-29T00:00:00.0000000019Z") == 1709164800000000001);
+  CHECK(parse_calendar_time("1969-12-31T23:59:59Z") == -1000000000);
+  for (const char* text :
+       {"", "2024", "2023-02-29T00:00:00Z", "2024-05-01", "2024-05-01T24:00:00Z",
+        "2024-05-01T12:60:00Z", "2024-05-01T12:34:61Z", "2024-05-01T12:34:56.Z",
+        "2024-05-01T12:34:56ZZ", "2024-05-01T12:34:56+", "2024-05-01T12:34:56+99", "1714566896",
+        "2024:05:01 12:34:56", "2024-05-01T12:34:56+02:", "0000-00-00 00:00:00",
+        "9999-01-01T00:00:00Z", "2024-5-1T1:2:3Z"})
+    CHECK_FALSE(parse_calendar_time(text));
+}

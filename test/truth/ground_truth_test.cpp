@@ -1,0 +1,216 @@
+#include "truth/ground_truth.h"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/output.h"
+#include "support.h"
+#include "truth/formats.h"
+
+using namespace vpr;
+
+namespace {
+
+GroundTruth read(const std::string& csv, const GroundTruthScope& scope, int tolerance = 0) {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "g.csv", csv);
+  return read_ground_truth({"pairs", folder / "g.csv", tolerance}, scope);
+}
+
+const GroundTruthScope kOne = {5, {{"ref", 10}}};
+const GroundTruthScope kTwo = {5, {{"a", 10}, {"b, c", 4}}};
+
+}  // namespace
+
+TEST_CASE("pairs are three-valued") {
+  const GroundTruth truth = read("query,reference,label\n1,2,same\n1,3,ignore\n2,9,\n", kOne);
+  CHECK(truth.label(1, 0, 2) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 3) == PlaceLabel::ignore);
+  CHECK(truth.label(1, 0, 4) == PlaceLabel::different);
+  CHECK(truth.label(2, 0, 9) == PlaceLabel::same);
+  CHECK(truth.has_match(1));
+  CHECK_FALSE(truth.has_match(0));
+}
+
+TEST_CASE("a tolerance widens pairs of the same place, not those to ignore") {
+  const GroundTruth truth =
+      read("query,reference,label\n1,2,same\n1,8,ignore\n1,4,ignore\n", kOne, 2);
+  CHECK(truth.label(1, 0, 0) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 4) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 5) == PlaceLabel::different);
+  CHECK(truth.label(1, 0, 8) == PlaceLabel::ignore);
+  CHECK(truth.label(1, 0, 9) == PlaceLabel::different);
+}
+
+TEST_CASE("pairs name frames where the scope knows names") {
+  GroundTruthScope scope = {3, {{"ref", 3}}};
+  scope.query_names = [] { return std::vector<std::string>{"a.png", "b.png", "7.png"}; };
+  scope.sequences[0].names = [] { return std::vector<std::string>{"x.jpg", "y.jpg", "y.png"}; };
+  const GroundTruth truth = read("query,reference\na.png,2\nb,x\n2,y.png\nc/7.png,1\n", scope);
+  CHECK(truth.label(0, 0, 2) == PlaceLabel::same);
+  CHECK(truth.label(1, 0, 0) == PlaceLabel::same);
+  CHECK(truth.label(2, 0, 2) == PlaceLabel::same);
+  CHECK(truth.label(2, 0, 1) == PlaceLabel::same);
+  const auto error = [&](const std::string& row) {
+    return test::error_text([&] { read("query,reference\n" + row + "\n", scope); });
+  };
+  CHECK(error("c.png,0").find("line 2: query \"c.png\" is neither") != std::string::npos);
+  CHECK(error("a.png,y").find("reference \"y\" is neither") != std::string::npos);  // two
+  scope.query_frames = 4;
+  CHECK(error("a.png,0").find("one of 3 names, and the result has 4 frames") != std::string::npos);
+  scope.query_names = nullptr;
+  CHECK(error("a.png,0").find("--query and --train") != std::string::npos);
+}
+
+TEST_CASE("frames that only a file names are bounded") {
+  const test::TemporaryFolder folder;
+  const auto error = [&](const std::string& format, const std::string& rows) {
+    test::write_text(folder / "g.csv", "query,sequence,reference\n" + rows);
+    return test::error_text([&] {
+      inspect_ground_truth({format, folder / "g.csv"}, {kUnknownFrames, {{"", kUnknownFrames}}});
+    });
+  };
+  std::string anchors;
+  std::string pairs;
+  for (int s = 0; s < 16; ++s) {
+    anchors += fmt::format("0,s{0},0\n4194303,s{0},4194303\n", s);
+    pairs += fmt::format("4194303,s{0},0\n", s);
+  }
+  CHECK(error("anchors", anchors).find("more than 16777216 runs") != std::string::npos);
+  CHECK(error("pairs", pairs).find("4194304 query frames and 16 training sequences") !=
+        std::string::npos);
+}
+
+TEST_CASE("poses that are all near each other are bounded before they are compared") {
+  const test::TemporaryFolder folder;
+  std::string poses = "frame,x,y\n";
+  for (int i = 0; i < 20000; ++i) poses += fmt::format("{},{},0\n", i, i % 2);
+  test::write_text(folder / "p.csv", poses);
+  const auto error = [&](double radius) {
+    GroundTruthArgument argument{"poses", folder / "p.csv"};
+    argument.options.reference = folder / "p.csv";
+    argument.options.radius_m = radius;
+    return test::error_text([&] { read_ground_truth(argument, {20000, {{"", 20000}}}); });
+  };
+  CHECK(error(1).find("more than 134217728 pairs of frames lie within 1 m") != std::string::npos);
+}
+
+TEST_CASE("a query whose pairs are all ignored has no match") {
+  CHECK_FALSE(read("query,reference,label\n1,2,ignore\n", kOne).has_match(1));
+}
+
+TEST_CASE("a sequence column names the training sequence") {
+  const GroundTruth truth = read("query,sequence,reference\n0,\"b, c\",3\n", kTwo);
+  CHECK(truth.label(0, 1, 3) == PlaceLabel::same);
+  CHECK(truth.label(0, 0, 3) == PlaceLabel::different);
+}
+
+TEST_CASE("pairs of a sequence that was not searched are left out, but still checked") {
+  GroundTruthScope scope = kTwo;
+  scope.sequences[1].searched = false;
+  const GroundTruth truth = read("query,sequence,reference\n0,\"b, c\",3\n1,a,1\n", scope);
+  CHECK_FALSE(truth.has_match(0));
+  CHECK(truth.has_match(1));
+  CHECK(test::error_kind([&] { read("query,sequence,reference\n0,\"b, c\",4\n", scope); }) ==
+        ErrorKind::data);
+  CHECK(read("query,reference\n1,1\n", scope).label(1, 0, 1) == PlaceLabel::same);
+}
+
+TEST_CASE("several sequences need a sequence column") {
+  CHECK(test::error_kind([] { read("query,reference\n1,1\n", kTwo); }) == ErrorKind::usage);
+  CHECK(test::error_kind([] { read_ground_truth({"aligned", {}, 0}, kTwo); }) == ErrorKind::usage);
+}
+
+TEST_CASE("damaged pairs are refused with their line") {
+  const std::string csv = GENERATE(
+      "", "reference,query\n1,1\n", "query,reference\n1\n", "query,reference\n1,1,1\n",
+      "query,reference\n5,1\n", "query,reference\n1,10\n", "query,reference\n-1,1\n",
+      "query,reference\n1,x\n", "query,reference\n1,1.5\n", "query,reference\n1, 2\n",
+      "query,reference\n1,99999999999999999999999\n", "query,reference,label\n1,1,maybe\n",
+      "query,sequence,reference\n1,zzz,1\n", "query,reference,label\n1,1,same\n1,1,ignore\n");
+  CHECK(test::error_kind([&] { read(csv, kOne); }) == ErrorKind::data);
+  CHECK(test::error_text([] { read("query,reference\n1,1\n\n1,10\n", kOne); }).find("line 4") !=
+        std::string::npos);
+}
+
+TEST_CASE("aligned: frame i is frame i, within the tolerance") {
+  const GroundTruth exact = read_ground_truth({"aligned", {}, 0}, {12, {{"ref", 10}}});
+  CHECK(exact.label(3, 0, 3) == PlaceLabel::same);
+  CHECK(exact.label(3, 0, 4) == PlaceLabel::different);
+  CHECK(exact.has_match(9));
+  CHECK_FALSE(exact.has_match(10));
+  const GroundTruth near = read_ground_truth({"aligned", {}, 2}, {14, {{"ref", 10}}});
+  CHECK(near.label(3, 0, 1) == PlaceLabel::same);
+  CHECK(near.label(3, 0, 6) == PlaceLabel::different);
+  CHECK(near.has_match(11));
+  CHECK(near.label(11, 0, 9) == PlaceLabel::same);
+  CHECK_FALSE(near.has_match(12));
+}
+
+TEST_CASE("an unknown ground truth ignores every pair of what was searched") {
+  const GroundTruth truth =
+      unknown_ground_truth({2, {{"a", 3, true}, {"b", 4, false}, {"c", 1, true}, {"d", 0, true}}});
+  CHECK_FALSE(truth.is_known);
+  REQUIRE(truth.pairs.size() == 2);
+  CHECK(truth.pairs[1].size() == 2);
+  CHECK(truth.label(1, 0, 0) == PlaceLabel::ignore);
+  CHECK(truth.label(1, 0, 2) == PlaceLabel::ignore);
+  CHECK(truth.label(0, 2, 0) == PlaceLabel::ignore);
+  CHECK_FALSE(truth.has_match(0));
+}
+
+namespace {
+
+// What a query of `frames` frames gives, replayed frame by frame.
+void check_replayed(const std::string& argument, int tolerance,
+                    const test::TemporaryFolder& folder) {
+  GroundTruthArgument given = parse_ground_truth_argument(argument, tolerance);
+  if (argument.ends_with("poses.csv")) {
+    given.options.radius_m = 2;
+    given.options.reference = folder / "poses.csv";
+  }
+  const GroundTruthScope recorded = {60, {{"ref", 60}}};
+  const GroundTruth truth = read_ground_truth(given, recorded);
+  for (const WarpRule& rule : warp_rules()) {
+    INFO(argument << ", " << rule.name);
+    GroundTruthScope scope = recorded;
+    scope.replay = replay(std::string(rule.name), 60, 3);
+    scope.query_frames = scope.replay->frames();
+    const GroundTruth warped = read_ground_truth(given, scope);
+    REQUIRE(warped.pairs.size() == scope.query_frames);
+    CHECK(warped.protocol.find("query replayed ") != std::string::npos);
+    for (size_t k = 0; k < scope.query_frames; ++k)
+      for (size_t r = 0; r < 60; ++r)
+        if (warped.label(k, 0, r) != truth.label(scope.replay->sources[k], 0, r))
+          FAIL("frame " << k << " of the replay, reference " << r);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("A replayed frame has the labels of the frame that it shows, in every format") {
+  const test::TemporaryFolder folder;
+  std::string pairs = "query,reference,label\n";
+  std::string poses = "frame,x,y\n";
+  for (int q = 0; q < 60; ++q) {
+    pairs += std::to_string(q) + "," + std::to_string(59 - q) + ",same\n";
+    if (q % 7 == 0) pairs += std::to_string(q) + "," + std::to_string(q / 2) + ",ignore\n";
+    poses += std::to_string(q) + "," + std::to_string(q * q % 40) + ",0\n";
+  }
+  test::write_text(folder / "pairs.csv", pairs);
+  test::write_text(folder / "poses.csv", poses);
+  const GroundTruthScope scope = {60, {{"ref", 60}}};
+  const InspectedGroundTruth truth =
+      inspect_ground_truth({"pairs", folder / "pairs.csv", 0}, scope);
+  Outputs outputs(Existing::refuse);
+  for (const char* name : {"matrix.npy", "matrix.npz"}) {
+    outputs.claim_file(folder / name);
+    find_format("matrix").write(truth, outputs.file(folder / name), {});
+  }
+  outputs.commit();
+  for (const char* name : {"pairs.csv", "poses.csv", "matrix.npy", "matrix.npz"})
+    check_replayed(folder / name, 1, folder);
+  check_replayed("aligned", 1, folder);
+  check_replayed("nordland-exact", 0, folder);
+}

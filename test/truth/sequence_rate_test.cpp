@@ -1,0 +1,171 @@
+#include "truth/sequence_rate.h"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <opencv2/core/mat.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "sequence/frames.h"
+#include "sequence/selection.h"
+#include "sequence/sequence.h"
+#include "support.h"
+
+using namespace vpr;
+
+namespace {
+
+/// Pictures, and the warnings about them.
+struct Recording {
+  test::TemporaryFolder folder;
+  std::vector<std::string> warnings;
+  Monitor monitor;
+
+  explicit Recording(const std::vector<std::string>& names = {}) {
+    monitor.warn = [this](const std::string& text) { warnings.push_back(text); };
+    for (const std::string& name : names) test::write_image(folder / name, 1);
+  }
+  SequenceArgument argument(const std::string& range = "") const {
+    return parse_sequence_argument(folder.path().string() + range);
+  }
+  SequenceArgument rated(const RateSource& source, std::optional<double> fps,
+                         const std::string& range = "") {
+    return with_rate(argument(range), source, fps, monitor);
+  }
+};
+
+std::vector<std::string> names_of(const SequenceArgument& argument) {
+  std::vector<std::string> names;
+  for (const auto& file : open_sequence(argument).files) names.push_back(file.stem().string());
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("Names are times where they are numbers of a clock") {
+  for (const char* name : {"1305031102.175304.png", "0.04.png", "1403636579763555584.png",
+                           "1305031102.png", "12.5.jpg"})
+    CHECK(is_named_by_time(name));
+  for (const char* name :
+       {"7.png", "000012.png", "0000000123.png", "frame.12.png", ".5.png", "a.png", "1.2.3.png"})
+    CHECK_FALSE(is_named_by_time(name));
+}
+
+TEST_CASE("A folder of images that are named by times is thinned by them") {
+  Recording seconds(
+      {"1305031102.0.png", "1305031102.1.png", "1305031102.2.png", "1305031102.3.png"});
+  CHECK(seconds.rated({}, {}).fps == Approx(10));
+  CHECK(seconds.rated({}, {}).kept == nullptr);
+  const SequenceArgument slow = seconds.rated({}, 5);
+  CHECK(names_of(slow) == Names{"1305031102.0", "1305031102.2"});
+  CHECK(slow.fps == Approx(5));
+  CHECK(names_of(seconds.rated({}, 5, "@1:")) == Names{"1305031102.1", "1305031102.3"});
+  CHECK(seconds.rated({}, {}, "@::2").fps == Approx(5));
+  Recording nanoseconds(
+      {"1403636579763555584.png", "1403636579813555584.png", "1403636579863555584.png"});
+  CHECK(nanoseconds.rated({}, {}).fps == Approx(20));
+  CHECK(names_of(nanoseconds.rated({}, 10)) == Names{"1403636579763555584", "1403636579863555584"});
+  CHECK(seconds.warnings.empty());
+  // Exactly its own rate, and above it: nothing is left out.
+  CHECK(seconds.rated({}, 10).kept == nullptr);
+  const SequenceArgument fast = seconds.rated({}, 30);
+  CHECK(fast.kept == nullptr);
+  CHECK(fast.fps == Approx(10));
+  REQUIRE(seconds.warnings.size() == 1);
+  CHECK(seconds.warnings[0].find("has 10 frames a second; --fps 30 can't add any") !=
+        std::string::npos);
+}
+
+TEST_CASE("Times of a list, and an even rate, thin a folder") {
+  Recording walk({"0.png", "1.png", "2.png", "3.png", "4.png", "5.png"});
+  test::write_text(walk.folder / "times.txt", "0\n0.1\n0.2\n0.8\n0.9\n1\n");
+  CHECK(names_of(walk.rated({walk.folder / "times.txt"}, 5)) == Names{"0", "2", "3", "5"});
+  CHECK(names_of(walk.rated({{}, 10.0}, 5)) == Names{"0", "2", "4"});
+  CHECK(names_of(walk.rated({{}, 30.0}, 10, "@1:")) == Names{"1", "4"});
+  CHECK(walk.rated({{}, 30.0}, {}, "@::2").fps == Approx(15));
+  // A list wins over what is stated.
+  CHECK(walk.rated({walk.folder / "times.txt", 30.0}, {}).fps == Approx(10));
+}
+
+TEST_CASE("What nothing is known of can't be thinned, nor what is no sequence in time") {
+  Recording walk({"0.png", "1.png", "2.png"});
+  CHECK_FALSE(walk.rated({}, {}).fps);
+  CHECK(test::error_kind([&] { walk.rated({}, 5); }) == ErrorKind::usage);
+  CHECK(test::error_text([&] {
+          walk.rated({}, 5);
+        }).find("nothing says when its frames were taken") != std::string::npos);
+  test::write_text(walk.folder / "falling.txt", "0\n0.2\n0.1\n");
+  CHECK(test::error_kind([&] { walk.rated({walk.folder / "falling.txt"}, 5); }) == ErrorKind::data);
+  CHECK(test::error_text([&] {
+          walk.rated({walk.folder / "falling.txt"}, 5);
+        }).find("falling.txt, line 3") != std::string::npos);
+  test::write_text(walk.folder / "few.txt", "0\n0.2\n");
+  CHECK(test::error_text([&] { walk.rated({walk.folder / "few.txt"}, 5); }).find("has 2 times") !=
+        std::string::npos);
+  // In natural order these fall; without --fps nobody asks.
+  Recording falling({"1.9.png", "1.10.png"});
+  CHECK_FALSE(falling.rated({}, {}).fps);
+  CHECK(test::error_kind([&] { falling.rated({}, 5); }) == ErrorKind::data);
+  Recording one({"12.5.png"});
+  CHECK_FALSE(one.rated({}, {}).fps);
+  const SequenceArgument kept = one.rated({}, 5);
+  CHECK(kept.kept == nullptr);
+  CHECK_FALSE(kept.fps);
+}
+
+TEST_CASE("A video is thinned by its own times, and frames keep their numbers") {
+  Recording recording;
+  const std::string path = recording.folder / "walk.avi";
+  cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20, {64, 48});
+  REQUIRE(writer.isOpened());
+  for (int i = 0; i < 12; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar(20 * i, 0, 0)));
+  writer.release();
+  const auto names = [&](const std::string& range, std::optional<double> fps) {
+    const SequenceArgument argument =
+        with_rate(parse_sequence_argument(path + range), {}, fps, recording.monitor);
+    const FrameList frames =
+        for_each_frame(open_sequence(argument), PixelFormat::grey, Unreadable::fail,
+                       recording.monitor, [](size_t, const cv::Mat&) {});
+    if (fps) {
+      REQUIRE(frames.replay);
+      CHECK(frames.replay->fps == *fps);
+      CHECK(frames.fps == Approx(*fps));
+    }
+    return frames.names;
+  };
+  CHECK(names("", 5) == Names{"#0", "#4", "#8"});
+  CHECK(names("@2:10", 5) == Names{"#2", "#6"});
+  CHECK(names("@2:", 10) == Names{"#2", "#4", "#6", "#8", "#10"});
+  CHECK(names("", {}).size() == 12);
+  CHECK(with_rate({path, {}}, {}, {}, {}).fps == Approx(20));
+}
+
+TEST_CASE("Frames that come are thinned as those of a whole recording") {
+  Recording walk;
+  Names images;
+  int64_t time = 1'305'031'102'000;
+  for (int i = 0; i < 40; ++i) {
+    images.push_back(fmt::format("{}.{:03}.png", time / 1000, time % 1000));
+    test::write_image(walk.folder / images.back(), 1);
+    time += 20 + 37 * i % 90;
+  }
+  std::string list;
+  for (const std::string& image : images) list += image + "\n";
+  test::write_text(walk.folder / "list.txt", list);
+  for (const double fps : {1.0, 4.0, 9.5, 12.0}) {
+    auto source = open_thinned_source(
+        open_live_source({walk.folder / "list.txt", {}}, Unreadable::fail), fps, {});
+    Names came;
+    while (const auto frame = source->next({})) came.push_back(frame->file.stem().string());
+    CHECK(came == names_of(walk.rated({}, fps)));
+  }
+  Recording named({"a.png", "b.png"});
+  test::write_text(named.folder / "list.txt", "a.png\nb.png\n");
+  const auto open = [&](std::optional<double> recorded_fps) {
+    return open_thinned_source(open_live_source({named.folder / "list.txt", {}}, Unreadable::fail),
+                               5, recorded_fps);
+  };
+  CHECK(test::error_kind([&] { open({})->next({}); }) == ErrorKind::usage);
+  CHECK(open(10)->next({})->name == "a.png");
+}

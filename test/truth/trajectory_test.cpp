@@ -1,0 +1,179 @@
+// Times, trajectories with times, and lists of loop closures.
+#include "truth/trajectory.h"
+
+#include <catch2/catch.hpp>
+
+#include "base/error.h"
+#include "support.h"
+#include "truth/loop_list.h"
+#include "truth/times.h"
+
+using namespace vpr;
+
+namespace {
+
+struct TextFiles {
+  test::TemporaryFolder folder;
+
+  std::filesystem::path operator()(const std::string& name, const std::string& content) const {
+    test::write_text(folder / name, content);
+    return folder / name;
+  }
+};
+
+constexpr const char* kNoTurn = " 0 0 0 0 0 0 1\n";
+
+LoopList read_loops(const std::filesystem::path& path, const Trajectory& trajectory,
+                    LoopFrames frames = LoopFrames::automatic) {
+  LoopListRules rules;
+  rules.frames = frames;
+  return read_loop_list(path, trajectory, rules);
+}
+
+}  // namespace
+
+TEST_CASE("times are exact to the nanosecond, and their size says their unit") {
+  CHECK(parse_time("1305031102.175304", TimeUnit::seconds) == 1305031102175304000);
+  CHECK(parse_time("0.0000000019", TimeUnit::seconds) == 1);
+  CHECK(parse_time("-1.5", TimeUnit::seconds) == -1500000000);
+  CHECK(parse_time(".5", TimeUnit::milliseconds) == 500000);
+  CHECK(parse_time("1403636579763555584", TimeUnit::nanoseconds) == 1403636579763555584);
+  CHECK(parse_time("1.036000e-01", TimeUnit::seconds) == 103600000);
+  CHECK_FALSE(parse_time("4611686018427387905", TimeUnit::nanoseconds));  // 2^62 + 1
+  CHECK_FALSE(parse_time("1e300", TimeUnit::seconds));
+  CHECK_FALSE(parse_time("99999999999", TimeUnit::seconds));
+  CHECK_FALSE(parse_time("1.2.3", TimeUnit::seconds));
+  CHECK_FALSE(parse_time("", TimeUnit::seconds));
+  CHECK(unit_of_time("1305031102.175304") == TimeUnit::seconds);
+  CHECK(unit_of_time("1305031102175") == TimeUnit::milliseconds);
+  CHECK(unit_of_time("1305031102175304") == TimeUnit::microseconds);
+  CHECK(unit_of_time("1305031102175304000") == TimeUnit::nanoseconds);
+  CHECK_FALSE(unit_of_time("nan"));
+  CHECK(time_text(1305031102175304000) == "1305031102.175304");
+  CHECK(time_text(-20000000) == "-0.02");
+  CHECK(time_text(5000000000) == "5");
+}
+
+TEST_CASE("the nearest time is the earlier of two that are as near") {
+  const std::vector<int64_t> times = {10, 20, 40};
+  CHECK(nearest_time(times, -5) == 0);
+  CHECK(nearest_time(times, 15) == 0);
+  CHECK(nearest_time(times, 16) == 1);
+  CHECK(nearest_time(times, 30) == 1);
+  CHECK(nearest_time(times, 31) == 2);
+  CHECK(nearest_time(times, 999) == 2);
+}
+
+TEST_CASE("trajectories of TUM, EuRoC and KITTI are told apart, and have times where files do") {
+  const TextFiles file;
+  const Trajectory tum = read_trajectory(
+      file("tum.txt", std::string("# t x y z q\n1.5 7 8 9 0 0 0 1\n2") + kNoTurn), {});
+  REQUIRE(tum.poses.size() == 2);
+  CHECK(tum.poses[0]->position == std::array<double, 3>{7, 8, 9});
+  CHECK(tum.times_ns == std::vector<int64_t>{1500000000, 2000000000});
+  const Trajectory euroc = read_trajectory(
+      file("e.csv",
+           "#timestamp [ns], x, y, z, qw, qx, qy, qz, v\n"
+           "1403636580838555648,4.6, -1.7,0.8,1,0,0,0,9\n1403636580843555328,1,2,3,0,0,0,1,9\n"),
+      {});
+  REQUIRE(euroc.poses.size() == 2);
+  CHECK(euroc.poses[0]->position == std::array<double, 3>{4.6, -1.7, 0.8});
+  CHECK(euroc.times_ns[1] - euroc.times_ns[0] == 4999680);
+  // The second is a half turn about z: w comes first.
+  CHECK((*euroc.poses[1]->orientation)[0] == -1);
+  CHECK((*euroc.poses[1]->orientation)[8] == 1);
+  const auto kitti = file("k.txt", "1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 4 0 1 0 5 0 0 1 6\n");
+  CHECK(read_trajectory(kitti, {}).times_ns.empty());
+  const auto times = file("times.txt", "0.000000e+00\n1.036000e-01\n");
+  CHECK(read_trajectory(kitti, times).times_ns == std::vector<int64_t>{0, 103600000});
+  CHECK(test::error_kind([&] { read_trajectory(kitti, file("t1", "0\n")); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_trajectory(file.folder / "tum.txt", times); }) ==
+        ErrorKind::usage);
+  CHECK(read_trajectory(file("p.csv", "frame,x,y\n2,5,6\n"), {}).poses.size() == 3);
+  CHECK(test::error_kind([&] { read_trajectory(file("n", "1 2 3\n"), {}); }) == ErrorKind::usage);
+}
+
+TEST_CASE("times that fall or repeat are refused with their line") {
+  const TextFiles file;
+  const auto falls = file("t.txt", std::string("2") + kNoTurn + "\n1" + kNoTurn);
+  const std::string text = test::error_text([&] { read_trajectory(falls, {}); });
+  CHECK(text.find("t.txt, line 3") != std::string::npos);
+  CHECK(text.find("before that of the frame before, 2") != std::string::npos);
+  const auto repeats = file("r.txt", "1\n1\n");
+  CHECK(test::error_kind([&] { read_time_list(repeats); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_time_list(file("w.txt", "1\nx\n")); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_time_list(file("none.txt", "# t\n")); }) == ErrorKind::data);
+}
+
+TEST_CASE("lists of times may have headers, file names and ranges") {
+  const TextFiles file;
+  const std::vector<int64_t> both = {1500000000, 2250000000};
+  CHECK(read_time_list(file("a.csv", "frame,time\n0,1.5\n1,2.25\n")) == both);
+  CHECK(read_time_list(
+            file("b.txt", "# timestamp filename\n1.5 rgb/1.5.png\n2.25 rgb/2.25.png\n")) == both);
+  CHECK(read_time_list(file("c.csv", "1500000000000000000,a.png\n1500000000750000000,b.png\n")) ==
+        std::vector<int64_t>{1500000000000000000, 1500000000750000000});
+  CHECK(read_time_list(file("d.txt", "1\n2\n3\n4\n").string() + "@1:4:2") ==
+        std::vector<int64_t>{2000000000, 4000000000});
+}
+
+TEST_CASE("loop closures are indices or time stamps, with scores or without") {
+  const TextFiles file;
+  std::string poses;
+  for (const char* time : {"100.00", "100.10", "100.20", "100.30"})
+    poses += time + std::string(kNoTurn);
+  const Trajectory trajectory = read_trajectory(file("t.txt", poses), {});
+  const LoopList plain = read_loops(file("l.txt", "# closures\n3 0\n\n2 1\n"), trajectory);
+  CHECK_FALSE(plain.is_by_time);
+  CHECK_FALSE(plain.has_scores);
+  REQUIRE(plain.loops.size() == 2);
+  CHECK(plain.loops[1].query == 2);
+  CHECK(plain.loops[1].match == 1);
+  CHECK(plain.loops[1].line == 4);
+  const LoopList named =
+      read_loops(file("s.csv", "score,match,query,name\n0.5,100.0199,100.3,a\n-2,100.1,100.2,b\n"),
+                 trajectory);
+  CHECK(named.is_by_time);
+  REQUIRE(named.loops.size() == 2);
+  CHECK(named.loops[0].query == 3);
+  CHECK(named.loops[0].match == 0);
+  CHECK(named.loops[1].score == -2);
+  // Whole seconds that are beyond every frame are times, unless they are said to be indices.
+  const Trajectory whole =
+      read_trajectory(file("whole.txt", std::string("100") + kNoTurn + "101" + kNoTurn), {});
+  const auto seconds = file("v.csv", "101,100\n");
+  CHECK(read_loops(seconds, whole).is_by_time);
+  CHECK(test::error_kind([&] { read_loops(seconds, whole, LoopFrames::index); }) ==
+        ErrorKind::data);
+}
+
+TEST_CASE("lists with unknown frames, loops to the future and gaps in scores name their line") {
+  const TextFiles file;
+  std::string poses;
+  for (const char* time : {"100.00", "100.10", "100.20"}) poses += time + std::string(kNoTurn);
+  const Trajectory trajectory = read_trajectory(file("t.txt", poses), {});
+  const auto refused = [&](const std::string& content, const std::string& words) {
+    const auto path = file("l.csv", content);
+    CHECK(test::error_kind([&] { read_loops(path, trajectory); }) == ErrorKind::data);
+    const std::string text = test::error_text([&] { read_loops(path, trajectory); });
+    INFO(text);
+    CHECK(text.find(words) != std::string::npos);
+  };
+  refused("2,0\n3,0\n", "l.csv, line 2: there is no frame 3; the trajectory has 3 (0 to 2)");
+  refused("1,-1\n", "line 1: there is no frame -1");
+  refused("query,match\n0,2\n", "line 2: frame 0 closes a loop with the later frame 2");
+  refused("1,1\n", "with itself");
+  refused("100.2,100.05\n", "the pose nearest to the time 100.05 is 0.05 s away");
+  refused("query,match,score\n2,0,0.5\n2,1,\n", "line 3: the score \"\" is not a number");
+  refused("2,0,0.5\n2,1\n", "line 2: expected 3 columns, found 2");
+  refused("from,to\n1,0\n", "expected the header query,match");
+  Trajectory gap = trajectory;
+  gap.poses[1].reset();
+  CHECK(test::error_text([&] {
+          read_loops(file("g.csv", "2,1\n"), gap);
+        }).find("no pose of frame 1") != std::string::npos);
+  Trajectory untimed = trajectory;
+  untimed.times_ns.clear();
+  CHECK(test::error_kind([&] { read_loops(file("u.csv", "2.5,1.5\n"), untimed); }) ==
+        ErrorKind::usage);
+}
