@@ -1,14 +1,12 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "base/exponentials.h"
-
+#include "base/highway.h"
+// The settings above come first.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "base/highway.h"
-
-// The settings above come first.
+#include "base/exponentials.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/exponentials.cpp"

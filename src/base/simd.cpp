@@ -1,5 +1,5 @@
-#include "base/simd.h"
-
+#include "base/highway.h"
+// Highway's list of generated targets needs the settings above.
 #include <algorithm>
 #include <cstdint>
 
@@ -8,9 +8,7 @@
 #include <hwy/highway.h>
 
 #include "base/error.h"
-#include "base/highway.h"
-
-// Highway's list of generated targets needs the settings above.
+#include "base/simd.h"
 
 namespace vpr {
 namespace {

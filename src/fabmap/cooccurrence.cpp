@@ -1,11 +1,9 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "fabmap/cooccurrence.h"
-
+#include "base/highway.h"
+// The settings above come first.
 #include <bit>
 
-#include "base/highway.h"
-
-// The settings above come first.
+#include "fabmap/cooccurrence.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fabmap/cooccurrence.cpp"

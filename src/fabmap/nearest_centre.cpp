@@ -1,14 +1,12 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "fabmap/nearest_centre.h"
-
+#include "base/highway.h"
+// The settings above come first.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "base/highway.h"
-
-// The settings above come first.
+#include "fabmap/nearest_centre.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fabmap/nearest_centre.cpp"

@@ -1,15 +1,13 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "match/cosine_kernels.h"
-
+#include "base/highway.h"
+// The settings above come first.
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include <hwy/cache_control.h>
 
-#include "base/highway.h"
-
-// The settings above come first.
+#include "match/cosine_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/cosine_kernels.cpp"

@@ -1,9 +1,7 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "match/filter_kernels.h"
-
 #include "base/highway.h"
-
 // The settings above come first.
+#include "match/filter_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/filter_kernels.cpp"

@@ -1,11 +1,9 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "match/grey_kernels.h"
-
+#include "base/highway.h"
+// The settings above come first.
 #include <cstdlib>
 
-#include "base/highway.h"
-
-// The settings above come first.
+#include "match/grey_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/grey_kernels.cpp"

@@ -1,12 +1,10 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "match/hamming_kernels.h"
-
+#include "base/highway.h"
+// The settings above come first.
 #include <cstring>
 
-#include "base/highway.h"
 #include "describe/ldb.h"
-
-// The settings above come first.
+#include "match/hamming_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/hamming_kernels.cpp"

@@ -1,9 +1,7 @@
 // Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
-#include "match/score_kernels.h"
-
 #include "base/highway.h"
-
 // The settings above come first.
+#include "match/score_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/score_kernels.cpp"
