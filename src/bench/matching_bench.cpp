@@ -98,8 +98,9 @@ void time_filtered(const MatchingCase& example, const Effort& effort, const Moni
   row.time = summarise(time_repeatedly(
       effort,
       [&] {
-        take_frame(query, scores, next);
-        views += query.view == next ? 1 : 0;
+        const size_t before = query.track.views;
+        take_frame(query, scores, {next, seen, seen + 2});
+        views += query.track.views - before;
         ++seen;
         next = (next + 1) % scores.query_frames;
       },

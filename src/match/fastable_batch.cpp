@@ -8,7 +8,6 @@
 
 #include "base/parallel.h"
 #include "match/fastable_online.h"
-#include "match/rates.h"
 
 namespace vpr {
 namespace {
@@ -191,13 +190,12 @@ void match_fastable_lengths(const FrameDistances& distances, std::span<const siz
   assert(std::all_of(window_lengths.begin(), window_lengths.end(),
                      [](size_t length) { return length >= 1 && length <= kMaxWindowLength; }));
   if (window_lengths.empty()) return;
-  if (!settings.rates.empty())
-    return match_rates(distances, window_lengths, settings, monitor, consume);
-  if (distances.is_in_order())
-    return match_in_order(distances, window_lengths, settings, monitor, consume);
   const auto [shortest, longest] =
       std::minmax_element(window_lengths.begin(), window_lengths.end());
   if (!any_window_pair(distances, *shortest)) return;
+  if (!settings.rates.empty() || distances.is_in_order())
+    return match_in_order(distances, fastable_stage(distances, window_lengths, settings), monitor,
+                          consume);
   const size_t diagonals = count_diagonals(distances);
   if (diagonals == 0) return;
   const StripLayout layout = plan_strips(diagonals, settings, *longest);

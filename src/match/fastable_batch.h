@@ -8,8 +8,7 @@ namespace vpr {
 /// Strips of diagonals (train frame - query frame) are independent: their running sums stay in
 /// place, each with a ring of its own of window_length rows, in the thread's own cache. A row
 /// therefore arrives in pieces. Nothing is produced where a sequence is shorter than a window.
-/// Distances that come in order are matched row after row, by match_in_order, and windows of
-/// settings.rates by match_rates.
+/// Distances that come in order, and windows of settings.rates, go through fastable_stage.
 void match_fastable(const FrameDistances& distances, const MatchSettings& settings,
                     const Monitor& monitor, const RowConsumer& consume);
 

@@ -207,36 +207,33 @@ std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDist
   return advance_started(state, distances, kernels, static_cast<uint32_t>(query_frame));
 }
 
-void match_in_order(const FrameDistances& distances, std::span<const size_t> window_lengths,
-                    const MatchSettings& settings, const Monitor& monitor,
-                    const LengthRowConsumer& consume) {
-  if (window_lengths.empty()) return;
-  if (!settings.rates.empty())
-    return match_rates(distances, window_lengths, settings, monitor, consume);
-  const size_t shortest = *std::min_element(window_lengths.begin(), window_lengths.end());
-  if (!any_window_pair(distances, shortest)) return;
-  std::vector<FastableState> states = start_lengths(distances, window_lengths, settings);
-  StepCounter counter(monitor, "match", distances.query_frames);
-  for (size_t frame = 0; frame < distances.query_frames; ++frame) {
-    check_stop(monitor);
-    if (distances.start_row) distances.start_row(frame);
-    for (size_t l = 0; l < states.size(); ++l) {
-      const bool has_copy = l > 0 && states[0].has_ring && states[l].has_ring;
-      const auto sums = has_copy ? advance_sums(states[l], settings.kernels, copy_of(states[0]))
-                                 : advance_started(states[l], distances, settings.kernels,
-                                                   static_cast<uint32_t>(frame));
-      if (ends_window(distances, window_lengths[l], frame))
-        emit_row(distances, window_lengths[l], frame, 0, sums,
+WindowStage fastable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                           const MatchSettings& settings) {
+  if (!settings.rates.empty()) return rate_stage(distances, window_lengths, settings);
+  const auto states = std::make_shared<std::vector<FastableState>>(
+      start_lengths(distances, window_lengths, settings));
+  return [states, kernels = settings.kernels](const FrameDistances& rows, const QueryFrame& frame,
+                                              const LengthRowConsumer& consume) {
+    if (rows.start_row) rows.start_row(frame.row);
+    const FastableState& first = states->front();
+    for (size_t l = 0; l < states->size(); ++l) {
+      FastableState& state = (*states)[l];
+      const bool has_copy = l > 0 && first.has_ring && state.has_ring;
+      const auto sums =
+          has_copy ? advance_sums(state, kernels, copy_of(first))
+                   : advance_started(state, rows, kernels, static_cast<uint32_t>(frame.row));
+      if (frame.in_a_row >= state.window_length)
+        emit_row(rows, state.window_length, frame.number, 0, sums,
                  [&](const ScoreRow& row) { consume(l, row); });
     }
-    counter.add();
-  }
+  };
 }
 
 void match_fastable_online(const FrameDistances& distances, const MatchSettings& settings,
                            const Monitor& monitor, const RowConsumer& consume) {
-  match_in_order(distances, {&settings.window_length, 1}, settings, monitor,
-                 [&](size_t, const ScoreRow& row) { consume(row); });
+  if (!any_window_pair(distances, settings.window_length)) return;
+  match_in_order(distances, fastable_stage(distances, {&settings.window_length, 1}, settings),
+                 monitor, [&](size_t, const ScoreRow& row) { consume(row); });
 }
 
 }  // namespace vpr

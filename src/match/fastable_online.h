@@ -43,14 +43,12 @@ FastableState start_fastable(const FrameDistances& distances, const MatchSetting
 std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDistances& distances,
                                            const RowKernels& kernels, size_t query_frame);
 
-/// A whole query, row after row, for windows of several lengths at once: frame distances are
-/// computed once, and rows arrive in order, from the calling thread. Takes distances of any kind;
-/// throws what start_fastable throws. Windows of settings.rates go to match_rates.
-void match_in_order(const FrameDistances& distances, std::span<const size_t> window_lengths,
-                    const MatchSettings& settings, const Monitor& monitor,
-                    const LengthRowConsumer& consume);
+/// The stage for windows of these lengths, of which each frame's distances are computed once; where
+/// settings.rates are given, that of rates.h. Throws what start_fastable throws.
+WindowStage fastable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                           const MatchSettings& settings);
 
-/// The same for windows of settings.window_length.
+/// A whole query by the stage for settings.window_length. Takes distances of any kind.
 void match_fastable_online(const FrameDistances& distances, const MatchSettings& settings,
                            const Monitor& monitor, const RowConsumer& consume);
 

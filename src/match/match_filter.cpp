@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <memory>
 
 #include "base/parallel.h"
 
@@ -29,7 +30,8 @@ void find_scores(FilteredQuery& query, const FrameDistances& distances, size_t f
 
 // Since the last view.
 double change_since(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
-  return query.view ? frame_distance(distances.query.rows, *query.view, frame) : 0;
+  const DescriptorRows& rows = distances.query.rows;
+  return query.view.empty() ? 0 : distance_of(rows.shape.element).pair(query.view, rows[frame]);
 }
 
 double in_typical(double change, double typical_distance) {
@@ -102,39 +104,45 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
 void forget_frames(FilteredQuery& query) {
   restart_filter(query.filter);
   query.track.views = 0;
-  query.view.reset();
+  query.view.clear();
 }
 
-PathReport take_frame(FilteredQuery& query, const FrameDistances& distances, size_t frame) {
-  const size_t number = query.passed + frame;
-  find_scores(query, distances, frame);
-  const double change = change_since(query, distances, frame);
-  if (!query.view || change >= query.filter.settings.view_change * distances.typical_distance) {
-    query.view = frame;
+PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
+                      const QueryFrame& frame) {
+  if (frame.in_a_row == 1) forget_frames(query);
+  find_scores(query, distances, frame.row);
+  const double change = change_since(query, distances, frame.row);
+  if (query.view.empty() ||
+      change >= query.filter.settings.view_change * distances.typical_distance) {
+    const DescriptorRow view = distances.query.rows[frame.row];
+    query.view.assign(view.begin(), view.end());
     advance_filter(query.filter, query.scores);
-    follow_view(query.track, query.filter, query_view(query, distances, number, change));
+    follow_view(query.track, query.filter, query_view(query, distances, frame.number, change));
     write_views(query);
   }
-  const PathFrame path = path_at(query.track, query.filter.cells, number);
+  const PathFrame path = path_at(query.track, query.filter.cells, frame.number);
   write_best(query, path);
-  return {number, path.margin, path.nowhere, path.rate, path.track};
+  return {path.margin, path.nowhere, path.rate, path.track};
+}
+
+WindowStage filter_stage(const FrameDistances& distances, const MatchSettings& settings) {
+  assert(settings.window_length == 1);
+  const auto query = std::make_shared<FilteredQuery>(start_filtered(distances, settings));
+  return [query](const FrameDistances& rows, const QueryFrame& frame,
+                 const LengthRowConsumer& consume) {
+    if (frame.in_a_row == 0 || query->filter.cells.places == 0) return;
+    const PathReport report = take_frame(*query, rows, frame);
+    emit_row(rows, 1, frame.number, 0, query->row, [&](ScoreRow row) {
+      row.path = &report;
+      consume(0, row);
+    });
+  };
 }
 
 void match_filter(const FrameDistances& distances, const MatchSettings& settings,
                   const Monitor& monitor, const RowConsumer& consume) {
-  assert(settings.window_length == 1);
-  StepCounter counter(monitor, "match", distances.query_frames);
-  FilteredQuery query = start_filtered(distances, settings);
-  if (query.filter.cells.places == 0) return;
-  for (const FrameRun& run : distances.query_runs) {
-    forget_frames(query);
-    for (size_t frame = run.first; frame < run.first + run.count; ++frame) {
-      counter.add();
-      const PathReport report = take_frame(query, distances, frame);
-      if (settings.on_path) settings.on_path(report);
-      emit_row(distances, 1, frame, 0, query.row, consume);
-    }
-  }
+  match_in_order(distances, filter_stage(distances, settings), monitor,
+                 [&](size_t, const ScoreRow& row) { consume(row); });
 }
 
 }  // namespace vpr

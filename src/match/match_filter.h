@@ -16,9 +16,7 @@ struct FilteredQuery {
   SecondLook look;
   std::vector<uint16_t> scores;  ///< of the last frame to all training frames
   std::vector<uint32_t> row;     ///< of the last frame: values of all training frames
-  std::optional<size_t> view;    ///< the last frame that was one; none behind a gap
-  size_t passed = 0;  ///< frames of the query that distances have no row of any more: added to the
-                      ///< index of a frame, it is its number
+  std::vector<uint8_t> view;     ///< descriptor of the last frame that was one; empty after a gap
 };
 
 /// Throws Error(usage) for settings out of range.
@@ -27,17 +25,20 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
 /// Forgets all frames, as behind one that can't be read.
 void forget_frames(FilteredQuery& query);
 
-/// Takes the next query frame, which is a row of the distances, and writes its row: for every
+/// Takes the next readable query frame, and writes its row: for every
 /// training frame the value of its view (FilterState); the frame where the query is within the best
 /// view (path_at) has that value, and the others of that view one more. Of a training frame that
 /// can't be read it means nothing. A frame that shows no new view has the row of the last one but
 /// for that. There must be a place. Long databases are shared between threads.
-PathReport take_frame(FilteredQuery& query, const FrameDistances& distances, size_t frame);
+PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
+                      const QueryFrame& frame);
 
-/// Every readable query frame has a row (take_frame), of windows of one frame; smaller values are
-/// likelier. The filter starts anew behind a frame that can't be read. Rows arrive in order, from
-/// the calling thread. settings.on_path, if set, is told of every row before it arrives. Takes
-/// standardized scores only. Memory: 68 bytes a training view, and 6 a training frame.
+/// Every readable query frame has a row (take_frame), of windows of one frame, with its report;
+/// smaller values are likelier. The filter starts anew after an unreadable frame. Takes
+/// standardized scores only. Memory: 68 bytes per training view, and 6 per training frame.
+WindowStage filter_stage(const FrameDistances& distances, const MatchSettings& settings);
+
+/// A whole query by that stage.
 void match_filter(const FrameDistances& distances, const MatchSettings& settings,
                   const Monitor& monitor, const RowConsumer& consume);
 

@@ -47,8 +47,6 @@ struct RateSums {
   Ring<uint32_t> sums;  ///< of windows that end at the last q query frames, and the one that comes
 };
 
-}  // namespace
-
 struct RatesState {
   size_t window_length = 0;
   size_t frames = 0;
@@ -57,8 +55,6 @@ struct RatesState {
   std::vector<uint32_t> best;
   std::vector<uint8_t> best_rate;
 };
-
-namespace {
 
 size_t largest_query(std::span<const Rate> rates) {
   size_t most = 1;
@@ -131,10 +127,12 @@ void for_each_part(size_t frames, const Body& body) {
 }
 
 // Windows of all lengths take the same distances, which are computed once.
-void take_distances(std::span<RatesState> states, const FrameDistances& distances, uint32_t query) {
+void take_distances(std::span<RatesState> states, const FrameDistances& distances,
+                    const QueryFrame& frame) {
+  const auto query = static_cast<uint32_t>(frame.row);
   if (distances.start_row) distances.start_row(query);
   const auto row = [&](RatesState& state, size_t first) {
-    return state.distances.at(query + state.distances.rows, first);
+    return state.distances.at(frame.number + state.distances.rows, first);
   };
   for_each_part(distances.train_frames, [&](size_t first, size_t last) {
     const uint16_t* taken = row(states[0], first);
@@ -178,10 +176,10 @@ void emit_run(RatesState& state, const FrameRun& run, size_t frame, const RowCon
            std::span(state.best_rate).subspan(begin, end - begin)});
 }
 
-void emit_runs(RatesState& state, const FrameDistances& distances, size_t frame,
+void emit_runs(RatesState& state, const FrameDistances& distances, const QueryFrame& frame,
                const RowConsumer& consume) {
-  if (!ends_window(distances, state.window_length, frame)) return;
-  for (const FrameRun& run : distances.train_runs) emit_run(state, run, frame, consume);
+  if (frame.in_a_row < state.window_length) return;
+  for (const FrameRun& run : distances.train_runs) emit_run(state, run, frame.number, consume);
 }
 
 uint32_t parse_side(std::string_view text) {
@@ -220,39 +218,21 @@ std::vector<Rate> parse_rates(std::span<const std::string> texts) {
   return rates;
 }
 
-void match_rates(const FrameDistances& distances, std::span<const size_t> window_lengths,
-                 const MatchSettings& settings, const Monitor& monitor,
-                 const LengthRowConsumer& consume) {
+WindowStage rate_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                       const MatchSettings& settings) {
   assert(!settings.rates.empty());
-  if (window_lengths.empty()) return;
   check_settings(distances, window_lengths, settings);
-  std::vector<RatesState> states;
+  const auto states = std::make_shared<std::vector<RatesState>>();
   for (const size_t length : window_lengths)
-    states.push_back(start_length(distances, length, settings.rates));
-  StepCounter counter(monitor, "match", distances.query_frames);
-  for (size_t frame = 0; frame < distances.query_frames; ++frame) {
-    check_stop(monitor);
-    take_distances(states, distances, static_cast<uint32_t>(frame));
-    for (size_t l = 0; l < states.size(); ++l) {
-      advance(states[l], settings.kernels, frame);
-      emit_runs(states[l], distances, frame, [&](const ScoreRow& row) { consume(l, row); });
+    states->push_back(start_length(distances, length, settings.rates));
+  return [states, kernels = settings.kernels](const FrameDistances& rows, const QueryFrame& frame,
+                                              const LengthRowConsumer& consume) {
+    take_distances(*states, rows, frame);
+    for (size_t l = 0; l < states->size(); ++l) {
+      advance((*states)[l], kernels, frame.number);
+      emit_runs((*states)[l], rows, frame, [&](const ScoreRow& row) { consume(l, row); });
     }
-    counter.add();
-  }
-}
-
-std::shared_ptr<RatesState> start_rates(const FrameDistances& distances,
-                                        const MatchSettings& settings) {
-  const std::array<size_t, 1> length = {settings.window_length};
-  check_settings(distances, length, settings);
-  return std::make_shared<RatesState>(start_length(distances, length[0], settings.rates));
-}
-
-void advance_rates(RatesState& state, const FrameDistances& distances, const RowKernels& kernels,
-                   size_t frame, const RowConsumer& consume) {
-  take_distances({&state, 1}, distances, static_cast<uint32_t>(frame));
-  advance(state, kernels, frame);
-  emit_runs(state, distances, frame, consume);
+  };
 }
 
 }  // namespace vpr

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,30 +37,16 @@ constexpr size_t rate_span(const Rate& rate, size_t window_length) {
   return rate_offset(rate, window_length - 1) + 1;
 }
 
-/// FastABLE for windows of several rates (settings.rates, at least one) and lengths: of each cell
+/// The stage for windows of several rates (settings.rates, at least one) and lengths: of each cell
 /// the smallest sum over them, and which it is, of equals the first. S_r(j, i) = sum over m < c_l
 /// of d(j - m, i - o_m) for windows that end at query frame j and training frame i, where o_m is
 /// rate_offset, is computed from S_r(j - q, i - p), q terms that enter and q that leave. A cell is
 /// named as one of rate 1 is, by i - (c_l - 1), and there is one where these c_l frames and the
-/// training frames of one of the rates at least lie in one run. Rows come in order, from the
-/// calling thread.
+/// training frames of one of the rates at least lie in one run.
 /// Memory: 2 (c_l + q) bytes a training frame for distances, with the largest q, and 4 (q + 1) for
 /// each rate. Throws Error(usage) if it does not fit the memory limit, or if a window is longer
 /// than kMaxScoredWindow.
-void match_rates(const FrameDistances& distances, std::span<const size_t> window_lengths,
-                 const MatchSettings& settings, const Monitor& monitor,
-                 const LengthRowConsumer& consume);
-
-/// What is kept between query frames, for windows of one length.
-struct RatesState;
-
-/// Memory and errors as match_rates; windows of settings.window_length.
-std::shared_ptr<RatesState> start_rates(const FrameDistances& distances,
-                                        const MatchSettings& settings);
-
-/// Takes the next query frame, the first one first; where a window ends there, its rows go to
-/// `consume`.
-void advance_rates(RatesState& state, const FrameDistances& distances, const RowKernels& kernels,
-                   size_t frame, const RowConsumer& consume);
+WindowStage rate_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                       const MatchSettings& settings);
 
 }  // namespace vpr

@@ -44,6 +44,20 @@ std::optional<size_t> least_lag(const FrameDistances& frames) {
   return least;
 }
 
+void match_in_order(const FrameDistances& distances, const WindowStage& stage,
+                    const Monitor& monitor, const LengthRowConsumer& consume) {
+  const std::vector<uint8_t> readable =
+      readable_flags(distances.query_runs, distances.query_frames);
+  StepCounter counter(monitor, "match", distances.query_frames);
+  size_t in_a_row = 0;
+  for (size_t frame = 0; frame < distances.query_frames; ++frame) {
+    check_stop(monitor);
+    in_a_row = readable[frame] != 0 ? in_a_row + 1 : 0;
+    stage(distances, {frame, frame, in_a_row}, consume);
+    counter.add();
+  }
+}
+
 bool any_window_pair(const FrameDistances& frames, size_t window_length) {
   return count_windows(frames.train_runs, window_length) > 0 &&
          count_windows(frames.query_runs, window_length) > 0;

@@ -16,6 +16,15 @@
 
 namespace vpr {
 
+/// What the method `filter` knows of a query frame besides its row, in units of the row's values.
+struct PathReport {
+  uint32_t margin = 0;   ///< of the best match to the best one elsewhere and to being nowhere; 0
+                         ///< where it is not to be trusted
+  uint32_t nowhere = 0;  ///< the value of being at no training frame
+  std::optional<double> rate;  ///< training frames a query frame; none while little was seen
+  uint32_t track = 0;          ///< number of the confirmed track, from 1 on; 0: not confirmed
+};
+
 /// Adjacent cells of one row: scores[x] = D(query_window, train_window + x), the frame distances
 /// of the windows, summed; of standardized scores, biased sums that order as the scores do
 /// (score_kernels.h).
@@ -26,6 +35,7 @@ struct ScoreRow {
   size_t train_window = 0;
   std::span<const uint32_t> scores;
   std::span<const uint8_t> rates = {};  ///< of windows of several rates: which of them each has
+  const PathReport* path = nullptr;     ///< of the filter
 };
 
 /// Cells [first, first + count) of a row.
@@ -55,16 +65,6 @@ void visit_fields(LshSettings& settings, Visitor&& visit) {
   visit("probe_level", settings.probe_level);
 }
 
-/// What the method `filter` knows of a query frame besides its row, in units of the row's values.
-struct PathReport {
-  size_t query_frame = 0;
-  uint32_t margin = 0;   ///< of the best match to the best one elsewhere and to being nowhere; 0
-                         ///< where it is not to be trusted
-  uint32_t nowhere = 0;  ///< the value of being at no training frame
-  std::optional<double> rate;  ///< training frames a query frame; none while little was seen
-  uint32_t track = 0;          ///< number of the confirmed track, from 1 on; 0: not confirmed
-};
-
 /// Bytes for rings and hits, where the user says nothing.
 inline constexpr size_t kDefaultMemoryLimit = size_t{1} << 33;
 
@@ -88,7 +88,6 @@ struct MatchSettings {
   FilterSettings filter = {};
   /// Of the method filter: which training sequences are walks of one place, [a][b]; empty: none.
   std::vector<std::vector<uint8_t>> shared_places = {};
-  std::function<void(const PathReport&)> on_path = {};  ///< of filter: told of every row
 };
 
 /// Sums of distances stay below 2^32.
@@ -107,6 +106,22 @@ std::optional<size_t> least_lag(const FrameDistances& frames);
 
 /// Whether there is a cell at all.
 bool any_window_pair(const FrameDistances& frames, size_t window_length);
+
+/// The next frame of a query whose frames come in order.
+struct QueryFrame {
+  size_t row = 0;       ///< of the distances; less than `number` where earlier rows were dropped
+  size_t number = 0;    ///< in the query
+  size_t in_a_row = 0;  ///< readable frames up to and including this one; 0: it is unreadable
+};
+
+/// Windows over rows that come in order: takes every query frame, one after the other, computes its
+/// row of distances, and hands on the rows of all windows that end there.
+using WindowStage = std::function<void(const FrameDistances& distances, const QueryFrame& frame,
+                                       const LengthRowConsumer& consume)>;
+
+/// Takes a whole query through a stage. Rows arrive in order, from the calling thread.
+void match_in_order(const FrameDistances& distances, const WindowStage& stage,
+                    const Monitor& monitor, const LengthRowConsumer& consume);
 
 /// Whether a valid query window ends at this frame.
 bool ends_window(const FrameDistances& frames, size_t window_length, size_t frame);

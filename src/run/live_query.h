@@ -40,9 +40,8 @@ struct LiveFrames {
 /// standardized scores that are no offline ones; null for distances.
 LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis);
 
-/// The next frame, which is copied. `kept`: another row that is needed, if any, which gets its new
-/// index. Rows of `distances` hold until the next call, and are asked for as those of any query.
-void add_frame(LiveFrames& live, FrameRow frame, std::optional<size_t>* kept = nullptr);
+/// The next frame, which is copied. Rows of `distances` hold until the next call.
+void add_frame(LiveFrames& live, FrameRow frame);
 
 /// Throws Error(usage) for settings by which what is said of a frame depends on later ones, or
 /// which have no method that goes frame by frame.
@@ -65,15 +64,10 @@ class LiveQuery {
   const QueryPlan& plan() const { return plan_; }
 
  private:
-  struct Found;
-  void match_window(const RowConsumer& consume);
-  void match_path(Found& found, const RowConsumer& consume);
-
   QueryResources resources_;
   QueryPlan plan_;
   LiveFrames frames_;
-  FastableState sums_;
-  std::optional<FilteredQuery> filtered_;
+  WindowStage windows_;
   size_t in_a_row_ = 0;  ///< readable frames that came last
 };
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "match/methods.h"
+#include "match/rates.h"
 #include "match/standardization.h"
 
 namespace vpr {
@@ -87,6 +89,43 @@ HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& res
   settings.max_hits = std::min(resources.memory_limit / kBytesPerHit, kMostHits);
   settings.kernels = resources.kernels;
   return settings;
+}
+
+MatchSettings match_settings(const QueryPlan& plan, const QueryResources& resources) {
+  MatchSettings match{
+      plan.settings.window_length,      resources.memory_limit, resources.kernels, {}, {},
+      parse_rates(plan.settings.rates), plan.settings.filter};
+  if (plan.elsewhere) match.shared_places = plan.elsewhere->shared;
+  return match;
+}
+
+ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
+    : plan_(plan), kernels_(resources.kernels), hits_(scan_settings(plan, resources)) {
+  if (has_paths(plan.settings.method)) {
+    path_.emplace(plan.query_frames);
+    margins_.resize(plan.query_frames);
+  } else if (plan.elsewhere) {
+    scan_.emplace(*plan.elsewhere, plan.query_windows, kernels_);
+  }
+}
+
+void ResultRows::take(const ScoreRow& row) {
+  const uint32_t least = kernels_.minimum(row.scores.data(), row.scores.size());
+  hits_.take(row, least);
+  if (scan_) scan_->take(row, least);
+  if (row.path == nullptr) return;
+  const size_t frame = row.query_window;
+  margins_[frame] = row.path->margin;
+  path_->nowhere[frame] = static_cast<double>(int64_t{row.path->nowhere} - plan_.score_offset());
+  if (row.path->rate) path_->rates[frame] = *row.path->rate;
+  path_->tracks[frame] = row.path->track;
+}
+
+Result ResultRows::result() {
+  if (scan_) margins_ = scan_->result().margins;
+  Result result = make_result(plan_, hits_.result(), margins_);
+  result.path = std::move(path_);
+  return result;
 }
 
 }  // namespace vpr

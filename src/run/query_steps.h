@@ -29,6 +29,28 @@ void set_relative_limits(QueryPlan& result, const std::vector<uint32_t>& maxima)
 /// distance.
 std::optional<ResultViews> find_views(const QueryPlan& plan);
 
+/// What a result needs of the rows of a planned query, which must outlive it: hits, best matches
+/// and their margins, and the reports of the filter.
+class ResultRows {
+ public:
+  ResultRows(const QueryPlan& plan, const QueryResources& resources);
+  /// From any thread. Each cell comes once.
+  void take(const ScoreRow& row);
+  /// Without clusters and views.
+  Result result();
+
+ private:
+  const QueryPlan& plan_;
+  RowKernels kernels_;
+  HitScan hits_;
+  std::optional<MarginScan> scan_;  ///< none: the filter reports margins, or there are none
+  std::vector<std::optional<uint32_t>> margins_;
+  std::optional<ResultPath> path_;
+};
+
+/// What matchers take of a plan.
+MatchSettings match_settings(const QueryPlan& plan, const QueryResources& resources);
+
 /// A scan for hits below the result's limits.
 HitScanSettings scan_settings(const QueryPlan& result, const QueryResources& resources);
 

@@ -29,11 +29,11 @@ Believed believed(const test::Example& example) {
   const TrainStatistics statistics = compute_statistics(spans, {}, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
   Believed found;
-  MatchSettings settings{1, size_t{1} << 30, select_kernels()};
-  settings.on_path = [&](const PathReport& report) { found.reports[report.query_frame] = report; };
+  const MatchSettings settings{1, size_t{1} << 30, select_kernels()};
   match_filter(
       standardized(frame_distances(spans, {example.query, example.query_unreadable}), basis, {}),
       settings, {}, [&](const ScoreRow& row) {
+        found.reports[row.query_window] = *row.path;
         for (size_t x = 0; x < row.scores.size(); ++x)
           REQUIRE(found.cells
                       .emplace(test::CellKey{row.query_window, row.sequence, row.train_window + x},

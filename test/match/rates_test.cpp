@@ -93,21 +93,6 @@ test::Example gappy_example(uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("Frame by frame the rows are those of the whole query") {
-  const test::Example example = gappy_example(5);
-  const std::vector<DescriptorSpan> spans = example.spans();
-  const FrameDistances distances =
-      frame_distances(spans, {example.query, example.query_unreadable});
-  const MatchSettings settings = settings_of(7, kRates);
-  const std::shared_ptr<RatesState> state = start_rates(distances, settings);
-  RatedCells cells;
-  for (size_t frame = 0; frame < distances.query_frames; ++frame)
-    advance_rates(*state, distances, settings.kernels, frame,
-                  [&](const ScoreRow& row) { add_row(cells, row); });
-  CHECK_FALSE(cells.empty());
-  CHECK(cells == fast_rates(distances, settings));
-}
-
 TEST_CASE("A rate of 1/2, by hand") {
   // Bits that differ: train frames have 0, 1, 2 set bits, query frames none.
   std::vector<LdbCode> train(3);
