@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "present/result_file.h"
 #include "query_inputs.h"
 #include "run/advice.h"

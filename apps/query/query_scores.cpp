@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "match/lsh.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "query_inputs.h"
 #include "sequence/sequence.h"
 

@@ -210,8 +210,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
         scope.sequences[s].names = [&, s] { return database.sequences[s].frame_names; };
       truth = read_ground_truth(*source.ground_truth, scope, session.monitor);
     }
-    const std::vector<RowConsumer> observers =
-        start_matrix(matrix, inputs.matrix, planned, shape, session);
+    const Sinks observers{start_matrix(matrix, inputs.matrix, planned, shape, session)};
     return run_query(std::move(planned), resources, observers, session.monitor);
   };
   QueryRun found = search();

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "fabmap/model.h"
 #include "match/lsh.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "query_flags.h"
 #include "query_inputs.h"
 #include "sequence/selection.h"

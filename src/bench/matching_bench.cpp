@@ -16,11 +16,10 @@
 #include "decide/row_scan.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/fastable_batch.h"
 #include "match/fastable_online.h"
 #include "match/lsh.h"
+#include "match/match.h"
 #include "match/match_filter.h"
-#include "match/methods.h"
 #include "match/plain.h"
 #include "match/standardized_frames.h"
 #include "run/verify.h"
@@ -112,18 +111,17 @@ void time_filtered(const MatchingCase& example, const Effort& effort, const Moni
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                 BenchRow& row) {
   const auto frames = static_cast<double>(example.distances.query_frames);
-  row.time = summarise(
-      divided(time_repeatedly(
-                  effort, [&] { match_fastable(example.distances, example.settings, {}, ignore); },
-                  monitor),
-              frames));
+  row.time = summarise(divided(
+      time_repeatedly(
+          effort, [&] { match(example.distances, example.settings, {{ignore}}, {}); }, monitor),
+      frames));
 }
 
 void time_openable(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                    BenchRow& row) {
-  const auto run = [&](size_t rows) {
-    match_openable(first_rows(example, rows), example.settings, {}, ignore);
-  };
+  MatchSettings settings = example.settings;
+  settings.method = &find_sequence_method("openable");
+  const auto run = [&](size_t rows) { match(first_rows(example, rows), settings, {{ignore}}, {}); };
   // As many rows at once as fit a tenth of the time, for the start of a run costs something too.
   const Stopwatch watch;
   run(1);
@@ -151,7 +149,7 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
       },
       monitor));
   HitScan scan({{0}, example.rows(), 1, example.settings.kernels});
-  match_fastable(example.distances, example.settings, monitor, std::ref(scan));
+  match(example.distances, example.settings, {{std::ref(scan)}}, monitor);
   const auto exact = scan.result().best;
   size_t found = 0;
   for (size_t w = 0; w < example.rows(); ++w) {
@@ -190,8 +188,7 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
   const FrameDistances some = first_rows(example, kCheckedRows);
   CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedScores, 1));
   const ScoreBasis basis = score_basis(example);
-  match_fastable_online(standardized(some, basis, monitor), example.settings, monitor,
-                        std::ref(scan));
+  match(standardized(some, basis, monitor), example.settings, {{std::ref(scan)}}, monitor);
   if (!wrong_scores(scan.result(), some.train, some.query, length, basis, monitor).empty())
     throw Error(ErrorKind::expectation,
                 "standardized: a score differs from its definition; nothing was timed");
@@ -368,7 +365,9 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
     if (std::find(methods.begin(), methods.end(), method) == methods.end()) return;
     const FrameDistances some = first_rows(example, rows);
     CellScan scan(choose_cells({some.train_runs, some.query_runs}, length, kCheckedCells, 1));
-    find_sequence_method(method).match(some, example.settings, monitor, std::ref(scan));
+    MatchSettings settings = example.settings;
+    settings.method = &find_sequence_method(method);
+    match(some, settings, {{std::ref(scan)}}, monitor);
     if (!wrong_cells(scan.result(), some.train, some.query.rows, length, monitor).empty())
       throw Error(
           ErrorKind::expectation,

@@ -11,7 +11,7 @@
 #include "base/monitor.h"
 #include "base/text.h"
 #include "decide/elsewhere.h"
-#include "match/fastable_batch.h"
+#include "match/match.h"
 #include "match/standardized_frames.h"
 
 namespace vpr {
@@ -47,11 +47,11 @@ void add_own(std::vector<uint32_t>& margins, const DescriptorSpan& walk, uint32_
   const size_t windows = windows_of(walk.rows.size(), length);
   if (windows == 0) return;
   MarginScan scan(make_elsewhere({width}, {}), windows, settings.kernels);
-  const auto match = [&](const FrameDistances& distances, const RowConsumer& consume) {
-    match_fastable(scored(distances, basis, monitor), settings, monitor, consume);
+  const auto match = [&](const FrameDistances& distances, const WholeRowConsumer& consume) {
+    vpr::match(scored(distances, basis, monitor), settings, {{}, {consume}}, monitor);
   };
   match_far(walk, length, half_width(walk, monitor) + length, match, std::ref(scan), most_pairs);
-  const MarginScanResult found = scan.result();
+  const MarginScanResult& found = scan.result();
   const double mean = mean_distance_within(frame_distances({&walk, 1}, walk));
   for (size_t window = 0; window < windows; ++window) {
     if (!found.margins[window]) continue;
@@ -80,8 +80,8 @@ void add_others(std::vector<uint32_t>& margins, std::span<const DescriptorSpan> 
   for (const Stretch& stretch :
        choose_stretches(walk, frames, settings.window_length, most_pairs)) {
     MarginScan scan(elsewhere, windows_of(stretch.count, settings.window_length), settings.kernels);
-    match_fastable(scored(distances.of_query(stretch.of(walk)), own_basis, monitor), settings,
-                   monitor, std::ref(scan));
+    match(scored(distances.of_query(stretch.of(walk)), own_basis, monitor), settings,
+          {{}, {std::ref(scan)}}, monitor);
     for (const auto& margin : scan.result().margins)
       if (margin) margins.push_back(*margin);
   }

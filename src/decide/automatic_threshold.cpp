@@ -9,7 +9,7 @@
 
 #include "base/monitor.h"
 #include "match/distance_statistics.h"
-#include "match/fastable_batch.h"
+#include "match/match.h"
 
 namespace vpr {
 
@@ -36,22 +36,22 @@ void compare_with_later(std::span<const DescriptorSpan> sequences, size_t own,
   std::vector<DescriptorSpan> later(sequences.begin(), sequences.end());
   for (size_t s = 0; s <= own; ++s) later[s] = {};
   oneapi::tbb::enumerable_thread_specific<ClosestTable> locals(ClosestTable(sequences.size()));
-  match_fastable(frame_distances(later, sequences[own]), settings, monitor,
-                 [&](const ScoreRow& row) {
-                   const uint32_t* values = row.scores.data();
-                   const size_t count = row.scores.size();
-                   const uint32_t least = settings.kernels.minimum(values, count);
-                   const auto may_be_closer = [least](const std::optional<ClosestWindows>& kept) {
-                     return !kept || least <= kept->score;
-                   };
-                   std::optional<ClosestWindows>& kept = locals.local()[row.sequence];
-                   std::optional<ClosestWindows>& kept_of_own = locals.local()[own];
-                   if (!may_be_closer(kept) && !may_be_closer(kept_of_own)) return;
-                   const size_t window =
-                       row.train_window + settings.kernels.find_below(values, 0, count, least + 1);
-                   keep_closer(kept, {least, window, own, row.query_window});
-                   keep_closer(kept_of_own, {least, row.query_window, row.sequence, window});
-                 });
+  const auto find_closer = [&](const ScoreRow& row) {
+    const uint32_t* values = row.scores.data();
+    const size_t count = row.scores.size();
+    const uint32_t least = settings.kernels.minimum(values, count);
+    const auto may_be_closer = [least](const std::optional<ClosestWindows>& kept) {
+      return !kept || least <= kept->score;
+    };
+    std::optional<ClosestWindows>& kept = locals.local()[row.sequence];
+    std::optional<ClosestWindows>& kept_of_own = locals.local()[own];
+    if (!may_be_closer(kept) && !may_be_closer(kept_of_own)) return;
+    const size_t window =
+        row.train_window + settings.kernels.find_below(values, 0, count, least + 1);
+    keep_closer(kept, {least, window, own, row.query_window});
+    keep_closer(kept_of_own, {least, row.query_window, row.sequence, window});
+  };
+  match(frame_distances(later, sequences[own]), settings, {{find_closer}}, monitor);
   for (const ClosestTable& local : locals)
     for (size_t s = 0; s < table.size(); ++s)
       if (local[s]) keep_closer(table[s], *local[s]);

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "decide/result.h"
-#include "match/methods.h"
+#include "match/match.h"
 
 namespace vpr {
 namespace {

@@ -8,19 +8,19 @@ namespace {
 
 constexpr size_t kSampledFrames = 10'000;
 
-// Of a row, the part at least `gap` before or behind the query window.
-void hand_on_far(const ScoreRow& row, size_t gap, const RowConsumer& consume) {
-  const size_t end = row.train_window + row.scores.size();
-  const size_t before = row.query_window + 1 > gap ? row.query_window + 1 - gap : 0;
-  const size_t to = std::clamp(before, row.train_window, end);
-  const size_t from = std::clamp(row.query_window + gap, row.train_window, end);
-  const auto hand_on = [&](size_t first, size_t last) {
-    if (first >= last) return;
-    consume({row.query_window, row.sequence, first,
-             row.scores.subspan(first - row.train_window, last - first)});
-  };
-  hand_on(row.train_window, to);
-  hand_on(from, end);
+// Of a row, the parts at least `gap` before or behind the query window.
+std::vector<ScoreRow> far_parts(std::span<const ScoreRow> row, size_t gap) {
+  std::vector<ScoreRow> parts;
+  for (const ScoreRow& piece : row) {
+    const size_t begin = piece.train_window;
+    const size_t end = begin + piece.scores.size();
+    const size_t before = piece.query_window + 1 > gap ? piece.query_window + 1 - gap : 0;
+    const size_t to = std::clamp(before, begin, end);
+    const size_t from = std::clamp(piece.query_window + gap, begin, end);
+    if (to > begin) parts.push_back(part_of_row(piece, 0, to - begin));
+    if (from < end) parts.push_back(part_of_row(piece, from - begin, end - from));
+  }
+  return parts;
 }
 
 constexpr size_t kFramesOfStretch = 1000;
@@ -54,14 +54,16 @@ size_t half_width(const DescriptorSpan& walk, const Monitor& monitor) {
 }
 
 void match_far(const DescriptorSpan& walk, size_t window_length, size_t gap,
-               const WalkMatcher& match, const RowConsumer& consume, size_t most_pairs) {
+               const WalkMatcher& match, const WholeRowConsumer& consume, size_t most_pairs) {
   const size_t frames = walk.rows.size();
   if (frames < window_length || gap > frames - window_length) return;
   const FrameDistances own = frame_distances({&walk, 1}, {walk.rows.first(0), {}});
   for (const Stretch& stretch : choose_stretches(walk, frames, window_length, most_pairs))
-    match(own.of_query(stretch.of(walk)), [&](ScoreRow row) {
-      row.query_window += stretch.first;
-      hand_on_far(row, gap, consume);
+    match(own.of_query(stretch.of(walk)), [&](std::span<const ScoreRow> row) {
+      std::vector<ScoreRow> moved(row.begin(), row.end());
+      for (ScoreRow& piece : moved) piece.query_window += stretch.first;
+      const std::vector<ScoreRow> far = far_parts(moved, gap);
+      if (!far.empty()) consume(far);
     });
 }
 

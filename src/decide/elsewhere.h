@@ -16,9 +16,9 @@ namespace vpr {
 /// spread over a longer walk. The number of frames where no k is large enough; at least 1.
 size_t half_width(const DescriptorSpan& walk, const Monitor& monitor = {});
 
-/// Matches frames of the walk with the whole of it, as RowConsumer says.
+/// Matches frames of the walk with the whole of it.
 using WalkMatcher =
-    std::function<void(const FrameDistances& distances, const RowConsumer& consume)>;
+    std::function<void(const FrameDistances& distances, const WholeRowConsumer& consume)>;
 
 /// Window pairs of longer walks are compared for stretches of it only, evenly spread.
 inline constexpr size_t kMostOwnPairs = size_t{1} << 31;
@@ -27,7 +27,7 @@ inline constexpr size_t kMostOwnPairs = size_t{1} << 31;
 /// the row's. Nothing comes where no two windows are that far apart. A walk of more than most_pairs
 /// window pairs is compared in stretches of 1000 frames, or two windows, each a query of its own.
 void match_far(const DescriptorSpan& walk, size_t window_length, size_t gap,
-               const WalkMatcher& match, const RowConsumer& consume,
+               const WalkMatcher& match, const WholeRowConsumer& consume,
                size_t most_pairs = kMostOwnPairs);
 
 /// Frames of a walk that are a query of their own.

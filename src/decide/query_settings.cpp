@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/json.h"
-#include "match/methods.h"
+#include "match/match.h"
 
 namespace vpr {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "decide/query_settings.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "match/score_kernels.h"
 
 namespace vpr {

@@ -5,7 +5,7 @@
 
 #include "decide/elsewhere.h"
 #include "match/distance_statistics.h"
-#include "match/fastable_batch.h"
+#include "match/match.h"
 #include "match/standardized_frames.h"
 
 namespace vpr {
@@ -64,8 +64,8 @@ bool is_seen_in(const Searched& searched, const DescriptorSpan& walk, const RowK
   for (const Stretch& stretch :
        choose_stretches(walk, searched.walk.rows.size(), length, most_pairs)) {
     MarginScan scan(searched.elsewhere, stretch.count - length + 1, kernels);
-    match_fastable(standardized(distances.of_query(stretch.of(walk)), searched.basis, monitor),
-                   {length, kDefaultMemoryLimit, kernels}, monitor, std::ref(scan));
+    match(standardized(distances.of_query(stretch.of(walk)), searched.basis, monitor),
+          {length, kDefaultMemoryLimit, kernels}, {{}, {std::ref(scan)}}, monitor);
     add_traces(traces, scan.result(), length);
   }
   return traces.found > 0 && kFewest * traces.found >= traces.windows;

@@ -288,21 +288,25 @@ LabelledScan::LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t
       window_length_(window_length),
       untrained_(std::move(elsewhere), query_windows, kernels) {}
 
-void LabelledScan::operator()(const ScoreRow& row) {
-  const size_t count = row.scores.size();
-  const size_t width = widths_[row.sequence];
+void LabelledScan::operator()(std::span<const ScoreRow> row) {
   const size_t anchor = window_length_ - 1;
-  std::vector<PlaceLabel> labels(row.train_window + anchor + count + width);
-  truth_.label_row(row.query_window + anchor, row.sequence, labels);
-  const std::vector<uint8_t> near = near_place(labels, width);
-  const size_t first = row.train_window + anchor;
-  for (size_t begin = 0; begin < count; ++begin) {
-    if (near[first + begin] != 0) continue;
-    size_t end = begin;
-    while (end < count && near[first + end] == 0) ++end;
-    untrained_(part_of_row(row, begin, end - begin));
-    begin = end;
+  std::vector<ScoreRow> untrained;
+  for (const ScoreRow& piece : row) {
+    const size_t count = piece.scores.size();
+    const size_t width = widths_[piece.sequence];
+    const size_t first = piece.train_window + anchor;
+    std::vector<PlaceLabel> labels(first + count + width);
+    truth_.label_row(piece.query_window + anchor, piece.sequence, labels);
+    const std::vector<uint8_t> near = near_place(labels, width);
+    for (size_t begin = 0; begin < count; ++begin) {
+      if (near[first + begin] != 0) continue;
+      size_t end = begin;
+      while (end < count && near[first + end] == 0) ++end;
+      untrained.push_back(part_of_row(piece, begin, end - begin));
+      begin = end;
+    }
   }
+  if (!untrained.empty()) untrained_(untrained);
 }
 
 std::vector<std::optional<uint32_t>> LabelledScan::result() const {

@@ -47,7 +47,7 @@ class LabelledScan {
   /// `truth` must live as long as the scan.
   LabelledScan(const GroundTruth& truth, Elsewhere elsewhere, size_t window_length,
                size_t query_windows, const RowKernels& kernels);
-  void operator()(const ScoreRow& row);
+  void operator()(std::span<const ScoreRow> row);
   /// Per query window; none without a runner-up.
   std::vector<std::optional<uint32_t>> result() const;
 

@@ -213,7 +213,7 @@ WindowStage fastable_stage(const FrameDistances& distances, std::span<const size
   const auto states = std::make_shared<std::vector<FastableState>>(
       start_lengths(distances, window_lengths, settings));
   return [states, kernels = settings.kernels](const FrameDistances& rows, const QueryFrame& frame,
-                                              const LengthRowConsumer& consume) {
+                                              const StageConsumer& consume) {
     if (rows.start_row) rows.start_row(frame.row);
     const FastableState& first = states->front();
     for (size_t l = 0; l < states->size(); ++l) {
@@ -222,18 +222,11 @@ WindowStage fastable_stage(const FrameDistances& distances, std::span<const size
       const auto sums =
           has_copy ? advance_sums(state, kernels, copy_of(first))
                    : advance_started(state, rows, kernels, static_cast<uint32_t>(frame.row));
-      if (frame.in_a_row >= state.window_length)
-        emit_row(rows, state.window_length, frame.number, 0, sums,
-                 [&](const ScoreRow& row) { consume(l, row); });
+      if (frame.in_a_row < state.window_length) continue;
+      const std::vector<ScoreRow> row = whole_row(rows, state.window_length, frame.number, sums);
+      if (!row.empty()) consume(l, row);
     }
   };
-}
-
-void match_fastable_online(const FrameDistances& distances, const MatchSettings& settings,
-                           const Monitor& monitor, const RowConsumer& consume) {
-  if (!any_window_pair(distances, settings.window_length)) return;
-  match_in_order(distances, fastable_stage(distances, {&settings.window_length, 1}, settings),
-                 monitor, [&](size_t, const ScoreRow& row) { consume(row); });
 }
 
 }  // namespace vpr

@@ -48,8 +48,4 @@ std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDist
 WindowStage fastable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                            const MatchSettings& settings);
 
-/// A whole query by the stage for settings.window_length. Takes distances of any kind.
-void match_fastable_online(const FrameDistances& distances, const MatchSettings& settings,
-                           const Monitor& monitor, const RowConsumer& consume);
-
 }  // namespace vpr

@@ -125,24 +125,17 @@ PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
   return {path.margin, path.nowhere, path.rate, path.track};
 }
 
-WindowStage filter_stage(const FrameDistances& distances, const MatchSettings& settings) {
-  assert(settings.window_length == 1);
+WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t>,
+                         const MatchSettings& settings) {
   const auto query = std::make_shared<FilteredQuery>(start_filtered(distances, settings));
-  return [query](const FrameDistances& rows, const QueryFrame& frame,
-                 const LengthRowConsumer& consume) {
-    if (frame.in_a_row == 0 || query->filter.cells.places == 0) return;
-    const PathReport report = take_frame(*query, rows, frame);
-    emit_row(rows, 1, frame.number, 0, query->row, [&](ScoreRow row) {
-      row.path = &report;
-      consume(0, row);
-    });
-  };
-}
-
-void match_filter(const FrameDistances& distances, const MatchSettings& settings,
-                  const Monitor& monitor, const RowConsumer& consume) {
-  match_in_order(distances, filter_stage(distances, settings), monitor,
-                 [&](size_t, const ScoreRow& row) { consume(row); });
+  return
+      [query](const FrameDistances& rows, const QueryFrame& frame, const StageConsumer& consume) {
+        if (frame.in_a_row == 0 || query->filter.cells.places == 0) return;
+        const PathReport report = take_frame(*query, rows, frame);
+        std::vector<ScoreRow> row = whole_row(rows, 1, frame.number, query->row);
+        for (ScoreRow& piece : row) piece.path = &report;
+        if (!row.empty()) consume(0, row);
+      };
 }
 
 }  // namespace vpr

@@ -35,11 +35,9 @@ PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
 
 /// Every readable query frame has a row (take_frame), of windows of one frame, with its report;
 /// smaller values are likelier. The filter starts anew after an unreadable frame. Takes
-/// standardized scores only. Memory: 68 bytes per training view, and 6 per training frame.
-WindowStage filter_stage(const FrameDistances& distances, const MatchSettings& settings);
-
-/// A whole query by that stage.
-void match_filter(const FrameDistances& distances, const MatchSettings& settings,
-                  const Monitor& monitor, const RowConsumer& consume);
+/// standardized scores only, and no window lengths but 1. Memory: 68 bytes per training view, and 6
+/// per training frame.
+WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                         const MatchSettings& settings);
 
 }  // namespace vpr

@@ -155,10 +155,11 @@ size_t first_end(const RatesState& state, const FrameRun& run) {
   return run.first + std::max(state.window_length, least) - 1;
 }
 
-void emit_run(RatesState& state, const FrameRun& run, size_t frame, const RowConsumer& consume) {
+// The cells of a run; none where it is too short.
+std::optional<ScoreRow> row_of_run(RatesState& state, const FrameRun& run, size_t frame) {
   const size_t begin = first_end(state, run);
   const size_t end = run.first + run.count;
-  if (begin >= end) return;
+  if (begin >= end) return std::nullopt;
   std::fill(state.best.begin() + begin, state.best.begin() + end,
             std::numeric_limits<uint32_t>::max());
   for (size_t r = 0; r < state.rates.size(); ++r) {
@@ -171,15 +172,9 @@ void emit_run(RatesState& state, const FrameRun& run, size_t frame, const RowCon
       }
   }
   const size_t first_window = run.first_in_sequence + (begin - run.first) + 1 - state.window_length;
-  consume({frame + 1 - state.window_length, run.sequence, first_window,
-           std::span(state.best).subspan(begin, end - begin),
-           std::span(state.best_rate).subspan(begin, end - begin)});
-}
-
-void emit_runs(RatesState& state, const FrameDistances& distances, const QueryFrame& frame,
-               const RowConsumer& consume) {
-  if (frame.in_a_row < state.window_length) return;
-  for (const FrameRun& run : distances.train_runs) emit_run(state, run, frame.number, consume);
+  return ScoreRow{frame + 1 - state.window_length, run.sequence, first_window,
+                  std::span(state.best).subspan(begin, end - begin),
+                  std::span(state.best_rate).subspan(begin, end - begin)};
 }
 
 uint32_t parse_side(std::string_view text) {
@@ -226,11 +221,16 @@ WindowStage rate_stage(const FrameDistances& distances, std::span<const size_t> 
   for (const size_t length : window_lengths)
     states->push_back(start_length(distances, length, settings.rates));
   return [states, kernels = settings.kernels](const FrameDistances& rows, const QueryFrame& frame,
-                                              const LengthRowConsumer& consume) {
+                                              const StageConsumer& consume) {
     take_distances(*states, rows, frame);
     for (size_t l = 0; l < states->size(); ++l) {
-      advance((*states)[l], kernels, frame.number);
-      emit_runs((*states)[l], rows, frame, [&](const ScoreRow& row) { consume(l, row); });
+      RatesState& state = (*states)[l];
+      advance(state, kernels, frame.number);
+      if (frame.in_a_row < state.window_length) continue;
+      std::vector<ScoreRow> row;
+      for (const FrameRun& run : rows.train_runs)
+        if (const auto piece = row_of_run(state, run, frame.number)) row.push_back(*piece);
+      if (!row.empty()) consume(l, row);
     }
   };
 }

@@ -36,26 +36,20 @@ void emit_row(const FrameDistances& frames, size_t window_length, size_t query_e
   }
 }
 
+std::vector<ScoreRow> whole_row(const FrameDistances& frames, size_t window_length,
+                                size_t query_end, std::span<const uint32_t> sums) {
+  std::vector<ScoreRow> row;
+  emit_row(frames, window_length, query_end, 0, sums,
+           [&](const ScoreRow& piece) { row.push_back(piece); });
+  return row;
+}
+
 std::optional<size_t> least_lag(const FrameDistances& frames) {
   if (frames.past.empty()) return std::nullopt;
   size_t least = frames.query_frames;
   for (size_t query = 0; query < frames.query_frames; ++query)
     if (frames.past[query] > 0) least = std::min(least, query + 1 - frames.past[query]);
   return least;
-}
-
-void match_in_order(const FrameDistances& distances, const WindowStage& stage,
-                    const Monitor& monitor, const LengthRowConsumer& consume) {
-  const std::vector<uint8_t> readable =
-      readable_flags(distances.query_runs, distances.query_frames);
-  StepCounter counter(monitor, "match", distances.query_frames);
-  size_t in_a_row = 0;
-  for (size_t frame = 0; frame < distances.query_frames; ++frame) {
-    check_stop(monitor);
-    in_a_row = readable[frame] != 0 ? in_a_row + 1 : 0;
-    stage(distances, {frame, frame, in_a_row}, consume);
-    counter.add();
-  }
 }
 
 bool any_window_pair(const FrameDistances& frames, size_t window_length) {

@@ -44,12 +44,19 @@ ScoreRow part_of_row(const ScoreRow& row, size_t first, size_t count);
 /// Where there is no cell; no sum is as large.
 inline constexpr uint32_t kNoCell = std::numeric_limits<uint32_t>::max();
 
-/// Called several times for a row, in any order, from several threads at once. Every cell of every
-/// valid window pair arrives exactly once; of an approximate method, some.
+/// Takes pieces of rows: several times for a row, in any order, from several threads at once. Every
+/// cell of every valid window pair arrives exactly once; of an approximate method, some.
 using RowConsumer = std::function<void(const ScoreRow&)>;
 
-/// The same of several window lengths at once: rows of windows of window_lengths[index].
-using LengthRowConsumer = std::function<void(size_t index, const ScoreRow&)>;
+/// Takes whole rows, which are not empty: their pieces by sequence and train window. Rows come in
+/// the order of query windows, on the calling thread.
+using WholeRowConsumer = std::function<void(std::span<const ScoreRow>)>;
+
+/// What reads the rows of a match.
+struct Sinks {
+  std::vector<RowConsumer> pieces = {};
+  std::vector<WholeRowConsumer> rows = {};  ///< where there is one, pieces come in order, too
+};
 
 /// What only the method `lsh` takes.
 struct LshSettings {
@@ -76,6 +83,8 @@ struct Rate {
   bool operator==(const Rate&) const = default;
 };
 
+struct SequenceMethod;
+
 /// What all methods take.
 struct MatchSettings {
   size_t window_length = 40;  ///< c_l, at least 1, at most kMaxWindowLength
@@ -88,6 +97,7 @@ struct MatchSettings {
   FilterSettings filter = {};
   /// Of the method filter: which training sequences are walks of one place, [a][b]; empty: none.
   std::vector<std::vector<uint8_t>> shared_places = {};
+  const SequenceMethod* method = nullptr;  ///< a row of sequence_methods(); null: fastable
 };
 
 /// Sums of distances stay below 2^32.
@@ -98,6 +108,10 @@ inline constexpr size_t kMaxWindowLength = 1'000'000;
 /// window's last frame.
 void emit_row(const FrameDistances& frames, size_t window_length, size_t query_end, size_t first,
               std::span<const uint32_t> sums, const RowConsumer& consume);
+
+/// The same pieces of a whole row: `sums` has one entry a train frame.
+std::vector<ScoreRow> whole_row(const FrameDistances& frames, size_t window_length,
+                                size_t query_end, std::span<const uint32_t> sums);
 
 /// How many frames of a query lie at least between a frame and the past that it may match: of
 /// diagonals (train frame - query frame) only those up to -least_lag hold cells. Nothing where all
@@ -114,14 +128,13 @@ struct QueryFrame {
   size_t in_a_row = 0;  ///< readable frames up to and including this one; 0: it is unreadable
 };
 
+/// Takes the row of the windows of the length-th window length; not called where it has no cell.
+using StageConsumer = std::function<void(size_t length, std::span<const ScoreRow> row)>;
+
 /// Windows over rows that come in order: takes every query frame, one after the other, computes its
 /// row of distances, and hands on the rows of all windows that end there.
 using WindowStage = std::function<void(const FrameDistances& distances, const QueryFrame& frame,
-                                       const LengthRowConsumer& consume)>;
-
-/// Takes a whole query through a stage. Rows arrive in order, from the calling thread.
-void match_in_order(const FrameDistances& distances, const WindowStage& stage,
-                    const Monitor& monitor, const LengthRowConsumer& consume);
+                                       const StageConsumer& consume)>;
 
 /// Whether a valid query window ends at this frame.
 bool ends_window(const FrameDistances& frames, size_t window_length, size_t frame);

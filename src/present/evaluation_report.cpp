@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "present/json_fields.h"
 #include "present/metrics_report.h"
 #include "truth/check.h"

@@ -7,7 +7,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "decide/score_kind.h"
-#include "match/methods.h"
+#include "match/match.h"
 
 namespace vpr {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
-#include "match/methods.h"
+#include "match/match.h"
 
 namespace vpr {
 

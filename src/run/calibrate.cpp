@@ -47,9 +47,8 @@ Labelled label_walk(QueryPlan plan, const GroundTruth& truth, const QueryResourc
   const size_t windows = plan.query_windows;
   LabelledScan scan(truth, *plan.elsewhere, plan.settings.window_length, windows,
                     resources.kernels);
-  const bool has_rows = !has_paths(plan.settings.method);
-  const std::vector<RowConsumer> observers =
-      has_rows ? std::vector<RowConsumer>{std::ref(scan)} : std::vector<RowConsumer>{};
+  Sinks observers;
+  if (!has_paths(plan.settings.method)) observers.rows.push_back(std::ref(scan));
   labelled.result = run_query(std::move(plan), resources, observers, monitor).result;
   labelled.untrained = scan.result();
   return labelled;

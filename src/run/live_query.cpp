@@ -75,26 +75,26 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
       frames_(live_frames(plan_)) {
   const MatchSettings match = match_settings(plan_, resources);
   const FrameDistances& distances = frames_.distances;
-  if (has_paths(plan_.settings.method)) {
-    windows_ = filter_stage(distances, match);
-    return;
-  }
-  if (!ring_fits(distances.train_frames, match.window_length, match.memory_limit))
+  const size_t length = match.window_length;
+  if (!has_paths(plan_.settings.method) &&
+      !ring_fits(distances.train_frames, length, match.memory_limit))
     throw Error(ErrorKind::usage,
                 fmt::format("the distances of the last {} frames to {} training frames do not fit "
                             "--max-memory",
-                            match.window_length, distances.train_frames));
-  windows_ = fastable_stage(distances, {&match.window_length, 1}, match);
+                            length, distances.train_frames));
+  windows_ = window_stage(distances, {&length, 1}, match);
 }
 
 std::optional<Result> LiveQuery::take(const FrameRow& frame) {
   add_frame(frames_, frame);
   in_a_row_ = frame.is_readable ? in_a_row_ + 1 : 0;
   ResultRows rows(plan_, resources_);
+  const Sinks sinks = rows.sinks();
   windows_(frames_.distances, {frames_.last_row(), frames_.frames - 1, in_a_row_},
-           [&](size_t, ScoreRow row) {
-             row.query_window = 0;
-             rows.take(row);
+           [&](size_t, std::span<const ScoreRow> row) {
+             std::vector<ScoreRow> only(row.begin(), row.end());
+             for (ScoreRow& piece : only) piece.query_window = 0;
+             hand_on(sinks, only);
            });
   if (in_a_row_ < plan_.settings.window_length) return std::nullopt;
   return rows.result();

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "describe/imported.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "match/past_scores.h"
 #include "run/train.h"
 #include "truth/times.h"

@@ -4,8 +4,8 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "match/fastable_batch.h"
 #include "match/lsh.h"
+#include "match/match.h"
 #include "run/query_steps.h"
 
 namespace vpr {
@@ -45,19 +45,19 @@ QueryRun query_lsh(const SequenceDatabase& database, const DescriptorSet& query,
   exact.method = "fastable";
   QueryPlan plan = plan_query(database, query, query_name, exact, resources, monitor);
   plan.settings.method = settings.method;
-  const MatchSettings match{plan.settings.window_length, resources.memory_limit, resources.kernels,
-                            plan.settings.lsh, resources.seed};
+  const MatchSettings windows{plan.settings.window_length, resources.memory_limit,
+                              resources.kernels, plan.settings.lsh, resources.seed};
   const FrameDistances distances = searched_distances(plan);
   QueryRun run;
   Stopwatch watch;
   HitScan some(scan_settings(plan, resources));
-  match_lsh(distances, match, monitor, std::ref(some));
+  match_lsh(distances, windows, monitor, std::ref(some));
   const HitScanResult found = some.result();
   run.result = make_result(plan, found);
   run.seconds["match"] = watch.elapsed_s();
   watch = {};
   HitScan all(scan_settings(plan, resources));
-  match_fastable(distances, match, monitor, std::ref(all));
+  match(distances, windows, {{std::ref(all)}}, monitor);
   run.result.recall = recall_of(found, all.result());
   run.seconds["recall"] = watch.elapsed_s();
   watch = {};

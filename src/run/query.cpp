@@ -50,12 +50,11 @@ class StepTimer {
 
 }  // namespace
 
-QueryRun run_query(QueryPlan plan, const QueryResources& resources,
-                   const std::vector<RowConsumer>& observers, const Monitor& monitor) {
+QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
+                   const Monitor& monitor) {
   if (resources.verify_cells > 0) check_verification(plan.settings, plan.query.given != nullptr);
   QueryRun run;
-  const SequenceMethod& method = find_sequence_method(plan.settings.method);
-  const MatchSettings match = match_settings(plan, resources);
+  const MatchSettings settings = match_settings(plan, resources);
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
   FrameDistances distances = searched_distances(plan);
   distances.past = plan.past;
@@ -65,21 +64,21 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources,
   const bool has_two_passes = needs_maxima(plan);
   if (has_two_passes) {
     MaximumScan scan(plan.sequences.size(), resources.kernels);
-    method.match(distances, match, part_of(monitor, "pass", 0, 2), std::ref(scan));
+    match(distances, settings, {{std::ref(scan)}}, part_of(monitor, "pass", 0, 2));
     set_relative_limits(plan, scan.result());
     timer.end_step("maximum");
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), basis, plan, last_pass);
-  CellScan cells(choose_cells({searched_runs(plan), distances.query_runs}, match.window_length,
+  CellScan cells(choose_cells({searched_runs(plan), distances.query_runs}, settings.window_length,
                               resources.verify_cells, resources.seed));
   {
     ResultRows rows(plan, resources);
-    method.match(distances, match, last_pass, [&](const ScoreRow& row) {
-      rows.take(row);
-      cells(row);
-      for (const RowConsumer& observe : observers) observe(row);
-    });
+    Sinks sinks = rows.sinks();
+    if (resources.verify_cells > 0) sinks.pieces.push_back(std::ref(cells));
+    sinks.pieces.insert(sinks.pieces.end(), observers.pieces.begin(), observers.pieces.end());
+    sinks.rows.insert(sinks.rows.end(), observers.rows.begin(), observers.rows.end());
+    match(distances, settings, sinks, last_pass);
     run.result = rows.result();
   }
   timer.end_step("match");

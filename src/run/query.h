@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "decide/result.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "store/sequence_database.h"
 
 namespace vpr {
@@ -49,9 +49,9 @@ QueryPlan plan_window(const SequenceDatabase& database, const std::string& query
                       const Monitor& monitor);
 
 /// Distances, hits, best matches and clusters of a planned query. Every row also goes to
-/// `observers`, once. Throws Error(expectation) if a verified cell differs, and what score_basis
+/// `observers`. Throws Error(expectation) if a verified cell differs, and what score_basis
 /// and start_standardized throw.
-QueryRun run_query(QueryPlan plan, const QueryResources& resources,
-                   const std::vector<RowConsumer>& observers, const Monitor& monitor);
+QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
+                   const Monitor& monitor);
 
 }  // namespace vpr

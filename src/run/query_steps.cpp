@@ -1,12 +1,13 @@
 #include "run/query_steps.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "match/rates.h"
 #include "match/standardization.h"
 
@@ -95,30 +96,35 @@ MatchSettings match_settings(const QueryPlan& plan, const QueryResources& resour
   MatchSettings match{
       plan.settings.window_length,      resources.memory_limit, resources.kernels, {}, {},
       parse_rates(plan.settings.rates), plan.settings.filter};
+  match.method = &find_sequence_method(plan.settings.method);
   if (plan.elsewhere) match.shared_places = plan.elsewhere->shared;
   return match;
 }
 
 ResultRows::ResultRows(const QueryPlan& plan, const QueryResources& resources)
-    : plan_(plan), kernels_(resources.kernels), hits_(scan_settings(plan, resources)) {
+    : plan_(plan), hits_(scan_settings(plan, resources)) {
   if (has_paths(plan.settings.method)) {
     path_.emplace(plan.query_frames);
     margins_.resize(plan.query_frames);
   } else if (plan.elsewhere) {
-    scan_.emplace(*plan.elsewhere, plan.query_windows, kernels_);
+    scan_.emplace(*plan.elsewhere, plan.query_windows, resources.kernels);
   }
 }
 
-void ResultRows::take(const ScoreRow& row) {
-  const uint32_t least = kernels_.minimum(row.scores.data(), row.scores.size());
-  hits_.take(row, least);
-  if (scan_) scan_->take(row, least);
-  if (row.path == nullptr) return;
-  const size_t frame = row.query_window;
-  margins_[frame] = row.path->margin;
-  path_->nowhere[frame] = static_cast<double>(int64_t{row.path->nowhere} - plan_.score_offset());
-  if (row.path->rate) path_->rates[frame] = *row.path->rate;
-  path_->tracks[frame] = row.path->track;
+Sinks ResultRows::sinks() {
+  Sinks sinks{{std::ref(hits_)}, {}};
+  if (scan_) sinks.rows.push_back(std::ref(*scan_));
+  if (path_) sinks.rows.push_back([this](std::span<const ScoreRow> row) { take_path(row); });
+  return sinks;
+}
+
+void ResultRows::take_path(std::span<const ScoreRow> row) {
+  const PathReport& report = *row.front().path;
+  const size_t frame = row.front().query_window;
+  margins_[frame] = report.margin;
+  path_->nowhere[frame] = static_cast<double>(int64_t{report.nowhere} - plan_.score_offset());
+  if (report.rate) path_->rates[frame] = *report.rate;
+  path_->tracks[frame] = report.track;
 }
 
 Result ResultRows::result() {

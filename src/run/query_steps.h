@@ -34,14 +34,15 @@ std::optional<ResultViews> find_views(const QueryPlan& plan);
 class ResultRows {
  public:
   ResultRows(const QueryPlan& plan, const QueryResources& resources);
-  /// From any thread. Each cell comes once.
-  void take(const ScoreRow& row);
+  /// What takes the rows, for as long as this lives.
+  Sinks sinks();
   /// Without clusters and views.
   Result result();
 
  private:
+  void take_path(std::span<const ScoreRow> row);
+
   const QueryPlan& plan_;
-  RowKernels kernels_;
   HitScan hits_;
   std::optional<MarginScan> scan_;  ///< none: the filter reports margins, or there are none
   std::vector<std::optional<uint32_t>> margins_;

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "evaluate/matrix_scan.h"
-#include "match/fastable_batch.h"
+#include "match/match.h"
 #include "match/rates.h"
 #include "run/query_steps.h"
 #include "run/score_basis.h"
@@ -84,46 +84,45 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
             const QueryResources& resources, const Monitor& monitor) {
   const QueryPlan& first = lengths.front().planned.front();
   const std::optional<ScoreBasis> basis = score_basis(first.learned, first.settings);
-  std::vector<size_t> windows;
-  for (const LengthSweep& length : lengths)
-    windows.push_back(length.planned.front().settings.window_length);
   const FrameDistances distances = searched_distances(first);
-  MatchSettings match{1, resources.memory_limit, resources.kernels};
-  match.rates = parse_rates(first.settings.rates);
-  const auto match_lengths = [&](const LengthRowConsumer& consume) {
-    match_fastable_lengths(scored(distances, basis, first, monitor), windows, match, monitor,
-                           consume);
+  MatchSettings settings{1, resources.memory_limit, resources.kernels};
+  settings.rates = parse_rates(first.settings.rates);
+  std::vector<Pass> passes;
+  for (const LengthSweep& length : lengths)
+    passes.push_back({length.planned.front().settings.window_length, {}});
+  const auto match_all = [&] {
+    match(scored(distances, basis, first, monitor), settings, passes, monitor);
   };
   if (any_relative(lengths)) {
     std::deque<MaximumScan> maxima;
-    for (size_t l = 0; l < lengths.size(); ++l)
-      maxima.emplace_back(first.sequences.size(), resources.kernels);
-    match_lengths([&](size_t l, const ScoreRow& row) { maxima[l](row); });
+    for (Pass& pass : passes)
+      pass.sinks = {{std::ref(maxima.emplace_back(first.sequences.size(), resources.kernels))}};
+    match_all();
     for (size_t l = 0; l < lengths.size(); ++l) {
       const std::vector<uint32_t> found = maxima[l].result();
       for (QueryPlan& plan : lengths[l].planned)
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
+  const bool has_margins = decision_kind(first.settings.decision).accepts != nullptr;
   std::deque<HitScan> hits;
   std::deque<MarginScan> margins;
   std::deque<LabelledScan> labelled;
-  for (const LengthSweep& length : lengths) {
-    hits.emplace_back(widest_scan(length, share_of(resources, lengths.size())));
-    if (decision_kind(first.settings.decision).accepts == nullptr) continue;
-    const QueryPlan& plan = length.planned.front();
-    margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels);
-    labelled.emplace_back(truth, *first.elsewhere, plan.settings.window_length, plan.query_windows,
-                          resources.kernels);
+  for (size_t l = 0; l < lengths.size(); ++l) {
+    Sinks& sinks = passes[l].sinks;
+    sinks = {{std::ref(
+        hits.emplace_back(widest_scan(lengths[l], share_of(resources, lengths.size()))))}};
+    if (!has_margins) continue;
+    const QueryPlan& plan = lengths[l].planned.front();
+    sinks.rows = {
+        std::ref(margins.emplace_back(*first.elsewhere, plan.query_windows, resources.kernels)),
+        std::ref(labelled.emplace_back(truth, *first.elsewhere, plan.settings.window_length,
+                                       plan.query_windows, resources.kernels))};
   }
-  match_lengths([&](size_t l, const ScoreRow& row) {
-    hits[l](row);
-    if (!margins.empty()) margins[l](row);
-    if (!labelled.empty()) labelled[l](row);
-  });
+  match_all();
   for (size_t l = 0; l < lengths.size(); ++l) {
     lengths[l].found = hits[l].result();
-    if (margins.empty()) continue;
+    if (!has_margins) continue;
     lengths[l].margins = margins[l].result().margins;
     lengths[l].untrained = labelled[l].result();
   }

@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "decide/decision.h"
 #include "match/lsh.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "match/plain.h"
 #include "match/score_kernels.h"
 

@@ -4,7 +4,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/parallel.h"
 #include "base/random.h"
 #include "match/row_kernels.h"
 #include "match/score_kernels.h"
@@ -37,7 +36,6 @@ std::optional<uint32_t> slow_margin(const FullRow& row, const Elsewhere& elsewhe
 }
 
 struct Piece {
-  size_t query = 0;
   size_t sequence = 0;
   size_t first = 0;
   std::vector<uint32_t> scores;
@@ -65,45 +63,41 @@ FullRow random_row(RandomEngine& engine, const std::vector<size_t>& windows) {
   return row;
 }
 
-// Cuts rows where a cell is missing, and elsewhere at random.
-std::vector<Piece> pieces_of(const std::vector<FullRow>& rows, size_t longest,
-                             RandomEngine& engine) {
+// Cuts a row where a cell is missing, and elsewhere at random.
+std::vector<Piece> pieces_of(const FullRow& row, size_t longest, RandomEngine& engine) {
   std::vector<Piece> pieces;
-  for (size_t q = 0; q < rows.size(); ++q)
-    for (size_t s = 0; s < rows[q].size(); ++s) {
-      size_t room = 0;
-      for (size_t i = 0; i < rows[q][s].size(); ++i) {
-        if (!rows[q][s][i]) {
-          room = 0;
-          continue;
-        }
-        if (room == 0) {
-          pieces.push_back({q, s, i, {}});
-          room = 1 + uniform_below(engine, longest);
-        }
-        pieces.back().scores.push_back(*rows[q][s][i]);
-        --room;
+  for (size_t s = 0; s < row.size(); ++s) {
+    size_t room = 0;
+    for (size_t i = 0; i < row[s].size(); ++i) {
+      if (!row[s][i]) {
+        room = 0;
+        continue;
       }
+      if (room == 0) {
+        pieces.push_back({s, i, {}});
+        room = 1 + uniform_below(engine, longest);
+      }
+      pieces.back().scores.push_back(*row[s][i]);
+      --room;
     }
-  for (size_t i = pieces.size(); i > 1; --i)
-    std::swap(pieces[i - 1], pieces[uniform_below(engine, i)]);
+  }
   return pieces;
 }
 
-MarginScanResult scan_pieces(const std::vector<Piece>& pieces, const Elsewhere& elsewhere,
-                             size_t rows) {
-  MarginScan scan(elsewhere, rows, select_kernels());
-  parallel_for(pieces.size(), {}, [&](size_t p) {
-    scan({pieces[p].query, pieces[p].sequence, pieces[p].first, pieces[p].scores});
-  });
-  return scan.result();
+void scan_pieces(MarginScan& scan, size_t query, const std::vector<Piece>& pieces) {
+  std::vector<ScoreRow> row;
+  for (const Piece& piece : pieces)
+    row.push_back({query, piece.sequence, piece.first, piece.scores});
+  if (!row.empty()) scan(row);
 }
 
 MarginScanResult scan_row(const std::vector<std::vector<uint32_t>>& row,
                           const Elsewhere& elsewhere) {
   MarginScan scan(elsewhere, 1, select_kernels());
+  std::vector<Piece> pieces;
   for (size_t s = 0; s < row.size(); ++s)
-    if (!row[s].empty()) scan({0, s, 0, row[s]});
+    if (!row[s].empty()) pieces.push_back({s, 0, row[s]});
+  scan_pieces(scan, 0, pieces);
   return scan.result();
 }
 
@@ -139,7 +133,7 @@ TEST_CASE("of equal values the first is best, and the margin may be 0") {
   CHECK(scan_row({{5, 4, 4}, {4, 4}}, make_elsewhere({1, 1}, {{0, 1}})).margins[0] == std::nullopt);
 }
 
-TEST_CASE("pieces in any order from any number of threads give the margins of whole rows") {
+TEST_CASE("rows of any pieces give the margins of the definition") {
   RandomEngine engine(7);
   for (int trial = 0; trial < 300; ++trial) {
     std::vector<size_t> windows;
@@ -154,10 +148,12 @@ TEST_CASE("pieces in any order from any number of threads give the margins of wh
     const Elsewhere elsewhere = make_elsewhere(widths, shared);
     std::vector<FullRow> rows;
     for (int q = 0; q < 6; ++q) rows.push_back(random_row(engine, windows));
-    const std::vector<Piece> pieces =
-        pieces_of(rows, 1 + uniform_below(engine, trial % 2 == 0 ? 6 : 60), engine);
-    const ThreadLimit limit(1 + trial % 4);
-    const MarginScanResult result = scan_pieces(pieces, elsewhere, rows.size());
+    MarginScan scan(elsewhere, rows.size(), select_kernels());
+    for (size_t q = 0; q < rows.size(); ++q) {
+      const size_t longest = 1 + uniform_below(engine, trial % 2 == 0 ? 6 : 60);
+      scan_pieces(scan, q, pieces_of(rows[q], longest, engine));
+    }
+    const MarginScanResult& result = scan.result();
     for (size_t q = 0; q < rows.size(); ++q) {
       INFO("trial " << trial << ", row " << q);
       std::optional<Cell> best;

@@ -22,11 +22,14 @@ std::vector<std::optional<uint32_t>> scan_rows(const GroundTruth& truth, uint32_
                                                const std::vector<std::vector<uint32_t>>& rows,
                                                size_t piece) {
   LabelledScan scan(truth, make_elsewhere({width}, {}), kLength, rows.size(), select_kernels());
-  for (size_t query = 0; query < rows.size(); ++query)
+  for (size_t query = 0; query < rows.size(); ++query) {
+    std::vector<ScoreRow> row;
     for (size_t first = 0; first < rows[query].size(); first += piece) {
       const size_t count = std::min(piece, rows[query].size() - first);
-      scan({query, 0, first, std::span(rows[query]).subspan(first, count)});
+      row.push_back({query, 0, first, std::span(rows[query]).subspan(first, count)});
     }
+    scan(row);
+  }
   return scan.result();
 }
 

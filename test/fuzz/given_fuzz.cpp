@@ -1,6 +1,6 @@
 // Any bytes as a matrix of scores that takes windows: what is read of it is what its units say.
 #include "fuzz.h"
-#include "match/fastable_online.h"
+#include "match/match.h"
 #include "match/row_kernels.h"
 #include "run/given_query.h"
 #include "run/train.h"
@@ -17,9 +17,10 @@ void match(const GivenDistances& given, const FrameDistances& distances, size_t 
   settings.memory_limit = size_t{1} << 24;
   settings.kernels = select_kernels();
   const uint64_t most = uint64_t{given.units().largest} * window_length;
-  match_fastable_online(distances, settings, {}, [&](const ScoreRow& row) {
+  const auto check = [&](const ScoreRow& row) {
     for (const uint32_t sum : row.scores) fuzz::require(sum <= most);
-  });
+  };
+  vpr::match(distances, settings, {{check}}, {});
 }
 
 void read_matrix(const std::filesystem::path& path, const ScoreFormat& format) {

@@ -13,9 +13,8 @@
 #include "describe/imported.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/fastable_batch.h"
 #include "match/lsh.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "match/plain.h"
 #include "match/standardized_frames.h"
 #include "support.h"
@@ -240,10 +239,11 @@ TEST_CASE("windows of vectors are compared by every exact method as the definiti
                 plain_window_distance(train[s].rows, i, query.span().rows, j, length);
     for (const SequenceMethod& method : sequence_methods()) {
       if (method.has_paths) continue;
-      const MatchSettings settings{length, size_t{1} << 30, select_kernels()};
+      MatchSettings settings{length, size_t{1} << 30, select_kernels()};
+      settings.method = &method;
       Cells cells;
       std::mutex mutex;
-      method.match(distances, settings, {}, collecting(cells, mutex));
+      match(distances, settings, {{collecting(cells, mutex)}}, {});
       CHECK(cells == expected);
     }
     const MatchSettings hashed{length, size_t{1} << 30, select_kernels()};
@@ -265,8 +265,8 @@ TEST_CASE("standardized scores of vectors are those of the oracle") {
     const ScoreBasis basis = make_score_basis({}, offline, statistics);
     Cells cells;
     std::mutex mutex;
-    match_fastable(standardized(frame_distances({&train, 1}, query.span()), basis, {}),
-                   {length, size_t{1} << 30, select_kernels()}, {}, collecting(cells, mutex));
+    match(standardized(frame_distances({&train, 1}, query.span()), basis, {}),
+          {length, size_t{1} << 30, select_kernels()}, {{collecting(cells, mutex)}}, {});
     CHECK(cells.size() == 76 * 46);
     const PlainUpdates updates = plain_updates({&train, 1}, query.span(), basis, {});
     std::vector<std::vector<double>> plain;

@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/fastable_batch.h"
+#include "match/match.h"
 #include "match/plain.h"
 #include "match/standardized_frames.h"
 #include "support.h"

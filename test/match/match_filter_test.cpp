@@ -8,6 +8,7 @@
 #include "base/random.h"
 #include "examples.h"
 #include "match/distance_statistics.h"
+#include "match/match.h"
 #include "match/score_kernels.h"
 #include "match/standardized_frames.h"
 #include "support.h"
@@ -29,17 +30,18 @@ Believed believed(const test::Example& example) {
   const TrainStatistics statistics = compute_statistics(spans, {}, {});
   const ScoreBasis basis = make_score_basis({}, false, statistics);
   Believed found;
-  const MatchSettings settings{1, size_t{1} << 30, select_kernels()};
-  match_filter(
-      standardized(frame_distances(spans, {example.query, example.query_unreadable}), basis, {}),
-      settings, {}, [&](const ScoreRow& row) {
-        found.reports[row.query_window] = *row.path;
-        for (size_t x = 0; x < row.scores.size(); ++x)
-          REQUIRE(found.cells
-                      .emplace(test::CellKey{row.query_window, row.sequence, row.train_window + x},
-                               row.scores[x])
-                      .second);
-      });
+  MatchSettings settings{1, size_t{1} << 30, select_kernels()};
+  settings.method = &find_sequence_method("filter");
+  const auto collect = [&](const ScoreRow& row) {
+    found.reports[row.query_window] = *row.path;
+    for (size_t x = 0; x < row.scores.size(); ++x)
+      REQUIRE(found.cells
+                  .emplace(test::CellKey{row.query_window, row.sequence, row.train_window + x},
+                           row.scores[x])
+                  .second);
+  };
+  match(standardized(frame_distances(spans, {example.query, example.query_unreadable}), basis, {}),
+        settings, {{collect}}, {});
   std::map<size_t, uint32_t> least;
   for (const auto& [key, value] : found.cells) {
     const auto& [query, sequence, train] = key;

@@ -11,7 +11,7 @@
 #include "base/random.h"
 #include "base/simd.h"
 #include "examples.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "match/past_scores.h"
 #include "match/plain.h"
 #include "match/score_kernels.h"
@@ -71,18 +71,20 @@ Cells by_definition(const Walk& walk, size_t length) {
 }
 
 Cells cells_of(const FrameDistances& distances, const SequenceMethod& method,
-               const MatchSettings& settings) {
+               MatchSettings settings) {
+  settings.method = &method;
   Cells cells;
   size_t repeated = 0;
   std::mutex mutex;
-  method.match(distances, settings, {}, [&](const ScoreRow& row) {
+  const auto collect = [&](const ScoreRow& row) {
     const std::lock_guard lock(mutex);
     for (size_t x = 0; x < row.scores.size(); ++x)
       repeated += !cells
                        .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
                                 row.scores[x])
                        .second;
-  });
+  };
+  match(distances, settings, {{collect}}, {});
   REQUIRE(repeated == 0);
   return cells;
 }

@@ -9,9 +9,8 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "examples.h"
-#include "match/fastable_batch.h"
 #include "match/fastable_online.h"
-#include "match/methods.h"
+#include "match/match.h"
 #include "match/standardized_frames.h"
 #include "support.h"
 
@@ -80,7 +79,7 @@ void add_row(RatedCells& cells, const ScoreRow& row) {
 
 RatedCells fast_rates(const FrameDistances& distances, const MatchSettings& settings) {
   RatedCells cells;
-  match_fastable(distances, settings, {}, [&](const ScoreRow& row) { add_row(cells, row); });
+  match(distances, settings, {{[&](const ScoreRow& row) { add_row(cells, row); }}}, {});
   return cells;
 }
 
@@ -126,10 +125,13 @@ TEST_CASE("Windows of several rates are the sums of their definition, and rate 1
       CHECK(fast_rates(distances, settings_of(length, {{5, 16}, {16, 5}})) ==
             plain_rates(pairs, distances, length, {{5, 16}, {16, 5}}));
       RatedCells one;
-      match_fastable_online(distances, settings_of(length, {}), {}, [&](const ScoreRow& row) {
+      MatchSettings online = settings_of(length, {});
+      online.method = &find_sequence_method("fastable-online");
+      const auto collect = [&](const ScoreRow& row) {
         for (size_t x = 0; x < row.scores.size(); ++x)
           one[{row.query_window, row.sequence, row.train_window + x}] = {row.scores[x], 0};
-      });
+      };
+      match(distances, online, {{collect}}, {});
       CHECK(fast_rates(distances, settings_of(length, {{1, 1}})) == one);
     }
   }
@@ -149,12 +151,10 @@ TEST_CASE("Standardized scores take rates, too, and several lengths share a pass
   const auto pairs = all_pairs(scores());
   const std::vector<size_t> lengths = {2, 5, 9};
   std::vector<RatedCells> fast(lengths.size());
-  match_fastable_lengths(scores(), lengths, settings_of(1, kRates), {},
-                         [&](size_t l, const ScoreRow& row) {
-                           for (size_t x = 0; x < row.scores.size(); ++x)
-                             fast[l][{row.query_window, row.sequence, row.train_window + x}] = {
-                                 row.scores[x], row.rates[x]};
-                         });
+  std::vector<Pass> passes;
+  for (size_t l = 0; l < lengths.size(); ++l)
+    passes.push_back({lengths[l], {{[&, l](const ScoreRow& row) { add_row(fast[l], row); }}}});
+  match(scores(), settings_of(1, kRates), passes, {});
   for (size_t l = 0; l < lengths.size(); ++l)
     CHECK(fast[l] == plain_rates(pairs, scores(), lengths[l], kRates));
 }

@@ -14,7 +14,7 @@
 #include "examples.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
-#include "match/fastable_batch.h"
+#include "match/match.h"
 #include "match/plain.h"
 #include "match/standardized_frames.h"
 #include "support.h"
@@ -42,15 +42,14 @@ FrameDistances scores_of(const Example& example, const ScoreBasis& basis) {
 
 Cells fast_cells(const Example& example, const ScoreBasis& basis, size_t length) {
   Cells cells;
-  match_fastable(
-      scores_of(example, basis), {length, size_t{1} << 30, select_kernels()}, {},
-      [&](const ScoreRow& row) {
-        for (size_t x = 0; x < row.scores.size(); ++x)
-          REQUIRE(cells
-                      .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
-                               row.scores[x])
-                      .second);
-      });
+  const auto collect = [&](const ScoreRow& row) {
+    for (size_t x = 0; x < row.scores.size(); ++x)
+      REQUIRE(
+          cells
+              .emplace(CellKey{row.query_window, row.sequence, row.train_window + x}, row.scores[x])
+              .second);
+  };
+  match(scores_of(example, basis), {length, size_t{1} << 30, select_kernels()}, {{collect}}, {});
   return cells;
 }
 
@@ -220,12 +219,12 @@ TEST_CASE("a database that is shared between threads gives the same scores") {
       own.offline = offline;
       Cells sampled;
       const size_t length = 6;
-      match_fastable(scores_of(example, own), {length, size_t{1} << 30, select_kernels()}, {},
-                     [&](const ScoreRow& row) {
-                       for (size_t x = 0; x < row.scores.size(); x += 97)
-                         sampled[{row.query_window + (offline ? 1000 : 0), row.sequence,
-                                  row.train_window + x}] = row.scores[x];
-                     });
+      const auto sample = [&](const ScoreRow& row) {
+        for (size_t x = 0; x < row.scores.size(); x += 97)
+          sampled[{row.query_window + (offline ? 1000 : 0), row.sequence, row.train_window + x}] =
+              row.scores[x];
+      };
+      match(scores_of(example, own), {length, size_t{1} << 30, select_kernels()}, {{sample}}, {});
       if (threads == 1)
         expected.merge(sampled);
       else
@@ -256,12 +255,15 @@ TEST_CASE("several window lengths in one pass give the scores of each alone") {
   const std::vector<size_t> lengths = {5, 1, 40, 5, 149};
   const ScoreBasis basis = make_basis(example);
   std::vector<Cells> cells(lengths.size());
-  match_fastable_lengths(
-      scores_of(example, basis), lengths, {1, size_t{1} << 30, select_kernels()}, {},
-      [&](size_t l, const ScoreRow& row) {
-        for (size_t x = 0; x < row.scores.size(); ++x)
-          cells[l][{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
-      });
+  std::vector<Pass> passes;
+  for (size_t l = 0; l < lengths.size(); ++l) {
+    const auto collect = [&, l](const ScoreRow& row) {
+      for (size_t x = 0; x < row.scores.size(); ++x)
+        cells[l][{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
+    };
+    passes.push_back({lengths[l], {{collect}}});
+  }
+  match(scores_of(example, basis), {1, size_t{1} << 30, select_kernels()}, passes, {});
   for (size_t l = 0; l < lengths.size(); ++l)
     CHECK(cells[l] == fast_cells(example, basis, lengths[l]));
 }
@@ -344,13 +346,13 @@ TEST_CASE("a query that stands still keeps the present place, however long") {
 TEST_CASE("a memory limit that has no room for the ring is said") {
   const Example example = make_example({100}, 20, 1);
   const size_t length = 5;
-  const auto match = [&](size_t memory, size_t c_l) {
-    match_fastable(scores_of(example, make_basis(example)), {c_l, memory, select_kernels()}, {},
-                   [](const ScoreRow&) {});
+  const auto try_memory = [&](size_t memory, size_t c_l) {
+    match(scores_of(example, make_basis(example)), {c_l, memory, select_kernels()}, Sinks{}, {});
   };
-  CHECK_FALSE(test::error_kind([&] { match(2 * 104 * (length + 1), length); }));
-  CHECK(test::error_kind([&] { match(2 * 104 * (length + 1) - 1, length); }) == ErrorKind::usage);
-  CHECK(test::error_text([&] { match(0, length); }).find("--max-memory") != std::string::npos);
+  CHECK_FALSE(test::error_kind([&] { try_memory(2 * 104 * (length + 1), length); }));
+  CHECK(test::error_kind([&] { try_memory(2 * 104 * (length + 1) - 1, length); }) ==
+        ErrorKind::usage);
+  CHECK(test::error_text([&] { try_memory(0, length); }).find("--max-memory") != std::string::npos);
 }
 
 TEST_CASE("settings of standardized scores out of range are refused") {

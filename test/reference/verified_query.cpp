@@ -161,7 +161,7 @@ QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, si
                       const Monitor& monitor) {
   CellScan scan(choose_cells({searched_runs(plan), readable_runs(plan.query), plan.past},
                              plan.settings.window_length, cells, resources.seed));
-  QueryRun run = run_query(plan, resources, {std::ref(scan)}, monitor);
+  QueryRun run = run_query(plan, resources, {{std::ref(scan)}}, monitor);
   CHECK(scan.result().size() == cells);
   CHECK(find_wrong(scan.result(), plan) == std::vector<Cell>{});
   return run;

@@ -1,4 +1,4 @@
-#include "match/fastable_batch.h"
+#include "match/strips.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "match/fastable_online.h"
 
 namespace vpr {
 namespace {
@@ -184,21 +183,14 @@ class StripMatcher {
 
 }  // namespace
 
-void match_fastable_lengths(const FrameDistances& distances, std::span<const size_t> window_lengths,
-                            const MatchSettings& settings, const Monitor& monitor,
-                            const LengthRowConsumer& consume) {
-  assert(std::all_of(window_lengths.begin(), window_lengths.end(),
-                     [](size_t length) { return length >= 1 && length <= kMaxWindowLength; }));
-  if (window_lengths.empty()) return;
-  const auto [shortest, longest] =
-      std::minmax_element(window_lengths.begin(), window_lengths.end());
-  if (!any_window_pair(distances, *shortest)) return;
-  if (!settings.rates.empty() || distances.is_in_order())
-    return match_in_order(distances, fastable_stage(distances, window_lengths, settings), monitor,
-                          consume);
+void match_strips(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                  const MatchSettings& settings, const Monitor& monitor,
+                  const LengthRowConsumer& consume) {
+  assert(!distances.is_in_order());
   const size_t diagonals = count_diagonals(distances);
   if (diagonals == 0) return;
-  const StripLayout layout = plan_strips(diagonals, settings, *longest);
+  const size_t longest = *std::max_element(window_lengths.begin(), window_lengths.end());
+  const StripLayout layout = plan_strips(diagonals, settings, longest);
   const ptrdiff_t first_diagonal = 1 - ptrdiff_t(distances.query_frames);
   StepCounter counter(monitor, "match", layout.count);
   parallel_for(layout.count, monitor, [&](size_t s) {
@@ -207,12 +199,6 @@ void match_fastable_lengths(const FrameDistances& distances, std::span<const siz
         .run(monitor);
     counter.add();
   });
-}
-
-void match_fastable(const FrameDistances& distances, const MatchSettings& settings,
-                    const Monitor& monitor, const RowConsumer& consume) {
-  match_fastable_lengths(distances, {&settings.window_length, 1}, settings, monitor,
-                         [&](size_t, const ScoreRow& row) { consume(row); });
 }
 
 }  // namespace vpr

@@ -1,5 +1,5 @@
 // The contract of every sequence method: the same cells as the definition, each exactly once.
-#include "match/methods.h"
+#include "match/match.h"
 
 #include <algorithm>
 #include <map>
@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "examples.h"
-#include "match/fastable_batch.h"
 #include "match/lsh.h"
 #include "match/plain.h"
 #include "support.h"
@@ -40,26 +39,34 @@ Cells by_definition(const Example& example, size_t length) {
   return cells;
 }
 
-Cells by_method(const Example& example, const SequenceMethod& method,
-                const MatchSettings& settings) {
+RowConsumer collecting(Cells& cells, std::mutex& mutex) {
+  return [&](const ScoreRow& row) {
+    const std::lock_guard lock(mutex);
+    for (size_t x = 0; x < row.scores.size(); ++x)
+      REQUIRE(
+          cells
+              .emplace(CellKey{row.query_window, row.sequence, row.train_window + x}, row.scores[x])
+              .second);
+  };
+}
+
+Cells by_method(const Example& example, const SequenceMethod& method, MatchSettings settings) {
+  settings.method = &method;
   const std::vector<DescriptorSpan> spans = example.spans();
   Cells cells;
   std::mutex mutex;
-  method.match(
-      frame_distances(spans, {example.query, example.query_unreadable}), settings, {},
-      [&](const ScoreRow& row) {
-        const std::lock_guard lock(mutex);
-        for (size_t x = 0; x < row.scores.size(); ++x)
-          REQUIRE(cells
-                      .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
-                               row.scores[x])
-                      .second);
-      });
+  match(frame_distances(spans, {example.query, example.query_unreadable}), settings,
+        {{collecting(cells, mutex)}}, {});
   return cells;
 }
 
 Cells by_lsh(const Example& example, const MatchSettings& settings) {
-  return by_method(example, {"lsh", "", false, false, false, match_lsh}, settings);
+  const std::vector<DescriptorSpan> spans = example.spans();
+  Cells cells;
+  std::mutex mutex;
+  match_lsh(frame_distances(spans, {example.query, example.query_unreadable}), settings, {},
+            collecting(cells, mutex));
+  return cells;
 }
 
 void check_all_methods(const Example& example, size_t length, const RowKernels& kernels) {
@@ -155,8 +162,9 @@ TEST_CASE("a database that is shared between threads online gives the definition
         REQUIRE(row.scores[last] == plain_window_distance(train, row.train_window + last, query,
                                                           row.query_window, length));
       };
-      find_sequence_method("fastable-online")
-          .match(distances, {length, memory, select_kernels()}, {}, check);
+      MatchSettings settings{length, memory, select_kernels()};
+      settings.method = &find_sequence_method("fastable-online");
+      match(distances, settings, {{check}}, {});
       CHECK(cells > 0);
     }
   }
@@ -171,16 +179,11 @@ TEST_CASE("several window lengths in one pass give the rows of each alone") {
   for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
     std::vector<Cells> cells(lengths.size());
     std::mutex mutex;
-    match_fastable_lengths(
-        frame_distances(spans, {example.query, example.query_unreadable}), lengths,
-        {1, memory, select_kernels()}, {}, [&](size_t l, const ScoreRow& row) {
-          const std::lock_guard lock(mutex);
-          for (size_t x = 0; x < row.scores.size(); ++x)
-            REQUIRE(cells[l]
-                        .emplace(CellKey{row.query_window, row.sequence, row.train_window + x},
-                                 row.scores[x])
-                        .second);
-        });
+    std::vector<Pass> passes;
+    for (size_t l = 0; l < lengths.size(); ++l)
+      passes.push_back({lengths[l], {{collecting(cells[l], mutex)}}});
+    match(frame_distances(spans, {example.query, example.query_unreadable}),
+          {1, memory, select_kernels()}, passes, {});
     for (size_t l = 0; l < lengths.size(); ++l)
       REQUIRE(cells[l] == by_definition(example, lengths[l]));
   }

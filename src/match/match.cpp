@@ -1,0 +1,145 @@
+#include "match/match.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <memory>
+#include <vector>
+
+#include "base/named_table.h"
+#include "base/parallel.h"
+#include "match/fastable_online.h"
+#include "match/match_filter.h"
+#include "match/strips.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr size_t kChunkFrames = 4096;  // descriptors of a chunk stay in the second-level cache
+
+// Sums of the windows that end at train frames first and on, for the query window that ends at row
+// query_end.
+void window_sums(const FrameDistances& distances, const RowKernels& kernels, size_t window_length,
+                 size_t query_end, size_t first, std::span<uint32_t> sums) {
+  const size_t last = first + sums.size();
+  std::vector<uint16_t> row;
+  for (size_t back = 0; back < window_length; ++back) {
+    // Frames before the first one belong to no window: whole_row leaves those sums out.
+    const size_t from = std::max(first, back);
+    if (from >= last) break;
+    const size_t begin = (from - back) / kStretchFrames * kStretchFrames;
+    row.resize(last - back - begin + kStretchFrames);
+    const auto query = static_cast<uint32_t>(query_end - back);
+    distances.tile({&query, 1}, begin, last - back, row.data(), 0);
+    kernels.accumulate(sums.data() + (from - first), row.data() + (from - back - begin),
+                       last - from);
+  }
+}
+
+// OpenABLE: every cell costs window_length frame distances. Threads share a row.
+WindowStage openable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                           const MatchSettings& settings) {
+  assert(!distances.is_in_order());
+  return [lengths = std::vector(window_lengths.begin(), window_lengths.end()), settings](
+             const FrameDistances& rows, const QueryFrame& frame, const StageConsumer& consume) {
+    const size_t frames = rows.train_frames;
+    const size_t share = (frames / thread_count() / kStretchFrames + 1) * kStretchFrames;
+    const size_t part = std::min(share, kChunkFrames);
+    for (size_t l = 0; l < lengths.size(); ++l) {
+      if (frame.in_a_row < lengths[l]) continue;
+      std::vector<uint32_t> sums(frames);
+      parallel_for((frames + part - 1) / part, {}, [&](size_t p) {
+        const size_t first = p * part;
+        window_sums(rows, settings.kernels, lengths[l], frame.row, first,
+                    std::span(sums).subspan(first, std::min(part, frames - first)));
+      });
+      const std::vector<ScoreRow> row = whole_row(rows, lengths[l], frame.number, sums);
+      if (!row.empty()) consume(l, row);
+    }
+  };
+}
+
+constexpr std::array<SequenceMethod, 4> kMethods = {{
+    {"fastable", "distances re-used from row to row, the whole query at once", true, true, false,
+     true, fastable_stage},
+    {"fastable-online", "the same, one query frame after the other as on a phone", true, true,
+     false, false, fastable_stage},
+    {"openable", "every window distance by its definition (slow)", false, false, false, false,
+     openable_stage},
+    {"filter", "a path through frames at any pace, believed once it was followed for a while", true,
+     false, true, false, filter_stage},
+}};
+
+const SequenceMethod& method_of(const MatchSettings& settings) {
+  return settings.method == nullptr ? kMethods[0] : *settings.method;
+}
+
+// Pieces come in any order, and from several threads: nobody may ask for whole rows.
+bool can_use_strips(const FrameDistances& distances, const MatchSettings& settings,
+                    std::span<const Pass> passes) {
+  return method_of(settings).has_strips && settings.rates.empty() && !distances.is_in_order() &&
+         std::ranges::all_of(passes, [](const Pass& pass) { return pass.sinks.rows.empty(); });
+}
+
+}  // namespace
+
+std::span<const SequenceMethod> sequence_methods() { return kMethods; }
+
+const SequenceMethod& find_sequence_method(std::string_view name) {
+  return find_named(kMethods, "method", name);
+}
+
+bool has_paths(std::string_view method) {
+  return std::any_of(kMethods.begin(), kMethods.end(),
+                     [&](const SequenceMethod& m) { return m.name == method && m.has_paths; });
+}
+
+void hand_on(const Sinks& sinks, std::span<const ScoreRow> row) {
+  for (const RowConsumer& consume : sinks.pieces)
+    for (const ScoreRow& piece : row) consume(piece);
+  for (const WholeRowConsumer& consume : sinks.rows) consume(row);
+}
+
+WindowStage window_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
+                         const MatchSettings& settings) {
+  return method_of(settings).stage(distances, window_lengths, settings);
+}
+
+void match(const FrameDistances& distances, const MatchSettings& settings,
+           std::span<const Pass> passes, const Monitor& monitor) {
+  std::vector<size_t> lengths;
+  for (const Pass& pass : passes) lengths.push_back(pass.window_length);
+  assert(std::ranges::all_of(
+      lengths, [](size_t length) { return length >= 1 && length <= kMaxWindowLength; }));
+  if (std::ranges::none_of(lengths,
+                           [&](size_t length) { return any_window_pair(distances, length); }))
+    return;
+  if (can_use_strips(distances, settings, passes))
+    return match_strips(distances, lengths, settings, monitor,
+                        [&](size_t length, const ScoreRow& piece) {
+                          for (const RowConsumer& consume : passes[length].sinks.pieces)
+                            consume(piece);
+                        });
+  const WindowStage stage = window_stage(distances, lengths, settings);
+  const std::vector<uint8_t> readable =
+      readable_flags(distances.query_runs, distances.query_frames);
+  StepCounter counter(monitor, "match", distances.query_frames);
+  size_t in_a_row = 0;
+  for (size_t frame = 0; frame < distances.query_frames; ++frame) {
+    check_stop(monitor);
+    in_a_row = readable[frame] != 0 ? in_a_row + 1 : 0;
+    stage(distances, {frame, frame, in_a_row}, [&](size_t length, std::span<const ScoreRow> row) {
+      hand_on(passes[length].sinks, row);
+    });
+    counter.add();
+  }
+}
+
+void match(const FrameDistances& distances, const MatchSettings& settings, const Sinks& sinks,
+           const Monitor& monitor) {
+  const Pass pass{settings.window_length, sinks};
+  match(distances, settings, {&pass, 1}, monitor);
+}
+
+}  // namespace vpr
