@@ -26,7 +26,7 @@ uint32_t rounded(int64_t product, double norms) {
 template <class T>
 struct Training : ProductTraining<T> {
   std::once_flag has_sum;
-  std::vector<double> unit_sum;  ///< of centred_over, made when it is first asked for
+  std::vector<double> unit_sum;  ///< of all readable frames, made when it is first asked for
 };
 
 // The vectors of all readable frames, each of length 1, added in their order.
@@ -47,9 +47,8 @@ std::vector<double> sum_of_units(std::span<const DescriptorSpan> sequences, size
 
 template <class T>
 uint64_t row_total(Training<T>& training, DescriptorRow row, size_t frames) {
-  std::call_once(training.has_sum, [&] {
-    training.unit_sum = sum_of_units<T>(training.centred_over, training.length);
-  });
+  std::call_once(training.has_sum,
+                 [&] { training.unit_sum = sum_of_units<T>(training.sequences, training.length); });
   const std::span<const T> vector = numbers<T>(row);
   const double norm = norm_of<T>(row);
   double sum = 0;
@@ -63,7 +62,7 @@ template <class T>
 FrameDistances distances_of(const std::shared_ptr<Training<T>>& training,
                             const DescriptorSpan& of) {
   FrameDistances distances = product_distances<T>(training, of);
-  distances.row_total = [training, rows = of.rows, frames = distances.centred_frames](
+  distances.row_total = [training, rows = of.rows, frames = distances.readable_frames](
                             size_t frame) { return row_total(*training, rows[frame], frames); };
   distances.of_query = [training](const DescriptorSpan& other) {
     return distances_of(training, other);
@@ -72,11 +71,10 @@ FrameDistances distances_of(const std::shared_ptr<Training<T>>& training,
 }
 
 template <class T>
-FrameDistances make_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                              std::span<const DescriptorSpan> centred_over) {
+FrameDistances make_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
   const auto training = std::make_shared<Training<T>>();
-  start_training<T>(*training, train, query.rows.shape.length, centred_over,
-                    select_cosine_kernels<T>(), norm_of_square);
+  start_training<T>(*training, train, query.rows.shape.length, select_cosine_kernels<T>(),
+                    norm_of_square);
   return distances_of(training, query);
 }
 
@@ -130,14 +128,13 @@ Projector wide_cosine_projector(const DescriptorRows& to,
   return make_projector<int16_t>(to, weights);
 }
 
-FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                                std::span<const DescriptorSpan> centred_over) {
-  return make_distances<int8_t>(train, query, centred_over);
+FrameDistances cosine_distances(std::span<const DescriptorSpan> train,
+                                const DescriptorSpan& query) {
+  return make_distances<int8_t>(train, query);
 }
 FrameDistances wide_cosine_distances(std::span<const DescriptorSpan> train,
-                                     const DescriptorSpan& query,
-                                     std::span<const DescriptorSpan> centred_over) {
-  return make_distances<int16_t>(train, query, centred_over);
+                                     const DescriptorSpan& query) {
+  return make_distances<int16_t>(train, query);
 }
 
 }  // namespace vpr

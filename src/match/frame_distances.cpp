@@ -78,12 +78,20 @@ void check_shapes(std::span<const DescriptorSpan> sequences, const DescriptorSha
                               sequence.rows.shape.length, shape.length));
 }
 
+uint64_t total_of_row(const FrameDistances& distances, size_t query) {
+  if (distances.row_total) return distances.row_total(query);
+  std::vector<uint16_t> row(distances.train_frames + kStretchFrames);
+  const auto asked = static_cast<uint32_t>(query);
+  distances.tile({&asked, 1}, 0, distances.train_frames, row.data(), 0);
+  return row_sum(distances, row);
+}
+
 // Summed over all pairs; below 2^64 for sets of less than 100 million frames of 1386 bits.
 uint64_t total_of_pairs(const FrameDistances& distances) {
   uint64_t sum = 0;
   for (const FrameRun& run : distances.query_runs)
     for (size_t frame = run.first; frame < run.first + run.count; ++frame)
-      sum += distances.row_total(frame);
+      sum += total_of_row(distances, frame);
   return sum;
 }
 
@@ -99,18 +107,12 @@ const DistanceKind& distance_of(ElementType element) {
 }
 
 FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
-  return frame_distances(train, query, train);
-}
-
-FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                               std::span<const DescriptorSpan> centred_over) {
   check_shapes(train, query.rows.shape);
-  check_shapes(centred_over, query.rows.shape);
-  return distance_of(query.rows.shape.element).make(train, query, centred_over);
+  return distance_of(query.rows.shape.element).make(train, query);
 }
 
-FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                                 std::span<const DescriptorSpan> centred_over) {
+FrameDistances frames_to_compare(std::span<const DescriptorSpan> train,
+                                 const DescriptorSpan& query) {
   FrameDistances distances;
   distances.largest = largest_distance(query.rows.shape);
   distances.unit = distance_of(query.rows.shape.element).unit;
@@ -120,7 +122,7 @@ FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const De
   distances.query_frames = query.rows.size();
   distances.train_runs = readable_runs(train);
   distances.query_runs = readable_runs(query);
-  distances.centred_frames = count_windows(readable_runs(centred_over), 1);
+  distances.readable_frames = count_windows(distances.train_runs, 1);
   return distances;
 }
 
@@ -132,22 +134,29 @@ uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b) {
   return distance_of(rows.shape.element).pair(rows[a], rows[b]);
 }
 
+uint64_t row_sum(const FrameDistances& distances, std::span<const uint16_t> row) {
+  uint64_t sum = 0;
+  for (const FrameRun& run : readable_runs(distances.train))
+    for (size_t i = run.first; i < run.first + run.count; ++i) sum += row[i];
+  return sum;
+}
+
 double row_mean(const FrameDistances& distances, size_t query) {
-  if (distances.centred_frames == 0) return 0;
-  return static_cast<double>(distances.row_total(query)) /
-         static_cast<double>(distances.centred_frames);
+  if (distances.readable_frames == 0) return 0;
+  return static_cast<double>(total_of_row(distances, query)) /
+         static_cast<double>(distances.readable_frames);
 }
 
 double mean_distance_between(const FrameDistances& distances) {
   const size_t queries = count_windows(distances.query_runs, 1);
-  if (queries == 0 || distances.centred_frames == 0) return 0;
+  if (queries == 0 || distances.readable_frames == 0) return 0;
   return static_cast<double>(total_of_pairs(distances)) /
-         (static_cast<double>(distances.centred_frames) * static_cast<double>(queries));
+         (static_cast<double>(distances.readable_frames) * static_cast<double>(queries));
 }
 
 double mean_distance_within(const FrameDistances& own) {
-  const auto frames = static_cast<double>(own.centred_frames);
-  if (own.centred_frames < 2) return 0;
+  const auto frames = static_cast<double>(own.readable_frames);
+  if (own.readable_frames < 2) return 0;
   return static_cast<double>(total_of_pairs(own)) / (frames * (frames - 1));
 }
 

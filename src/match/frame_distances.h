@@ -50,10 +50,11 @@ struct FrameDistances {
                      size_t stride)>
       tile;
 
-  /// The sum of a query frame's distances to the readable frames that rows are centred over. Exact
-  /// for bits; of cosine distances and of pictures, rounded once.
+  /// The sum of a query frame's distances to all readable training frames. Exact for bits; of
+  /// cosine distances and of pictures, rounded once. Not set where it takes as long as the row
+  /// (row_sum).
   std::function<uint64_t(size_t query)> row_total;
-  size_t centred_frames = 0;  ///< how many those frames are
+  size_t readable_frames = 0;  ///< how many those training frames are, whatever train_runs hold
 
   /// Distances that depend on the frames before: called with a query frame before its row, whose
   /// stretches are then asked for once each. Query frames come in order. Not set where any tile can
@@ -95,9 +96,7 @@ struct DistanceKind {
   /// of multiples of 2^-20 sums of bits are exact, those of cosine distances are to the rounding of
   /// doubles in a fixed order. The descriptors may end before the projector.
   Projector (*projector)(const DescriptorRows& to, std::span<const ComponentValues> weights);
-  /// `centred_over`: what row_total is over.
-  FrameDistances (*make)(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                         std::span<const DescriptorSpan> centred_over);
+  FrameDistances (*make)(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 };
 
 /// One row for every element type.
@@ -106,16 +105,14 @@ std::span<const DistanceKind> distance_kinds();
 const DistanceKind& distance_of(ElementType element);
 
 /// The distances of a query to training sequences, by the kind of their descriptors, which is the
-/// same for all. Rows are centred over the training frames, or over those of `centred_over`. Throws
+/// same for all. Throws
 /// Error(data) for descriptors of different shapes, and for a length that the distance can't take.
 FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
-FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                               std::span<const DescriptorSpan> centred_over);
 
 /// Differing bits, for codes of up to 65472 bits; bits of the padding count like any other. Codes
 /// of 22 words (LDB) have a kernel of their own.
-FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                                 std::span<const DescriptorSpan> centred_over);
+FrameDistances hamming_distances(std::span<const DescriptorSpan> train,
+                                 const DescriptorSpan& query);
 /// Differing bits of two codes of one length.
 uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
 /// The projector of Hamming distances: `weights` has one entry a row of `to`.
@@ -126,8 +123,7 @@ uint16_t largest_hamming(const DescriptorShape& shape);
 /// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to the nearest, a half up; of vectors of
 /// up to 131071 numbers. A vector of zeros is at right angles to all. Scalar products and squared
 /// lengths are exact integers, so that every machine gives the same numbers.
-FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                                std::span<const DescriptorSpan> centred_over);
+FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 /// The cosine distance of two vectors of one length, in units of 2/65535.
 uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
 /// The projector of cosine distances: `weights` has one entry a row of `to`.
@@ -135,8 +131,7 @@ Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentVa
 /// The same for vectors of 16-bit numbers, whose squared length is kMostWideSquare at most
 /// (describe/imported.h): a longer one throws Error(data).
 FrameDistances wide_cosine_distances(std::span<const DescriptorSpan> train,
-                                     const DescriptorSpan& query,
-                                     std::span<const DescriptorSpan> centred_over);
+                                     const DescriptorSpan& query);
 uint32_t wide_cosine_distance(DescriptorRow a, DescriptorRow b);
 Projector wide_cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 /// 65535, whatever the shape.
@@ -145,8 +140,7 @@ uint16_t largest_cosine(const DescriptorShape& shape);
 /// |a - b| of two points, in the unit of their coordinates and rounded to the nearest, a half up;
 /// of points of up to 131071 coordinates that are at most kLongestPoint from the origin
 /// (describe/imported.h). Squares are exact. A row's total takes as long as the row.
-FrameDistances point_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                               std::span<const DescriptorSpan> centred_over);
+FrameDistances point_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 uint32_t point_distance(DescriptorRow a, DescriptorRow b);
 Projector point_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 /// Of opposite points, whatever the shape.
@@ -154,8 +148,7 @@ uint16_t largest_point(const DescriptorShape& shape);
 
 /// The mean absolute difference of two pictures of one size, in 256ths of a grey level and rounded
 /// to the nearest, a half up.
-FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                              std::span<const DescriptorSpan> centred_over);
+FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 uint32_t grey_distance(DescriptorRow a, DescriptorRow b);
 /// Exact for pictures whose number of pixels is a power of two.
 Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
@@ -163,8 +156,8 @@ Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValu
 uint16_t largest_grey(const DescriptorShape& shape);
 
 /// What makers of distances begin with: all members but those that give distances.
-FrameDistances frames_to_compare(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                                 std::span<const DescriptorSpan> centred_over);
+FrameDistances frames_to_compare(std::span<const DescriptorSpan> train,
+                                 const DescriptorSpan& query);
 
 /// The largest distance between descriptors of a shape.
 uint16_t largest_distance(const DescriptorShape& shape);
@@ -172,12 +165,15 @@ uint16_t largest_distance(const DescriptorShape& shape);
 /// The distance of two frames of one sequence.
 uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b);
 
-/// Mean distance of a query frame to the frames that rows are centred over: their sum, divided
-/// once. 0 where there are none.
+/// The sum of a row's distances to readable training frames; `row` has one entry a training frame.
+uint64_t row_sum(const FrameDistances& distances, std::span<const uint16_t> row);
+
+/// Mean distance of a query frame to all readable training frames: their sum, divided once. 0 where
+/// there are none.
 double row_mean(const FrameDistances& distances, size_t query);
 
-/// Mean distance of a readable query frame to the frames that rows are centred over, over all
-/// pairs. 0 where either is empty.
+/// Mean distance of a readable query frame to a readable training frame, over all pairs. 0 where
+/// either is empty.
 double mean_distance_between(const FrameDistances& distances);
 
 /// Mean distance of two different readable frames of a sequence, over all pairs, from the distances

@@ -204,19 +204,17 @@ uint32_t frame_number(DescriptorRow row) {
   return row[0] | uint32_t{row[1]} << 8 | uint32_t{row[2]} << 16 | uint32_t{row[3]} << 24;
 }
 
-FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                               std::span<const DescriptorSpan> centred_over) {
+FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
   if (!query.given)
     throw Error(ErrorKind::usage,
                 "of a matrix of scores, nothing is known of how far training frames are from each "
                 "other: give --t-r a number, or --margin and --margin-width");
-  FrameDistances distances = frames_to_compare(train, query, centred_over);
+  FrameDistances distances = frames_to_compare(train, query);
   const GivenDistances* given = query.given;
   distances.largest = given->units().largest;
   distances.unit.size = given->units().unit;
   const auto stretches = std::make_shared<const std::vector<Stretch>>(stretches_of(train));
-  const auto centred =
-      std::make_shared<const std::vector<Stretch>>(readable_stretches(centred_over));
+  const auto centred = std::make_shared<const std::vector<Stretch>>(readable_stretches(train));
   distances.tile = [given, rows = query.rows, stretches](std::span<const uint32_t> queries,
                                                          size_t first, size_t last, uint16_t* out,
                                                          size_t stride) {
@@ -227,9 +225,8 @@ FrameDistances given_distances(std::span<const DescriptorSpan> train, const Desc
     return sum_of(*given, frame_number(rows[frame]), *centred);
   };
   const std::vector<DescriptorSpan> sequences(train.begin(), train.end());
-  const std::vector<DescriptorSpan> all(centred_over.begin(), centred_over.end());
-  distances.of_query = [sequences, all](const DescriptorSpan& other) {
-    return given_distances(sequences, other, all);
+  distances.of_query = [sequences](const DescriptorSpan& other) {
+    return given_distances(sequences, other);
   };
   return distances;
 }

@@ -123,8 +123,7 @@ uint32_t frame_number(DescriptorRow row);
 /// The distances that `query.given` holds, of the query frames to the references that descriptors
 /// are the numbers of. Throws Error(usage) where nothing is given: distances of training frames to
 /// each other are not known.
-FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                               std::span<const DescriptorSpan> centred_over);
+FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 /// Of frames of one side nothing is known but whether they are the same: 0, or the largest.
 uint32_t number_distance(DescriptorRow a, DescriptorRow b);
 /// Nothing is known that frames could have in common.

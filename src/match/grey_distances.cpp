@@ -49,13 +49,13 @@ OfLevel<T> differences_to(const OfLevel<T>& weights) {
 /// What distances of any query to the same training frames share. Pictures are padded.
 struct Training {
   std::vector<DescriptorSpan> sequences;
-  std::vector<DescriptorSpan> centred_over;
   GreyKernels kernels;
   size_t length = 0;
   size_t padded_length = 0;
   std::vector<uint8_t> rows;
   std::once_flag has_totals;
-  std::vector<OfLevel<int64_t>> totals;  ///< of centred_over by pixel, made when first asked for
+  std::vector<OfLevel<int64_t>>
+      totals;  ///< of all readable frames by pixel, made when first asked for
 };
 
 std::vector<uint8_t> padded(const DescriptorRows& rows, size_t padded_length) {
@@ -96,16 +96,15 @@ void fill_tile(const Training& training, const std::vector<uint8_t>& pictures,
 }
 
 uint64_t row_total(Training& training, DescriptorRow row) {
-  std::call_once(training.has_totals, [&] {
-    training.totals = sum_differences(training.centred_over, training.length);
-  });
+  std::call_once(training.has_totals,
+                 [&] { training.totals = sum_differences(training.sequences, training.length); });
   uint64_t sum = 0;
   for (size_t x = 0; x < row.size(); ++x) sum += static_cast<uint64_t>(training.totals[x][row[x]]);
   return rounded_mean(sum, training.length);
 }
 
 FrameDistances distances_of(const std::shared_ptr<Training>& training, const DescriptorSpan& of) {
-  FrameDistances distances = frames_to_compare(training->sequences, of, training->centred_over);
+  FrameDistances distances = frames_to_compare(training->sequences, of);
   const auto pictures =
       std::make_shared<const std::vector<uint8_t>>(padded(of.rows, training->padded_length));
   distances.tile = [training, pictures](std::span<const uint32_t> queries, size_t first,
@@ -152,11 +151,9 @@ Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValu
   };
 }
 
-FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                              std::span<const DescriptorSpan> centred_over) {
+FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
   const auto training = std::make_shared<Training>();
   training->sequences.assign(train.begin(), train.end());
-  training->centred_over.assign(centred_over.begin(), centred_over.end());
   training->kernels = select_grey_kernels();
   training->length = query.rows.shape.length;
   training->padded_length = round_up(training->length, kGreyPixels);

@@ -100,12 +100,11 @@ uint64_t distance_sum(const BitCounts& counts, DescriptorRow code) {
 /// layout of the kernels, `words` a block, padded with zero codes to whole blocks.
 struct Training {
   std::vector<DescriptorSpan> sequences;
-  std::vector<DescriptorSpan> centred_over;
   size_t words = 0;
   HammingKernels kernels;
   std::vector<LaneWords> lanes;
   std::once_flag has_counts;
-  BitCounts counts;  ///< of centred_over, made when they are first asked for
+  BitCounts counts;  ///< of all readable frames, made when they are first asked for
 };
 
 std::vector<LaneWords> make_lanes(const Training& training) {
@@ -159,7 +158,7 @@ void fill_tile(const Training& training, const std::vector<uint64_t>& codes,
 
 FrameDistances distances_of(const std::shared_ptr<Training>& training,
                             const DescriptorSpan& query) {
-  FrameDistances distances = frames_to_compare(training->sequences, query, training->centred_over);
+  FrameDistances distances = frames_to_compare(training->sequences, query);
   const auto codes = std::make_shared<const std::vector<uint64_t>>(encode(*training, query.rows));
   distances.tile = [training, codes](std::span<const uint32_t> queries, size_t first, size_t last,
                                      uint16_t* out, size_t stride) {
@@ -167,7 +166,7 @@ FrameDistances distances_of(const std::shared_ptr<Training>& training,
   };
   distances.row_total = [training, rows = query.rows](size_t frame) {
     std::call_once(training->has_counts, [&] {
-      training->counts = count_bits(training->centred_over, training->words * kWordBytes);
+      training->counts = count_bits(training->sequences, training->words * kWordBytes);
     });
     return distance_sum(training->counts, rows[frame]);
   };
@@ -228,15 +227,14 @@ Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentV
   };
 }
 
-FrameDistances hamming_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                                 std::span<const DescriptorSpan> centred_over) {
+FrameDistances hamming_distances(std::span<const DescriptorSpan> train,
+                                 const DescriptorSpan& query) {
   const size_t row_bytes = query.rows.shape.row_bytes();
   if (row_bytes > kMostWords * kWordBytes)
     throw Error(ErrorKind::data, fmt::format("codes of {} bits: Hamming distances take {} at most",
                                              query.rows.shape.length, 8 * kMostWords * kWordBytes));
   const auto training = std::make_shared<Training>();
   training->sequences.assign(train.begin(), train.end());
-  training->centred_over.assign(centred_over.begin(), centred_over.end());
   training->words = row_bytes / kWordBytes;
   training->kernels = select_hamming_kernels(training->words);
   training->lanes = make_lanes(*training);

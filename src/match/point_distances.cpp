@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <mutex>
+#include <memory>
 
 #include "match/product_rows.h"
 
@@ -11,11 +11,7 @@ using Coordinate = int16_t;
 
 double same(double square) { return square; }
 
-/// All training frames that rows are centred over are kept, too, where some are not searched.
-struct Training : ProductTraining<Coordinate> {
-  std::once_flag has_centre;
-  std::shared_ptr<ProductTraining<Coordinate>> centre;
-};
+using Training = ProductTraining<Coordinate>;
 
 double exact_distance(DescriptorRow a, DescriptorRow b) {
   const int64_t square =
@@ -23,29 +19,8 @@ double exact_distance(DescriptorRow a, DescriptorRow b) {
   return std::sqrt(static_cast<double>(square));
 }
 
-// No sum over training frames is known in advance: each is compared.
-uint64_t row_total(const std::shared_ptr<Training>& training, DescriptorRow row) {
-  std::call_once(training->has_centre, [&] {
-    training->centre = std::make_shared<ProductTraining<Coordinate>>();
-    start_training<Coordinate>(*training->centre, training->centred_over, training->length,
-                               training->centred_over, training->kernels, same);
-  });
-  const FrameDistances all = product_distances<Coordinate>(
-      training->centre, {{{ElementType::coordinates, training->length}, row}, {}});
-  std::vector<uint16_t> distances(all.train_frames + kStretchFrames);
-  const uint32_t only = 0;
-  all.tile({&only, 1}, 0, all.train_frames, distances.data(), distances.size());
-  uint64_t sum = 0;
-  for (const FrameRun& run : all.train_runs)
-    for (size_t i = run.first; i < run.first + run.count; ++i) sum += distances[i];
-  return sum;
-}
-
 FrameDistances distances_of(const std::shared_ptr<Training>& training, const DescriptorSpan& of) {
   FrameDistances distances = product_distances<Coordinate>(training, of);
-  distances.row_total = [training, rows = of.rows](size_t frame) {
-    return row_total(training, rows[frame]);
-  };
   distances.of_query = [training](const DescriptorSpan& other) {
     return distances_of(training, other);
   };
@@ -79,11 +54,10 @@ Projector point_projector(const DescriptorRows& to, std::span<const ComponentVal
   };
 }
 
-FrameDistances point_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
-                               std::span<const DescriptorSpan> centred_over) {
+FrameDistances point_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
   const auto training = std::make_shared<Training>();
-  start_training<Coordinate>(*training, train, query.rows.shape.length, centred_over,
-                             select_point_kernels(), same);
+  start_training<Coordinate>(*training, train, query.rows.shape.length, select_point_kernels(),
+                             same);
   return distances_of(training, query);
 }
 

@@ -46,7 +46,6 @@ inline size_t round_up(size_t value, size_t multiple) {
 template <class T>
 struct ProductTraining {
   std::vector<DescriptorSpan> sequences;
-  std::vector<DescriptorSpan> centred_over;
   ProductKernels<T> kernels;
   double (*size)(double square) = nullptr;  ///< what kernels take beside a vector
   size_t length = 0;
@@ -96,13 +95,12 @@ void fill_product_tile(const ProductTraining<T>& training, const SizedQuery& que
 /// Fills the members of a training. Throws Error(data) for vectors that are too long.
 template <class T>
 void start_training(ProductTraining<T>& training, std::span<const DescriptorSpan> train,
-                    size_t length, std::span<const DescriptorSpan> centred_over,
-                    const ProductKernels<T>& kernels, double (*size)(double square)) {
+                    size_t length, const ProductKernels<T>& kernels,
+                    double (*size)(double square)) {
   if (length > kMostNumbers)
     throw Error(ErrorKind::data, fmt::format("vectors of {} numbers: distances take {} at most",
                                              length, kMostNumbers));
   training.sequences.assign(train.begin(), train.end());
-  training.centred_over.assign(centred_over.begin(), centred_over.end());
   training.kernels = kernels;
   training.size = size;
   training.length = length;
@@ -124,7 +122,7 @@ void start_training(ProductTraining<T>& training, std::span<const DescriptorSpan
 template <class T, class Training>
 FrameDistances product_distances(const std::shared_ptr<Training>& training,
                                  const DescriptorSpan& of) {
-  FrameDistances distances = frames_to_compare(training->sequences, of, training->centred_over);
+  FrameDistances distances = frames_to_compare(training->sequences, of);
   const auto query = std::make_shared<SizedQuery>(SizedQuery{of.rows, {}});
   append_sizes<T>(query->sizes, of.rows, training->size);
   distances.tile = [training, query](std::span<const uint32_t> queries, size_t first, size_t last,

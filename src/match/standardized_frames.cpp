@@ -17,25 +17,40 @@ constexpr size_t kRowStride = kChunkFrames + 32;  // rows must not share cache s
 
 using Distances = std::array<uint16_t, 2 * kRowStride>;
 
-// What is taken from the distances of a frame: the mean over the training frames, or, for rows that
-// keep theirs, the typical distance.
-float row_offset(const StandardizedState& state, size_t frame) {
-  return static_cast<float>(state.settings.centre ? row_mean(state.distances, frame)
-                                                  : state.typical_distance);
+// The distances of a query frame to all training frames.
+void compare_row(StandardizedState& state, size_t frame) {
+  const size_t frames = state.distances.train_frames;
+  const auto query = static_cast<uint32_t>(frame);
+  state.row.resize(frames + kStretchFrames);
+  parallel_for((frames + kChunkFrames - 1) / kChunkFrames, {}, [&](size_t chunk) {
+    const size_t first = chunk * kChunkFrames;
+    const size_t last = std::min(first + kChunkFrames, frames);
+    state.distances.tile({&query, 1}, first, last, state.row.data() + first, 0);
+  });
 }
 
-// What of the training frames' components is taken from the distances of a query frame.
-void find_common(StandardizedState& state, size_t frame) {
-  if (!state.project) return;
-  state.common[frame] = common_weights(state.components, state.settings.components,
-                                       state.project(state.distances.query.rows[frame]));
+double centre_of(StandardizedState& state, size_t frame) {
+  if (!state.settings.centre) return state.typical_distance;
+  if (state.distances.row_total || state.distances.readable_frames == 0)
+    return row_mean(state.distances, frame);
+  compare_row(state, frame);
+  return static_cast<double>(row_sum(state.distances, state.row)) /
+         static_cast<double>(state.distances.readable_frames);
+}
+
+void find_terms(StandardizedState& state, size_t frame) {
+  FrameTerms& terms = state.terms[frame];
+  terms.offset = static_cast<float>(centre_of(state, frame));
+  if (state.project)
+    terms.common = common_weights(state.components, state.settings.components,
+                                  state.project(state.distances.query.rows[frame]));
 }
 
 // What a query frame has in common with the training frames from `first` on.
 CommonPart common_part(const StandardizedState& state, size_t frame, size_t first) {
   if (!state.project) return {};
   CommonPart common{
-      {}, state.common[frame], static_cast<float>(common_unit(state.components.shape))};
+      {}, state.terms[frame].common, static_cast<float>(common_unit(state.components.shape))};
   for (size_t k = 0; k < kMostComponents; ++k)
     common.loadings[k] = state.components.loadings[k].data() + first;
   return common;
@@ -45,11 +60,11 @@ CommonPart common_part(const StandardizedState& state, size_t frame, size_t firs
 void plan_update(StandardizedState& state, size_t view) {
   state.weight = state.forgetting * state.weight + 1;
   state.start_weight *= state.forgetting;
-  state.update = {view, row_offset(state, view), static_cast<float>(1 / state.weight)};
+  state.update = {view, static_cast<float>(1 / state.weight)};
 }
 
 void learn_chunk(StandardizedState& state, const uint16_t* distances, size_t first, size_t count) {
-  state.kernels.learn(distances, state.update->offset,
+  state.kernels.learn(distances, state.terms[state.update->view].offset,
                       common_part(state, state.update->view, first), state.update->gain,
                       state.mean.data() + first, state.variance.data() + first, count);
 }
@@ -74,7 +89,7 @@ void learn_query(StandardizedState& state, const Monitor& monitor) {
       counter.add();
       if (!is_new_view(state.views, rows, f)) continue;
       push_view(state.views, f);
-      find_common(state, f);
+      find_terms(state, f);
       plan_update(state, f);
       learn_everywhere(state);
     }
@@ -93,8 +108,8 @@ void keep_row(StandardizedState& state) {
 // Decides what is learned before the frame is scored.
 void begin_frame(StandardizedState& state, size_t frame) {
   state.frame = frame;
-  state.offset = row_offset(state, frame);
-  find_common(state, frame);
+  state.row.clear();
+  find_terms(state, frame);
   state.update.reset();
   state.keeps_row = false;
   if (state.offline || !state.settings.learn || state.readable[frame] == 0) return;
@@ -109,9 +124,14 @@ void learn_and_compare(StandardizedState& state, size_t first, size_t count, Dis
   const std::array<uint32_t, 2> queries = {
       static_cast<uint32_t>(state.frame),
       static_cast<uint32_t>(state.update ? state.update->view : 0)};
-  const size_t asked = state.update && !state.keeps_row ? 2 : 1;
-  state.distances.tile(std::span(queries).first(asked), first, first + count, distances.data(),
-                       kRowStride);
+  std::span<const uint32_t> asked(queries.data(), state.update && !state.keeps_row ? 2 : 1);
+  uint16_t* out = distances.data();
+  if (!state.row.empty()) {
+    std::copy_n(state.row.data() + first, count, out);
+    asked = asked.subspan(1);
+    out += kRowStride;
+  }
+  if (!asked.empty()) state.distances.tile(asked, first, first + count, out, kRowStride);
   uint16_t* kept = state.keeps_row ? state.rows.back().data() + first : nullptr;
   if (state.update)
     learn_chunk(state, kept != nullptr ? kept : distances.data() + kRowStride, first, count);
@@ -146,7 +166,7 @@ void score_frames(StandardizedState& state, size_t first, size_t last, uint16_t*
   for (size_t chunk = first; chunk < last; chunk += kChunkFrames) {
     const size_t count = std::min(kChunkFrames, last - chunk);
     learn_and_compare(state, chunk, count, distances);
-    state.kernels.standardize(distances.data(), state.offset,
+    state.kernels.standardize(distances.data(), state.terms[state.frame].offset,
                               common_part(state, state.frame, chunk), state.mean.data() + chunk,
                               state.variance.data() + chunk, state.least_variance,
                               state.most_variance, out + (chunk - first), count);
@@ -169,7 +189,7 @@ std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
   state->components = basis.components;
   if (settings.components > 0 && !basis.components.landmarks.empty())
     state->project = make_projector(basis.components);
-  state->common.resize(distances.query_frames);
+  state->terms.resize(distances.query_frames);
   state->views = make_view_queue(settings, basis.typical_distance);
   state->readable = readable_flags(distances.query_runs, distances.query_frames);
   state->kernels = select_score_kernels();

@@ -17,6 +17,12 @@ namespace vpr {
 /// training frame each; with a longer lag they are computed again.
 inline constexpr size_t kMostKeptRows = 8;
 
+/// What is taken from the distances of a query frame.
+struct FrameTerms {
+  float offset = 0;  ///< the mean over the training frames; the typical distance where rows keep it
+  CommonWeights common = {};  ///< of the training frames' components
+};
+
 /// What is known of every training frame's centred distances: 12 bytes a frame, and the rows that
 /// are kept.
 struct StandardizedState {
@@ -35,8 +41,8 @@ struct StandardizedState {
   ViewQueue views;
   std::vector<uint8_t> readable;  ///< per query frame
   TrainComponents components;
-  Projector project;                  ///< not set: no component is taken away
-  std::vector<CommonWeights> common;  ///< per query frame, of those that began
+  Projector project;              ///< not set: no component is taken away
+  std::vector<FrameTerms> terms;  ///< per query frame, of those that began
   ScoreKernels kernels;
   float least_variance = 0;
   float most_variance = 0;
@@ -44,7 +50,6 @@ struct StandardizedState {
   /// A view whose distances are learned together with the next pass over the training frames.
   struct ViewUpdate {
     size_t view = 0;
-    float offset = 0;
     float gain = 0;
   };
   std::optional<ViewUpdate> update;
@@ -53,7 +58,7 @@ struct StandardizedState {
   std::vector<std::vector<uint16_t>> rows;
   bool keeps_row = false;  ///< whether the frame's distances are kept
   size_t frame = 0;
-  float offset = 0;  ///< of the frame
+  std::vector<uint16_t> row;  ///< the frame's distances, where their sum takes as long as the row
 };
 
 /// A query that begins. The views of one whose basis is offline are all learned here, and none

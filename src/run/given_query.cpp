@@ -40,7 +40,7 @@ double first_variance(const GivenQuery& made) {
   const std::vector<DescriptorSpan> train = descriptor_spans(made.database);
   const std::vector<FrameRun> queries = readable_runs(made.query.span());
   const FrameDistances distances = frame_distances(train, made.query.span());
-  if (queries.empty() || distances.centred_frames == 0) return 0;
+  if (queries.empty() || distances.readable_frames == 0) return 0;
   const auto query = static_cast<uint32_t>(queries.front().first);
   const double mean = row_mean(distances, query);
   std::vector<uint16_t> row(distances.train_frames + kStretchFrames);
@@ -49,7 +49,7 @@ double first_variance(const GivenQuery& made) {
   for (const FrameRun& run : distances.train_runs)
     for (size_t i = run.first; i < run.first + run.count; ++i)
       squares += (row[i] - mean) * (row[i] - mean);
-  return squares / static_cast<double>(distances.centred_frames);
+  return squares / static_cast<double>(distances.readable_frames);
 }
 
 }  // namespace

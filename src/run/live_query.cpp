@@ -22,10 +22,8 @@ QueryPlan checked_plan(const SequenceDatabase& database, const std::string& quer
 
 // What run_query matches, of no frame yet.
 LiveFrames live_frames(const QueryPlan& plan) {
-  const std::optional<ScoreBasis> all = score_basis(plan.learned, plan.settings);
-  if (!all) return start_live(searched_distances(plan), nullptr);
-  const ScoreBasis basis = searched_basis(*all, plan);
-  return start_live(searched_distances(plan), &basis);
+  const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
+  return start_live(searched_distances(plan), basis ? &*basis : nullptr);
 }
 
 size_t new_index(const std::vector<size_t>& kept, size_t row) {
@@ -35,10 +33,10 @@ size_t new_index(const std::vector<size_t>& kept, size_t row) {
 // The state of the rows that are kept, and room for the new one.
 void keep_rows(StandardizedState& state, const std::vector<size_t>& kept,
                FrameDistances distances) {
-  std::vector<CommonWeights> common;
-  for (const size_t row : kept) common.push_back(state.common[row]);
-  common.resize(kept.size() + 1);
-  state.common = std::move(common);
+  std::vector<FrameTerms> terms;
+  for (const size_t row : kept) terms.push_back(state.terms[row]);
+  terms.resize(kept.size() + 1);
+  state.terms = std::move(terms);
   for (size_t& view : state.views.pending) view = new_index(kept, view);
   state.readable = readable_flags(distances.query_runs, distances.query_frames);
   state.distances = std::move(distances);
@@ -127,6 +125,7 @@ void add_frame(LiveFrames& live, FrameRow frame) {
   live.words.push_back(std::move(frame.words));
   FrameDistances distances = live.raw.of_query(
       {DescriptorRows(rows.shape, live.bytes), live.unreadable, nullptr, live.words});
+  distances.train_runs = live.raw.train_runs;
   if (live.state) keep_rows(*live.state, kept, distances);
   live.distances = live.state ? fused(standardized(live.state), live.fusion, live.fusion_state)
                               : std::move(distances);

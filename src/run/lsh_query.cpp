@@ -47,7 +47,9 @@ QueryRun query_lsh(const SequenceDatabase& database, const DescriptorSet& query,
   plan.settings.method = settings.method;
   const MatchSettings windows{plan.settings.window_length, resources.memory_limit,
                               resources.kernels, plan.settings.lsh, resources.seed};
-  const FrameDistances distances = searched_distances(plan);
+  FrameDistances distances = searched_distances(plan);
+  for (size_t s = 0; s < plan.sequences.size(); ++s)
+    if (!plan.sequences[s].searched) distances.train[s] = {};
   QueryRun run;
   Stopwatch watch;
   HitScan some(scan_settings(plan, resources));

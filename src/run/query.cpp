@@ -57,7 +57,6 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks&
   const MatchSettings settings = match_settings(plan, resources);
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
   FrameDistances distances = searched_distances(plan);
-  distances.past = plan.past;
   StepTimer timer(run.seconds);
 
   // A relative threshold is known only after all distances were seen once.
@@ -70,7 +69,7 @@ QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks&
   }
   const Monitor last_pass = has_two_passes ? part_of(monitor, "pass", 1, 2) : monitor;
   distances = scored(std::move(distances), basis, plan, last_pass);
-  CellScan cells(choose_cells({searched_runs(plan), distances.query_runs}, settings.window_length,
+  CellScan cells(choose_cells({distances.train_runs, distances.query_runs}, settings.window_length,
                               resources.verify_cells, resources.seed));
   {
     ResultRows rows(plan, resources);

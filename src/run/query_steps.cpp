@@ -17,14 +17,6 @@ namespace {
 constexpr size_t kMostHits = 4'000'000'000;  // clusters are numbered by 32 bits
 constexpr size_t kBytesPerHit = 64;  // while hits are collected, sorted, clustered and written
 
-// A sequence that is not searched has no frames, so that indices stay the same.
-std::vector<DescriptorSpan> searched_sequences(const QueryPlan& plan) {
-  std::vector<DescriptorSpan> searched = plan.train;
-  for (size_t s = 0; s < searched.size(); ++s)
-    if (!plan.sequences[s].searched) searched[s] = {};
-  return searched;
-}
-
 }  // namespace
 
 void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
@@ -52,11 +44,11 @@ void check_descriptors(const DescriptorStore& trained, const DescriptorStore& as
 }
 
 FrameDistances searched_distances(const QueryPlan& plan) {
-  return frame_distances(searched_sequences(plan), plan.query, plan.train);
-}
-
-std::vector<FrameRun> searched_runs(const QueryPlan& plan) {
-  return readable_runs(searched_sequences(plan));
+  FrameDistances distances = frame_distances(plan.train, plan.query);
+  std::erase_if(distances.train_runs,
+                [&](const FrameRun& run) { return !plan.sequences[run.sequence].searched; });
+  distances.past = plan.past;
+  return distances;
 }
 
 bool needs_maxima(const QueryPlan& result) {

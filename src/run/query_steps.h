@@ -12,12 +12,9 @@ namespace vpr {
 void check_descriptors(const DescriptorStore& trained, const DescriptorStore& asked,
                        uint64_t window_length);
 
-/// The frame distances of the query to the training sequences. A sequence that is not searched has
-/// no frames, so that indices stay the same; rows are centred over all sequences.
+/// The frame distances of the query to all training frames; windows lie in the sequences that are
+/// searched.
 FrameDistances searched_distances(const QueryPlan& plan);
-
-/// The runs of these frames.
-std::vector<FrameRun> searched_runs(const QueryPlan& plan);
 
 /// Whether limits depend on the largest distances.
 bool needs_maxima(const QueryPlan& result);

@@ -38,18 +38,12 @@ std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
   return basis;
 }
 
-ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan) {
-  std::vector<uint8_t> searched;
-  for (const Target& sequence : plan.sequences) searched.push_back(sequence.searched);
-  return basis_of(all, plan.train, searched);
-}
-
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
                       const QueryPlan& plan, const Monitor& monitor) {
   if (plan.settings.loop && score_kind(plan.settings.score).needs_statistics)
     return standardized_past(std::move(distances), plan.settings.standardization);
   if (!basis) return distances;
-  return standardized(std::move(distances), searched_basis(*basis, plan), monitor);
+  return standardized(std::move(distances), *basis, monitor);
 }
 
 }  // namespace vpr

@@ -18,11 +18,8 @@ void ensure_statistics(SequenceDatabase& database, const Monitor& monitor);
 std::optional<ScoreBasis> score_basis(const TrainStatistics* learned,
                                       const SequenceQuerySettings& settings);
 
-/// The part of a basis of all sequences that is of the searched ones.
-ScoreBasis searched_basis(const ScoreBasis& all, const QueryPlan& plan);
-
-/// The distances to the searched sequences as a plan scores them: standardized by `basis`, which is
-/// of all sequences, or as they are. Throws what start_standardized throws.
+/// Distances as a plan scores them: standardized by `basis`, or as they are. Throws what
+/// start_standardized throws.
 FrameDistances scored(FrameDistances distances, const std::optional<ScoreBasis>& basis,
                       const QueryPlan& plan, const Monitor& monitor);
 

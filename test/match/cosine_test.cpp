@@ -213,7 +213,7 @@ TEST_CASE("the mean distance to all vectors is that of their distances, but for 
   const std::vector<size_t> unreadable = {3, 99};
   const DescriptorSpan train = one.span(unreadable);
   const FrameDistances distances = frame_distances({&train, 1}, query.span());
-  CHECK(distances.centred_frames == 198);
+  CHECK(distances.readable_frames == 198);
   for (size_t j = 0; j < 20; ++j) {
     double sum = 0;
     for (size_t i = 0; i < 200; ++i)

@@ -128,7 +128,7 @@ TEST_CASE("tiles are the distances of single pairs, whatever frames and order ar
     const DescriptorSpan query{{kShape, asked}, {}, &given};
     const FrameDistances distances = frame_distances(train, query);
     CHECK(distances.train_frames == 1103);
-    CHECK(distances.centred_frames == 1102);
+    CHECK(distances.readable_frames == 1102);
     const std::vector<uint32_t> order = {20, 0, 7};
     std::vector<uint16_t> tile(order.size() * 1200, 7);
     distances.tile(order, 8, 1103, tile.data(), 1200);

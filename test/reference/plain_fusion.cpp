@@ -16,16 +16,9 @@ namespace {
 // The scores of the first query frames before they are fused.
 FrameDistances unfused(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                        const ScoreBasis& basis, const Monitor& monitor) {
-  std::vector<uint8_t> keep(train.size(), 0);
-  std::vector<DescriptorSpan> searched;
-  for (const FusedWalk& walk : basis.fusion.walks) {
-    keep[walk.sequence] = 1;
-    searched.push_back(train[walk.sequence]);
-  }
   ScoreBasis alone = basis;
   alone.fusion = {};
-  return standardized(frame_distances(searched, query, train), basis_of(alone, train, keep),
-                      monitor);
+  return standardized(frame_distances(train, query), alone, monitor);
 }
 
 // w of each of the first `count` query frames.

@@ -149,7 +149,6 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
   if (plan.settings.loop && plan.settings.score != Score::raw)
     return wrong_past_scores(cells, plan.query, plan.past, length, plan.settings.standardization);
   std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
-  if (basis) basis->fusion = searched_basis(*basis, plan).fusion;
   RatedWindows windows{length, parse_rates(plan.settings.rates)};
   if (windows.rates.empty()) windows.rates = {{1, 1}};
   return wrong_rated_cells(cells, windows, plan.train, plan.query, basis ? &*basis : nullptr, {});
@@ -159,8 +158,9 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
 
 QueryRun run_verified(const QueryPlan& plan, const QueryResources& resources, size_t cells,
                       const Monitor& monitor) {
-  CellScan scan(choose_cells({searched_runs(plan), readable_runs(plan.query), plan.past},
-                             plan.settings.window_length, cells, resources.seed));
+  CellScan scan(
+      choose_cells({searched_distances(plan).train_runs, readable_runs(plan.query), plan.past},
+                   plan.settings.window_length, cells, resources.seed));
   QueryRun run = run_query(plan, resources, {{std::ref(scan)}}, monitor);
   CHECK(scan.result().size() == cells);
   CHECK(find_wrong(scan.result(), plan) == std::vector<Cell>{});
