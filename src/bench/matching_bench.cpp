@@ -19,7 +19,6 @@
 #include "match/fastable_online.h"
 #include "match/lsh.h"
 #include "match/match.h"
-#include "match/match_filter.h"
 #include "match/plain.h"
 #include "match/standardized_frames.h"
 #include "run/verify.h"
@@ -42,18 +41,29 @@ std::vector<double> divided(std::vector<double> times_ms, double by) {
   return times_ms;
 }
 
+// One query frame after the other through the stage of settings.method, again and again. The first
+// windows are shorter, and not timed. `seen` is called after each frame.
+void time_stage(const FrameDistances& distances, const MatchSettings& settings,
+                const Effort& effort, const Monitor& monitor, const std::function<void()>& seen,
+                BenchRow& row) {
+  const WindowStage stage = window_stage(distances, {&settings.window_length, 1}, settings);
+  QueryFrame next{0, 0, 1};
+  const auto advance = [&] {
+    stage(distances, next, [](size_t, std::span<const ScoreRow>) {});
+    seen();
+    next = {(next.row + 1) % distances.query_frames, next.number + 1, next.in_a_row + 1};
+  };
+  for (size_t f = 0; f <= settings.window_length; ++f) advance();
+  row.time = summarise(time_repeatedly(effort, advance, monitor));
+}
+
 void time_online(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                  BenchRow& row) {
-  FastableState state = start_fastable(example.distances, example.settings);
-  size_t next = 0;
-  const auto advance = [&] {
-    advance_fastable(state, example.distances, example.settings.kernels, next);
-    next = (next + 1) % example.distances.query_frames;
-  };
-  // The first windows are shorter, and the ring is not filled yet.
-  for (size_t f = 0; f <= example.settings.window_length; ++f) advance();
-  row.time = summarise(time_repeatedly(effort, advance, monitor));
-  row.values.emplace_back("ring", state.has_ring ? 1 : 0);
+  time_stage(
+      example.distances, example.settings, effort, monitor, [] {}, row);
+  row.values.emplace_back("ring",
+                          ring_fits(example.distances.train_frames, example.settings.window_length,
+                                    example.settings.memory_limit));
 }
 
 ScoreBasis score_basis(const MatchingCase& example) {
@@ -69,43 +79,25 @@ void time_standardized(const MatchingCase& example, const Effort& effort, const 
   const ScoreBasis basis = score_basis(example);
   row.values.emplace_back("statistics_s", watch.elapsed_s());
   const auto learning = start_standardized(example.distances, basis, monitor);
-  const FrameDistances scores = standardized(learning);
-  FastableState state = start_fastable(scores, example.settings);
-  size_t next = 0;
-  size_t seen = 0;
+  size_t frames = 0;
   size_t learned = 0;
-  const auto advance = [&] {
-    advance_fastable(state, scores, example.settings.kernels, next);
+  const auto count = [&] {
     learned += learning->update ? 1 : 0;
-    ++seen;
-    next = (next + 1) % scores.query_frames;
+    ++frames;
   };
-  for (size_t f = 0; f <= example.settings.window_length; ++f) advance();
-  row.time = summarise(time_repeatedly(effort, advance, monitor));
+  time_stage(standardized(learning), example.settings, effort, monitor, count, row);
   row.values.emplace_back("learned_share",
-                          static_cast<double>(learned) / static_cast<double>(seen));
+                          static_cast<double>(learned) / static_cast<double>(frames));
 }
 
-// And how many places there are, and the share of frames that are views.
 void time_filtered(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                    BenchRow& row) {
-  const FrameDistances scores = standardized(example.distances, score_basis(example), monitor);
-  FilteredQuery query = start_filtered(scores, example.settings);
-  size_t next = 0;
-  size_t seen = 0;
-  size_t views = 0;
-  row.time = summarise(time_repeatedly(
-      effort,
-      [&] {
-        const size_t before = query.track.views;
-        take_frame(query, scores, {next, seen, seen + 2});
-        views += query.track.views - before;
-        ++seen;
-        next = (next + 1) % scores.query_frames;
-      },
-      monitor));
-  row.values.emplace_back("places", static_cast<double>(query.filter.cells.places));
-  row.values.emplace_back("view_share", static_cast<double>(views) / static_cast<double>(seen));
+  MatchSettings settings = example.settings;
+  settings.method = &find_sequence_method("filter");
+  settings.window_length = 1;
+  time_stage(
+      standardized(example.distances, score_basis(example), monitor), settings, effort, monitor,
+      [] {}, row);
 }
 
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,6 +20,20 @@ namespace {
 
 constexpr size_t kChunkFrames = 2048;       // descriptors of a chunk stay in the second-level cache
 constexpr size_t kFramesPerThread = 32768;  // below, a second thread costs more than it gives
+
+/// What is kept between frames: 8 bytes a train frame for sums, and either the ring (2 * (c_l + 1)
+/// bytes a train frame) or which the last c_l query frames were. Holds for one FrameDistances.
+struct FastableState {
+  size_t window_length = 0;
+  size_t frames_seen = 0;
+  std::optional<size_t> least_lag;  ///< of a walk against itself (rows.h)
+  bool has_ring = false;
+  std::vector<uint32_t> sums;  ///< of windows ending at each train frame and the last query frame
+  std::vector<uint32_t> next_sums;
+  std::unique_ptr<uint16_t[]> ring;  ///< (window_length + 1) x frame stride; row f mod (c_l + 1)
+  size_t ring_stride = 0;
+  std::vector<uint32_t> recent;  ///< without a ring: the f-th query frame at f mod window_length
+};
 
 /// Writes what enters the windows, for train frames [first, last) and the new query frame, to
 /// out[0] and on: as FrameDistances::tile says.
@@ -147,19 +165,6 @@ size_t ring_bytes(const FastableState& state) {
   return state.ring_stride * (state.window_length + 1) * sizeof(uint16_t);
 }
 
-// Every length has sums of its own, and the rings share the memory.
-std::vector<FastableState> start_lengths(const FrameDistances& distances,
-                                         std::span<const size_t> window_lengths,
-                                         MatchSettings settings) {
-  std::vector<FastableState> states;
-  for (const size_t length : window_lengths) {
-    settings.window_length = length;
-    states.push_back(start_fastable(distances, settings));
-    if (states.back().has_ring) settings.memory_limit -= ring_bytes(states.back());
-  }
-  return states;
-}
-
 void check_scored_ring(const FrameDistances& distances, const MatchSettings& settings) {
   if (settings.window_length > kMaxScoredWindow)
     throw Error(ErrorKind::usage,
@@ -171,15 +176,6 @@ void check_scored_ring(const FrameDistances& distances, const MatchSettings& set
                             "memory beside what other c_l take; raise --max-memory",
                             distances.train_frames, settings.window_length,
                             (distances.train_frames * (settings.window_length + 1) >> 19) + 1));
-}
-
-}  // namespace
-
-bool ring_fits(size_t frame_count, size_t window_length, size_t memory_limit) {
-  size_t bytes = 0;
-  return !__builtin_mul_overflow(padded(frame_count) * sizeof(uint16_t), window_length + 1,
-                                 &bytes) &&
-         bytes <= memory_limit;
 }
 
 FastableState start_fastable(const FrameDistances& distances, const MatchSettings& settings) {
@@ -201,10 +197,26 @@ FastableState start_fastable(const FrameDistances& distances, const MatchSetting
   return state;
 }
 
-std::span<const uint32_t> advance_fastable(FastableState& state, const FrameDistances& distances,
-                                           const RowKernels& kernels, size_t query_frame) {
-  if (distances.start_row) distances.start_row(query_frame);
-  return advance_started(state, distances, kernels, static_cast<uint32_t>(query_frame));
+// Every length has sums of its own, and the rings share the memory.
+std::vector<FastableState> start_lengths(const FrameDistances& distances,
+                                         std::span<const size_t> window_lengths,
+                                         MatchSettings settings) {
+  std::vector<FastableState> states;
+  for (const size_t length : window_lengths) {
+    settings.window_length = length;
+    states.push_back(start_fastable(distances, settings));
+    if (states.back().has_ring) settings.memory_limit -= ring_bytes(states.back());
+  }
+  return states;
+}
+
+}  // namespace
+
+bool ring_fits(size_t frame_count, size_t window_length, size_t memory_limit) {
+  size_t bytes = 0;
+  return !__builtin_mul_overflow(padded(frame_count) * sizeof(uint16_t), window_length + 1,
+                                 &bytes) &&
+         bytes <= memory_limit;
 }
 
 WindowStage fastable_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,

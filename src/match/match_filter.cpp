@@ -3,11 +3,23 @@
 #include <algorithm>
 #include <cassert>
 #include <memory>
+#include <vector>
 
 #include "base/parallel.h"
+#include "match/filter_track.h"
 
 namespace vpr {
 namespace {
+
+/// A query that is filtered as it comes. Holds for one FrameDistances, of standardized scores.
+struct FilteredQuery {
+  FilterState filter;
+  PathTrack track;
+  SecondLook look;
+  std::vector<uint16_t> scores;  ///< of the last frame to all training frames
+  std::vector<uint32_t> row;     ///< of the last frame: values of all training frames
+  std::vector<uint8_t> view;     ///< descriptor of the last frame that was one; empty after a gap
+};
 
 constexpr size_t kFramesPerThread = 32768;  // below, a second thread costs more than it gives
 
@@ -86,8 +98,6 @@ void write_best(FilteredQuery& query, const PathFrame& path) {
   query.row[path.frame] = value;
 }
 
-}  // namespace
-
 FilteredQuery start_filtered(const FrameDistances& distances, const MatchSettings& settings) {
   assert(distances.is_in_order());
   FilteredQuery query;
@@ -101,12 +111,14 @@ FilteredQuery start_filtered(const FrameDistances& distances, const MatchSetting
   return query;
 }
 
+// Restarts, as after an unreadable frame.
 void forget_frames(FilteredQuery& query) {
   restart_filter(query.filter);
   query.track.views = 0;
   query.view.clear();
 }
 
+// Takes the next readable query frame, and writes its row. There must be a place.
 PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
                       const QueryFrame& frame) {
   if (frame.in_a_row == 1) forget_frames(query);
@@ -124,6 +136,8 @@ PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
   write_best(query, path);
   return {path.margin, path.nowhere, path.rate, path.track};
 }
+
+}  // namespace
 
 WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t>,
                          const MatchSettings& settings) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "match/fastable_online.h"
-#include "match/match_filter.h"
+#include "match/rows.h"
 #include "match/standardized_frames.h"
 #include "run/query.h"
 
