@@ -191,7 +191,7 @@ BenchResult run_realtime(Session& session, const RealtimeInputs& inputs,
     throw Error(ErrorKind::data,
                 fmt::format("{}: has imported descriptors. Frames cannot be described alike",
                             inputs.database));
-  if (score_kind(live_settings(settings).score).needs_statistics)
+  if (score_kind(live_settings(settings)->score).needs_statistics)
     ensure_statistics(database, session.monitor);
   QueryResources resources;
   resources.kernels = session.kernels;

@@ -36,8 +36,6 @@ WordQuery read_recording(const QueryInputs& inputs, const FabmapDatabase& databa
                          bool skip_unreadable, const Session& session) {
   WordQuery query;
   if (!inputs.query_bow.empty()) {
-    if (inputs.query || !inputs.dataset.empty())
-      throw Error(ErrorKind::usage, "give either --query-bow or --query, not both");
     const SequenceArgument argument = parse_sequence_argument(inputs.query_bow);
     query.name = sequence_names({argument}).front();
     query.path = argument.path.string();
@@ -114,8 +112,6 @@ void run_fabmap_query(Session& session, const QueryInputs& inputs,
   if (inputs.explained_frame && !options.output.empty())
     session.outputs.claim_file(explanation_picture_path(options.output));
   if (!inputs.posteriors.empty()) session.outputs.claim_file(inputs.posteriors);
-  if (!inputs.loop.list.empty() && !settings.loop)
-    throw Error(ErrorKind::usage, "--save-loops lists what --loop finds; give --loop, too");
   if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
   const Stopwatch watch;
   const FabmapDatabase database = read_fabmap_database(inputs.database);

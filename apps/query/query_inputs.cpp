@@ -37,8 +37,6 @@ QuerySource find_query(const QueryInputs& inputs, const Monitor& monitor) {
   QuerySource source;
   if (!inputs.ground_truth.empty())
     source.ground_truth = ground_truth_argument(inputs.ground_truth, inputs.flags);
-  if (!inputs.query_npy.empty() && (inputs.query || !inputs.dataset.empty()))
-    throw Error(ErrorKind::usage, "give --query-npy alone, without --query and --dataset");
   std::optional<Dataset> dataset;
   if (!inputs.dataset.empty()) {
     dataset = read_dataset(inputs.dataset);

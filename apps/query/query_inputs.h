@@ -9,7 +9,7 @@
 #include "common/ground_truth_flags.h"
 #include "common/rate_flags.h"
 #include "common/score_flags.h"
-#include "decide/query_settings.h"
+#include "decide/choices.h"
 #include "present/result_file.h"
 #include "run/train.h"
 #include "truth/dataset.h"
@@ -70,10 +70,6 @@ QuerySource find_scored_query(const QueryInputs& inputs);
 /// NAME=FIRST:LAST.
 std::vector<NamedArgument> scored_sequences(const QueryScores& scores);
 
-/// Throws Error(usage) for flags of --scores without it, and beside it for what a matrix has no
-/// answer to.
-void check_scores(const QueryInputs& inputs, const SequenceQuerySettings& settings);
-
 /// What a result file says of the run: machine, paths, fingerprints and seconds.
 ResultContext context_of(const Session& session, const QueryInputs& inputs,
                          const std::string& query_path,
@@ -87,11 +83,10 @@ std::string query_title(const Result& result);
 
 /// A query against a database of sequences.
 void run_sequence_query(Session& session, const QueryInputs& inputs,
-                        const SequenceQuerySettings& settings);
+                        const ResolvedSettings& settings);
 
 /// The same, as frames come: a line for each.
-void follow_query(Session& session, const QueryInputs& inputs,
-                  const SequenceQuerySettings& settings);
+void follow_query(Session& session, const QueryInputs& inputs, const ResolvedSettings& settings);
 
 /// A query against a FAB-MAP database.
 void run_fabmap_query(Session& session, const QueryInputs& inputs,

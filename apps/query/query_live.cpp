@@ -23,29 +23,6 @@
 namespace vpr {
 namespace {
 
-// What is for a whole query would be without effect.
-void refuse_whole(const Session& session, const QueryInputs& inputs) {
-  const auto refuse = [](bool is_given, const char* flag, const char* why) {
-    if (is_given)
-      throw Error(ErrorKind::usage, fmt::format("{} can't be given with --follow, {}", flag, why));
-  };
-  refuse(!session.options.output.empty(), "--output",
-         "which prints a line for each frame; redirect standard output");
-  refuse(!inputs.matrix.empty(), "--save-matrix", "which keeps no row");
-  refuse(asks_for_truth(inputs), "--ground-truth", "which draws nothing");
-  refuse(inputs.verify_cells > 0, "--verify", "which keeps no row");
-  refuse(!inputs.query_npy.empty(), "--query-npy", "which describes frames itself");
-  refuse(!inputs.warp.empty(), "--warp", "which replays nothing");
-}
-
-// As frames come, nobody knows their times but by their names.
-void refuse_list_of_times(const QueryInputs& inputs) {
-  if (!inputs.flags.options.query_times.empty())
-    throw Error(ErrorKind::usage,
-                "--query-times can't be given with --follow, which takes times from the names of "
-                "images as they come");
-}
-
 // As the flags or the data set say it.
 std::optional<double> recorded_fps(const QueryInputs& inputs) {
   if (inputs.rate.recorded_fps || inputs.dataset.empty()) return inputs.rate.recorded_fps;
@@ -142,29 +119,24 @@ void follow(LiveSource& source, Follower& follower, Latencies& latencies) {
 
 }  // namespace
 
-void follow_query(Session& session, const QueryInputs& inputs, const SequenceQuerySettings& given) {
-  refuse_whole(session, inputs);
-  const SequenceQuerySettings settings = with_implied(with_fusion(given, inputs.fuse));
-  check_live(settings);
+void follow_query(Session& session, const QueryInputs& inputs, const ResolvedSettings& settings) {
   QueryResources resources;
   resources.kernels = session.kernels;
   resources.memory_limit = inputs.memory_limit;
   resources.seed = session.options.seed;
-  const Unreadable unreadable = settings.skip_unreadable ? Unreadable::skip : Unreadable::fail;
+  const Unreadable unreadable = settings->skip_unreadable ? Unreadable::skip : Unreadable::fail;
   SequenceDatabase database = read_sequence_database(inputs.database);
   if (database.descriptors.kind->is_imported)
     throw Error(ErrorKind::data,
                 fmt::format("{}: holds descriptors that were imported, and frames that come can't "
                             "be described so",
                             inputs.database));
-  check_score(settings);
-  check_automatic(database, settings);
-  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, session.monitor);
-  fuse_views(database, settings, inputs.fuse);
-  warn_of_automatic(settings, session.monitor);
-  refuse_list_of_times(inputs);
+  check_automatic(database, *settings);
+  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, session.monitor);
+  fuse_views(database, *settings, inputs.fuse);
+  warn_of_automatic(*settings, session.monitor);
   const NamedSource query = open_source(inputs, unreadable, session.monitor);
-  warn_of_rates(database, query.fps, settings, session.monitor);
+  warn_of_rates(database, query.fps, *settings, session.monitor);
   Monitor silent = session.monitor;
   silent.progress = nullptr;
   Follower follower{session, database, unreadable, silent,

@@ -12,10 +12,6 @@
 namespace vpr {
 namespace {
 
-void refuse(bool is_given, const char* what) {
-  if (is_given) throw Error(ErrorKind::usage, what);
-}
-
 std::string text_of(const SequenceArgument& argument) {
   return argument.path.string() + range_text(argument.range);
 }
@@ -49,28 +45,8 @@ std::vector<int64_t> times_of(const SequenceArgument& walk, const QueryInputs& i
 
 }  // namespace
 
-void check_loop_inputs(const QueryInputs& inputs, const SequenceQuerySettings& settings) {
-  if (!settings.loop) {
-    refuse(!inputs.loop.list.empty(), "--save-loops lists what --loop finds; give --loop, too");
-    refuse(!inputs.loop.times.empty(), "--times are of a walk against itself; give --loop, too");
-    refuse(!settings.descriptor.empty(),
-           "--descriptor says what --loop describes frames by; a database says it for its queries");
-    return;
-  }
-  refuse(!inputs.database.empty(),
-         "--loop compares a walk with itself: leave the database out, as in vpr-query --loop "
-         "--loop-gap 300 --query FOLDER");
-  refuse(!inputs.scores.matrix.path.empty(), "--loop describes frames itself: leave --scores out");
-  refuse(inputs.follow,
-         "--follow compares with a database that does not grow: leave --loop out, or --follow");
-  refuse(!inputs.warp.empty(), "a query that is replayed (--warp) has no past of its own");
-  refuse(!inputs.loop.times.empty() && settings.loop_gap_s == 0,
-         "--times are for a gap in seconds, as in --loop-gap 30s");
-  check_loop(settings);
-}
-
 LoopWalk describe_loop(const SequenceArgument& walk, const QueryInputs& inputs,
-                       SequenceQuerySettings& settings, const Session& session) {
+                       const SequenceQuerySettings& settings, const Session& session) {
   LoopWalk described;
   if (settings.loop_gap_s != 0) described.times_ns = times_of(walk, inputs, session.monitor);
   described.query = describe_walk(open_sequence(walk), settings, session.monitor);

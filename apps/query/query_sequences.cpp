@@ -106,7 +106,7 @@ std::string advice_text(Sides& sides, const Result& result, const QueryResources
 }
 
 void describe_own(Sides& sides, const Session& session, const QueryInputs& inputs,
-                  SequenceQuerySettings& settings) {
+                  const SequenceQuerySettings& settings) {
   sides.source = find_query(inputs, session.monitor);
   LoopWalk walk = describe_loop(sides.source.sequence.sequence, inputs, settings, session);
   sides.database = std::move(walk.database);
@@ -121,7 +121,6 @@ void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
               const SequenceQuerySettings& settings) {
   sides.source = find_query(inputs, session.monitor);
   sides.database = read_sequence_database(inputs.database);
-  check_score(settings);
   check_automatic(sides.database, settings);
   if (score_kind(settings.score).needs_statistics)
     ensure_statistics(sides.database, session.monitor);
@@ -163,43 +162,36 @@ QueryResources resources_of(const Session& session, const QueryInputs& inputs) {
 }
 
 // Before anything is read.
-void check_and_claim(const Session& session, const QueryInputs& inputs,
-                     const SequenceQuerySettings& settings) {
+void claim_outputs(const Session& session, const QueryInputs& inputs) {
   if (!session.options.output.empty()) claim_result(session.options.output, session.outputs);
   claim_matrix(inputs, session.outputs);
   if (!inputs.loop.list.empty()) session.outputs.claim_file(inputs.loop.list);
-  if (inputs.verify_cells > 0) check_verification(settings, !inputs.scores.matrix.path.empty());
-  if (settings.method == kLshMethod && !inputs.matrix.empty())
-    throw Error(ErrorKind::usage, "lsh does not compute the whole matrix; leave --save-matrix out");
 }
 
 }  // namespace
 
 void run_sequence_query(Session& session, const QueryInputs& inputs,
-                        const SequenceQuerySettings& asked) {
-  SequenceQuerySettings settings = with_implied(with_fusion(asked, inputs.fuse));
-  check_loop_inputs(inputs, settings);
-  check_scores(inputs, settings);
-  if (inputs.follow) return follow_query(session, inputs, asked);
-  check_and_claim(session, inputs, settings);
+                        const ResolvedSettings& settings) {
+  if (inputs.follow) return follow_query(session, inputs, settings);
+  claim_outputs(session, inputs);
   const QueryResources resources = resources_of(session, inputs);
 
   const Stopwatch watch;
   Sides sides;
   const bool has_scores = !inputs.scores.matrix.path.empty();
-  has_scores      ? take_scores(sides, session, inputs)
-  : settings.loop ? describe_own(sides, session, inputs, settings)
-                  : describe(sides, session, inputs, settings);
+  has_scores       ? take_scores(sides, session, inputs)
+  : settings->loop ? describe_own(sides, session, inputs, *settings)
+                   : describe(sides, session, inputs, *settings);
   const auto& [given, database, query, source, known, times_ns] = sides;
   const double describe_s = watch.elapsed_s();
   const std::string& name = source.sequence.name;
   SavedMatrix matrix;
   std::optional<GroundTruth> truth;
   const auto search = [&] {
-    if (settings.method == kLshMethod)
+    if (settings->method == kLshMethod)
       return query_lsh(database, query, name, settings, resources, session.monitor);
     QueryPlan planned =
-        settings.loop
+        settings->loop
             ? plan_loop(database, query, name, settings, times_ns, resources, session.monitor)
             : plan_query(database, query, name, settings, resources, session.monitor);
     const Result shape = make_result(planned);  // without matches

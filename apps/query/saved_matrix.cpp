@@ -22,11 +22,6 @@ bool has_gaps(const QueryPlan& plan) {
 }  // namespace
 
 void claim_matrix(const QueryInputs& inputs, Outputs& outputs) {
-  if (asks_for_truth(inputs) && !inputs.matrix.ends_with(".png"))
-    throw Error(ErrorKind::usage,
-                "--ground-truth, and what goes with it, is for the picture of --save-matrix "
-                "FILE.png; counts come from "
-                "vpr-eval");
   if (inputs.matrix.empty()) return;
   if (!inputs.matrix.ends_with(".npy") && !inputs.matrix.ends_with(".png"))
     throw Error(ErrorKind::usage,

@@ -17,8 +17,7 @@ struct SavedMatrix {
   std::optional<RowPixels> pixels;
 };
 
-/// Claims the file, if one is asked for. Throws Error(usage) for another ending than .npy or .png,
-/// and for a ground truth, which only a picture shows.
+/// Claims the file, if one is asked for. Throws Error(usage) for another ending than .npy or .png.
 void claim_matrix(const QueryInputs& inputs, Outputs& outputs);
 
 /// What takes the rows of a query; nothing without a path. `shape`: the result, of which nothing is

@@ -82,19 +82,23 @@ std::vector<std::string> keys_of(S settings) {
 
 /// How databases of one family are queried, and what means nothing to them.
 struct FamilyQuery {
-  void (*run)(Session& session, const QueryInputs& inputs, const GivenSettings& settings);
+  void (*run)(Session& session, const QueryInputs& inputs, const GivenSettings& settings,
+              const RunChoices& run);
   std::vector<std::string> (*keys)();  ///< of configurations
   std::array<const char*, 3> foreign_groups;
 };
 
 /// A row for each DatabaseFamily.
 constexpr std::array<FamilyQuery, 2> kFamilies = {{
-    {[](Session& session, const QueryInputs& inputs, const GivenSettings& settings) {
-       run_sequence_query(session, inputs, settings.sequence);
+    {[](Session& session, const QueryInputs& inputs, const GivenSettings& settings,
+        const RunChoices& run) {
+       run_sequence_query(session, inputs, {settings.sequence, run});
      },
      [] { return keys_of(SequenceQuerySettings{}); },
      {kFabmapGroup, nullptr, nullptr}},
-    {[](Session& session, const QueryInputs& inputs, const GivenSettings& settings) {
+    {[](Session& session, const QueryInputs& inputs, const GivenSettings& settings,
+        const RunChoices& run) {
+       check_choices(settings.sequence, run);
        run_fabmap_query(session, inputs, settings.fabmap);
      },
      [] { return keys_of(FabmapQuerySettings{}); },
@@ -124,30 +128,34 @@ void refuse_keys(const CommonOptions& options, const FamilyQuery& family, std::s
                                                   options.config, key, kind));
 }
 
-// What the filter and --fuse imply can't be asked for otherwise.
-void refuse_other_than_implied(const Command& app, const CommonOptions& options,
-                               const SequenceQuerySettings& settings, bool is_fused) {
-  if (!has_paths(settings.method) && !is_fused) return;
-  const std::vector<std::string> flags = app.given_flags(kSequenceGroup);
-  const auto is_given = [&](const std::string& flag, const std::string& key) {
-    return std::find(flags.begin(), flags.end(), flag) != flags.end() ||
-           std::find(options.config_keys.begin(), options.config_keys.end(), key) !=
-               options.config_keys.end();
+// What a run has besides settings. Settings that are given and that the method or --fuse replaces
+// are choices, too, unless they have the value that is implied.
+RunChoices choices_of(const Command& app, const CommonOptions& options, const QueryInputs& inputs,
+                      const SequenceQuerySettings& settings, DatabaseFamily family) {
+  RunChoices run;
+  for (const Choice& choice : choices())
+    if (choice.flag.starts_with("--") && !choice.is_implied &&
+        app.is_given(std::string(choice.flag)))
+      run.push_back(choice.flag);
+  std::erase_if(run, [&](std::string_view flag) {
+    return (flag == "--c-l" && settings.window_length == 1) ||
+           (flag == "--verify" && inputs.verify_cells == 0);
+  });
+  if (family == DatabaseFamily::fabmap) run.push_back(kFabmapChoice);
+  if (family == DatabaseFamily::sequences && !inputs.database.empty())
+    run.push_back(kDatabaseChoice);
+  if (!inputs.fuse.empty()) run.emplace_back("--fuse");
+  if (asks_for_truth(inputs)) run.emplace_back("--ground-truth");
+  if (inputs.matrix.ends_with(".png")) run.emplace_back("--save-matrix FILE.png");
+  const auto is_given = [&](const char* flag, const char* key) {
+    return app.is_given(flag) ||
+           std::ranges::find(options.config_keys, key) != options.config_keys.end();
   };
-  const std::string with =
-      has_paths(settings.method) ? "--method " + settings.method : std::string("--fuse");
-  const auto refuse = [&](const char* flag, const char* why) {
-    throw Error(ErrorKind::usage, fmt::format("{} has no effect with {}, {}", flag, with, why));
-  };
-  if (is_given("--score", "score") && settings.score == Score::raw)
-    refuse("--score raw", "which needs standardized scores; leave it out");
-  if (!has_paths(settings.method)) return;
-  if (is_given("--c-l", "c_l") && settings.window_length != 1)
-    refuse("--c-l", "which takes frame after frame; leave it out");
-  if (is_given("--decide", "decide") && settings.decision != Decision::margin)
-    refuse("--decide threshold", "which decides by margin; leave it out");
-  if (settings.margin_width)
-    refuse("--margin-width", "which counts views: set filter.near_views in a configuration");
+  if (is_given("--c-l", "c_l") && settings.window_length != 1) run.emplace_back("--c-l");
+  if (is_given("--score", "score") && settings.score == Score::raw) run.emplace_back("--score raw");
+  if (is_given("--decide", "decide") && settings.decision == Decision::threshold)
+    run.emplace_back("--decide threshold");
+  return run;
 }
 
 /// A matrix of scores is one of frames of sequences, and so is a walk without a database.
@@ -169,17 +177,6 @@ DatabaseFamily family_of(const std::string& method) {
   return DatabaseFamily::sequences;
 }
 
-// FAB-MAP counts the gap in frames, and has its own descriptors.
-void refuse_sequence_loops(const QueryLoop& loop, const SequenceQuerySettings& settings) {
-  if (settings.loop_gap_s != 0 || !loop.times.empty())
-    throw Error(ErrorKind::usage,
-                "FAB-MAP's gap is of frames, as in --loop-gap 30; seconds and --times are for "
-                "sequences, without a database");
-  if (!settings.descriptor.empty())
-    throw Error(ErrorKind::usage,
-                "--descriptor is for sequences, without a database; FAB-MAP's has its words");
-}
-
 void run(Session& session, const QueryInputs& inputs, const GivenSettings& given,
          const Command& app) {
   GivenSettings settings = given;
@@ -194,12 +191,10 @@ void run(Session& session, const QueryInputs& inputs, const GivenSettings& given
   refuse_flags(app, query, kind);
   refuse_keys(session.options, query, kind);
   settings.sequence.method = settings.fabmap.method = method;
-  if (family == DatabaseFamily::sequences)
-    refuse_other_than_implied(app, session.options, settings.sequence, !inputs.fuse.empty());
   settings.fabmap.skip_unreadable = settings.sequence.skip_unreadable;
   settings.sequence.loop = settings.fabmap.loop;
-  if (family == DatabaseFamily::fabmap) refuse_sequence_loops(inputs.loop, settings.sequence);
-  query.run(session, inputs, settings);
+  query.run(session, inputs, settings,
+            choices_of(app, session.options, inputs, settings.sequence, family));
 }
 
 }  // namespace

@@ -20,16 +20,14 @@ CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const S
                          double precision) {
   const Monitor& monitor = session.monitor;
   SequenceDatabase database = read_sequence_database(command.inputs.database);
-  const SequenceQuerySettings settings = with_implied(command.settings);
-  if (settings.fusion_weight)
-    throw Error(ErrorKind::usage,
-                "vpr-tune calibrate has no --fuse: remove fuse_beta from the configuration.");
-  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
+  const ResolvedSettings settings(command.settings, {kDatabaseChoice, kCalibrateChoice});
+  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
-  const DescriptorSet query = replayed(describe_frames(open_sequence(source.sequence.sequence),
-                                                       database, settings.skip_unreadable, monitor),
-                                       command.inputs.warp, session.options.seed);
-  warn_of_rates(database, query.frames.fps, settings, monitor);
+  const DescriptorSet query =
+      replayed(describe_frames(open_sequence(source.sequence.sequence), database,
+                               settings->skip_unreadable, monitor),
+               command.inputs.warp, session.options.seed);
+  warn_of_rates(database, query.frames.fps, *settings, monitor);
   return calibrate_walk(database, query, source.sequence.name, settings,
                         calibrated_lengths(command.windows, database, query), precision,
                         reader_of(source, &database, monitor), resources, monitor);

@@ -13,34 +13,38 @@ namespace {
 
 void tune_fastable(Session& session, const FastableTune& command) {
   const TuneInputs& inputs = command.inputs;
-  const SequenceQuerySettings settings = with_implied(with_fusion(command.settings, inputs.fuse));
+  RunChoices run = {kDatabaseChoice, kSweepChoice};
+  if (!inputs.fuse.empty()) run.emplace_back("--fuse");
+  if (!inputs.grid.thresholds.empty()) run.emplace_back("--t-r");
+  if (!inputs.grid.margins.empty()) run.emplace_back("--margin");
+  const ResolvedSettings settings(command.settings, run);
   const Monitor& monitor = session.monitor;
   claim_outputs(inputs, session);
   const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
   SequenceDatabase database = read_sequence_database(inputs.database);
-  if (score_kind(settings.score).needs_statistics) ensure_statistics(database, monitor);
-  fuse_views(database, settings, inputs.fuse);
+  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
+  fuse_views(database, *settings, inputs.fuse);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
   session.run.memory_limit = command.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
     const DescriptorSet query =
         replayed(describe_frames(open_sequence(source.sequence.sequence), database,
-                                 settings.skip_unreadable, monitor),
+                                 settings->skip_unreadable, monitor),
                  inputs.warp, session.options.seed);
-    warn_of_rates(database, query.frames.fps, settings, monitor);
+    warn_of_rates(database, query.frames.fps, *settings, monitor);
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,
-        grid != nullptr ? *grid : sequence_grid(inputs.grid, settings, database, query), reader,
+        grid != nullptr ? *grid : sequence_grid(inputs.grid, *settings, database, query), reader,
         resources, monitor);
     if (!found.recommendation.cell) {
       ensure_statistics(database, monitor);
-      warn(monitor, filter_finding(database, query, settings, resources, monitor));
+      warn(monitor, filter_finding(database, query, *settings, resources, monitor));
     }
     return found;
   };
   const std::vector<Sweep> sweeps = sweep_all(sources, &database, sweep, monitor);
-  present(session, inputs, DatabaseFamily::sequences, settings, sweeps, watch.elapsed_s());
+  present(session, inputs, DatabaseFamily::sequences, *settings, sweeps, watch.elapsed_s());
 }
 
 }  // namespace

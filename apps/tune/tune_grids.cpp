@@ -48,10 +48,6 @@ std::vector<uint64_t> fitting_windows(const char* lengths_text, const SequenceDa
 std::vector<std::optional<double>> swept_thresholds(const GridFlags& flags,
                                                     const SequenceQuerySettings& settings) {
   const bool by_margin = settings.decision == Decision::margin;
-  if (!(by_margin ? flags.thresholds : flags.margins).empty())
-    throw Error(ErrorKind::usage,
-                by_margin ? "--t-r decides nothing with --decide margin; sweep --margin"
-                          : "--margin is swept with --decide margin; add it, or sweep --t-r");
   const char* margins = settings.score == Score::raw ? kDistanceMargins : kScoreMargins;
   if (by_margin) return parse_thresholds(given_or(flags.margins, margins), "--margin");
   const char* thresholds = kDistanceThresholds[static_cast<size_t>(scale_of(settings))];

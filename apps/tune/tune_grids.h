@@ -17,7 +17,7 @@ struct GridFlags {
 
 /// The default c_l are those of 5, 10, 20, 40 and 80 that fit the query and a training sequence (5
 /// where none does); the default t_r, or margins, go over the scale of the settings. Throws
-/// Error(usage) as the lists do, and for the list of the other decision.
+/// Error(usage) as the lists do.
 Grid sequence_grid(const GridFlags& flags, const SequenceQuerySettings& settings,
                    const SequenceDatabase& database, const DescriptorSet& query);
 Grid fabmap_grid(const GridFlags& flags);

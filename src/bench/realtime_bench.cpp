@@ -26,13 +26,13 @@ double process_cpu_s() {
 
 }  // namespace
 
-SequenceQuerySettings live_settings(const RealtimeBenchSettings& settings) {
+ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
   SequenceQuerySettings live;
   live.method = settings.method;
   live.window_length = settings.window_length;
   live.score = settings.score;
   live.decision = Decision::margin;
-  return with_implied(live);
+  return {live, {kDatabaseChoice, "--follow"}};
 }
 
 BenchResult bench_realtime(const SequenceDatabase& database, const Sequence& query,

@@ -28,7 +28,7 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
 }
 
 /// The settings of the query that is timed: matches are accepted by margin.
-SequenceQuerySettings live_settings(const RealtimeBenchSettings& settings);
+ResolvedSettings live_settings(const RealtimeBenchSettings& settings);
 
 /// Times the steps of vpr-query --follow: decode and describe a frame, LiveQuery::take. A frame is
 /// due at its time and starts no earlier; its latency counts from then to the result, so that a

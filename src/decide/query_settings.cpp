@@ -1,12 +1,35 @@
 #include "decide/query_settings.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "base/json.h"
 #include "match/match.h"
 
 namespace vpr {
 namespace {
+
+constexpr std::array<std::string_view, 3> kThresholdSettings = {"t_r", "t_r_scale",
+                                                                "safety_factor"};
+constexpr std::array<std::string_view, 2> kMarginSettings = {"decide", "margin"};
+
+constexpr DecisionKind kThreshold = {.summary = "every window pair closer than t_r is a hit",
+                                     .hits = "window pairs with a {} below the threshold",
+                                     .symbol = "t_r",
+                                     .order = ScoreOrder::distance,
+                                     .settings = kThresholdSettings};
+
+constexpr DecisionKind kMargin = {
+    .summary = "the best match of a window, if it is --margin better than the best one elsewhere",
+    .hits = "best matches with a {} better than the best one elsewhere by at least the margin",
+    .symbol = "margin",
+    .order = ScoreOrder::similarity,
+    .settings = kMarginSettings};
+
+constexpr std::array<DecisionKind, kEnumNames<Decision>.size()> kKinds = {kThreshold, kMargin};
 
 // Those of other decisions, and of margins what is not set.
 void leave_out_decisions(Json& json, const SequenceQuerySettings& settings) {
@@ -52,21 +75,22 @@ size_t length_of_one(const FabmapQuerySettings&) { return 1; }
 
 }  // namespace
 
-SequenceQuerySettings with_implied(SequenceQuerySettings settings) {
-  if (settings.loop && !settings.margin_width && settings.loop_gap > 0)
-    settings.margin_width = settings.loop_gap;
-  const bool is_scored = has_paths(settings.method) || settings.fusion_weight;
-  if (is_scored && settings.score == Score::raw) settings.score = Score::standardized;
-  if (!has_paths(settings.method)) return settings;
-  settings.window_length = 1;
-  settings.decision = Decision::margin;
-  if (!settings.margin) settings.margin = kFilterMargin;
-  return settings;
+std::span<const DecisionKind> decision_kinds() { return kKinds; }
+
+const DecisionKind& decision_kind(Decision decision) {
+  return kKinds[static_cast<size_t>(decision)];
 }
 
-SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::string& database) {
-  if (!database.empty() && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
-  return settings;
+void check_window_length(uint64_t window_length) {
+  if (window_length < 1 || window_length > kMaxWindowLength)
+    throw Error(ErrorKind::usage,
+                fmt::format("c_l must be from 1 to {}, found {}", kMaxWindowLength, window_length));
+}
+
+void check_safety_factor(double factor) {
+  if (!std::isfinite(factor) || factor <= 0)
+    throw Error(ErrorKind::usage,
+                fmt::format("the safety factor must be above 0, found {}", factor));
 }
 
 ThresholdScale scale_of(const SequenceQuerySettings& settings) {

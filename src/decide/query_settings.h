@@ -2,14 +2,17 @@
 // flags.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "base/json_fwd.h"
 #include "decide/clustering.h"
-#include "decide/decision.h"
 #include "decide/score_kind.h"
 #include "fabmap/model.h"
 #include "fabmap/posterior.h"
@@ -17,6 +20,24 @@
 #include "match/rows.h"
 
 namespace vpr {
+
+/// threshold: every pair with a score below t_r. margin: the best match of a query window, if it is
+/// by at least X better than the best one elsewhere.
+enum class Decision { threshold, margin };
+template <>
+inline constexpr std::array<std::string_view, 2> kEnumNames<Decision> = {"threshold", "margin"};
+
+/// One row of the table, at the place of its value of Decision, whose name is its name.
+struct DecisionKind {
+  std::string_view summary = {};  ///< what it asks, for help texts
+  std::string_view hits = {};     ///< definition of its hits, for reports; {} is the score
+  std::string_view symbol = {};   ///< of its setting: t_r, margin
+  ScoreOrder order = {};          ///< distance: more is accepted where its setting is larger
+  std::span<const std::string_view> settings = {};  ///< keys of settings that only it has
+};
+
+std::span<const DecisionKind> decision_kinds();
+const DecisionKind& decision_kind(Decision decision);
 
 /// The settings of the sequence methods: FastABLE, OpenABLE, LSH, the filter.
 struct SequenceQuerySettings {
@@ -117,14 +138,10 @@ using QuerySettings = std::variant<SequenceQuerySettings, FabmapQuerySettings>;
 /// The margin, in deviations, from which the method filter accepts: its default.
 inline constexpr double kFilterMargin = 3;
 
-/// The settings with what they imply: the filter has windows of one frame, standardized scores, a
-/// decision by margin, and a margin where none is set; what is fused has standardized scores; a
-/// walk against its own past has a margin_width of its gap in frames, where none is set. Others are
-/// as they were.
-SequenceQuerySettings with_implied(SequenceQuerySettings settings);
-
-/// The settings with the default weight where FAB-MAP's database is given and none is set.
-SequenceQuerySettings with_fusion(SequenceQuerySettings settings, const std::string& database);
+/// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.
+void check_window_length(uint64_t window_length);
+/// Throws Error(usage) unless the factor is finite and above 0.
+void check_safety_factor(double factor);
 
 /// The scale of t_r: the one that is set, or the score's default; of a sequence against its own
 /// past, the scale of single scores, which needs no other window.

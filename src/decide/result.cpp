@@ -8,13 +8,16 @@ namespace vpr {
 
 namespace {
 
-// Where the decision asks best matches, those it accepts are the hits.
-void decide(Result& result, const DecisionKind& decision) {
-  if (decision.accepts == nullptr) return;
+// The hits of a decision by margin: best matches with at least the margin of their target.
+void decide_by_margin(Result& result) {
   result.hits.clear();
-  for (size_t window = 0; window < result.best.size(); ++window)
-    if (result.best[window] && decision.accepts(result, window))
-      result.hits.push_back(*result.best[window]);
+  for (size_t window = 0; window < result.best.size(); ++window) {
+    const auto& best = result.best[window];
+    if (!best) continue;
+    const std::optional<double> least = result.targets[best->target].margin;
+    const std::optional<double> margin = frame_margin(result, window);
+    if (least && margin && *margin >= *least) result.hits.push_back(*best);
+  }
 }
 
 }  // namespace
@@ -52,7 +55,7 @@ Result make_result(const QueryPlan& plan, const HitScanResult& found,
                                      : std::numeric_limits<double>::quiet_NaN());
   }
   result.margins.assign(margins.begin(), margins.end());
-  decide(result, decision_kind(plan.settings.decision));
+  if (plan.settings.decision == Decision::margin) decide_by_margin(result);
   return result;
 }
 

@@ -6,11 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
-#include "base/error.h"
-#include "decide/query_settings.h"
-#include "match/match.h"
+#include "match/rows.h"
 #include "match/score_kernels.h"
 
 namespace vpr {
@@ -29,56 +25,6 @@ uint32_t smallest_without(double estimate, const IsHit& is_hit) {
 
 constexpr std::array<std::string_view, 1> kRawSettings = {"safety_factor"};
 constexpr std::array<std::string_view, 2> kStandardizedSettings = {"score", "standardization"};
-
-void check_raw(const SequenceQuerySettings& settings) {
-  if (settings.fusion_weight)
-    throw Error(ErrorKind::usage,
-                "FAB-MAP is fused with standardized scores; add --score standardized");
-  if (settings.threshold_scale == ThresholdScale::mean_z)
-    throw Error(ErrorKind::usage,
-                "t_r_scale mean-z is for standardized scores; add --score standardized, or give "
-                "relative or bits");
-  if (!settings.distance_threshold) return;
-  const double threshold = *settings.distance_threshold;
-  if (threshold < 0)
-    throw Error(ErrorKind::usage, fmt::format("t_r must not be negative, found {}", threshold));
-  if (threshold > 1 && scale_of(settings) == ThresholdScale::relative)
-    throw Error(ErrorKind::usage,
-                fmt::format("t_r is relative to the largest distance, where {} accepts everything; "
-                            "for a mean frame distance give --t-r {} --t-r-scale bits, else a "
-                            "share, as in --t-r 0.6",
-                            threshold, threshold));
-}
-
-void check_standardized(const SequenceQuerySettings& settings) {
-  const ThresholdScale scale = scale_of(settings);
-  if (scale != ThresholdScale::mean_z)
-    throw Error(ErrorKind::usage,
-                fmt::format("t_r_scale {} means nothing for standardized scores, which are "
-                            "no distances; leave it out, or give mean-z, as in --t-r -1.5",
-                            enum_name(scale)));
-  if (settings.distance_threshold && *settings.distance_threshold > 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("t_r of standardized scores is a mean z, where {} accepts places that "
-                            "are farther than usual; give one below 0, as in --t-r -1.5",
-                            *settings.distance_threshold));
-  if (!find_sequence_method(settings.method).has_scores)
-    throw Error(ErrorKind::usage, fmt::format("{} has no standardized scores; take fastable or "
-                                              "fastable-online",
-                                              settings.method));
-  if (settings.safety_factor)
-    throw Error(ErrorKind::usage,
-                "the safety factor is for the automatic t_r of raw distances: omit it.");
-  if (settings.window_length > kMaxScoredWindow)
-    throw Error(ErrorKind::usage,
-                fmt::format("c_l must be at most {} with standardized scores, found {}",
-                            kMaxScoredWindow, settings.window_length));
-  check_standardization(settings.standardization);
-  const double weight = settings.fusion_weight.value_or(kFusionWeight);
-  if (!(weight >= 0 && weight <= kMostFusionWeight))
-    throw Error(ErrorKind::usage,
-                fmt::format("fuse_beta must be from 0 to {}, found {}", kMostFusionWeight, weight));
-}
 
 int64_t no_offset(size_t) { return 0; }
 
@@ -119,7 +65,6 @@ constexpr ScoreKind kRaw = {.order = ScoreOrder::distance,
                             .settings = kRawSettings,
                             .offset = no_offset,
                             .frame_value = distance_a_frame,
-                            .check = check_raw,
                             .margin_unit = "bits a frame",
                             .most_margin = 65535,
                             .least_margin = least_distance_margin};
@@ -141,7 +86,6 @@ constexpr ScoreKind standardized_row(bool is_offline) {
           .settings = kStandardizedSettings,
           .offset = score_offset,
           .frame_value = deviations_a_frame,
-          .check = check_standardized,
           .margin_unit = "deviations",
           .most_margin = 64,
           .least_margin = least_score_margin};
@@ -164,10 +108,6 @@ std::span<const ScoreKind> score_kinds() { return kKinds; }
 const ScoreKind& score_kind(Score score) { return kKinds[static_cast<size_t>(score)]; }
 
 const ScoreKind& probability_kind() { return kKinds.back(); }
-
-void check_score(const SequenceQuerySettings& settings) {
-  score_kind(settings.score).check(settings);
-}
 
 std::span<const std::string_view> score_settings() { return kStandardizedSettings; }
 

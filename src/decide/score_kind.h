@@ -48,8 +48,6 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<ThresholdScale> = {"relative", "bits",
                                                                                "mean-z"};
 
-struct SequenceQuerySettings;
-
 /// One row of the table. That of a window's score has the place of its value of Score, whose name
 /// is its name; the last row is FAB-MAP's, which has no windows: what is about them is empty there,
 /// and no function.
@@ -76,10 +74,6 @@ struct ScoreKind {
   /// Of the score of a window, as files hold it.
   double (*frame_value)(double score, size_t window_length) = nullptr;
 
-  /// Throws Error(usage) where t_r, its scale, the method, c_l or the settings of another score do
-  /// not fit this one.
-  void (*check)(const SequenceQuerySettings& settings) = nullptr;
-
   std::string_view margin_unit = {};  ///< of a margin a frame, in sentences: "bits a frame"
   double most_margin = {};            ///< no margin a frame is larger
   /// What no automatic margin a frame is below, where training frames differ by typical_distance.
@@ -97,9 +91,6 @@ const ScoreKind& probability_kind();
 inline bool is_better(double a, double b, ScoreOrder order) {
   return order == ScoreOrder::distance ? a < b : a > b;
 }
-
-/// Checks the settings of the score that is set (ScoreKind::check).
-void check_score(const SequenceQuerySettings& settings);
 
 /// Keys of settings that only some scores have, and that stand in files only of those.
 std::span<const std::string_view> score_settings();

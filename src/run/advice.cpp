@@ -53,7 +53,7 @@ std::string nothing_recognized(const Result& result) {
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   if (result.path)
     return "Nothing is recognized: the query may show another place or the opposite direction.";
-  if (decision_kind(settings.decision).accepts == nullptr) {
+  if (settings.decision == Decision::threshold) {
     const bool has_threshold = std::ranges::any_of(
         result.targets, [](const Target& t) { return t.threshold.has_value(); });
     return has_threshold ? "Nothing is recognized: no score is below t_r."

@@ -1,6 +1,7 @@
 #include "run/calibrate.h"
 
 #include <algorithm>
+#include <cassert>
 #include <functional>
 
 #include <fmt/format.h>
@@ -18,19 +19,16 @@ constexpr size_t kPathBlock = 40;  // query frames that a path of the filter hol
 // Of the windows that the best length recognises. Chosen on rendered buildings (docs/methods.md).
 constexpr double kEnough = 0.7;
 
-void check_calibration(const SequenceQuerySettings& settings, double precision) {
+void check_precision(double precision) {
   if (!(precision > 0 && precision <= 1))
     throw Error(ErrorKind::usage,
                 fmt::format("precision must be above 0 and at most 1, found {}", precision));
-  if (settings.decision != Decision::margin)
-    throw Error(ErrorKind::usage,
-                "vpr-tune calibrate chooses margins: remove decide from the configuration.");
 }
 
 // All best matches are accepted.
-SequenceQuerySettings open_settings(const SequenceQuerySettings& base, uint64_t length) {
-  SequenceQuerySettings settings = with_implied(base);
-  if (!has_paths(settings.method)) settings.window_length = length;
+SequenceQuerySettings open_settings(const ResolvedSettings& base, uint64_t length) {
+  SequenceQuerySettings settings = *base;
+  settings.window_length = length;
   settings.margin = 0;
   return settings;
 }
@@ -114,7 +112,6 @@ CalibratedLength calibrate_length(QueryPlan plan, const LabelledQuery& walk, dou
                                         walk.resources.seed};
   length.calibration = calibrate(evidence_of(labelled, walk.truth), settings);
   if (!length.calibration.strength) return length;
-  length.settings.threshold_scale.reset();  // a plan sets it
   length.settings.margin = score_kind(length.settings.score)
                                .frame_value(static_cast<double>(*length.calibration.strength),
                                             length.settings.window_length);
@@ -136,12 +133,13 @@ std::optional<size_t> choose_length(const std::vector<CalibratedLength>& lengths
 }  // namespace
 
 CalibratedWalk calibrate_walk(const SequenceDatabase& database, const DescriptorSet& query,
-                              const std::string& query_name, const SequenceQuerySettings& base,
+                              const std::string& query_name, const ResolvedSettings& base,
                               std::vector<uint64_t> lengths, double precision,
                               const TruthReader& read_truth, const QueryResources& resources,
                               const Monitor& monitor) {
-  check_calibration(base, precision);
-  if (has_paths(base.method)) lengths = {1};
+  assert(base->decision == Decision::margin);
+  check_precision(precision);
+  if (has_paths(base->method)) lengths = {1};
   std::sort(lengths.begin(), lengths.end());
   CalibratedWalk walk;
   walk.query_name = query_name;

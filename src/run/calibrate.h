@@ -36,7 +36,7 @@ struct CalibratedWalk {
 /// the ground truth shows no query window at a trained place; and what plan_query and run_query
 /// throw.
 CalibratedWalk calibrate_walk(const SequenceDatabase& database, const DescriptorSet& query,
-                              const std::string& query_name, const SequenceQuerySettings& base,
+                              const std::string& query_name, const ResolvedSettings& base,
                               std::vector<uint64_t> lengths, double precision,
                               const TruthReader& read_truth, const QueryResources& resources,
                               const Monitor& monitor);

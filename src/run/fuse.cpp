@@ -93,8 +93,7 @@ void fuse_views(SequenceDatabase& database, const SequenceQuerySettings& setting
 }
 
 void warn_of_automatic(const SequenceQuerySettings& settings, const Monitor& monitor) {
-  const bool is_margin = decision_kind(settings.decision).accepts != nullptr;
-  if (!settings.fusion_weight || !is_margin || settings.margin) return;
+  if (!settings.fusion_weight || settings.decision != Decision::margin || settings.margin) return;
   warn(monitor,
        "the automatic margin was made for scores that are not fused: with --fuse it accepts more "
        "wrong places where places look alike; set a number, as vpr-tune fastable --fuse finds it "

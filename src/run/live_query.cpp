@@ -13,13 +13,6 @@ namespace vpr {
 
 namespace {
 
-QueryPlan checked_plan(const SequenceDatabase& database, const std::string& query_name,
-                       const SequenceQuerySettings& settings, const QueryResources& resources,
-                       const Monitor& monitor) {
-  check_live(with_implied(settings));
-  return plan_window(database, query_name, settings, resources, monitor);
-}
-
 // What run_query matches, of no frame yet.
 LiveFrames live_frames(const QueryPlan& plan) {
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);
@@ -44,32 +37,11 @@ void keep_rows(StandardizedState& state, const std::vector<size_t>& kept,
 
 }  // namespace
 
-void check_live(const SequenceQuerySettings& settings) {
-  if (settings.method != "fastable" && settings.method != "fastable-online" &&
-      !has_paths(settings.method))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} does not go frame by frame; follow a query by fastable or filter",
-                            settings.method));
-  if (score_kind(settings.score).is_offline)
-    throw Error(ErrorKind::usage,
-                fmt::format("--score {} learns from the whole query before it says anything; "
-                            "follow a query with --score standardized",
-                            enum_name(settings.score)));
-  if (!settings.rates.empty())
-    throw Error(ErrorKind::usage,
-                "windows of several rates are not followed; --method filter follows any pace");
-  if (decision_kind(settings.decision).accepts == nullptr && settings.distance_threshold &&
-      scale_of(settings) == ThresholdScale::relative)
-    throw Error(ErrorKind::usage,
-                "a relative t_r is a share of the largest distance of the whole query, which is "
-                "not known while frames come; give --t-r-scale bits");
-}
-
 LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_name,
-                     const SequenceQuerySettings& settings, const QueryResources& resources,
+                     const ResolvedSettings& settings, const QueryResources& resources,
                      const Monitor& monitor)
     : resources_(resources),
-      plan_(checked_plan(database, query_name, settings, resources, monitor)),
+      plan_(plan_window(database, query_name, settings, resources, monitor)),
       frames_(live_frames(plan_)) {
   const MatchSettings match = match_settings(plan_, resources);
   const FrameDistances& distances = frames_.distances;

@@ -43,18 +43,14 @@ LiveFrames start_live(FrameDistances raw, const ScoreBasis* basis);
 /// The next frame, which is copied. Rows of `distances` hold until the next call.
 void add_frame(LiveFrames& live, FrameRow frame);
 
-/// Throws Error(usage) for settings by which what is said of a frame depends on later ones, or
-/// which have no method that goes frame by frame.
-void check_live(const SequenceQuerySettings& settings);
-
 /// What run_query gives of every window, as soon as its last frame is known, by the same steps. It
 /// keeps no more of the frames that have passed than a window needs.
 class LiveQuery {
  public:
-  /// Throws what check_live and plan_query throw, and Error(usage) where what leaves a window can't
-  /// be kept in memory. The database must outlive the query.
+  /// `settings`: resolved with the choice --follow. Throws what plan_query throws, and Error(usage)
+  /// where what leaves a window can't be kept in memory. The database must outlive the query.
   LiveQuery(const SequenceDatabase& database, const std::string& query_name,
-            const SequenceQuerySettings& settings, const QueryResources& resources,
+            const ResolvedSettings& settings, const QueryResources& resources,
             const Monitor& monitor);
 
   /// Takes the next frame. Gives a result of one window, of which this frame is the last, without

@@ -7,22 +7,15 @@
 
 namespace vpr {
 
-/// The walk described by settings.descriptor, which then has a name. Throws as describe_frames
-/// does.
-DescriptorSet describe_walk(const Sequence& walk, SequenceQuerySettings& settings,
+/// The walk described by settings.descriptor, or where that is empty by LDB, or as vectors where
+/// its frames are arrays. Throws as describe_frames does.
+DescriptorSet describe_walk(const Sequence& walk, const SequenceQuerySettings& settings,
                             const Monitor& monitor);
 
 /// The query as the only training sequence, of its name; nothing is learned from it.
 SequenceDatabase own_walk(const DescriptorSet& query, const std::string& name);
 
-/// The gap of a walk against its own past, whose settings were checked.
+/// The gap of a walk against its own past.
 LoopGap loop_gap_of(const SequenceQuerySettings& settings);
-
-/// Throws Error(usage) for settings by which what is said of a frame would depend on later ones,
-/// and for methods that do not see every window by itself.
-void check_loop(const SequenceQuerySettings& settings);
-
-/// Throws Error(usage) for a walk against its own past, where there is a database.
-void refuse_loop(const SequenceQuerySettings& settings);
 
 }  // namespace vpr

@@ -2,7 +2,6 @@
 
 #include <functional>
 
-#include "base/error.h"
 #include "base/stopwatch.h"
 #include "match/lsh.h"
 #include "match/match.h"
@@ -10,18 +9,6 @@
 
 namespace vpr {
 namespace {
-
-void check(const SequenceQuerySettings& settings) {
-  if (settings.score != Score::raw || settings.decision != Decision::threshold ||
-      !settings.rates.empty())
-    throw Error(ErrorKind::usage,
-                "lsh finds some of the windows, by raw distances of one rate, and decides by "
-                "threshold: leave out --score, --decide and --rates, or use --method fastable");
-  if (settings.distance_threshold && scale_of(settings) == ThresholdScale::relative)
-    throw Error(ErrorKind::usage,
-                "lsh does not compute the largest distance, which a relative t_r needs; set t_r in "
-                "bits per frame, as in --t-r 200 --t-r-scale bits, or to auto");
-}
 
 SearchRecall recall_of(const HitScanResult& found, const HitScanResult& exact) {
   SearchRecall recall;
@@ -38,13 +25,9 @@ SearchRecall recall_of(const HitScanResult& found, const HitScanResult& exact) {
 }  // namespace
 
 QueryRun query_lsh(const SequenceDatabase& database, const DescriptorSet& query,
-                   const std::string& query_name, const SequenceQuerySettings& settings,
+                   const std::string& query_name, const ResolvedSettings& settings,
                    const QueryResources& resources, const Monitor& monitor) {
-  check(settings);
-  SequenceQuerySettings exact = settings;
-  exact.method = "fastable";
-  QueryPlan plan = plan_query(database, query, query_name, exact, resources, monitor);
-  plan.settings.method = settings.method;
+  QueryPlan plan = plan_query(database, query, query_name, settings, resources, monitor);
   const MatchSettings windows{plan.settings.window_length, resources.memory_limit,
                               resources.kernels, plan.settings.lsh, resources.seed};
   FrameDistances distances = searched_distances(plan);

@@ -7,10 +7,9 @@ namespace vpr {
 
 /// Hits and best matches among the windows that share a hash bucket with a query window, with their
 /// exact distances; the recall of the search against FastABLE; clusters. The result has no margins.
-/// Throws Error(usage) for settings that need every window (standardized scores, margins, several
-/// rates, relative t_r) and for descriptors that are not binary, and what plan_query throws.
+/// Throws Error(usage) for descriptors that are not binary, and what plan_query throws.
 QueryRun query_lsh(const SequenceDatabase& database, const DescriptorSet& query,
-                   const std::string& query_name, const SequenceQuerySettings& settings,
+                   const std::string& query_name, const ResolvedSettings& settings,
                    const QueryResources& resources, const Monitor& monitor);
 
 }  // namespace vpr

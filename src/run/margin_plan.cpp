@@ -106,7 +106,6 @@ Elsewhere plan_elsewhere(const SequenceDatabase& database, const SequenceQuerySe
 
 void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
                   const QueryResources& resources, const Monitor& monitor) {
-  if (decision_kind(plan.settings.decision).accepts == nullptr) return;
   const SequenceQuerySettings& settings = plan.settings;
   std::vector<uint32_t> wrong;
   if (!settings.margin) wrong = margins_of(plan, resources, monitor);

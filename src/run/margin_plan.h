@@ -19,7 +19,7 @@ void ensure_places(SequenceDatabase& database, const RowKernels& kernels, const 
 Elsewhere plan_elsewhere(const SequenceDatabase& database, const SequenceQuerySettings& settings,
                          const RowKernels& kernels, const Monitor& monitor);
 
-/// Sets the margin of every target where the decision is by margin: the setting, or the automatic
+/// Sets the margin of every target of a decision by margin: the setting, or the automatic
 /// one of its sequence. The plan knows what is elsewhere.
 void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
                   const QueryResources& resources, const Monitor& monitor);

@@ -52,7 +52,6 @@ class StepTimer {
 
 QueryRun run_query(QueryPlan plan, const QueryResources& resources, const Sinks& observers,
                    const Monitor& monitor) {
-  if (resources.verify_cells > 0) check_verification(plan.settings, plan.query.given != nullptr);
   QueryRun run;
   const MatchSettings settings = match_settings(plan, resources);
   const std::optional<ScoreBasis> basis = score_basis(plan.learned, plan.settings);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "decide/choices.h"
 #include "decide/result.h"
 #include "match/match.h"
 #include "store/sequence_database.h"
@@ -27,25 +28,24 @@ struct QueryRun {
 };
 
 /// Thresholds and the shape of a query, before any distance is known. Throws Error(usage) for
-/// settings out of range, an unknown sequence name, and a query or training sequences that are all
-/// shorter than a window, and Error(data) for descriptors of different kinds. Computes automatic
+/// an unknown sequence name, and a query or training sequences that are all shorter than a window,
+/// and Error(data) for descriptors of different kinds. Computes automatic
 /// thresholds that the database lacks. Database and query must outlive the plan.
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const std::string& query_name, const ResolvedSettings& settings,
                      const QueryResources& resources, const Monitor& monitor);
 
 /// The same of a walk against its own past; `walk` is own_walk() of the query. `times_ns`: of its
-/// frames, rising, where the gap is one of time. Throws Error(usage), too, for settings that need
-/// later frames, and for methods that do not see every window.
+/// frames, rising, where the gap is one of time.
 QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
-                    const std::string& query_name, const SequenceQuerySettings& settings,
+                    const std::string& query_name, const ResolvedSettings& settings,
                     std::span<const int64_t> times_ns, const QueryResources& resources,
                     const Monitor& monitor);
 
 /// The same of any one window of a query that is described as the database is, before a frame of it
 /// is known.
 QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
-                      const SequenceQuerySettings& settings, const QueryResources& resources,
+                      const ResolvedSettings& settings, const QueryResources& resources,
                       const Monitor& monitor);
 
 /// Distances, hits, best matches and clusters of a planned query. Every row also goes to

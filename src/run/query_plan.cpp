@@ -1,6 +1,6 @@
 // What of a query is known before any distance is: plan_query.
 #include <algorithm>
-#include <cmath>
+#include <cassert>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,20 +18,6 @@
 namespace vpr {
 namespace {
 
-void check_settings(const SequenceQuerySettings& settings) {
-  find_sequence_method(settings.method);
-  check_window_length(settings.window_length);
-  if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
-  if (settings.distance_threshold && !std::isfinite(*settings.distance_threshold))
-    throw Error(ErrorKind::usage, "t_r must be a finite number or auto");
-  check_score(settings);
-  check_decision(settings);
-  if (has_paths(settings.method)) check_filter(settings.filter);
-  if (settings.clustering.eps < 0 || settings.clustering.eps > kMaxEps)
-    throw Error(ErrorKind::usage, fmt::format("clustering.eps must be from 0 to {}, found {}",
-                                              kMaxEps, settings.clustering.eps));
-}
-
 void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySettings& settings) {
   std::vector<std::string> names;
   for (const TrainSequence& sequence : sequences) names.push_back(sequence.name);
@@ -39,15 +25,6 @@ void check_names(std::span<const TrainSequence> sequences, const SequenceQuerySe
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw Error(ErrorKind::usage, fmt::format("the database has no sequence \"{}\"; it has {}",
                                                 name, fmt::join(names, ", ")));
-}
-
-void check_rates(const SequenceQuerySettings& settings) {
-  parse_rates(settings.rates);
-  if (!settings.rates.empty() && !find_sequence_method(settings.method).has_rates)
-    throw Error(ErrorKind::usage,
-                fmt::format("{} has windows of rate 1 alone; --rates is for fastable and "
-                            "fastable-online",
-                            settings.method));
 }
 
 bool is_searched(const SequenceQuerySettings& settings, const std::string& name) {
@@ -177,7 +154,7 @@ void plan_limits(QueryPlan& plan) {
 // Limits of all pairs, or margins of best matches.
 void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
                    const QueryResources& resources, const Monitor& monitor) {
-  if (decision_kind(plan.settings.decision).accepts != nullptr)
+  if (plan.settings.decision == Decision::margin)
     return plan_margins(plan, database, resources, monitor);
   plan_thresholds(plan, database, resources, monitor);
   plan_limits(plan);
@@ -186,15 +163,11 @@ void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
 // What is known without a frame of the query. `asked`: as its frames are described.
 QueryPlan begin_plan(const SequenceDatabase& database, const DescriptorStore& asked,
                      const DescriptorSpan& query, const std::string& query_name,
-                     const SequenceQuerySettings& given) {
-  const SequenceQuerySettings settings = with_implied(given);
-  check_settings(settings);
-  check_rates(settings);
-  check_names(database.sequences, settings);
-  check_descriptors(database.descriptors, asked, settings.window_length);
+                     const ResolvedSettings& settings) {
+  check_names(database.sequences, *settings);
+  check_descriptors(database.descriptors, asked, settings->window_length);
   QueryPlan plan;
-  plan.settings = settings;
-  plan.settings.threshold_scale = scale_of(settings);
+  plan.settings = *settings;
   plan.query = query;
   plan.train = descriptor_spans(database);
   plan.learned = database.statistics ? &*database.statistics : nullptr;
@@ -216,9 +189,9 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryR
 }  // namespace
 
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
-                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const std::string& query_name, const ResolvedSettings& settings,
                      const QueryResources& resources, const Monitor& monitor) {
-  refuse_loop(settings);
+  assert(!settings->loop);
   QueryPlan plan = begin_plan(database, query.descriptors, query.span(), query_name, settings);
   plan.replay = query.frames.replay;
   plan.query_fps = query.frames.fps;
@@ -228,14 +201,13 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
 }
 
 QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
-                    const std::string& query_name, const SequenceQuerySettings& settings,
+                    const std::string& query_name, const ResolvedSettings& settings,
                     std::span<const int64_t> times_ns, const QueryResources& resources,
                     const Monitor& monitor) {
-  check_loop(settings);
-  if (query.frames.replay)
-    throw Error(ErrorKind::usage, "a query that is replayed (--warp) has no past of its own");
+  assert(settings->loop && !query.frames.replay);
   QueryPlan plan = begin_plan(walk, query.descriptors, query.span(), query_name, settings);
-  plan.past = past_frames(loop_gap_of(settings), times_ns, query.rows().size());
+  plan.settings.descriptor = query.descriptors.kind->name;
+  plan.past = past_frames(loop_gap_of(*settings), times_ns, query.rows().size());
   plan_windows(plan, monitor);
   finish_plan(plan, walk, resources, monitor);
   if (plan.past.back() < plan.settings.window_length)
@@ -246,9 +218,9 @@ QueryPlan plan_loop(const SequenceDatabase& walk, const DescriptorSet& query,
 }
 
 QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
-                      const SequenceQuerySettings& settings, const QueryResources& resources,
+                      const ResolvedSettings& settings, const QueryResources& resources,
                       const Monitor& monitor) {
-  refuse_loop(settings);
+  assert(!settings->loop);
   const DescriptorSpan no_frame{{database.descriptors.rows().shape, {}}, {}};
   QueryPlan plan = begin_plan(database, database.descriptors, no_frame, query_name, settings);
   plan.query_frames = plan.settings.window_length;

@@ -28,16 +28,11 @@ struct LengthSweep {
 };
 
 std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const DescriptorSet& query,
-                                    const std::string& query_name,
-                                    const SequenceQuerySettings& base, const Grid& grid,
-                                    const QueryResources& resources, const Monitor& monitor) {
+                                    const std::string& query_name, const ResolvedSettings& base,
+                                    const Grid& grid, const QueryResources& resources,
+                                    const Monitor& monitor) {
   if (grid.windows.empty() || grid.thresholds.empty())
     throw Error(ErrorKind::usage, "give at least one c_l and one t_r");
-  if (has_paths(base.method))
-    throw Error(ErrorKind::usage,
-                fmt::format("{} has neither c_l nor t_r, which a sweep is over; vpr-query --method "
-                            "{} needs no tuning",
-                            base.method, base.method));
   // Each sentence once: most are the same for every setting.
   std::set<std::string> said;
   Monitor once = monitor;
@@ -48,9 +43,10 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Desc
   for (const uint64_t length : grid.windows) {
     LengthSweep& sweep = sweeps.emplace_back();
     for (const auto& threshold : grid.thresholds) {
-      SequenceQuerySettings settings = base;
+      SequenceQuerySettings settings = *base;
       settings.window_length = length;
-      settings.*decision_kind(base.decision).setting = threshold;
+      const bool by_margin = settings.decision == Decision::margin;
+      (by_margin ? settings.margin : settings.distance_threshold) = threshold;
       sweep.planned.push_back(plan_query(database, query, query_name, settings, resources, once));
     }
   }
@@ -104,7 +100,7 @@ void search(std::vector<LengthSweep>& lengths, const GroundTruth& truth,
         if (needs_maxima(plan)) set_relative_limits(plan, found);
     }
   }
-  const bool has_margins = decision_kind(first.settings.decision).accepts != nullptr;
+  const bool has_margins = first.settings.decision == Decision::margin;
   std::deque<HitScan> hits;
   std::deque<MarginScan> margins;
   std::deque<LabelledScan> labelled;
@@ -182,8 +178,7 @@ void add_once(std::vector<T>& values, const T& value) {
 // The scale of t_r; none of a probability.
 std::optional<ThresholdScale> threshold_scale(const Result& result) {
   const auto* settings = std::get_if<SequenceQuerySettings>(&result.settings);
-  if (settings == nullptr || decision_kind(settings->decision).accepts != nullptr)
-    return std::nullopt;
+  if (settings == nullptr || settings->decision == Decision::margin) return std::nullopt;
   return settings->distance_threshold ? scale_of(*settings) : ThresholdScale::bits;
 }
 
@@ -216,9 +211,9 @@ std::vector<CellCounts> counted_cells(const Grid& grid,
 }  // namespace
 
 Sweep sweep_sequences(const SequenceDatabase& database, const DescriptorSet& query,
-                      const std::string& query_name, const SequenceQuerySettings& base,
-                      const Grid& grid, const TruthReader& read_truth,
-                      const QueryResources& resources, const Monitor& monitor) {
+                      const std::string& query_name, const ResolvedSettings& base, const Grid& grid,
+                      const TruthReader& read_truth, const QueryResources& resources,
+                      const Monitor& monitor) {
   std::vector<LengthSweep> lengths =
       plan_sweep(database, query, query_name, base, grid, resources, monitor);
   const Result shape = make_result(lengths.front().planned.front());

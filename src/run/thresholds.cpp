@@ -45,15 +45,9 @@ AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, Thres
 }
 
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings) {
-  if (settings.distance_threshold || settings.loop ||
-      decision_kind(settings.decision).accepts != nullptr)
-    return;
-  if (score_kind(settings.score).needs_statistics)
-    throw Error(
-        ErrorKind::usage,
-        "standardized scores have no automatic t_r. Use --decide margin, --method filter or "
-        "a number, as in --t-r -1.5.");
-  if (database.sequences.size() < 2)
+  const bool is_automatic =
+      settings.decision == Decision::threshold && !settings.distance_threshold && !settings.loop;
+  if (is_automatic && database.sequences.size() < 2)
     throw Error(ErrorKind::usage,
                 "the automatic t_r needs two or more training sequences. Use --method filter, "
                 "--score standardized --decide margin, or a number, as in --t-r 0.6.");

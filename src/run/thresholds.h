@@ -34,8 +34,7 @@ ThresholdTable compute_thresholds(std::span<const DescriptorSpan> sequences, siz
 AutomaticThresholds automatic_thresholds(const SequenceDatabase& database, ThresholdTable table,
                                          const Monitor& monitor);
 
-/// Throws Error(usage) if the settings need an automatic t_r that does not exist: of a database of
-/// one sequence, or of z-scores.
+/// Throws Error(usage) if the settings need an automatic t_r and the database has one sequence.
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings);
 
 /// The same from every table that the database holds.

@@ -120,18 +120,6 @@ void add_statistics(SequenceDatabase& database, const StatisticsSettings& settin
 
 }  // namespace
 
-void check_window_length(uint64_t window_length) {
-  if (window_length < 1 || window_length > kMaxWindowLength)
-    throw Error(ErrorKind::usage,
-                fmt::format("c_l must be from 1 to {}, found {}", kMaxWindowLength, window_length));
-}
-
-void check_safety_factor(double factor) {
-  if (!std::isfinite(factor) || factor <= 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("the safety factor must be above 0, found {}", factor));
-}
-
 std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database) {
   std::vector<DescriptorSpan> spans;
   const DescriptorRows rows = database.descriptors.rows();

@@ -63,9 +63,4 @@ DescriptorSet describe_frames(const Sequence& sequence, const SequenceDatabase& 
 /// the database.
 std::vector<DescriptorSpan> descriptor_spans(const SequenceDatabase& database);
 
-/// Throws Error(usage) unless 1 <= c_l <= kMaxWindowLength.
-void check_window_length(uint64_t window_length);
-/// Throws Error(usage) unless the factor is finite and above 0.
-void check_safety_factor(double factor);
-
 }  // namespace vpr

@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "decide/decision.h"
 #include "match/lsh.h"
 #include "match/match.h"
 #include "match/plain.h"
@@ -141,15 +140,6 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
     }
   });
   return wrong_beyond_tolerance(cells, right, window_length);
-}
-
-void check_verification(const SequenceQuerySettings& settings, bool has_matrix) {
-  if (has_paths(settings.method) || settings.method == kLshMethod || !settings.rates.empty() ||
-      settings.fusion_weight || settings.loop || has_matrix)
-    throw Error(
-        ErrorKind::usage,
-        "--verify recomputes windows of one rate, by raw distances or standardized scores; "
-        "leave it out with --method filter, --method lsh, --rates, --fuse, --loop and --scores");
 }
 
 }  // namespace vpr

@@ -36,8 +36,4 @@ std::vector<Cell> wrong_scores(std::span<const Cell> cells, std::span<const Desc
                                const DescriptorSpan& query, size_t window_length,
                                const ScoreBasis& basis, const Monitor& monitor);
 
-/// Throws Error(usage) for queries that cannot be verified: `--verify` recomputes windows of one
-/// rate, by raw distances of descriptors or by standardized scores that are not fused.
-void check_verification(const SequenceQuerySettings& settings, bool has_matrix);
-
 }  // namespace vpr

@@ -154,7 +154,7 @@ TEST_CASE("images and descriptors of another kind are refused, and what is wrong
   check_failure("vpr-query", {arrays().database(), "--query-npy", images}, 2, "is no .npy file");
   check_failure("vpr-query",
                 {arrays().database(), "--query-npy", arrays().path("q.npy"), "--query", images}, 2,
-                "--query-npy alone");
+                "--query does not go with --query-npy");
   const auto train = [&](Words words) {
     return run_program("vpr-train", joined({"descriptors", "-o", out / "x.vprdb"}, words));
   };

@@ -379,8 +379,8 @@ TEST_CASE("a matrix alone says what is missing") {
   };
   check({}, 2, "say what the scores are");
   check({"--distance", "--decide", "margin"}, 2, "--margin-width");
-  check({"--distance", "--method", "filter"}, 2, "needs descriptors");
-  check({"--distance", "--method", "lsh"}, 2, "needs descriptors");
+  check({"--distance", "--method", "filter"}, 2, "--method filter does not go with --scores");
+  check({"--distance", "--method", "lsh"}, 2, "--method lsh does not go with --scores");
   check({"--distance", "--follow"}, 2, "--follow");
   check({"--distance", "--query-npy", "x.npy"}, 2, "--query-npy");
   check({"--distance", "--score", "standardized", "--verify", "5"}, 2, "--verify");
@@ -389,8 +389,8 @@ TEST_CASE("a matrix alone says what is missing") {
   check({"--distance", "--train-sequence", "a=0:5", "--train-sequence", "a=5:9"}, 2, "called a");
   check({"--distance", "--c-l", "100000"}, 2, "c_l");
   check_failure("vpr-query", {world().database(), "--scores", matrix().path("s.npy"), "--distance"},
-                2, "give one of them");
+                2, "DB does not go with --scores");
   check_failure("vpr-query", {"--query", world().walk("back")}, 2, "give the database");
   check_failure("vpr-query", {world().database(), "--query", world().walk("back"), "--similarity"},
-                2, "give it with --scores");
+                2, "Use it with --scores");
 }

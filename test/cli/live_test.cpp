@@ -221,8 +221,8 @@ TEST_CASE("what the filter implies can't be asked for otherwise") {
            {{"--score", "raw"}, "--score raw"},
            {{"--decide", "threshold"}, "--decide"},
            {{"--margin-width", "4"}, "filter.near_views"},
-           {{"--t-r", "-1"}, "t_r"},
-           {{"--verify", "3"}, "leave it out with --method filter"}}) {
+           {{"--t-r", "-1"}, "--t-r"},
+           {{"--verify", "3"}, "--verify does not go with --method filter"}}) {
     check_failure(query(joined({back}, words)), 2, named);
   }
   const TemporaryFolder folder;

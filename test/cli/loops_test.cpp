@@ -219,7 +219,7 @@ TEST_CASE("--loop without a database says what does not go with it") {
   };
   check_failure(laps.query({}), 2, "--loop-gap 300");
   check_failure(laps.query({"--loop-gap", "soon"}), 2, "--loop-gap");
-  refused({world().database()}, "leave the database out");
+  refused({world().database()}, "DB does not go with --loop");
   refused({"--follow"}, "--follow");
   refused({"--warp", "2"}, "--warp");
   refused({"--method", "lsh"}, "lsh");

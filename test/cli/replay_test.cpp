@@ -100,7 +100,7 @@ TEST_CASE("Names, lists and even rates keep the same frames, followed or not") {
   CHECK(has(followed.out, "\"1305031102.200.png\""));
   CHECK_FALSE(has(followed.out, "\"1305031102.100.png\""));
   check_failure("vpr-query", joined(live, {walk, "--query-times", "t.csv"}), 2,
-                "--query-times can't be given with --follow");
+                "--query-times does not go with --follow");
 }
 
 TEST_CASE("Thinned training frames keep the ground truth of the recordings") {

@@ -1,12 +1,11 @@
-// The table of decisions: every row against what is said of it elsewhere.
-#include "decide/decision.h"
-
+// Decisions: their settings in files, the range of margins, and the hits of a decision by margin.
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
 #include "base/json.h"
+#include "decide/choices.h"
 #include "decide/result.h"
 #include "support.h"
 
@@ -22,7 +21,7 @@ SequenceQuerySettings by_margin(std::optional<double> margin = std::nullopt) {
 }
 
 bool is_refused(const SequenceQuerySettings& settings) {
-  return test::error_kind([&] { check_decision(settings); }) == ErrorKind::usage;
+  return test::error_kind([&] { ResolvedSettings{settings}; }) == ErrorKind::usage;
 }
 
 }  // namespace
@@ -34,8 +33,6 @@ TEST_CASE("each decision has its row, whose setting its keys name") {
     for (const std::string_view key : kind.settings) CHECK(all.contains(std::string(key)));
     CHECK(all.contains(std::string(kind.symbol)));
   }
-  CHECK(decision_kind(Decision::threshold).accepts == nullptr);
-  CHECK(decision_kind(Decision::margin).accepts != nullptr);
 }
 
 TEST_CASE("files hold the settings of the decision in force") {
@@ -65,18 +62,6 @@ TEST_CASE("a margin is no negative number, none that is none, and none beyond al
   CHECK_FALSE(is_refused(scored));
   scored.margin = 65;
   CHECK(is_refused(scored));
-}
-
-TEST_CASE("settings of the other decision are refused, as is a method that does not see all") {
-  SequenceQuerySettings settings;
-  settings.margin = 10;
-  CHECK(is_refused(settings));
-  settings = by_margin();
-  settings.distance_threshold = 0.5;
-  CHECK(is_refused(settings));
-  settings = by_margin();
-  settings.safety_factor = 0.5;
-  CHECK(is_refused(settings));
 }
 
 TEST_CASE("by margin, the hits are the best matches that are enough better than elsewhere") {

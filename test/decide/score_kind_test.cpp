@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
-#include "decide/query_settings.h"
+#include "decide/choices.h"
 #include "match/score_kernels.h"
 #include "support.h"
 
@@ -68,7 +68,7 @@ TEST_CASE("a number is on the scale of its score, unless another is given") {
   CHECK(scale_of(settings) == ThresholdScale::mean_z);
   settings.threshold_scale = ThresholdScale::bits;
   CHECK(scale_of(settings) == ThresholdScale::bits);
-  CHECK(test::error_kind([&] { check_score(settings); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { ResolvedSettings{settings}; }) == ErrorKind::usage);
 }
 
 TEST_CASE("FAB-MAP's settings are those that a file holds, and its windows are frames") {

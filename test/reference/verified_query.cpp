@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/parallel.h"
-#include "decide/decision.h"
+#include "decide/query_settings.h"
 #include "match/plain.h"
 #include "match/rates.h"
 #include "match/score_kernels.h"

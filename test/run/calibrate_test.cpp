@@ -137,12 +137,6 @@ TEST_CASE("a calibration is refused where it can say nothing") {
   CHECK_THROWS_WITH(calibrate(nothing, 1), Catch::Contains("no trained place"));
   for (const double precision : {0.0, 1.01, -1.0})
     CHECK_THROWS_WITH(calibrate(walks.truth(), precision), Catch::Contains("precision"));
-  settings.method = "lsh";
-  CHECK_THROWS_WITH(calibrate(walks.truth(), 1), Catch::Contains("unknown method"));
-  settings.method = "fastable";
-  settings.decision = Decision::threshold;
-  CHECK_THROWS_WITH(calibrate(walks.truth(), 1), Catch::Contains("chooses margins"));
-  settings.decision = Decision::margin;
   // Where the truth is of another walk, what is called right is not, and the rest comes closer.
   const CalibratedWalk walk = calibrate(walks.truth(60), 1);
   CHECK(!walk.chosen);

@@ -164,7 +164,10 @@ TEST_CASE("frames that come say what the whole query says: fused with FAB-MAP") 
 TEST_CASE("what depends on later frames is not followed") {
   const Walks walks;
   const auto refused = [&](const SequenceQuerySettings& settings) {
-    return test::error_kind([&] { LiveQuery(walks.database, "q", settings, resources(), {}); });
+    return test::error_kind([&] {
+      const ResolvedSettings followed(settings, {kDatabaseChoice, "--follow"});
+      LiveQuery(walks.database, "q", followed, resources(), {});
+    });
   };
   SequenceQuerySettings relative;
   relative.distance_threshold = 0.5;
@@ -188,7 +191,7 @@ TEST_CASE("a stop of any length keeps no more frames than views that wait") {
   filter.method = "filter";
   const FrameDistances raw =
       frame_distances(descriptor_spans(walks.database), {walks.query.rows().first(0), {}});
-  const ScoreBasis basis = *score_basis(&*walks.database.statistics, with_implied(filter));
+  const ScoreBasis basis = *score_basis(&*walks.database.statistics, *ResolvedSettings(filter));
   LiveFrames live = start_live(raw, &basis);
   const DescriptorRows rows = walks.query.rows();
   size_t most = 0;

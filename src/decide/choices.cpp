@@ -1,0 +1,424 @@
+#include "decide/choices.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "match/filter_settings.h"
+#include "match/fusion.h"
+#include "match/lsh.h"
+#include "match/match.h"
+#include "match/past_scores.h"
+#include "match/rates.h"
+
+namespace vpr {
+namespace {
+
+using Settings = SequenceQuerySettings;
+
+/// What a run has unless a choice excludes it.
+enum Facet : uint32_t {
+  kThreshold = 1 << 0,
+  kMargin = 1 << 1,
+  kRaw = 1 << 2,
+  kStandardized = 1 << 3,
+  kWindows = 1 << 4,
+  kRates = 1 << 5,
+  kEveryScore = 1 << 6,
+  kMatrix = 1 << 7,
+  kSingleFrames = 1 << 8,
+  kLaterFrames = 1 << 9,
+  kTrainingDistances = 1 << 10,
+  kSequences = 1 << 11,
+  kFrames = 1 << 12,
+  kSelection = 1 << 13,
+  kSpeed = 1 << 14,
+  kQueryPath = 1 << 15,
+  kArrays = 1 << 16,
+  kResultFile = 1 << 17,
+  kPicture = 1 << 18,
+  kTimesFile = 1 << 19,
+  kPast = 1 << 20,
+  kSeconds = 1 << 21,
+  kDescriptor = 1 << 22,
+  kScores = 1 << 23,
+  kFabmap = 1 << 24,
+  kDefinition = 1 << 25,
+};
+
+/// By the number of the bit.
+constexpr std::array<std::string_view, 26> kFacetNames = {
+    "threshold",
+    "margin",
+    "raw distances",
+    "standardized scores",
+    "windows of c_l frames",
+    "windows of several rates",
+    "scores of all windows",
+    "matrix of all windows",
+    "frame-by-frame matching",
+    "later frames",
+    "distances between training frames",
+    "training sequences",
+    "frames to describe",
+    "selection of frames",
+    "simulated speed",
+    "query folder",
+    "descriptor files",
+    "result file",
+    "picture",
+    "file of times",
+    "past frames",
+    "gap in seconds",
+    "choice of descriptors",
+    "matrix of scores",
+    "FAB-MAP database",
+    "windows that it can recompute",
+};
+
+bool has(const RunChoices& run, std::string_view flag) {
+  return std::find(run.begin(), run.end(), flag) != run.end();
+}
+
+template <Decision kDecision>
+bool decides_by(const Settings& settings, const RunChoices&) {
+  return settings.decision == kDecision;
+}
+
+template <Score kScore>
+bool scores_by(const Settings& settings, const RunChoices&) {
+  return settings.score == kScore;
+}
+
+template <ThresholdScale kScale>
+bool scales_by(const Settings& settings, const RunChoices&) {
+  return settings.threshold_scale == kScale;
+}
+
+bool has_relative_threshold(const Settings& settings, const RunChoices&) {
+  return settings.decision == Decision::threshold &&
+         scale_of(settings) == ThresholdScale::relative &&
+         (settings.distance_threshold || settings.loop);
+}
+
+// Without a threshold, loops and matrices of scores have best matches only.
+bool has_automatic_threshold(const Settings& settings, const RunChoices& run) {
+  return settings.decision == Decision::threshold && !settings.distance_threshold &&
+         !settings.loop && !has(run, "--scores") && !has(run, kSweepChoice);
+}
+
+constexpr std::array kChoices = {
+    Choice{.flag = "--loop",
+           .needs = kFrames,
+           .excludes =
+               kTrainingDistances | kSequences | kRates | kLaterFrames | kSelection | kDefinition,
+           .instead = "Omit one of them.",
+           .is_implied = [](const Settings& s, const RunChoices&) { return s.loop; }},
+    Choice{.flag = "a query without --loop",
+           .excludes = kPast,
+           .is_implied = [](const Settings& s, const RunChoices&) { return !s.loop; }},
+    Choice{.flag = kFabmapChoice, .excludes = kSeconds | kDescriptor},
+    Choice{.flag = "a --loop-gap in frames",
+           .excludes = kSeconds,
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return s.loop && s.loop_gap_s == 0; }},
+    Choice{.flag = "--scores", .excludes = kTrainingDistances | kFrames | kDefinition},
+    Choice{
+        .flag = "a query without --scores",
+        .excludes = kScores,
+        .is_implied = [](const Settings&, const RunChoices& run) { return !has(run, "--scores"); }},
+    Choice{.flag = kDatabaseChoice, .needs = kSequences | kFrames, .instead = "Omit the database."},
+    Choice{
+        .flag = "--follow",
+        .needs = kSingleFrames | kSequences | kFrames,
+        .excludes = kRates | kMatrix | kLaterFrames | kSpeed | kArrays | kResultFile | kTimesFile,
+        .instead = "Omit --follow, or use --method filter."},
+    Choice{.flag = kSweepChoice,
+           .needs = kWindows | kSequences | kEveryScore,
+           .instead = "Use vpr-query, or --method fastable."},
+    Choice{.flag = kCalibrateChoice,
+           .needs = kMargin | kSequences | kEveryScore,
+           .excludes = kFabmap,
+           .instead = "Use --method fastable and a decision by margin."},
+
+    Choice{.flag = "--method filter",
+           .needs = kTrainingDistances | kFrames,
+           .excludes = kThreshold | kRaw | kWindows | kRates | kDefinition,
+           .instead = "Use --method fastable.",
+           .is_implied = [](const Settings& s, const RunChoices&) { return has_paths(s.method); }},
+    Choice{
+        .flag = "--method lsh",
+        .needs = kTrainingDistances | kFrames,
+        .excludes =
+            kMargin | kStandardized | kRates | kEveryScore | kMatrix | kSingleFrames | kDefinition,
+        .instead = "Use --method fastable.",
+        .is_implied = [](const Settings& s, const RunChoices&) { return s.method == kLshMethod; }},
+    Choice{
+        .flag = "--method openable",
+        .excludes = kStandardized | kRates | kSingleFrames,
+        .is_implied = [](const Settings& s, const RunChoices&) { return s.method == "openable"; }},
+
+    Choice{.flag = "--score raw",
+           .needs = kRaw,
+           .excludes = kStandardized,
+           .instead = "Omit it.",
+           .is_implied = scores_by<Score::raw>},
+    Choice{.flag = "--fuse",
+           .needs = kFabmap | kStandardized | kSequences | kFrames,
+           .excludes = kRaw | kDefinition,
+           .instead = "Omit --fuse and fuse_beta.",
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return s.fusion_weight.has_value(); }},
+    Choice{.flag = "--score standardized",
+           .needs = kStandardized,
+           .excludes = kRaw,
+           .instead = "Use --method fastable, or --score raw.",
+           .is_implied = scores_by<Score::standardized>},
+    Choice{.flag = "--score standardized-offline",
+           .needs = kStandardized | kLaterFrames,
+           .excludes = kRaw,
+           .instead = "Use --score standardized.",
+           .is_implied = scores_by<Score::standardized_offline>},
+    Choice{.flag = "--rates",
+           .needs = kRates,
+           .excludes = kDefinition,
+           .instead = "Omit it, or use --method fastable without --follow and --loop.",
+           .is_implied = [](const Settings& s, const RunChoices&) { return !s.rates.empty(); }},
+    Choice{.flag = "--c-l", .needs = kWindows, .instead = "Omit it, or use --method fastable."},
+
+    Choice{.flag = "--decide threshold",
+           .needs = kThreshold,
+           .excludes = kMargin,
+           .instead = "Use --decide margin.",
+           .is_implied = decides_by<Decision::threshold>},
+    Choice{.flag = "--decide margin",
+           .needs = kMargin,
+           .excludes = kThreshold,
+           .instead = "Use --decide threshold, or --method fastable.",
+           .is_implied = decides_by<Decision::margin>},
+    Choice{.flag = "--t-r",
+           .needs = kThreshold,
+           .instead = "Use --margin, or --method fastable with --decide threshold.",
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return s.distance_threshold.has_value(); }},
+    Choice{.flag = "--t-r auto",
+           .needs = kRaw,
+           .instead = "Use --decide margin, --method filter or a number, as in --t-r -1.5.",
+           .is_implied = has_automatic_threshold},
+    Choice{.flag = "--t-r-scale relative",
+           .needs = kThreshold | kRaw,
+           .instead = "Omit it, or use --t-r-scale mean-z, as in --t-r -1.5.",
+           .is_implied = scales_by<ThresholdScale::relative>},
+    Choice{.flag = "--t-r-scale bits",
+           .needs = kThreshold | kRaw,
+           .instead = "Omit it, or use --t-r-scale mean-z, as in --t-r -1.5.",
+           .is_implied = scales_by<ThresholdScale::bits>},
+    Choice{.flag = "--t-r-scale mean-z",
+           .needs = kThreshold | kStandardized,
+           .instead = "Use --score standardized, or the scale relative or bits.",
+           .is_implied = scales_by<ThresholdScale::mean_z>},
+    Choice{.flag = "a relative --t-r",
+           .needs = kLaterFrames | kEveryScore,
+           .instead = "Use bits per frame, as in --t-r 200 --t-r-scale bits.",
+           .is_implied = has_relative_threshold},
+    Choice{.flag = "--safety-factor",
+           .needs = kThreshold | kRaw | kTrainingDistances,
+           .instead = "Omit it.",
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return s.safety_factor.has_value(); }},
+    Choice{.flag = "--margin",
+           .needs = kMargin,
+           .instead = "Use --decide margin.",
+           .is_implied = [](const Settings& s, const RunChoices&) { return s.margin.has_value(); }},
+    Choice{.flag = "--margin auto",
+           .needs = kTrainingDistances,
+           .instead = "Use a number, as in --margin 20, with --margin-width.",
+           .is_implied =
+               [](const Settings& s, const RunChoices&) {
+                 return s.decision == Decision::margin && !s.margin;
+               }},
+    Choice{.flag = "--margin-width",
+           .needs = kWindows,
+           .instead = "Use filter.near_views in a configuration.",
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return s.margin_width.has_value(); }},
+    Choice{.flag = "an automatic --margin-width",
+           .needs = kTrainingDistances,
+           .instead = "Use a number, as in --margin-width 20.",
+           .is_implied =
+               [](const Settings& s, const RunChoices&) {
+                 return s.decision == Decision::margin && !s.margin_width;
+               }},
+    Choice{
+        .flag = "--same-place",
+        .needs = kSequences,
+        .instead = "Omit it.",
+        .is_implied = [](const Settings& s, const RunChoices&) { return !s.same_place.empty(); }},
+    Choice{.flag = "--only-sequence",
+           .needs = kSequences,
+           .instead = "Omit it.",
+           .is_implied = [](const Settings& s,
+                            const RunChoices&) { return !s.only_sequences.empty(); }},
+    Choice{.flag = "--skip-unreadable",
+           .needs = kFrames,
+           .instead = "Omit it: frames without a score never match.",
+           .is_implied = [](const Settings& s, const RunChoices&) { return s.skip_unreadable; }},
+
+    Choice{.flag = "--query", .needs = kQueryPath, .instead = "Omit one of them."},
+    Choice{.flag = "--dataset", .needs = kQueryPath | kFrames, .instead = "Omit one of them."},
+    Choice{.flag = "--query-npy",
+           .needs = kFrames | kArrays,
+           .excludes = kQueryPath,
+           .instead = "Use --query."},
+    Choice{.flag = "--query-bow", .excludes = kQueryPath},
+    Choice{.flag = "--fps", .needs = kFrames | kSelection, .instead = "Omit it."},
+    Choice{.flag = "--recorded-fps", .needs = kFrames, .instead = "Omit it."},
+    Choice{.flag = "--warp", .needs = kSelection | kSpeed, .instead = "Omit it."},
+    Choice{.flag = "--query-times",
+           .needs = kTimesFile,
+           .instead = "Omit it: times are those of the names of images."},
+    Choice{.flag = "--ground-truth",
+           .needs = kPicture | kResultFile,
+           .instead = "Use it with --save-matrix FILE.png; counts come from vpr-eval."},
+    Choice{.flag = "a query without --save-matrix FILE.png",
+           .excludes = kPicture,
+           .is_implied = [](const Settings&,
+                            const RunChoices& run) { return !has(run, "--save-matrix FILE.png"); }},
+    Choice{.flag = "--output", .needs = kResultFile, .instead = "Redirect standard output."},
+    Choice{.flag = "--save-matrix", .needs = kMatrix, .instead = "Omit it."},
+    Choice{.flag = "--verify",
+           .needs = kDefinition | kMatrix,
+           .instead = "Omit it, or use --method fastable."},
+    Choice{.flag = "--save-loops", .needs = kPast, .instead = "Use it with --loop."},
+    Choice{.flag = "--times",
+           .needs = kPast | kSeconds,
+           .instead = "Use it with --loop and a gap in seconds, as in --loop-gap 30s."},
+    Choice{.flag = "a --loop-gap in seconds",
+           .needs = kSeconds,
+           .instead = "Use a gap in frames, as in --loop-gap 30.",
+           .is_implied = [](const Settings& s, const RunChoices&) { return s.loop_gap_s != 0; }},
+    Choice{
+        .flag = "--descriptor",
+        .needs = kPast | kDescriptor,
+        .instead = "Use it with --loop and without a database.",
+        .is_implied = [](const Settings& s, const RunChoices&) { return !s.descriptor.empty(); }},
+    Choice{.flag = "--distance", .needs = kScores, .instead = "Use it with --scores."},
+    Choice{.flag = "--similarity", .needs = kScores, .instead = "Use it with --scores."},
+    Choice{.flag = "--references-first", .needs = kScores, .instead = "Use it with --scores."},
+    Choice{.flag = "--missing", .needs = kScores, .instead = "Use it with --scores."},
+    Choice{.flag = "--train-sequence", .needs = kScores, .instead = "Use it with --scores."},
+};
+
+constexpr double kMostGapSeconds = 1e9;
+
+void require(bool is_right, const std::string& otherwise) {
+  if (!is_right) throw Error(ErrorKind::usage, otherwise);
+}
+
+void check_threshold(const Settings& settings) {
+  if (!settings.distance_threshold) return;
+  const double threshold = *settings.distance_threshold;
+  require(std::isfinite(threshold), "t_r must be a finite number or auto");
+  if (score_kind(settings.score).needs_statistics) {
+    require(threshold <= 0,
+            fmt::format("t_r of standardized scores is a mean z, where {} accepts places that are "
+                        "farther than usual; give one below 0, as in --t-r -1.5",
+                        threshold));
+    return;
+  }
+  require(threshold >= 0, fmt::format("t_r must not be negative, found {}", threshold));
+  require(threshold <= 1 || scale_of(settings) != ThresholdScale::relative,
+          fmt::format("t_r is relative to the largest distance, where {} accepts everything; "
+                      "for a mean frame distance give --t-r {} --t-r-scale bits, else a "
+                      "share, as in --t-r 0.6",
+                      threshold, threshold));
+}
+
+void check_margin(const Settings& settings) {
+  if (!settings.margin) return;
+  const ScoreKind& kind = score_kind(settings.score);
+  require(*settings.margin >= 0 && *settings.margin <= kind.most_margin,
+          fmt::format("margin must be auto or from 0 to {} {}, found {}", kind.most_margin,
+                      kind.margin_unit, *settings.margin));
+}
+
+void check_standardized(const Settings& settings) {
+  require(settings.window_length <= kMaxScoredWindow,
+          fmt::format("c_l must be at most {} with standardized scores, found {}", kMaxScoredWindow,
+                      settings.window_length));
+  check_standardization(settings.standardization);
+  if (settings.loop) check_past_settings(settings.standardization);
+  const double weight = settings.fusion_weight.value_or(kFusionWeight);
+  require(weight >= 0 && weight <= kMostFusionWeight,
+          fmt::format("fuse_beta must be from 0 to {}, found {}", kMostFusionWeight, weight));
+}
+
+void check_gap(const Settings& settings) {
+  const bool has_seconds = settings.loop_gap_s != 0;
+  require(settings.loop_gap != 0 || has_seconds,
+          "--loop needs --loop-gap, how long ago a place must have been left before it can be "
+          "closed as a loop: in frames (--loop-gap 300) or in seconds (--loop-gap 30s)");
+  require(settings.loop_gap == 0 || !has_seconds,
+          "loop_gap and loop_gap_s are given: a gap is of frames or of seconds");
+  require(!has_seconds || (settings.loop_gap_s > 0 && settings.loop_gap_s <= kMostGapSeconds),
+          fmt::format("loop_gap_s must be above 0, found {}", settings.loop_gap_s));
+}
+
+void check_ranges(const Settings& settings) {
+  check_window_length(settings.window_length);
+  parse_rates(settings.rates);
+  if (settings.safety_factor) check_safety_factor(*settings.safety_factor);
+  check_threshold(settings);
+  check_margin(settings);
+  if (score_kind(settings.score).needs_statistics) check_standardized(settings);
+  if (has_paths(settings.method)) check_filter(settings.filter);
+  if (settings.loop) check_gap(settings);
+  require(settings.clustering.eps >= 0 && settings.clustering.eps <= kMaxEps,
+          fmt::format("clustering.eps must be from 0 to {}, found {}", kMaxEps,
+                      settings.clustering.eps));
+}
+
+void fill_implied(Settings& settings, const RunChoices& run) {
+  if (has(run, "--fuse") && !settings.fusion_weight) settings.fusion_weight = kFusionWeight;
+  if (settings.loop && !settings.margin_width && settings.loop_gap > 0)
+    settings.margin_width = settings.loop_gap;
+  const bool is_filter = has_paths(settings.method);
+  if ((is_filter || settings.fusion_weight) && settings.score == Score::raw)
+    settings.score = Score::standardized;
+  if (!is_filter) return;
+  settings.window_length = 1;
+  settings.decision = Decision::margin;
+  if (!settings.margin) settings.margin = kFilterMargin;
+}
+
+}  // namespace
+
+std::span<const Choice> choices() { return kChoices; }
+
+void check_choices(const SequenceQuerySettings& settings, const RunChoices& run) {
+  std::vector<const Choice*> made;
+  for (const Choice& choice : kChoices)
+    if (has(run, choice.flag) || (choice.is_implied && choice.is_implied(settings, run)))
+      made.push_back(&choice);
+  for (const Choice* a : made)
+    for (const Choice* b : made)
+      if (const uint32_t missing = a->needs & b->excludes)
+        throw Error(ErrorKind::usage,
+                    fmt::format("{} does not go with {}, which has no {}. {}", a->flag, b->flag,
+                                kFacetNames[std::countr_zero(missing)], a->instead));
+}
+
+ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, const RunChoices& run)
+    : settings_(std::move(settings)) {
+  if (settings_.method != kLshMethod) find_sequence_method(settings_.method);
+  fill_implied(settings_, run);
+  check_choices(settings_, run);
+  check_ranges(settings_);
+  if (settings_.decision == Decision::threshold) settings_.threshold_scale = scale_of(settings_);
+}
+
+}  // namespace vpr

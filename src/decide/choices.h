@@ -1,0 +1,61 @@
+// The table of choices: what each setting or flag needs of a run and what it excludes. Settings
+// that passed it are ResolvedSettings.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "decide/query_settings.h"
+
+namespace vpr {
+
+/// Choices of a run that are not settings, by their flags: "--follow", "vpr-tune calibrate", ...
+using RunChoices = std::vector<std::string_view>;
+
+/// A query against a database of sequences.
+inline constexpr std::string_view kDatabaseChoice = "DB";
+/// The commands of vpr-tune, as choices.
+inline constexpr std::string_view kSweepChoice = "vpr-tune fastable";
+inline constexpr std::string_view kCalibrateChoice = "vpr-tune calibrate";
+/// A query against a FAB-MAP database, of which the table covers inputs and outputs.
+inline constexpr std::string_view kFabmapChoice = "a FAB-MAP database";
+
+/// One row of the table. Two choices cannot be combined if one excludes a facet of the run that the
+/// other needs.
+struct Choice {
+  std::string_view flag;       ///< the flag; of an absent flag, a description
+  uint32_t needs = 0;          ///< facets, as bits
+  uint32_t excludes = 0;       ///< facets, as bits
+  std::string_view instead{};  ///< what to do where a facet is missing: an imperative sentence
+  /// Whether settings and other choices imply the choice. Null: only RunChoices contain it.
+  bool (*is_implied)(const SequenceQuerySettings& settings, const RunChoices& run) = nullptr;
+};
+
+/// All choices. Errors name the first pair in this order.
+std::span<const Choice> choices();
+
+/// Throws Error(usage) for two choices that cannot be combined: both flags, the missing facet, and
+/// what to do instead.
+void check_choices(const SequenceQuerySettings& settings, const RunChoices& run);
+
+/// Settings of a sequence method whose combination and ranges were checked and whose implied values
+/// are filled in. The filter has windows of one frame, standardized scores, and a decision by
+/// margin with a default margin. Fused scores are standardized and have a weight. The exclusion
+/// zone of a loop query has the width of its gap in frames unless a width is set. A decision by
+/// threshold has a scale.
+class ResolvedSettings {
+ public:
+  /// Throws Error(usage) for settings that are out of range or cannot be combined with each other
+  /// or with `run`.
+  ResolvedSettings(SequenceQuerySettings settings = {}, const RunChoices& run = {kDatabaseChoice});
+
+  const SequenceQuerySettings& operator*() const { return settings_; }
+  const SequenceQuerySettings* operator->() const { return &settings_; }
+
+ private:
+  SequenceQuerySettings settings_;
+};
+
+}  // namespace vpr
