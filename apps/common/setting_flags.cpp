@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "decide/query_settings.h"
 
 namespace vpr {
 namespace {
@@ -41,6 +42,51 @@ Json flag_value(const std::string& text) {
   if (const auto negative = parse(int64_t{})) return *negative;
   if (const auto real = parse(double{}); real && std::isfinite(real->get<double>())) return *real;
   return text;
+}
+
+void add_score_settings(const Command& command, SequenceQuerySettings& settings,
+                        const std::string& group) {
+  const auto grouped = [&](Flag flag) { return group.empty() ? flag : flag.group(group); };
+  grouped(add_setting(
+      command, "--score", settings.score,
+      fmt::format("raw (distances), standardized (less the bias of frames that are close to "
+                  "everything) or standardized-offline (from the whole query) (default: {})",
+                  enum_name(settings.score))));
+  grouped(command.add_list("--rates", settings.rates,
+                           "windows of these rates, training frames for query frames, of which the "
+                           "best counts, as in 1/2,2/3,1,3/2,2 (default 1)"))
+      .comma_separated()
+      .type_name("P/Q");
+  grouped(add_setting(command, "--margin-width", settings.margin_width,
+                      "elsewhere is more than so many frames before or behind the best match "
+                      "(default: after how many a training sequence shows another place)"));
+  grouped(command.add_list(
+      "--same-place", settings.same_place,
+      "A=B: these training sequences show the same place, so that neither is "
+      "elsewhere for the other; repeatable; none: all differ (default: as found)"));
+}
+
+void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
+                           std::string& fabmap, const std::string& group) {
+  const auto grouped = [&](Flag flag) { return group.empty() ? flag : flag.group(group); };
+  grouped(add_setting(command, "--decide", settings.decision,
+                      "what is a hit: threshold (default), every window pair closer than --t-r, or "
+                      "margin, the best match, if it is --margin better than the best one "
+                      "elsewhere"));
+  grouped(add_setting(command, "--t-r-scale", settings.threshold_scale,
+                      "scale of t_r: relative (D / max D) or bits (D / c_l); of standardized "
+                      "scores mean-z (default: relative, mean-z)"));
+  grouped(command.add_option("--fuse", fabmap,
+                             "FAB-MAP's database of the same training sequences: what it says of "
+                             "each frame is added to standardized scores"));
+  grouped(
+      add_setting(command, "--fuse-beta", settings.fusion_weight,
+                  "fusion weight, in standard deviations per nat, adapted online (default: 0.2)"));
+}
+
+void add_unreadable_flag(const Command& command, bool& skip_unreadable) {
+  command.add_flag("--skip-unreadable", skip_unreadable,
+                   "frames that can't be decoded keep their index and never match");
 }
 
 Flag add_memory_flag(const Command& command, size_t& bytes, const std::string& help) {

@@ -13,6 +13,8 @@
 
 namespace vpr {
 
+struct SequenceQuerySettings;
+
 /// --max-memory, which errors name, too.
 inline constexpr const char* kMemoryFlag = "--max-memory";
 
@@ -50,6 +52,19 @@ Flag add_setting(const Command& command, const std::string& flag, T& field,
           help)
       .type_name(value_name<T>());
 }
+
+/// Flags of scores and exclusion zones: --score, --rates, --margin-width, --same-place. Help lists
+/// them under `group`; empty: under the usual heading.
+void add_score_settings(const Command& command, SequenceQuerySettings& settings,
+                        const std::string& group = "");
+
+/// Flags of decisions and of scores that are fused with FAB-MAP's: --decide, --t-r-scale, --fuse,
+/// whose path is `fabmap`, and --fuse-beta.
+void add_decision_settings(const Command& command, SequenceQuerySettings& settings,
+                           std::string& fabmap, const std::string& group = "");
+
+/// --skip-unreadable.
+void add_unreadable_flag(const Command& command, bool& skip_unreadable);
 
 /// --max-memory, in bytes or as "512M" or "2G", powers of 1024; the help ends with the value that
 /// `bytes` has.

@@ -66,41 +66,18 @@ void add_sequence_flags(const Command& app, QueryInputs& inputs, SequenceQuerySe
   const auto group = [](Flag flag) { return flag.group(kSequenceGroup); };
   group(add_setting(app, "--c-l", settings.window_length,
                     "window length c_l in frames (default 40)"));
-  group(app.add_list("--rates", settings.rates,
-                     "windows of these rates, training frames for query frames, of which the best "
-                     "counts, as in 1/2,2/3,1,3/2,2 (default 1)")
-            .comma_separated()
-            .type_name("P/Q"));
   group(
       add_setting(app, "--t-r", settings.distance_threshold,
                   "threshold t_r: a number, or auto, from how close two or more training sequences "
                   "come to each other (default: auto)"));
-  group(add_setting(app, "--score", settings.score,
-                    "raw (distances, default), standardized (less the bias of frames that are "
-                    "close to everything) or standardized-offline (from the whole query)"));
-  group(app.add_option("--fuse", inputs.fuse,
-                       "FAB-MAP's database of the same training sequences: what it says of each "
-                       "frame is added to standardized scores"));
-  group(add_setting(app, "--fuse-beta", settings.fusion_weight,
-                    "by so many deviations a nat (default 0.2), more or less as it proves right"));
-  group(add_setting(
-      app, "--t-r-scale", settings.threshold_scale,
-      "scale of t_r: relative (D / max D) or bits (D / c_l); of standardized scores mean-z "
-      "(default: relative, mean-z)"));
+  add_score_settings(app, settings, kSequenceGroup);
+  add_decision_settings(app, settings, inputs.fuse, kSequenceGroup);
   group(add_setting(app, "--safety-factor", settings.safety_factor,
                     "multiplies the automatic t_r (default: the database's)"));
-  group(add_setting(app, "--decide", settings.decision,
-                    "what is a hit: threshold (default) or margin; see Decisions below"));
   group(add_setting(app, "--margin", settings.margin,
                     "with --decide margin, by how much a best match must be better than the best "
                     "one elsewhere, in score a frame; or auto (default): from how large it is "
                     "where training sequences show different places"));
-  group(add_setting(app, "--margin-width", settings.margin_width,
-                    "elsewhere is more than so many frames before or behind the best match "
-                    "(default: after how many a training sequence shows another place)"));
-  group(app.add_list("--same-place", settings.same_place,
-                     "A=B: these training sequences show the same place, so that neither is "
-                     "elsewhere for the other; repeatable; none: all differ (default: as found)"));
   group(app.add_list("--only-sequence", settings.only_sequences,
                      "search only this training sequence; repeatable"));
   group(app.add_option("--save-matrix", inputs.matrix,

@@ -12,10 +12,7 @@
 #include "present/result_file.h"
 #include "query_inputs.h"
 #include "run/advice.h"
-#include "run/fuse.h"
 #include "run/live_query.h"
-#include "run/score_basis.h"
-#include "run/thresholds.h"
 #include "run/train.h"
 #include "sequence/live_source.h"
 #include "truth/sequence_rate.h"
@@ -125,16 +122,8 @@ void follow_query(Session& session, const QueryInputs& inputs, const ResolvedSet
   resources.memory_limit = inputs.memory_limit;
   resources.seed = session.options.seed;
   const Unreadable unreadable = settings->skip_unreadable ? Unreadable::skip : Unreadable::fail;
-  SequenceDatabase database = read_sequence_database(inputs.database);
-  if (database.descriptors.kind->is_imported)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: holds descriptors that were imported, and frames that come can't "
-                            "be described so",
-                            inputs.database));
-  check_automatic(database, *settings);
-  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, session.monitor);
-  fuse_views(database, *settings, inputs.fuse);
-  warn_of_automatic(*settings, session.monitor);
+  const SequenceDatabase database =
+      open_database(inputs.database, settings, inputs.fuse, session.monitor);
   const NamedSource query = open_source(inputs, unreadable, session.monitor);
   warn_of_rates(database, query.fps, *settings, session.monitor);
   Monitor silent = session.monitor;

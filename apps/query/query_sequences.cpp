@@ -21,9 +21,7 @@
 #include "run/lsh_query.h"
 #include "run/query.h"
 #include "run/score_basis.h"
-#include "run/thresholds.h"
 #include "run/train.h"
-#include "run/verify.h"
 #include "saved_matrix.h"
 #include "sequence/sequence.h"
 
@@ -118,18 +116,11 @@ void describe_own(Sides& sides, const Session& session, const QueryInputs& input
 }
 
 void describe(Sides& sides, const Session& session, const QueryInputs& inputs,
-              const SequenceQuerySettings& settings) {
+              const ResolvedSettings& settings) {
   sides.source = find_query(inputs, session.monitor);
-  sides.database = read_sequence_database(inputs.database);
-  check_automatic(sides.database, settings);
-  if (score_kind(settings.score).needs_statistics)
-    ensure_statistics(sides.database, session.monitor);
-  fuse_views(sides.database, settings, inputs.fuse);
-  warn_of_automatic(settings, session.monitor);
-  sides.query = replayed(describe_frames(open_sequence(sides.source.sequence.sequence),
-                                         sides.database, settings.skip_unreadable, session.monitor),
-                         inputs.warp, session.options.seed);
-  warn_of_rates(sides.database, sides.query.frames.fps, settings, session.monitor);
+  sides.database = open_database(inputs.database, settings, inputs.fuse, session.monitor);
+  sides.query = describe_query(sides.source.sequence.sequence, sides.database, settings,
+                               inputs.warp, session.options.seed, session.monitor);
   sides.context.database_fingerprint = sides.database.fingerprint;
   sides.context.query_fingerprint = query_fingerprint(sides.query);
   if (const FusedViews* fused = fused_views(sides.database))
@@ -181,7 +172,7 @@ void run_sequence_query(Session& session, const QueryInputs& inputs,
   const bool has_scores = !inputs.scores.matrix.path.empty();
   has_scores       ? take_scores(sides, session, inputs)
   : settings->loop ? describe_own(sides, session, inputs, *settings)
-                   : describe(sides, session, inputs, *settings);
+                   : describe(sides, session, inputs, settings);
   const auto& [given, database, query, source, known, times_ns] = sides;
   const double describe_s = watch.elapsed_s();
   const std::string& name = source.sequence.name;

@@ -49,10 +49,6 @@ std::string method_help() {
   text += "\nVariants of FAB-MAP:\n";
   for (const FabmapVariant& variant : fabmap_variants())
     text += fmt::format("  {:<17}{}\n", variant.name, variant.summary);
-  text += "\nDecisions:\n";
-  for (size_t d = 0; d < decision_kinds().size(); ++d)
-    text += fmt::format("  {:<17}{}\n", enum_name(static_cast<Decision>(d)),
-                        decision_kinds()[d].summary);
   text +=
       "\nBoth together:\n"
       "  --fuse FABMAP.vprdb adds what FAB-MAP says of each frame to standardized scores:\n"
@@ -226,8 +222,7 @@ int main(int argc, char** argv) {
   add_setting(app, "--method", settings.method, "default: the database's")
       .choices("METHOD", method_names());
   app.add_footer(method_help());
-  app.add_flag("--skip-unreadable", settings.sequence.skip_unreadable,
-               "frames that can't be decoded keep their index and never match");
+  add_unreadable_flag(app, settings.sequence.skip_unreadable);
   add_sequence_flags(app, inputs, settings.sequence);
   add_ground_truth_flags(app, inputs.flags);
   add_fabmap_flags(app, inputs, settings.fabmap);

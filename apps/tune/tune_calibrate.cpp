@@ -5,12 +5,8 @@
 #include "base/stopwatch.h"
 #include "common/rate_flags.h"
 #include "present/calibration_report.h"
-#include "run/advice.h"
 #include "run/calibrate.h"
-#include "run/margin_plan.h"
-#include "run/score_basis.h"
 #include "run/train.h"
-#include "sequence/sequence.h"
 #include "tune_inputs.h"
 
 namespace vpr {
@@ -19,15 +15,11 @@ namespace {
 CalibratedWalk calibrate(Session& session, const CalibrateTune& command, const Source& source,
                          double precision) {
   const Monitor& monitor = session.monitor;
-  SequenceDatabase database = read_sequence_database(command.inputs.database);
   const ResolvedSettings settings(command.settings, {kDatabaseChoice, kCalibrateChoice});
-  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
+  const SequenceDatabase database = open_database(command.inputs.database, settings, "", monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
-  const DescriptorSet query =
-      replayed(describe_frames(open_sequence(source.sequence.sequence), database,
-                               settings->skip_unreadable, monitor),
-               command.inputs.warp, session.options.seed);
-  warn_of_rates(database, query.frames.fps, *settings, monitor);
+  const DescriptorSet query = describe_query(source.sequence.sequence, database, settings,
+                                             command.inputs.warp, session.options.seed, monitor);
   return calibrate_walk(database, query, source.sequence.name, settings,
                         calibrated_lengths(command.windows, database, query), precision,
                         reader_of(source, &database, monitor), resources, monitor);
@@ -77,26 +69,6 @@ void add_asked(const Command& command, CalibrateTune& tune) {
   command.add_option("--c-l", tune.windows, calibrated_lengths_help());
 }
 
-void add_settings(const Command& command, SequenceQuerySettings& settings) {
-  add_setting(command, "--method", settings.method,
-              "fastable (default), filter, or another exact one of vpr-query");
-  add_setting(command, "--score", settings.score,
-              "raw, standardized (default) or standardized-offline");
-  add_setting(command, "--margin-width", settings.margin_width,
-              "elsewhere is more than so many frames before or behind the best match (default: "
-              "after how many a training sequence shows another place)");
-  command.add_list("--same-place", settings.same_place,
-                   "A=B: these training sequences show the same place; repeatable; none: all "
-                   "differ (default: as found)");
-  command
-      .add_list("--rates", settings.rates,
-                "windows of these rates, as vpr-query takes them (default 1)")
-      .comma_separated()
-      .type_name("P/Q");
-  command.add_flag("--skip-unreadable", settings.skip_unreadable,
-                   "frames that can't be decoded keep their index and never match");
-}
-
 }  // namespace
 
 CalibrateTune::CalibrateTune() {
@@ -116,7 +88,10 @@ void add_calibrate(Program& program, CalibrateTune& tune) {
   program.add_config(command, tune.settings);
   add_walk(command, tune.inputs);
   add_asked(command, tune);
-  add_settings(command, tune.settings);
+  add_setting(command, "--method", tune.settings.method,
+              "fastable (default), filter, or another exact one of vpr-query");
+  add_score_settings(command, tune.settings);
+  add_unreadable_flag(command, tune.settings.skip_unreadable);
   add_memory_flag(command, tune.memory_limit, "for rings and hits, as in 512M");
   add_setting(command, "--format", tune.inputs.format,
               "of the table: text (default), csv, markdown or latex");

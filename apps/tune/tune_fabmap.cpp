@@ -38,8 +38,7 @@ void add_fabmap(Program& program, FabmapTune& tune) {
   add_tune_inputs(command, tune.inputs);
   command.add_option("--c-w", tune.inputs.grid.windows, fabmap_window_help());
   command.add_option("--t-p", tune.inputs.grid.thresholds, place_threshold_help());
-  command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,
-                   "frames that can't be decoded keep their index and show no words");
+  add_unreadable_flag(command, tune.settings.skip_unreadable);
 }
 
 }  // namespace vpr

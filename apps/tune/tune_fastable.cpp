@@ -1,11 +1,8 @@
 // vpr-tune fastable: c_l and t_r.
 #include "base/stopwatch.h"
 #include "run/advice.h"
-#include "run/fuse.h"
-#include "run/margin_plan.h"
 #include "run/score_basis.h"
 #include "run/train.h"
-#include "sequence/sequence.h"
 #include "tune_inputs.h"
 
 namespace vpr {
@@ -21,18 +18,13 @@ void tune_fastable(Session& session, const FastableTune& command) {
   const Monitor& monitor = session.monitor;
   claim_outputs(inputs, session);
   const Sources sources = find_sources(inputs, DatabaseFamily::sequences, monitor);
-  SequenceDatabase database = read_sequence_database(inputs.database);
-  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
-  fuse_views(database, *settings, inputs.fuse);
+  SequenceDatabase database = open_database(inputs.database, settings, inputs.fuse, monitor);
   const QueryResources resources{session.kernels, command.memory_limit, 0, session.options.seed};
   session.run.memory_limit = command.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid, const TruthReader& reader) {
-    const DescriptorSet query =
-        replayed(describe_frames(open_sequence(source.sequence.sequence), database,
-                                 settings->skip_unreadable, monitor),
-                 inputs.warp, session.options.seed);
-    warn_of_rates(database, query.frames.fps, *settings, monitor);
+    const DescriptorSet query = describe_query(source.sequence.sequence, database, settings,
+                                               inputs.warp, session.options.seed, monitor);
     Sweep found = sweep_sequences(
         database, query, source.sequence.name, settings,
         grid != nullptr ? *grid : sequence_grid(inputs.grid, *settings, database, query), reader,
@@ -62,31 +54,10 @@ void add_fastable(Program& program, FastableTune& tune) {
   add_tune_inputs(command, tune.inputs);
   command.add_option("--c-l", tune.inputs.grid.windows, window_length_help());
   command.add_option("--t-r", tune.inputs.grid.thresholds, distance_threshold_help());
-  add_setting(command, "--decide", tune.settings.decision,
-              "what is a hit: threshold (default), or margin, which is swept instead of t_r");
   command.add_option("--margin", tune.inputs.grid.margins, margin_help());
-  add_setting(command, "--margin-width", tune.settings.margin_width,
-              "elsewhere is more than so many frames before or behind the best match (default: "
-              "after how many a training sequence shows another place)");
-  command.add_list("--same-place", tune.settings.same_place,
-                   "A=B: these training sequences show the same place; repeatable; none: all "
-                   "differ (default: as found)");
-  add_setting(command, "--score", tune.settings.score,
-              "raw (default), standardized or standardized-offline");
-  command.add_option("--fuse", tune.inputs.fuse,
-                     "FAB-MAP's database of the same training sequences, as vpr-query takes it");
-  add_setting(command, "--fuse-beta", tune.settings.fusion_weight,
-              "deviations a nat of what it says (default 0.2)");
-  add_setting(command, "--t-r-scale", tune.settings.threshold_scale,
-              "scale of the numbers: relative or bits, of standardized scores mean-z "
-              "(default: relative, mean-z)");
-  command
-      .add_list("--rates", tune.settings.rates,
-                "windows of these rates, as vpr-query takes them (default 1)")
-      .comma_separated()
-      .type_name("P/Q");
-  command.add_flag("--skip-unreadable", tune.settings.skip_unreadable,
-                   "frames that can't be decoded keep their index and never match");
+  add_score_settings(command, tune.settings);
+  add_decision_settings(command, tune.settings, tune.inputs.fuse);
+  add_unreadable_flag(command, tune.settings.skip_unreadable);
   add_memory_flag(command, tune.memory_limit, "for rings and hits of all c_l, as in 512M");
 }
 

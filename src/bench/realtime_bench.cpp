@@ -32,7 +32,7 @@ ResolvedSettings live_settings(const RealtimeBenchSettings& settings) {
   live.window_length = settings.window_length;
   live.score = settings.score;
   live.decision = Decision::margin;
-  return {live, {kDatabaseChoice, "--follow"}};
+  return {live, {kDatabaseChoice, kFollowChoice}};
 }
 
 BenchResult bench_realtime(const SequenceDatabase& database, const Sequence& query,

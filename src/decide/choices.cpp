@@ -133,7 +133,7 @@ constexpr std::array kChoices = {
         .is_implied = [](const Settings&, const RunChoices& run) { return !has(run, "--scores"); }},
     Choice{.flag = kDatabaseChoice, .needs = kSequences | kFrames, .instead = "Omit the database."},
     Choice{
-        .flag = "--follow",
+        .flag = kFollowChoice,
         .needs = kSingleFrames | kSequences | kFrames,
         .excludes = kRates | kMatrix | kLaterFrames | kSpeed | kArrays | kResultFile | kTimesFile,
         .instead = "Omit --follow, or use --method filter."},
@@ -412,13 +412,15 @@ void check_choices(const SequenceQuerySettings& settings, const RunChoices& run)
                                 kFacetNames[std::countr_zero(missing)], a->instead));
 }
 
-ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, const RunChoices& run)
-    : settings_(std::move(settings)) {
+ResolvedSettings::ResolvedSettings(SequenceQuerySettings settings, RunChoices run)
+    : settings_(std::move(settings)), run_(std::move(run)) {
   if (settings_.method != kLshMethod) find_sequence_method(settings_.method);
-  fill_implied(settings_, run);
-  check_choices(settings_, run);
+  fill_implied(settings_, run_);
+  check_choices(settings_, run_);
   check_ranges(settings_);
   if (settings_.decision == Decision::threshold) settings_.threshold_scale = scale_of(settings_);
 }
+
+bool ResolvedSettings::has(std::string_view flag) const { return vpr::has(run_, flag); }
 
 }  // namespace vpr

@@ -14,6 +14,9 @@ namespace vpr {
 /// Choices of a run that are not settings, by their flags: "--follow", "vpr-tune calibrate", ...
 using RunChoices = std::vector<std::string_view>;
 
+/// Frames that are matched as they arrive.
+inline constexpr std::string_view kFollowChoice = "--follow";
+
 /// A query against a database of sequences.
 inline constexpr std::string_view kDatabaseChoice = "DB";
 /// The commands of vpr-tune, as choices.
@@ -49,13 +52,16 @@ class ResolvedSettings {
  public:
   /// Throws Error(usage) for settings that are out of range or cannot be combined with each other
   /// or with `run`.
-  ResolvedSettings(SequenceQuerySettings settings = {}, const RunChoices& run = {kDatabaseChoice});
+  ResolvedSettings(SequenceQuerySettings settings = {}, RunChoices run = {kDatabaseChoice});
 
   const SequenceQuerySettings& operator*() const { return settings_; }
   const SequenceQuerySettings* operator->() const { return &settings_; }
+  /// Whether `run` had this choice.
+  bool has(std::string_view flag) const;
 
  private:
   SequenceQuerySettings settings_;
+  RunChoices run_;
 };
 
 }  // namespace vpr

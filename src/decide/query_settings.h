@@ -29,10 +29,9 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<Decision> = {"thresh
 
 /// One row of the table, at the place of its value of Decision, whose name is its name.
 struct DecisionKind {
-  std::string_view summary = {};  ///< what it asks, for help texts
-  std::string_view hits = {};     ///< definition of its hits, for reports; {} is the score
-  std::string_view symbol = {};   ///< of its setting: t_r, margin
-  ScoreOrder order = {};          ///< distance: more is accepted where its setting is larger
+  std::string_view hits = {};    ///< definition of its hits, for reports; {} is the score
+  std::string_view symbol = {};  ///< of its setting: t_r, margin
+  ScoreOrder order = {};         ///< distance: more is accepted where its setting is larger
   std::span<const std::string_view> settings = {};  ///< keys of settings that only it has
 };
 

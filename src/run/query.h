@@ -27,6 +27,19 @@ struct QueryRun {
   size_t verified_cells = 0;
 };
 
+/// The database at `path` as the settings need it: with statistics for standardized scores, and
+/// fused with FAB-MAP's database at `fabmap` unless that is empty. Warns of an automatic margin of
+/// fused scores. Throws what read_sequence_database, check_automatic and fuse_views throw, and
+/// Error(data) for a database of imported descriptors that cannot describe frames as they arrive.
+SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
+                               const std::string& fabmap, const Monitor& monitor);
+
+/// The frames of a query, described like those of the database, at a simulated speed unless `warp`
+/// is empty. Warns of a frame rate that differs from the training sequences' (warn_of_rates).
+DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
+                             const ResolvedSettings& settings, const std::string& warp,
+                             uint64_t seed, const Monitor& monitor);
+
 /// Thresholds and the shape of a query, before any distance is known. Throws Error(usage) for
 /// an unknown sequence name, and a query or training sequences that are all shorter than a window,
 /// and Error(data) for descriptors of different kinds. Computes automatic

@@ -8,10 +8,13 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "match/rates.h"
+#include "run/advice.h"
+#include "run/fuse.h"
 #include "run/loop_query.h"
 #include "run/margin_plan.h"
 #include "run/query.h"
 #include "run/query_steps.h"
+#include "run/score_basis.h"
 #include "run/thresholds.h"
 #include "run/train.h"
 
@@ -187,6 +190,33 @@ void finish_plan(QueryPlan& plan, const SequenceDatabase& database, const QueryR
 }
 
 }  // namespace
+
+SequenceDatabase open_database(const std::string& path, const ResolvedSettings& settings,
+                               const std::string& fabmap, const Monitor& monitor) {
+  SequenceDatabase database = read_sequence_database(path);
+  if (settings.has(kFollowChoice) && database.descriptors.kind->is_imported)
+    throw Error(ErrorKind::data,
+                fmt::format("{}: holds descriptors that were imported, and frames that come can't "
+                            "be described so",
+                            path));
+  // A sweep sets thresholds and margins itself.
+  const bool is_swept = settings.has(kSweepChoice);
+  if (!is_swept) check_automatic(database, *settings);
+  if (score_kind(settings->score).needs_statistics) ensure_statistics(database, monitor);
+  fuse_views(database, *settings, fabmap);
+  if (!is_swept) warn_of_automatic(*settings, monitor);
+  return database;
+}
+
+DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
+                             const ResolvedSettings& settings, const std::string& warp,
+                             uint64_t seed, const Monitor& monitor) {
+  DescriptorSet described =
+      replayed(describe_frames(open_sequence(query), database, settings->skip_unreadable, monitor),
+               warp, seed);
+  warn_of_rates(database, described.frames.fps, *settings, monitor);
+  return described;
+}
 
 QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
                      const std::string& query_name, const ResolvedSettings& settings,
