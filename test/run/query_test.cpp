@@ -152,7 +152,7 @@ TEST_CASE("the automatic threshold needs two training sequences, and raw distanc
   CHECK_NOTHROW(query_all(two, query, settings));
   settings.score = Score::standardized;
   CHECK_THROWS_WITH(query_all(two, query, settings),
-                    Catch::Contains("have no automatic t_r. Use --decide margin"));
+                    Catch::Contains("--t-r auto does not go with --score standardized"));
   settings.score = Score::raw;
   settings.distance_threshold = 0.6;
   CHECK_NOTHROW(query_all(one, query, settings));
