@@ -199,7 +199,8 @@ TEST_CASE("margins that can't be, and settings that decide nothing, are refused 
             "from 0 to 64 deviations"));
   CHECK(has(walks().refusal({"--margin", "10"}), "--decide margin"));
   CHECK(has(walks().refusal({"--decide", "margin", "--t-r", "0.5"}), "--decide threshold"));
-  CHECK(has(walks().refusal({"--decide", "margin", "--method", "lsh"}), "--decide margin does not go with --method lsh"));
+  CHECK(has(walks().refusal({"--decide", "margin", "--method", "lsh"}),
+            "--decide margin does not go with --method lsh"));
   CHECK(has(walks().refusal({"--decide", "margin", "--same-place", "one=three"}),
             "the database has one, two"));
   CHECK(has(walks().refusal({"--decide", "maybe"}), "margin"));

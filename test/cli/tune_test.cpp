@@ -283,7 +283,8 @@ TEST_CASE("what can't be calibrated is said in a sentence") {
   };
   fails({"--precision", "0"}, 2, "precision must be above 0 and at most 1, found 0");
   fails({"--fps", "0"}, 2, "--fps must be above 0");
-  fails({"--method", "lsh", "--score", "raw"}, 2, "vpr-tune calibrate does not go with --method lsh");
+  fails({"--method", "lsh", "--score", "raw"}, 2,
+        "vpr-tune calibrate does not go with --method lsh");
   write_text(out / "raw.json", R"({"c_l": 5, "t_r": -1.5})");
   fails({"--config", out / "raw.json"}, 2, "--t-r does not go with --decide margin");
   write_text(out / "fused.json", R"({"score": "standardized", "fuse_beta": 0.2})");

@@ -188,8 +188,7 @@ TEST_CASE("a sweep of scores counts what single queries find") {
   SequenceQuerySettings settings = scored_settings(5);
   const ResolvedSettings base(settings, {kDatabaseChoice, kSweepChoice});
   const Grid grid{{5, 1, 12}, {-1.0, -4.0, -2.0}};
-  const auto cells =
-      sweep_sequences(database, query, "q", base, grid, truth, resources, {}).cells;
+  const auto cells = sweep_sequences(database, query, "q", base, grid, truth, resources, {}).cells;
   REQUIRE(cells.size() == 9);
   for (const CellCounts& cell : cells) {
     CHECK(cell.scale == ThresholdScale::mean_z);
