@@ -84,19 +84,21 @@ bool has(const RunChoices& run, std::string_view flag) {
   return std::find(run.begin(), run.end(), flag) != run.end();
 }
 
-template <Decision kDecision>
-bool decides_by(const Settings& settings, const RunChoices&) {
-  return settings.decision == kDecision;
+// A member that is neither empty nor zero.
+template <auto kMember>
+bool is_set(const Settings& settings, const RunChoices&) {
+  const auto& value = settings.*kMember;
+  if constexpr (requires { value.has_value(); })
+    return value.has_value();
+  else if constexpr (requires { value.empty(); })
+    return !value.empty();
+  else
+    return value != 0;
 }
 
-template <Score kScore>
-bool scores_by(const Settings& settings, const RunChoices&) {
-  return settings.score == kScore;
-}
-
-template <ThresholdScale kScale>
-bool scales_by(const Settings& settings, const RunChoices&) {
-  return settings.threshold_scale == kScale;
+template <auto kMember, auto kValue>
+bool is(const Settings& settings, const RunChoices&) {
+  return settings.*kMember == kValue;
 }
 
 bool has_relative_threshold(const Settings& settings, const RunChoices&) {
@@ -117,10 +119,10 @@ constexpr std::array kChoices = {
            .excludes =
                kTrainingDistances | kSequences | kRates | kLaterFrames | kSelection | kDefinition,
            .instead = "Omit one of them.",
-           .is_implied = [](const Settings& s, const RunChoices&) { return s.loop; }},
+           .is_implied = is_set<&Settings::loop>},
     Choice{.flag = "a query without --loop",
            .excludes = kPast,
-           .is_implied = [](const Settings& s, const RunChoices&) { return !s.loop; }},
+           .is_implied = is<&Settings::loop, false>},
     Choice{.flag = kFabmapChoice, .excludes = kSeconds | kDescriptor},
     Choice{.flag = "a --loop-gap in frames",
            .excludes = kSeconds,
@@ -166,45 +168,43 @@ constexpr std::array kChoices = {
            .needs = kRaw,
            .excludes = kStandardized,
            .instead = "Omit it.",
-           .is_implied = scores_by<Score::raw>},
+           .is_implied = is<&Settings::score, Score::raw>},
     Choice{.flag = "--fuse",
            .needs = kFabmap | kStandardized | kSequences | kFrames,
            .excludes = kRaw | kDefinition,
            .instead = "Omit --fuse and fuse_beta.",
-           .is_implied = [](const Settings& s,
-                            const RunChoices&) { return s.fusion_weight.has_value(); }},
+           .is_implied = is_set<&Settings::fusion_weight>},
     Choice{.flag = "--score standardized",
            .needs = kStandardized,
            .excludes = kRaw,
            .instead = "Use --method fastable, or --score raw.",
-           .is_implied = scores_by<Score::standardized>},
+           .is_implied = is<&Settings::score, Score::standardized>},
     Choice{.flag = "--score standardized-offline",
            .needs = kStandardized | kLaterFrames,
            .excludes = kRaw,
            .instead = "Use --score standardized.",
-           .is_implied = scores_by<Score::standardized_offline>},
+           .is_implied = is<&Settings::score, Score::standardized_offline>},
     Choice{.flag = "--rates",
            .needs = kRates,
            .excludes = kDefinition,
            .instead = "Omit it, or use --method fastable without --follow and --loop.",
-           .is_implied = [](const Settings& s, const RunChoices&) { return !s.rates.empty(); }},
+           .is_implied = is_set<&Settings::rates>},
     Choice{.flag = "--c-l", .needs = kWindows, .instead = "Omit it, or use --method fastable."},
 
     Choice{.flag = "--decide threshold",
            .needs = kThreshold,
            .excludes = kMargin,
            .instead = "Use --decide margin.",
-           .is_implied = decides_by<Decision::threshold>},
+           .is_implied = is<&Settings::decision, Decision::threshold>},
     Choice{.flag = "--decide margin",
            .needs = kMargin,
            .excludes = kThreshold,
            .instead = "Use --decide threshold, or --method fastable.",
-           .is_implied = decides_by<Decision::margin>},
+           .is_implied = is<&Settings::decision, Decision::margin>},
     Choice{.flag = "--t-r",
            .needs = kThreshold,
            .instead = "Use --margin, or --method fastable with --decide threshold.",
-           .is_implied = [](const Settings& s,
-                            const RunChoices&) { return s.distance_threshold.has_value(); }},
+           .is_implied = is_set<&Settings::distance_threshold>},
     Choice{.flag = "--t-r auto",
            .needs = kRaw,
            .instead = "Use --decide margin, --method filter or a number, as in --t-r -1.5.",
@@ -212,15 +212,15 @@ constexpr std::array kChoices = {
     Choice{.flag = "--t-r-scale relative",
            .needs = kThreshold | kRaw,
            .instead = "Omit it, or use --t-r-scale mean-z, as in --t-r -1.5.",
-           .is_implied = scales_by<ThresholdScale::relative>},
+           .is_implied = is<&Settings::threshold_scale, ThresholdScale::relative>},
     Choice{.flag = "--t-r-scale bits",
            .needs = kThreshold | kRaw,
            .instead = "Omit it, or use --t-r-scale mean-z, as in --t-r -1.5.",
-           .is_implied = scales_by<ThresholdScale::bits>},
+           .is_implied = is<&Settings::threshold_scale, ThresholdScale::bits>},
     Choice{.flag = "--t-r-scale mean-z",
            .needs = kThreshold | kStandardized,
            .instead = "Use --score standardized, or the scale relative or bits.",
-           .is_implied = scales_by<ThresholdScale::mean_z>},
+           .is_implied = is<&Settings::threshold_scale, ThresholdScale::mean_z>},
     Choice{.flag = "a relative --t-r",
            .needs = kLaterFrames | kEveryScore,
            .instead = "Use bits per frame, as in --t-r 200 --t-r-scale bits.",
@@ -228,12 +228,11 @@ constexpr std::array kChoices = {
     Choice{.flag = "--safety-factor",
            .needs = kThreshold | kRaw | kTrainingDistances,
            .instead = "Omit it.",
-           .is_implied = [](const Settings& s,
-                            const RunChoices&) { return s.safety_factor.has_value(); }},
+           .is_implied = is_set<&Settings::safety_factor>},
     Choice{.flag = "--margin",
            .needs = kMargin,
            .instead = "Use --decide margin.",
-           .is_implied = [](const Settings& s, const RunChoices&) { return s.margin.has_value(); }},
+           .is_implied = is_set<&Settings::margin>},
     Choice{.flag = "--margin auto",
            .needs = kTrainingDistances,
            .instead = "Use a number, as in --margin 20, with --margin-width.",
@@ -244,8 +243,7 @@ constexpr std::array kChoices = {
     Choice{.flag = "--margin-width",
            .needs = kWindows,
            .instead = "Use filter.near_views in a configuration.",
-           .is_implied = [](const Settings& s,
-                            const RunChoices&) { return s.margin_width.has_value(); }},
+           .is_implied = is_set<&Settings::margin_width>},
     Choice{.flag = "an automatic --margin-width",
            .needs = kTrainingDistances,
            .instead = "Use a number, as in --margin-width 20.",
@@ -253,20 +251,18 @@ constexpr std::array kChoices = {
                [](const Settings& s, const RunChoices&) {
                  return s.decision == Decision::margin && !s.margin_width;
                }},
-    Choice{
-        .flag = "--same-place",
-        .needs = kSequences,
-        .instead = "Omit it.",
-        .is_implied = [](const Settings& s, const RunChoices&) { return !s.same_place.empty(); }},
+    Choice{.flag = "--same-place",
+           .needs = kSequences,
+           .instead = "Omit it.",
+           .is_implied = is_set<&Settings::same_place>},
     Choice{.flag = "--only-sequence",
            .needs = kSequences,
            .instead = "Omit it.",
-           .is_implied = [](const Settings& s,
-                            const RunChoices&) { return !s.only_sequences.empty(); }},
+           .is_implied = is_set<&Settings::only_sequences>},
     Choice{.flag = "--skip-unreadable",
            .needs = kFrames,
            .instead = "Omit it: frames without a score never match.",
-           .is_implied = [](const Settings& s, const RunChoices&) { return s.skip_unreadable; }},
+           .is_implied = is_set<&Settings::skip_unreadable>},
 
     Choice{.flag = "--query", .needs = kQueryPath, .instead = "Omit one of them."},
     Choice{.flag = "--dataset", .needs = kQueryPath | kFrames, .instead = "Omit one of them."},
@@ -300,12 +296,11 @@ constexpr std::array kChoices = {
     Choice{.flag = "a --loop-gap in seconds",
            .needs = kSeconds,
            .instead = "Use a gap in frames, as in --loop-gap 30.",
-           .is_implied = [](const Settings& s, const RunChoices&) { return s.loop_gap_s != 0; }},
-    Choice{
-        .flag = "--descriptor",
-        .needs = kPast | kDescriptor,
-        .instead = "Use it with --loop and without a database.",
-        .is_implied = [](const Settings& s, const RunChoices&) { return !s.descriptor.empty(); }},
+           .is_implied = is_set<&Settings::loop_gap_s>},
+    Choice{.flag = "--descriptor",
+           .needs = kPast | kDescriptor,
+           .instead = "Use it with --loop and without a database.",
+           .is_implied = is_set<&Settings::descriptor>},
     Choice{.flag = "--distance", .needs = kScores, .instead = "Use it with --scores."},
     Choice{.flag = "--similarity", .needs = kScores, .instead = "Use it with --scores."},
     Choice{.flag = "--references-first", .needs = kScores, .instead = "Use it with --scores."},

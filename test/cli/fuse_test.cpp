@@ -98,7 +98,8 @@ TEST_CASE("what can't be fused is refused with what to do") {
   check_failure("vpr-query",
                 {world().fabmap(), "--query", world().walk("again"), "--fuse", world().fabmap()}, 2,
                 "--fuse");
-  check_failure(query({"--fuse", world().fabmap(), "--fuse-beta", "3"}), 2, "fuse_beta");
+  check_failure(query({"--fuse", world().fabmap(), "--fuse-beta", "3", "--t-r", "-2"}), 2,
+                "fuse_beta");
 }
 
 TEST_CASE("vpr-tune sweeps fused scores and prints the query that repeats them") {
