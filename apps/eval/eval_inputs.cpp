@@ -167,7 +167,7 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
   else
     evaluate_stored(session, inputs, open_inputs(session, inputs), evaluated);
   if (!inputs.scores.name.empty()) evaluated.evaluation.name = inputs.scores.name;
-  evaluated.report = report_json(evaluated.evaluation, session.run, session.monitor);
+  evaluated.report = report_of(evaluated.evaluation, session.run, session.monitor);
   return evaluated;
 }
 

@@ -11,12 +11,13 @@
 #include "common/score_flags.h"
 #include "describe/imported.h"
 #include "evaluate/expectation.h"
+#include "evaluate/loops.h"
 #include "evaluate/score_matrix.h"
+#include "present/evaluation_report.h"
 #include "present/exports.h"
 #include "present/result_file.h"
 #include "present/table.h"
 #include "run/evaluate.h"
-#include "truth/loop_list.h"
 
 namespace vpr {
 
@@ -108,11 +109,11 @@ struct EvalInputs {
   }
 };
 
-/// An evaluation and its report, without "machine" and "timing".
+/// An evaluation and its report.
 struct Evaluated {
   Evaluation evaluation;
   JudgedBy by;
-  Json report;
+  Report report;
 };
 
 /// Rows of one result or several, below one header.

@@ -134,13 +134,13 @@ void run_loops(Session& session, const EvalInputs& inputs) {
   report["timing"] = timing_json({{"evaluate", watch.elapsed_s()}});
   session.write_output(report);
   if (!inputs.pictures.html.empty())
-    session.outputs.file(inputs.pictures.html).write(loops_page(evaluation, report));
+    session.outputs.file(inputs.pictures.html).write(loops_page(evaluation, session.run));
   if (!inputs.pictures.plots.empty())
     draw_loops(evaluation,
                session.outputs.folder(inputs.pictures.plots, is_marked_folder).temporary());
-  std::string text = render_table(loops_table(report), inputs.format);
+  std::string text = render_table(loops_table(evaluation), inputs.format);
   if (inputs.format == TableFormat::text)
-    text = loops_sentence(report) + "\n\n" + text + loops_mistakes(report);
+    text = loops_sentence(evaluation) + "\n\n" + text + loops_mistakes(evaluation);
   session.print_result(text, report);
 }
 

@@ -158,17 +158,15 @@ void write_pictures(Session& session, const EvalInputs& inputs, const Evaluated&
                     const std::string& summary) {
   const auto& [evaluation, by, report] = evaluated;
   const PictureInputs& pictures = inputs.pictures;
-  const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
   if (!pictures.html.empty()) {
     const FrameSources sources = find_frames(pictures, inputs.dataset, evaluation);
-    const std::string page = html_report(report, summary, evaluation.judgement, evaluation.truth,
-                                         matrix, sources, session.monitor);
-    session.outputs.file(pictures.html).write(page);
+    session.outputs.file(pictures.html)
+        .write(html_report(evaluation, report, session.run, summary, sources, session.monitor));
   }
-  if (pictures.plots.empty()) return;
-  draw_evaluation(report, evaluation.judgement, evaluation.truth, matrix,
-                  session.outputs.folder(pictures.plots, is_marked_folder).temporary(),
-                  session.monitor);
+  if (!pictures.plots.empty())
+    draw_evaluation(evaluation, report,
+                    session.outputs.folder(pictures.plots, is_marked_folder).temporary(),
+                    session.monitor);
 }
 
 void add_map_options(const Command& app, EvalInputs& inputs) {

@@ -83,14 +83,14 @@ void add_score_options(const Command& app, ScoreInputs& inputs) {
 }
 
 std::string metrics_help() {
-  std::string text = "Metrics (best matches, and all pairs of a matrix):\n";
-  for (const CurveMetric& metric : curve_metrics())
-    text += fmt::format("  {:<32}{}\n", metric.column, metric.meaning);
-  for (const auto& [name, meaning] :
-       {std::pair("R@K", "share of queries with a right reference among the K best"),
-        std::pair("P@K, mAP@K", "right references among the K best, of K; and how early they come"),
-        std::pair("RAR r", "share of stretches of the path whose R@1 is r or more")})
-    text += fmt::format("  {:<32}{}\n", name, meaning);
+  std::string text = "Metrics (best matches, all pairs of a matrix, and along the path):\n";
+  for (const Metric& metric : metrics()) {
+    const char* parameter = metric.of_ranks != nullptr       ? "K"
+                            : metric.of_stretches != nullptr ? "r"
+                                                             : "";
+    text +=
+        fmt::format("  {:<32}{}\n", fmt::format("{}{}", metric.symbol, parameter), metric.meaning);
+  }
   return text;
 }
 

@@ -8,9 +8,9 @@
 #include "base/stopwatch.h"
 #include "eval_commands.h"
 #include "eval_inputs.h"
-#include "eval_several.h"
 #include "present/evaluation_tables.h"
 #include "present/run_info.h"
+#include "truth/presets.h"
 
 namespace vpr {
 namespace {
@@ -47,10 +47,10 @@ std::string tables(const Evaluated& evaluated, const std::string& summary,
   const std::string opening = inputs.format == TableFormat::text ? summary + "\n\n" : "";
   if (!evaluated.evaluation.truth.is_known)
     return opening + render_table(unjudged_table(evaluated.report), inputs.format);
-  return opening + report_text({evaluated.report}, {inputs.row_name}, inputs.format);
+  return opening + reports_text({&evaluated.report, 1}, {inputs.row_name}, inputs.format);
 }
 
-void add_run(Evaluated& evaluated, const EvalInputs& inputs, RunInfo run, double seconds) {
+RunInfo run_of(const Evaluated& evaluated, const EvalInputs& inputs, RunInfo run) {
   const auto& truth = evaluated.by.ground_truth;
   for (const auto& [role, path] :
        {std::pair("result", inputs.result), std::pair("scores", inputs.scores.matrix.path),
@@ -59,8 +59,7 @@ void add_run(Evaluated& evaluated, const EvalInputs& inputs, RunInfo run, double
         std::pair("predictions", inputs.scores.predictions),
         std::pair("ground_truth", truth ? truth->path.string() : "")})
     if (!path.empty()) run.paths[role] = path;
-  evaluated.report["machine"] = machine_json(run);
-  evaluated.report["timing"] = timing_json({{"evaluate", seconds}});
+  return run;
 }
 
 // Of a thinned query, that of the frames that are kept.
@@ -85,12 +84,12 @@ void run_one(Session& session, const EvalInputs& inputs) {
   const Json expected = read_expected(session, inputs.expect);
   if (only_lists(inputs)) return run_lists(session, inputs);
   const Stopwatch watch;
-  Evaluated evaluated = evaluate(session, inputs);
+  const Evaluated evaluated = evaluate(session, inputs);
   const Evaluation& evaluation = evaluated.evaluation;
   const std::string summary = summary_sentence(evaluation.judgement, evaluation.truth.is_known,
                                                rate_of_frames(evaluation, inputs));
-  add_run(evaluated, inputs, session.run, watch.elapsed_s());
-  const Json& report = evaluated.report;
+  const Json report =
+      report_json(evaluated.report, run_of(evaluated, inputs, session.run), watch.elapsed_s());
   const std::vector<CheckedValue> values = check_expected(session, inputs.expect, expected, report);
   session.write_output(report);
   write_pictures(session, inputs, evaluated, summary);
@@ -106,6 +105,73 @@ void run_one(Session& session, const EvalInputs& inputs) {
   if (inputs.format == TableFormat::text) text += met_sentence(inputs.expect, values);
   session.print_result(text, report);
   require_met(inputs.expect, values);
+}
+
+void check_several(const EvalInputs& inputs) {
+  if (inputs.scores.any() || inputs.expect.any() || inputs.shows_one())
+    throw Error(
+        ErrorKind::usage,
+        "--scores, --expect, --html, --plot, --map, --fixes-tum and --pairs take one result. For "
+        "a page of several: vpr-eval report FOLDER --html FILE, or vpr-eval compare REPORT "
+        "REPORT --html FILE");
+  check_score_inputs(inputs.scores, true);
+}
+
+void check_protocols(const EvalInputs& inputs) {
+  if (!inputs.ground_truth.empty() || !inputs.dataset.empty() || inputs.expect.any())
+    throw Error(
+        ErrorKind::usage,
+        "--protocol stands for a ground truth, and its counts are compared with none: leave "
+        "out --ground-truth, --dataset and --expect");
+  if (inputs.results.size() != 1 || inputs.scores.any())
+    throw Error(ErrorKind::usage, "--protocol takes one result of vpr-query, and no --scores");
+  if (inputs.shows_one() || inputs.csv.any())
+    throw Error(ErrorKind::usage,
+                "pictures, pairs and rows for data frames show one protocol: give it as "
+                "--ground-truth, as in "
+                "--ground-truth nordland-exact");
+  check_score_inputs(inputs.scores, true);
+}
+
+void run_several(Session& session, const EvalInputs& inputs) {
+  check_several(inputs);
+  session.claim_output();
+  claim_csv_outputs(session, inputs.csv, true);
+  const Stopwatch watch;
+  const std::vector<std::string> names = row_names(inputs.names, inputs.results);
+  std::vector<Report> reports;
+  CsvRows rows;
+  for (size_t i = 0; i < inputs.results.size(); ++i) {
+    Evaluated evaluated = evaluate(session, inputs_of(inputs, i));
+    add_rows(rows, inputs.csv, evaluated.evaluation, names[i]);
+    reports.push_back(std::move(evaluated.report));
+  }
+  RunInfo info = session.run;
+  for (size_t i = 0; i < inputs.results.size(); ++i)
+    info.paths[fmt::format("result_{}", i + 1)] = inputs.results[i];
+  const Json json = reports_json(reports, names, info, watch.elapsed_s());
+  session.write_output(json);
+  write_csv_rows(session, inputs.csv, rows);
+  session.print_result(reports_text(reports, names, inputs.format), json);
+}
+
+void run_protocols(Session& session, const EvalInputs& inputs) {
+  check_protocols(inputs);
+  session.claim_output();
+  const Stopwatch watch;
+  std::vector<ProtocolReport> reports;
+  for (const GroundTruthPreset* preset : find_presets(inputs.protocols)) {
+    EvalInputs one = inputs_of(inputs, 0);
+    one.ground_truth = preset->name;
+    reports.push_back({preset, evaluate(session, one).report});
+  }
+  RunInfo info = session.run;
+  info.paths = {{"result", inputs.results[0]}};
+  const Json json = protocols_json(reports, info, watch.elapsed_s());
+  session.write_output(json);
+  std::string text = render_table(protocols_table(reports), inputs.format);
+  if (inputs.format == TableFormat::text) text += protocols_notes(reports);
+  session.print_result(text, json);
 }
 
 void run(Session& session, const EvalInputs& inputs) {

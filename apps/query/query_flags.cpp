@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "common/rate_flags.h"
+#include "evaluate/loops.h"
 #include "fabmap/model.h"
-#include "truth/loop_list.h"
 #include "truth/times.h"
 
 namespace vpr {

@@ -99,14 +99,6 @@ std::vector<Paired> pair_up(std::span<const NamedOutcomes> methods, Comparison& 
   return paired;
 }
 
-/// Metrics that are compared: recall@K, then those of the curve.
-std::vector<std::string> metric_keys(const std::vector<size_t>& ks) {
-  std::vector<std::string> keys;
-  for (const size_t k : ks) keys.push_back(fmt::format("recall_at_{}", k));
-  for (const CurveMetric& metric : curve_metrics()) keys.emplace_back(metric.key);
-  return keys;
-}
-
 std::optional<double> weighted_recall(const Paired& method, std::span<const uint32_t> weights,
                                       size_t k) {
   if (k > 1 && !method.outcomes->has_ranks) return std::nullopt;
@@ -135,7 +127,7 @@ std::vector<std::optional<double>> metric_values(const Paired& method,
     if (query.has_match) to_find += weights[q];
   }
   const Curve curve = curve_of(items, to_find, confidence_order(*method.outcomes));
-  for (const CurveMetric& metric : curve_metrics()) values.push_back(metric.compute(curve).value);
+  for (const Metric& metric : curve_metrics()) values.push_back(metric.of_curve(curve).value);
   return values;
 }
 
@@ -203,11 +195,15 @@ Comparison compare_outcomes(std::span<const NamedOutcomes> methods, size_t block
     values.push_back(metric_values(method, once, ks));
     comparison.paired.push_back(count_pairs(paired.front(), method));
   }
-  const std::vector<std::string> keys = metric_keys(ks);
-  for (size_t i = 0; i < keys.size(); ++i) {
+  // recall@K, then the metrics of the curve
+  for (size_t i = 0; i < ks.size() + curve_metrics().size(); ++i) {
+    const bool is_recall = i < ks.size();
+    const Metric& metric = is_recall ? find_metric("recall_at") : curve_metrics()[i - ks.size()];
+    const std::string key =
+        is_recall ? fmt::format("{}_{}", metric.key, ks[i]) : std::string(metric.key);
     for (size_t m = 0; m < paired.size(); ++m) {
       ComparedValue& compared =
-          comparison.values.emplace_back(ComparedValue{keys[i], m, {}, {}, {}});
+          comparison.values.emplace_back(ComparedValue{key, &metric, m, {}, {}, {}});
       compared.value = values[m][i];
       if (m == 0 || !values[m][i] || !values[0][i]) continue;
       compared.difference = *values[m][i] - *values[0][i];

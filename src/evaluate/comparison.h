@@ -8,7 +8,7 @@
 
 #include "base/monitor.h"
 #include "base/statistics.h"
-#include "evaluate/outcomes.h"
+#include "evaluate/metrics.h"
 
 namespace vpr {
 
@@ -23,7 +23,8 @@ struct NamedOutcomes {
 
 /// One metric of one method, against the first method.
 struct ComparedValue {
-  std::string metric;                ///< key: recall_at_1, average_precision, ...
+  std::string key;                   ///< recall_at_1, average_precision, ...
+  const Metric* metric = nullptr;    ///< its row of the table
   size_t method = 0;                 ///< index; 0 is the one that the others are compared with
   std::optional<double> value;       ///< over the common queries; of one not paired, over its own
   std::optional<double> difference;  ///< to the first method; none for itself, or where undefined

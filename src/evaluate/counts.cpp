@@ -99,11 +99,12 @@ void count_hits(CountsByView& counts, const Result& result, const GroundTruth& t
 
 void count_best_matches(CountsByView& counts, const Result& result, const GroundTruth& truth) {
   Tally tally;
-  bool any = false;  // window of the present view that has a match
+  bool any = false;          // window of the present view that has a match
+  double correct_share = 0;  // of windows, summed over query views
   const auto finish_view = [&] {
     if (any) count(counts.best_match, tally);
     if (tally.correct > 0)
-      counts.correct_share +=
+      correct_share +=
           static_cast<double>(tally.correct) / static_cast<double>(tally.correct + tally.incorrect);
     tally = {};
     any = false;
@@ -119,6 +120,9 @@ void count_best_matches(CountsByView& counts, const Result& result, const Ground
     if (query.verdict == Verdict::incorrect) ++tally.incorrect;
   }
   finish_view();
+  const ViewCounts& views = counts.best_match;
+  const uint64_t judged = views.correct + views.incorrect + views.mixed;
+  if (judged > 0) counts.best_match_rate = correct_share / static_cast<double>(judged);
 }
 
 }  // namespace
@@ -186,12 +190,6 @@ Counts count_recognitions(const Result& result, const GroundTruth& truth, const 
     count_hits(counts, result, truth);
   counts.best_match = best_match_counts(outcomes_of(result, truth));
   return counts;
-}
-
-std::optional<double> CountsByView::best_match_rate() const {
-  const uint64_t views = best_match.correct + best_match.incorrect + best_match.mixed;
-  if (views == 0) return std::nullopt;
-  return correct_share / static_cast<double>(views);
 }
 
 std::optional<CountsByView> count_by_view(const Result& result, const GroundTruth& truth,

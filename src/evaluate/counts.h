@@ -85,13 +85,11 @@ struct ViewCounts {
 /// Counts in which every view counts once, however many frames show it.
 struct CountsByView {
   size_t query_views = 0;
-  size_t train_views = 0;    ///< of the searched sequences
-  ViewCounts hits;           ///< pairs of a query view and a training view that have hits
-  ViewCounts best_match;     ///< query views that have windows with a match
-  double correct_share = 0;  ///< summed over these, of their windows that are right
-
+  size_t train_views = 0;  ///< of the searched sequences
+  ViewCounts hits;         ///< pairs of a query view and a training view that have hits
+  ViewCounts best_match;   ///< query views that have windows with a match
   /// The rate of best matches where every view counts as much as any other; none without one.
-  std::optional<double> best_match_rate() const;
+  std::optional<double> best_match_rate;
 };
 
 /// Windows belong to the views of their anchors, and are judged there. Nothing for a result that

@@ -1,6 +1,7 @@
 #include "evaluate/metrics.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace vpr {
 
@@ -24,29 +25,112 @@ struct RiskSum {
   }
 };
 
-}  // namespace
-
-void sort_items(std::vector<ScoredItem>& items) {
-  std::sort(items.begin(), items.end(),
-            [](const ScoredItem& a, const ScoredItem& b) { return a.key < b.key; });
-}
-
-Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind) {
-  Curve curve{kind, to_find, {}};
-  CurvePoint last;  // what has been accepted so far
-  bool is_kept = true;
-  for (size_t i = 0; i < items.size() && items[i].key != kNoScore;) {
-    CurvePoint point{items[i].key, last.correct, last.incorrect, last.incorrect};
-    for (; i < items.size() && items[i].key == point.key; ++i)
-      (items[i].is_correct ? point.correct : point.incorrect) += items[i].weight;
-    if (point.correct == last.correct && point.incorrect == last.incorrect) continue;
-    is_kept = curve.points.empty() || point.correct > last.correct;
-    if (is_kept) curve.points.push_back(point);
-    last = point;
+template <class Value>
+std::optional<double> mean_of_judged(const Outcomes& outcomes, size_t k, const Value& value) {
+  if (!outcomes.has_ranks || k > kMostRanked) return std::nullopt;
+  double sum = 0;
+  size_t judged = 0;
+  for (const QueryOutcome& query : outcomes.queries) {
+    if (!query.has_match || !is_judged(query)) continue;
+    ++judged;
+    sum += value(query);
   }
-  if (!is_kept) curve.points.push_back(last);
-  return curve;
+  if (judged == 0) return std::nullopt;
+  return sum / static_cast<double>(judged);
 }
+
+/// A number of frames as a value of a metric.
+std::optional<double> number(std::optional<size_t> count) {
+  if (!count) return std::nullopt;
+  return static_cast<double>(*count);
+}
+
+constexpr std::array<Metric, 17> kMetrics = {{
+    {.key = "average_precision",
+     .symbol = "AP",
+     .meaning = "precision at every threshold, weighted by the recall it adds",
+     .of_curve = average_precision},
+    {.key = "recall_at_100_precision",
+     .symbol = "R@100P",
+     .meaning = "recall before the first mistake",
+     .of_curve = recall_at_full_precision},
+    {.key = "max_f1",
+     .symbol = "max F1",
+     .meaning = "largest harmonic mean of precision and recall",
+     .of_curve = max_f1},
+    {.key = "extended_precision",
+     .symbol = "EP",
+     .meaning = "mean of the best score's precision and R@100P",
+     .of_curve = extended_precision},
+    {.key = "roc_auc",
+     .symbol = "ROC AUC",
+     .meaning = "probability that a correct one scores better than an incorrect one",
+     .of_curve = roc_auc},
+    {.key = "risk_coverage_area",
+     .symbol = "AURC",
+     .meaning = "mean share of mistakes over all numbers of accepted ones, small is good",
+     .is_low_good = true,
+     .of_curve = risk_coverage_area},
+    {.key = "recall_at",
+     .symbol = "R@",
+     .meaning = "share of queries with a right reference among the K best",
+     .of_ranks = recall_at},
+    {.key = "precision_at",
+     .symbol = "P@",
+     .meaning = "share of right references among the K best",
+     .of_ranks = precision_at},
+    {.key = "map_at",
+     .symbol = "mAP@",
+     .meaning = "mean precision at the right references among the K best",
+     .of_ranks = mean_average_precision_at},
+    {.key = "recall_achievement",
+     .symbol = "RAR ",
+     .meaning = "share of stretches of the path whose R@1 is r or more",
+     .of_stretches = recall_achievement},
+    {.key = "right",
+     .symbol = "right",
+     .meaning = "frames of the path with a right fix",
+     .digits = 0,
+     .of_path = [](const Localisation& path) { return number(path.right); }},
+    {.key = "wrong",
+     .symbol = "wrong",
+     .meaning = "frames of the path with a wrong fix",
+     .is_low_good = true,
+     .digits = 0,
+     .of_path = [](const Localisation& path) { return number(path.wrong); }},
+    {.key = "share",
+     .symbol = "share",
+     .meaning = "share of the path with a right fix",
+     .of_path = [](const Localisation& path) { return path.share(); }},
+    {.key = "longest_gap_frames",
+     .symbol = "longest gap",
+     .meaning = "most consecutive frames without a right fix",
+     .is_low_good = true,
+     .digits = 0,
+     .of_path = [](const Localisation& path) { return number(path.longest_gap_frames); }},
+    {.key = "first_fix_frames",
+     .symbol = "first fix",
+     .meaning = "frames before the first right fix",
+     .is_low_good = true,
+     .digits = 0,
+     .of_path = [](const Localisation& path) { return number(path.first_fix_frames); }},
+    {.key = "longest_gap_m",
+     .symbol = "longest gap m",
+     .meaning = "longest way without a right fix, in meters",
+     .is_low_good = true,
+     .digits = 2,
+     .of_path = [](const Localisation& path) { return path.longest_gap_m; }},
+    {.key = "first_fix_m",
+     .symbol = "first fix m",
+     .meaning = "way before the first right fix, in meters",
+     .is_low_good = true,
+     .digits = 2,
+     .of_path = [](const Localisation& path) { return path.first_fix_m; }},
+}};
+constexpr size_t kCurveMetrics = 6;
+constexpr size_t kPathMetrics = 7;
+
+}  // namespace
 
 MetricValue average_precision(const Curve& curve) {
   if (curve.to_find == 0) return {};
@@ -128,21 +212,108 @@ std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve) 
   return points;
 }
 
-std::span<const CurveMetric> curve_metrics() {
-  static constexpr std::array<CurveMetric, 6> kMetrics = {
-      {{"average_precision", "AP", "precision at every threshold, weighted by the recall it adds",
-        average_precision},
-       {"recall_at_100_precision", "R@100P", "recall before the first mistake",
-        recall_at_full_precision},
-       {"max_f1", "max F1", "largest harmonic mean of precision and recall", max_f1},
-       {"extended_precision", "EP", "mean of the best score's precision and R@100P",
-        extended_precision},
-       {"roc_auc", "ROC AUC", "probability that a correct one scores better than an incorrect one",
-        roc_auc},
-       {"risk_coverage_area", "AURC",
-        "mean share of mistakes over all numbers of accepted ones, small is good",
-        risk_coverage_area, true}}};
-  return kMetrics;
+std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {
+  const uint64_t judged = judged_queries(outcomes);
+  if (judged == 0 || (k > 1 && !outcomes.has_ranks)) return std::nullopt;
+  const auto found =
+      std::count_if(outcomes.queries.begin(), outcomes.queries.end(),
+                    [&](const QueryOutcome& query) { return is_found_at(query, k); });
+  return static_cast<double>(found) / static_cast<double>(judged);
+}
+
+std::optional<double> precision_at(const Outcomes& outcomes, size_t k) {
+  return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
+    const auto right = std::ranges::count_if(query.right_ranks, [&](auto r) { return r <= k; });
+    return static_cast<double>(right) / static_cast<double>(k);
+  });
+}
+
+std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k) {
+  return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
+    double sum = 0;
+    size_t right = 0;
+    for (const uint8_t rank : query.right_ranks)
+      if (rank <= k) sum += static_cast<double>(++right) / static_cast<double>(rank);
+    return sum / static_cast<double>(std::min<size_t>(k, std::max<size_t>(1, query.right_count)));
+  });
+}
+
+std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames) {
+  const size_t frames = outcomes.query_frames;
+  const size_t count = std::max<size_t>(1, (frames + stretch_frames / 2) / stretch_frames);
+  std::vector<size_t> found(count);
+  std::vector<size_t> judged(count);
+  for (const QueryOutcome& query : outcomes.queries) {
+    if (!query.has_match || !is_judged(query)) continue;
+    // The stretch s holds frames from floor(s * frames / count) on.
+    const size_t stretch = ((query.frame + 1) * count - 1) / frames;
+    ++judged[stretch];
+    if (is_found_at(query, 1)) ++found[stretch];
+  }
+  std::vector<std::optional<double>> recalls(count);
+  for (size_t s = 0; s < count; ++s)
+    if (judged[s] > 0) recalls[s] = static_cast<double>(found[s]) / static_cast<double>(judged[s]);
+  return recalls;
+}
+
+std::optional<double> recall_achievement(const std::vector<std::optional<double>>& recalls,
+                                         double target) {
+  size_t known = 0;
+  size_t achieved = 0;
+  for (const auto& recall : recalls) {
+    if (!recall) continue;
+    ++known;
+    achieved += *recall >= target;
+  }
+  if (known == 0) return std::nullopt;
+  return static_cast<double>(achieved) / static_cast<double>(known);
+}
+
+std::optional<double> Localisation::share() const {
+  if (frames == 0) return std::nullopt;
+  return static_cast<double>(right) / static_cast<double>(frames);
+}
+
+Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m) {
+  assert(travelled_m.empty() || travelled_m.size() == fixes.size());
+  Localisation found;
+  found.frames = fixes.size();
+  found.wrong = static_cast<size_t>(std::count(fixes.begin(), fixes.end(), Fix::wrong));
+  const bool has_metres = !travelled_m.empty();
+  double gap_m = 0;
+  size_t gap_begin = 0;  // first frame after the last right fix
+  double last_fix_m = has_metres ? travelled_m.front() : 0;
+  const auto end_gap = [&](size_t end, double here_m) {
+    found.longest_gap_frames = std::max(found.longest_gap_frames, end - gap_begin);
+    if (has_metres) gap_m = std::max(gap_m, here_m - last_fix_m);
+  };
+  for (size_t frame = 0; frame < fixes.size(); ++frame) {
+    if (fixes[frame] != Fix::right) continue;
+    const double here_m = has_metres ? travelled_m[frame] : 0;
+    if (found.right == 0) {
+      found.first_fix_frames = frame;
+      if (has_metres) found.first_fix_m = here_m - travelled_m.front();
+    }
+    ++found.right;
+    end_gap(frame, here_m);
+    gap_begin = frame + 1;
+    last_fix_m = here_m;
+  }
+  end_gap(fixes.size(), has_metres ? travelled_m.back() : 0);
+  if (has_metres) found.longest_gap_m = gap_m;
+  return found;
+}
+
+std::span<const Metric> metrics() { return kMetrics; }
+
+std::span<const Metric> curve_metrics() { return metrics().first(kCurveMetrics); }
+
+std::span<const Metric> path_metrics() { return metrics().last(kPathMetrics); }
+
+const Metric& find_metric(std::string_view key) {
+  const auto found = std::ranges::find(kMetrics, key, &Metric::key);
+  assert(found != kMetrics.end());
+  return *found;
 }
 
 }  // namespace vpr

@@ -1,59 +1,16 @@
-// Precision-recall curves, the metrics of a curve, and the table of all metrics.
+// All metrics: of precision-recall curves, of ranked references, of stretches and along the path.
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "decide/score_kind.h"
+#include "evaluate/outcomes.h"
 
 namespace vpr {
-
-/// One threshold: what scores exactly this much enters together.
-struct CurvePoint {
-  uint64_t key = 0;               ///< the threshold as score_key; accepted are keys up to it
-  uint64_t correct = 0;           ///< correct ones accepted
-  uint64_t incorrect_before = 0;  ///< incorrect ones that score better than the threshold
-  uint64_t incorrect = 0;         ///< incorrect ones accepted
-
-  bool operator==(const CurvePoint&) const = default;
-};
-
-/// Points from the strictest threshold on: the best score, every score that something correct has,
-/// and the worst score. Between two points only incorrect ones enter, so nothing is lost.
-struct Curve {
-  ScoreOrder kind = ScoreOrder::distance;
-  uint64_t to_find = 0;  ///< the denominator of recall: at least the correct ones that have a score
-  std::vector<CurvePoint> points;
-
-  double threshold(const CurvePoint& point) const { return score_of_key(point.key, kind); }
-  double recall(const CurvePoint& point) const {
-    return to_find == 0 ? 0 : static_cast<double>(point.correct) / static_cast<double>(to_find);
-  }
-  /// Every point has accepted something.
-  static double precision(const CurvePoint& point) {
-    return static_cast<double>(point.correct) /
-           static_cast<double>(point.correct + point.incorrect);
-  }
-  bool operator==(const Curve&) const = default;
-};
-
-/// Something that was scored: a pair, or a query's best match.
-struct ScoredItem {
-  uint64_t key = 0;
-  bool is_correct = false;
-  uint32_t weight = 1;  ///< how often it counts; 0: not at all
-};
-
-/// Sorts best first; items of one key in any order.
-void sort_items(std::vector<ScoredItem>& items);
-
-/// `items` are sorted; those without a score (kNoScore) are left out. No items give no points.
-Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind);
 
 /// The value of one metric, and where on the curve it is reached.
 struct MetricValue {
@@ -98,19 +55,82 @@ MetricValue risk_coverage_area(const Curve& curve);
 /// a score.
 std::vector<std::pair<double, double>> risk_coverage_points(const Curve& curve);
 
-/// A number that a precision-recall curve has, of best matches or of all pairs.
-struct CurveMetric {
-  std::string_view key;     ///< in JSON
-  std::string_view column;  ///< in tables
-  std::string_view meaning;
-  MetricValue (*compute)(const Curve& curve);
-  bool is_low_good = false;  ///< small values are better
+/// K of recall@K.
+inline constexpr std::array<size_t, 4> kRecallAt = {1, 5, 10, 20};
+
+/// The share of judged queries that have a correct reference among their K best, ties to the first,
+/// references labelled ignore passed over (queries without a match are left out). K = 1 needs best
+/// matches only. None where there is no query to judge, or K > 1 and ranks are not known.
+std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
+
+/// The mean over judged queries of the share of right references among their K best, ties to the
+/// first, references labelled ignore passed over (Manning, Raghavan, Schuetze 2008, chapter 8).
+/// What is missing of K counts as wrong. K is 1 or more. None where there is no query to judge,
+/// ranks are not known, or K is above kMostRanked.
+std::optional<double> precision_at(const Outcomes& outcomes, size_t k);
+
+/// The mean over judged queries of AP@K: the sum of precision@i over the i up to K whose reference
+/// is right, divided by the right ones that K could hold, min(K, right references of the query)
+/// (Weyand et al. 2020). Else as precision_at.
+std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k);
+
+/// Local recalls that are asked for, and frames of a stretch where nobody says otherwise.
+inline constexpr std::array<double, 4> kRecallTargets = {0.5, 0.75, 0.9, 1.0};
+inline constexpr size_t kRouteStretch = 25;
+
+/// Recall@1 of one stretch of the path; none where it has no judged query with a match.
+std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames);
+
+/// The share of stretches whose local recall@1 is `target` or more (Hussaini, Fischer, Milford
+/// 2026). The path, all frames of the query, is cut into as many stretches as have about
+/// `stretch_frames` (1 or more) frames each, at least one, as equally long as whole frames can be;
+/// stretches without a judged query that has a match are left out. None where all are.
+std::optional<double> recall_achievement(const std::vector<std::optional<double>>& recalls,
+                                         double target);
+
+/// A frame of the path: a correct recognition, an incorrect one, one that is not judged (a pair
+/// labelled ignore, which counts as none), or none.
+enum class Fix { none, right, wrong, unjudged };
+
+/// Metres are none where positions are not known.
+struct Localisation {
+  size_t frames = 0;  ///< of the whole path, frames before the first whole window included
+  size_t right = 0;
+  size_t wrong = 0;
+  size_t longest_gap_frames = 0;           ///< frames in a row without a right fix
+  std::optional<double> longest_gap_m;     ///< walked from a right fix to the next (the path's ends
+                                           ///< stand for fixes that are not there)
+  std::optional<size_t> first_fix_frames;  ///< frames before the first right fix; none: no fix
+  std::optional<double> first_fix_m;       ///< walked before it
+
+  /// right / frames; none for an empty path.
+  std::optional<double> share() const;
+};
+
+/// `travelled_m`: way from the start to each frame, or empty. As long as `fixes` otherwise.
+Localisation localise(std::span<const Fix> fixes, std::span<const double> travelled_m);
+
+/// A row of the table of metrics; one of the functions computes it.
+struct Metric {
+  std::string_view key;      ///< in JSON; of ranks, with _K behind it in comparisons
+  std::string_view symbol;   ///< in tables; of ranks and stretches, before K or the target
+  std::string_view meaning;  ///< in --help
+  bool is_low_good = false;
+  int digits = 4;  ///< in tables; 0: an integer
+  MetricValue (*of_curve)(const Curve& curve) = nullptr;
+  std::optional<double> (*of_ranks)(const Outcomes& outcomes, size_t k) = nullptr;
+  std::optional<double> (*of_stretches)(const std::vector<std::optional<double>>& recalls,
+                                        double target) = nullptr;
+  std::optional<double> (*of_path)(const Localisation& path) = nullptr;
 };
 
 /// All metrics, in the order in which reports and help list them.
-std::span<const CurveMetric> curve_metrics();
+std::span<const Metric> metrics();
+/// Those of curves, which stand together, and those of the path.
+std::span<const Metric> curve_metrics();
+std::span<const Metric> path_metrics();
 
-/// K of recall@K.
-inline constexpr std::array<size_t, 4> kRecallAt = {1, 5, 10, 20};
+/// The row of a key, which is in the table.
+const Metric& find_metric(std::string_view key);
 
 }  // namespace vpr

@@ -18,25 +18,33 @@ Verdict verdict_of(PlaceLabel label) {
   return Verdict::incorrect;
 }
 
+}  // namespace
+
+void sort_items(std::vector<ScoredItem>& items) {
+  std::sort(items.begin(), items.end(),
+            [](const ScoredItem& a, const ScoredItem& b) { return a.key < b.key; });
+}
+
+Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind) {
+  Curve curve{kind, to_find, {}};
+  CurvePoint last;  // what has been accepted so far
+  bool is_kept = true;
+  for (size_t i = 0; i < items.size() && items[i].key != kNoScore;) {
+    CurvePoint point{items[i].key, last.correct, last.incorrect, last.incorrect};
+    for (; i < items.size() && items[i].key == point.key; ++i)
+      (items[i].is_correct ? point.correct : point.incorrect) += items[i].weight;
+    if (point.correct == last.correct && point.incorrect == last.incorrect) continue;
+    is_kept = curve.points.empty() || point.correct > last.correct;
+    if (is_kept) curve.points.push_back(point);
+    last = point;
+  }
+  if (!is_kept) curve.points.push_back(last);
+  return curve;
+}
+
 bool is_judged(const QueryOutcome& query) {
   return query.verdict == Verdict::correct || query.verdict == Verdict::incorrect;
 }
-
-template <class Value>
-std::optional<double> mean_of_judged(const Outcomes& outcomes, size_t k, const Value& value) {
-  if (!outcomes.has_ranks || k > kMostRanked) return std::nullopt;
-  double sum = 0;
-  size_t judged = 0;
-  for (const QueryOutcome& query : outcomes.queries) {
-    if (!query.has_match || !is_judged(query)) continue;
-    ++judged;
-    sum += value(query);
-  }
-  if (judged == 0) return std::nullopt;
-  return sum / static_cast<double>(judged);
-}
-
-}  // namespace
 
 void look_up_match(QueryOutcome& query, const GroundTruth& truth, const ScoreLayout& layout) {
   query.has_match = has_column_of(truth, layout, query.frame);
@@ -130,63 +138,6 @@ bool is_found_at(const QueryOutcome& query, size_t k) {
   if (!query.has_match) return false;
   return query.verdict == Verdict::correct ||
          (query.verdict == Verdict::incorrect && query.rank && *query.rank <= k);
-}
-
-std::optional<double> recall_at(const Outcomes& outcomes, size_t k) {
-  const uint64_t judged = judged_queries(outcomes);
-  if (judged == 0 || (k > 1 && !outcomes.has_ranks)) return std::nullopt;
-  const auto found =
-      std::count_if(outcomes.queries.begin(), outcomes.queries.end(),
-                    [&](const QueryOutcome& query) { return is_found_at(query, k); });
-  return static_cast<double>(found) / static_cast<double>(judged);
-}
-
-std::optional<double> precision_at(const Outcomes& outcomes, size_t k) {
-  return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
-    const auto right = std::ranges::count_if(query.right_ranks, [&](auto r) { return r <= k; });
-    return static_cast<double>(right) / static_cast<double>(k);
-  });
-}
-
-std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k) {
-  return mean_of_judged(outcomes, k, [&](const QueryOutcome& query) {
-    double sum = 0;
-    size_t right = 0;
-    for (const uint8_t rank : query.right_ranks)
-      if (rank <= k) sum += static_cast<double>(++right) / static_cast<double>(rank);
-    return sum / static_cast<double>(std::min<size_t>(k, std::max<size_t>(1, query.right_count)));
-  });
-}
-
-std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames) {
-  const size_t frames = outcomes.query_frames;
-  const size_t count = std::max<size_t>(1, (frames + stretch_frames / 2) / stretch_frames);
-  std::vector<size_t> found(count);
-  std::vector<size_t> judged(count);
-  for (const QueryOutcome& query : outcomes.queries) {
-    if (!query.has_match || !is_judged(query)) continue;
-    // The stretch s holds frames from floor(s * frames / count) on.
-    const size_t stretch = ((query.frame + 1) * count - 1) / frames;
-    ++judged[stretch];
-    if (is_found_at(query, 1)) ++found[stretch];
-  }
-  std::vector<std::optional<double>> recalls(count);
-  for (size_t s = 0; s < count; ++s)
-    if (judged[s] > 0) recalls[s] = static_cast<double>(found[s]) / static_cast<double>(judged[s]);
-  return recalls;
-}
-
-std::optional<double> recall_achievement(const std::vector<std::optional<double>>& recalls,
-                                         double target) {
-  size_t known = 0;
-  size_t achieved = 0;
-  for (const auto& recall : recalls) {
-    if (!recall) continue;
-    ++known;
-    achieved += *recall >= target;
-  }
-  if (known == 0) return std::nullopt;
-  return static_cast<double>(achieved) / static_cast<double>(known);
 }
 
 }  // namespace vpr

@@ -1,17 +1,60 @@
-// What became of every query: its best match, and whether it is right.
+// What became of every query: its best match, and whether it is right; and curves over thresholds.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "base/enum_names.h"
 #include "evaluate/counts.h"
-#include "evaluate/metrics.h"
 #include "evaluate/score_matrix.h"
 
 namespace vpr {
+
+/// One threshold: what scores exactly this much enters together.
+struct CurvePoint {
+  uint64_t key = 0;               ///< the threshold as score_key; accepted are keys up to it
+  uint64_t correct = 0;           ///< correct ones accepted
+  uint64_t incorrect_before = 0;  ///< incorrect ones that score better than the threshold
+  uint64_t incorrect = 0;         ///< incorrect ones accepted
+
+  bool operator==(const CurvePoint&) const = default;
+};
+
+/// Points from the strictest threshold on: the best score, every score that something correct has,
+/// and the worst score. Between two points only incorrect ones enter, so nothing is lost.
+struct Curve {
+  ScoreOrder kind = ScoreOrder::distance;
+  uint64_t to_find = 0;  ///< the denominator of recall: at least the correct ones that have a score
+  std::vector<CurvePoint> points;
+
+  double threshold(const CurvePoint& point) const { return score_of_key(point.key, kind); }
+  double recall(const CurvePoint& point) const {
+    return to_find == 0 ? 0 : static_cast<double>(point.correct) / static_cast<double>(to_find);
+  }
+  /// Every point has accepted something.
+  static double precision(const CurvePoint& point) {
+    return static_cast<double>(point.correct) /
+           static_cast<double>(point.correct + point.incorrect);
+  }
+  bool operator==(const Curve&) const = default;
+};
+
+/// Something that was scored: a pair, or a query's best match.
+struct ScoredItem {
+  uint64_t key = 0;
+  bool is_correct = false;
+  uint32_t weight = 1;  ///< how often it counts; 0: not at all
+};
+
+/// Sorts best first; items of one key in any order.
+void sort_items(std::vector<ScoredItem>& items);
+
+/// `items` are sorted; those without a score (kNoScore) are left out. No items give no points.
+Curve curve_of(std::span<const ScoredItem> items, uint64_t to_find, ScoreOrder kind);
 
 /// What a best match is worth.
 enum class Verdict {
@@ -73,7 +116,10 @@ void add_margins(Outcomes& outcomes, const Result& result);
 /// (what would have come next is not known). A readable window without one is incorrect.
 Outcomes outcomes_of(const Result& result, const GroundTruth& truth);
 
-/// Queries that have a match and are judged: neither unreadable nor ignored.
+/// Neither unreadable nor ignored.
+bool is_judged(const QueryOutcome& query);
+
+/// Queries that have a match and are judged.
 uint64_t judged_queries(const Outcomes& outcomes);
 /// Queries of which two references score the same and best.
 uint64_t tied_queries(const Outcomes& outcomes);
@@ -93,35 +139,5 @@ Curve single_best_curve(const Outcomes& outcomes);
 
 /// Whether a judged query has a correct reference among its K best.
 bool is_found_at(const QueryOutcome& query, size_t k);
-
-/// The share of judged queries that have a correct reference among their K best, ties to the first,
-/// references labelled ignore passed over (queries without a match are left out). K = 1 needs best
-/// matches only. None where there is no query to judge, or K > 1 and ranks are not known.
-std::optional<double> recall_at(const Outcomes& outcomes, size_t k);
-
-/// The mean over judged queries of the share of right references among their K best, ties to the
-/// first, references labelled ignore passed over (Manning, Raghavan, Schuetze 2008, chapter 8).
-/// What is missing of K counts as wrong. K is 1 or more. None where there is no query to judge,
-/// ranks are not known, or K is above kMostRanked.
-std::optional<double> precision_at(const Outcomes& outcomes, size_t k);
-
-/// The mean over judged queries of AP@K: the sum of precision@i over the i up to K whose reference
-/// is right, divided by the right ones that K could hold, min(K, right references of the query)
-/// (Weyand et al. 2020). Else as precision_at.
-std::optional<double> mean_average_precision_at(const Outcomes& outcomes, size_t k);
-
-/// Local recalls that are asked for, and frames of a stretch where nobody says otherwise.
-inline constexpr std::array<double, 4> kRecallTargets = {0.5, 0.75, 0.9, 1.0};
-inline constexpr size_t kRouteStretch = 25;
-
-/// Recall@1 of one stretch of the path; none where it has no judged query with a match.
-std::vector<std::optional<double>> local_recalls(const Outcomes& outcomes, size_t stretch_frames);
-
-/// The share of stretches whose local recall@1 is `target` or more (Hussaini, Fischer, Milford
-/// 2026). The path, all frames of the query, is cut into as many stretches as have about
-/// `stretch_frames` (1 or more) frames each, at least one, as equally long as whole frames can be;
-/// stretches without a judged query that has a match are left out. None where all are.
-std::optional<double> recall_achievement(const std::vector<std::optional<double>>& recalls,
-                                         double target);
 
 }  // namespace vpr

@@ -1,6 +1,8 @@
 #include "present/comparison_report.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -8,142 +10,268 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "evaluate/metrics.h"
-#include "present/evaluation_report.h"
+#include "present/evaluation_charts.h"
+#include "present/evaluation_tables.h"
+#include "present/html_page.h"
 #include "present/json_fields.h"
-#include "present/metrics_report.h"
 
 namespace vpr {
 namespace {
 
-std::string signed_number(const Json& value) {
-  return value.is_null() ? "-" : fmt::format("{:+.4f}", value.get<double>());
+constexpr double kLaneGap = 0.15;  // on both sides of a lane that is 1 high
+constexpr double kLaneHeight = 34;
+
+// What replayed queries add to the words of a ground truth, with their walk behind it.
+constexpr std::array<std::string_view, 2> kReplayed = {", query replayed ", ", query thinned "};
+
+std::string words_of_recording(const Report& report) {
+  std::string words = report.protocol.ground_truth;
+  if (report.walk().empty()) return words;
+  for (const std::string_view replayed : kReplayed) words = words.substr(0, words.find(replayed));
+  return words;
 }
 
-bool is_low_good(const std::string& key) {
-  const auto metrics = curve_metrics();
-  const auto found = std::ranges::find(metrics, key, &CurveMetric::key);
-  return found != metrics.end() && found->is_low_good;
+using Value = std::optional<double>;
+
+/// Metrics of the path that comparisons show.
+constexpr std::array<std::string_view, 3> kPathKeys = {"share", "wrong", "longest_gap_frames"};
+
+Value path_value(const Report& report, std::string_view key) {
+  return find_metric(key).of_path(report.localisation);
 }
+
+Json number_json(const Metric& metric, Value value) {
+  if (value && metric.digits == 0) return static_cast<uint64_t>(*value);
+  return or_null(value);
+}
+
+std::string signed_number(Value value) { return value ? fmt::format("{:+.4f}", *value) : "-"; }
 
 // Whether the interval leaves chance out.
-std::string judgement_of(const Json& row) {
-  if (row["low"].is_null()) return "";
-  const bool is_higher = row["low"].get<double>() > 0;
-  if (!is_higher && row["high"].get<double>() >= 0) return "";
-  return is_higher != is_low_good(row["metric"].get<std::string>()) ? "better" : "worse";
+std::string judgement_of(const ComparedValue& value) {
+  if (!value.interval) return "";
+  const bool is_higher = value.interval->low > 0;
+  if (!is_higher && value.interval->high >= 0) return "";
+  return is_higher != value.metric->is_low_good ? "better" : "worse";
 }
 
-/// A column of the paper's table.
+/// A column of the paper's table: a metric, of ranks with its K.
 struct PaperColumn {
-  std::string name;
-  std::string key;  ///< of a metric, or of the path
-  bool is_low_good = false;
-  int digits = 4;
-  bool is_of_path = false;  ///< of fixes
-  bool has_best = true;
+  std::string_view key;
+  size_t k = 0;
 };
 
-std::vector<PaperColumn> paper_columns() {
-  std::vector<PaperColumn> columns = {
-      {"R@1", "recall_at_1"}, {"R@5", "recall_at_5"}, {"R@10", "recall_at_10"}};
-  for (const char* key : {"average_precision", "recall_at_100_precision", "max_f1"})
-    columns.push_back(
-        {std::string(std::ranges::find(curve_metrics(), key, &CurveMetric::key)->column), key});
-  columns.push_back({"share", "share", false, 4, true});
-  columns.push_back({"wrong", "wrong", true, 0, true, false});  // none are wrong of none
-  columns.push_back({"longest gap", "longest_gap_frames", true, 0, true});
-  return columns;
-}
+constexpr std::array<PaperColumn, 9> kPaperColumns = {{{"recall_at", 1},
+                                                       {"recall_at", 5},
+                                                       {"recall_at", 10},
+                                                       {"average_precision"},
+                                                       {"recall_at_100_precision"},
+                                                       {"max_f1"},
+                                                       {kPathKeys[0]},
+                                                       {kPathKeys[1]},
+                                                       {kPathKeys[2]}}};
 
-Json value_of(const Json& comparison, const Json& report, const std::string& key) {
-  if (report["localisation"].contains(key)) return report["localisation"][key];
-  for (const Json& row : comparison["metrics"])
-    if (row["metric"] == key && row["report"] == report["name"]) return row["value"];
+Value value_of(const ComparisonReport& comparison, size_t report, const Metric& metric, size_t k) {
+  if (metric.of_path != nullptr) return metric.of_path(comparison.reports[report].localisation);
+  const std::string key = k > 0 ? fmt::format("{}_{}", metric.key, k) : std::string(metric.key);
+  for (const ComparedValue& value : comparison.found.values)
+    if (value.key == key && value.method == report) return value.value;
   return {};
 }
 
 // Marks the best of a column, all that share it; nothing where fewer than two are known.
-void mark_best(Table& table, size_t column, const std::vector<Json>& values, bool is_low_good) {
-  std::optional<double> best;
+void mark_best(Table& table, size_t column, const std::vector<Value>& values, bool is_low_good) {
+  Value best;
   size_t known = 0;
-  for (const Json& value : values) {
-    if (value.is_null()) continue;
+  for (const Value& value : values) {
+    if (!value) continue;
     ++known;
-    const double number = value.get<double>();
-    if (!best || (is_low_good ? number < *best : number > *best)) best = number;
+    if (!best || (is_low_good ? *value < *best : *value > *best)) best = value;
   }
   for (size_t row = 0; row < values.size() && known > 1; ++row)
-    if (!values[row].is_null() && values[row].get<double>() == *best)
-      table.best.insert({row, column});
+    if (values[row] && *values[row] == *best) table.best.insert({row, column});
 }
 
-std::string note_of(const Json& comparison, const Json& report) {
+std::string note_of(const ComparisonReport& comparison, size_t r) {
+  const Report& report = comparison.reports[r];
   std::vector<std::string> notes;
-  if (report.contains("walk")) notes.push_back(report["walk"].get<std::string>());
-  if (!report["paired"].get<bool>())
+  if (!report.walk().empty()) notes.push_back(report.walk());
+  if (!comparison.is_paired(r))
     notes.push_back(fmt::format("not paired, over {} of its own",
-                                counted(report["queries"].get<uint64_t>(), "query", "queries")));
-  if (report["oracle"].get<bool>()) notes.emplace_back("threshold from the ground truth");
-  if (comparison["ground_truths"] != "same")
-    notes.push_back(report["ground_truth"].get<std::string>());
+                                counted(comparison.found.own[r], "query", "queries")));
+  if (report.is_oracle) notes.emplace_back("threshold from the ground truth");
+  if (compare_ground_truths(comparison.reports) != GroundTruths::same)
+    notes.push_back(report.protocol.ground_truth);
   return fmt::format("{}", fmt::join(notes, "; "));
 }
 
-std::string common_queries(const Json& comparison) {
-  const Json& queries = comparison["queries"];
+std::string common_queries(const Comparison& found) {
   return fmt::format("{} ({} with a match)",
-                     counted(queries["common"].get<uint64_t>(), "common query", "common queries"),
-                     queries["with_match"].dump());
+                     counted(found.common, "common query", "common queries"), found.judged);
+}
+
+Json named_report_json(const ComparisonReport& comparison, size_t r) {
+  const Report& report = comparison.reports[r];
+  Json json = {{"name", comparison.names[r]},
+               {"method", report.method},
+               {"ground_truth", report.protocol.ground_truth},
+               {"queries", comparison.found.own[r]},
+               {"paired", comparison.is_paired(r)},
+               {"localisation", Json::object()},
+               {"oracle", report.is_oracle},
+               {"confidence", enum_name(report.outcomes.confidence)},
+               {"fingerprint", report.provenance.evaluated()}};
+  for (const std::string_view key : kPathKeys)
+    json["localisation"][std::string(key)] = number_json(find_metric(key), path_value(report, key));
+  if (!report.walk().empty()) json["walk"] = report.walk();
+  json["ground_truth_fingerprint"] = report.provenance.ground_truth;
+  return json;
+}
+
+std::string title_of(const ComparisonReport& comparison) {
+  return fmt::format("{} on {}", counted(comparison.reports.size(), "method"), comparison.query());
+}
+
+// "Best matches of the 51 common queries are right in 80.4 % by mine, 61.8 % by theirs."
+std::string sentence_of(const ComparisonReport& comparison) {
+  std::string text;
+  for (const ComparedValue& value : comparison.found.values)
+    if (value.key == "recall_at_1" && value.value)
+      text += fmt::format("{}{:.1f} % by {}",
+                          text.empty()
+                              ? fmt::format("Best matches of the {} common queries are right in ",
+                                            comparison.found.judged)
+                              : ", ",
+                          100 * *value.value, comparison.names[value.method]);
+  return text.empty() ? "The queries have nothing to find." : text + ".";
+}
+
+/// Precision against recall of best matches, one curve per report over its own queries. Reports
+/// without a query to find have no curve.
+Chart curves_overlay(const std::string& title, std::span<const Report> reports,
+                     const std::vector<std::string>& names) {
+  Chart chart = precision_recall_chart(title);
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const Curve curve = single_best_curve(reports[r].outcomes);
+    Series series{names[r], {}, SeriesStyle::line};
+    if (curve.to_find > 0) series.points = curve_points(curve, 1000);
+    chart.series.push_back(series);
+  }
+  return chart;
+}
+
+/// The path from left to right, one lane per report: where it is right, wrong or not judged. A
+/// replayed query has its own frames: its lane is as long as they are.
+Chart lanes_chart(const std::string& title, std::span<const Report> reports,
+                  const std::vector<std::string>& names) {
+  Chart chart{"lanes", title, {"query frame"}};
+  for (const Meaning meaning : {Meaning::unjudged, Meaning::wrong, Meaning::right})
+    chart.series.push_back(series_of(meaning, SeriesStyle::boxes));
+  size_t frames = 1;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const auto top = static_cast<double>(r);
+    for (const ChartRun& run : fix_runs(reports[r].fixes)) {
+      Series& boxes = *std::ranges::find(chart.series, run.meaning, &Series::meaning);
+      boxes.points.emplace_back(run.begin, top + 1 - kLaneGap);
+      boxes.points.emplace_back(run.end, top + kLaneGap);
+    }
+    frames = std::max(frames, reports[r].fixes.size());
+    chart.y.ticks.push_back({top + 0.5, names[r]});
+  }
+  std::erase_if(chart.series, [](const Series& series) { return series.points.empty(); });
+  chart.x.range = {0, static_cast<double>(frames)};
+  chart.y.range = {static_cast<double>(reports.size()), 0};
+  chart.width = 1000;
+  chart.height = 130 + kLaneHeight * static_cast<double>(reports.size());
+  return chart;
 }
 
 }  // namespace
 
-Json comparison_json(const Comparison& comparison, const std::vector<StoredReport>& reports,
-                     const std::vector<std::string>& names, size_t resamples, const RunInfo& run) {
-  const auto named = std::find_if(reports.begin(), reports.end(), [](const StoredReport& report) {
-    return report.query != kUnnamedQuery;
-  });
-  Json json = {{"schema", "vpr.comparison/1"},
-               {"query", named == reports.end() ? kUnnamedQuery : named->query}};
-  json["reports"] = Json::array();
-  for (size_t m = 0; m < reports.size(); ++m) {
-    json["reports"].push_back({{"name", names[m]},
-                               {"method", reports[m].method},
-                               {"ground_truth", reports[m].ground_truth},
-                               {"queries", comparison.own[m]},
-                               {"paired", is_same_walk(reports[m], reports.front())},
-                               {"localisation",
-                                {{"share", or_null(reports[m].share)},
-                                 {"wrong", reports[m].wrong},
-                                 {"longest_gap_frames", reports[m].longest_gap}}},
-                               {"oracle", reports[m].is_oracle},
-                               {"confidence", enum_name(reports[m].outcomes.confidence)},
-                               {"fingerprint", reports[m].fingerprint}});
-    if (!reports[m].walk.empty()) json["reports"].back()["walk"] = reports[m].walk;
-    json["reports"].back()["ground_truth_fingerprint"] = reports[m].ground_truth_fingerprint;
+bool is_same_walk(const Report& a, const Report& b) { return a.walk() == b.walk(); }
+
+GroundTruths compare_ground_truths(std::span<const Report> reports) {
+  std::map<bool, std::string> of_kind;  // places or frames
+  for (const Report& report : reports) {
+    if (!is_same_walk(report, reports.front())) {
+      // Labels of other frames have another fingerprint: only the words can be compared.
+      if (words_of_recording(report) != words_of_recording(reports.front()))
+        return GroundTruths::different;
+      continue;
+    }
+    const std::string& fingerprint = report.provenance.ground_truth;
+    if (of_kind.emplace(report.has_places(), fingerprint).first->second != fingerprint)
+      return GroundTruths::different;
   }
-  json["ground_truths"] = enum_name(compare_ground_truths(reports));
-  json["queries"] = {{"common", comparison.common},
-                     {"with_match", comparison.judged},
-                     {"disputed", comparison.disputed}};
-  json["bootstrap"] = {{"block", comparison.block}, {"resamples", resamples}, {"confidence", 0.95}};
+  const bool agree = of_kind.size() < 2 || of_kind[true] == of_kind[false];
+  return agree ? GroundTruths::same : GroundTruths::of_places_and_frames;
+}
+
+std::vector<std::string> report_names(std::span<const Report> reports,
+                                      const std::vector<std::string>& paths) {
+  // What each may be called, the best first; the last tells every report apart.
+  std::vector<std::vector<std::string>> choices;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    const std::string stem = std::filesystem::path(paths[r]).stem().string();
+    if (reports[r].name)
+      choices.push_back(
+          {*reports[r].name, *reports[r].name, fmt::format("{} ({})", *reports[r].name, r + 1)});
+    else
+      choices.push_back({reports[r].method, stem, fmt::format("{} ({})", stem, r + 1)});
+  }
+  std::vector<size_t> chosen(reports.size(), 0);
+  const auto clashes = [&](size_t r) {
+    for (size_t other = 0; other < reports.size(); ++other)
+      if (other != r && choices[other][chosen[other]] == choices[r][chosen[r]] &&
+          (reports[other].name || !reports[r].name))  // a user's name makes way for another only
+        return true;
+    return false;
+  };
+  for (size_t level = 0; level < 2; ++level) {
+    std::vector<size_t> next = chosen;
+    for (size_t r = 0; r < reports.size(); ++r)
+      if (chosen[r] == level && clashes(r)) next[r] = level + 1;
+    chosen = next;
+  }
+  std::vector<std::string> names;
+  for (size_t r = 0; r < reports.size(); ++r) names.push_back(choices[r][chosen[r]]);
+  return names;
+}
+
+std::string ComparisonReport::query() const {
+  const auto named = std::ranges::find_if(
+      reports, [](const Report& report) { return report.query != kUnnamedQuery; });
+  return named == reports.end() ? kUnnamedQuery : named->query;
+}
+
+Json comparison_json(const ComparisonReport& comparison) {
+  const Comparison& found = comparison.found;
+  Json json = {
+      {"schema", "vpr.comparison/1"}, {"query", comparison.query()}, {"reports", Json::array()}};
+  for (size_t r = 0; r < comparison.reports.size(); ++r)
+    json["reports"].push_back(named_report_json(comparison, r));
+  json["ground_truths"] = enum_name(compare_ground_truths(comparison.reports));
+  json["queries"] = {
+      {"common", found.common}, {"with_match", found.judged}, {"disputed", found.disputed}};
+  json["bootstrap"] = {
+      {"block", found.block}, {"resamples", comparison.resamples}, {"confidence", 0.95}};
   json["metrics"] = Json::array();
-  for (const ComparedValue& value : comparison.values)
-    json["metrics"].push_back({{"metric", value.metric},
-                               {"report", names[value.method]},
+  for (const ComparedValue& value : found.values)
+    json["metrics"].push_back({{"metric", value.key},
+                               {"report", comparison.names[value.method]},
                                {"value", or_null(value.value)},
                                {"difference", or_null(value.difference)},
                                {"low", value.interval ? Json(value.interval->low) : Json()},
                                {"high", value.interval ? Json(value.interval->high) : Json()}});
   json["paired"] = Json::array();
-  for (size_t m = 1; m < reports.size(); ++m) {
-    if (!is_same_walk(reports[m], reports.front())) continue;
-    json["paired"].push_back({{"report", names[m]},
-                              {"both_right", comparison.paired[m].both_right},
-                              {"only_this", comparison.paired[m].only_this},
-                              {"only_first", comparison.paired[m].only_first},
-                              {"neither", comparison.paired[m].neither}});
+  for (size_t r = 1; r < comparison.reports.size(); ++r) {
+    if (!comparison.is_paired(r)) continue;
+    const PairedCounts& counts = found.paired[r];
+    json["paired"].push_back({{"report", comparison.names[r]},
+                              {"both_right", counts.both_right},
+                              {"only_this", counts.only_this},
+                              {"only_first", counts.only_first},
+                              {"neither", counts.neither}});
   }
   json["protocol"] = {
       {"queries",
@@ -162,39 +290,39 @@ Json comparison_json(const Comparison& comparison, const std::vector<StoredRepor
       {"interval",
        "central 95 % of the difference to the first report under the circular block bootstrap, "
        "the same blocks of neighbouring queries for all reports"}};
-  json["provenance"] = provenance_json(run);
+  json["provenance"] = fields_to_json(comparison.made_by);
   return json;
 }
 
-Table paper_table(const Json& comparison) {
+Table paper_table(const ComparisonReport& comparison) {
+  const std::vector<Report>& reports = comparison.reports;
   Table table;
   table.title =
       fmt::format("{}: over {}; share, wrong and longest gap (frames) over the whole path",
-                  comparison["query"].get<std::string>(), common_queries(comparison));
-  const Json& reports = comparison["reports"];
-  const bool all_oracle =
-      std::ranges::all_of(reports, [](const Json& report) { return report["oracle"].get<bool>(); });
+                  comparison.query(), common_queries(comparison.found));
+  const bool all_oracle = std::ranges::all_of(reports, &Report::is_oracle);
   table.columns = {"method"};
-  for (const Json& report : reports) table.rows.push_back({report["name"].get<std::string>()});
-  for (const PaperColumn& column : paper_columns()) {
-    std::vector<Json> values;
-    for (const Json& report : reports) {
-      values.push_back(value_of(comparison, report, column.key));
-      const Json& value = values.back();
-      table.rows[values.size() - 1].push_back(shown(value, column.digits));
+  for (const std::string& name : comparison.names) table.rows.push_back({name});
+  for (const auto& [key, k] : kPaperColumns) {
+    const Metric& metric = find_metric(key);
+    std::vector<Value> values;
+    for (size_t r = 0; r < reports.size(); ++r) {
+      values.push_back(value_of(comparison, r, metric, k));
+      table.rows[r].push_back(metric_cell(metric, values.back()));
+      // Neither an easier walk nor the ground truth's own threshold makes a better method.
+      const bool is_of_path = metric.of_path != nullptr;
+      if (!comparison.is_paired(r) || (is_of_path && reports[r].is_oracle != all_oracle))
+        values.back() = {};
     }
-    // Neither an easier walk nor the ground truth's own threshold makes a better method.
-    for (size_t m = 0; m < reports.size(); ++m)
-      if (!reports[m]["paired"].get<bool>() ||
-          (column.is_of_path && reports[m]["oracle"] != all_oracle))
-        values[m] = {};
-    if (column.has_best) mark_best(table, table.columns.size(), values, column.is_low_good);
-    table.columns.push_back(column.name);
+    if (metric.key != "wrong")  // none are wrong of none
+      mark_best(table, table.columns.size(), values, metric.is_low_good);
+    table.columns.push_back(k > 0 ? fmt::format("{}{}", metric.symbol, k)
+                                  : std::string(metric.symbol));
   }
   bool has_notes = false;
-  for (size_t m = 0; m < reports.size(); ++m) {
-    table.rows[m].push_back(note_of(comparison, reports[m]));
-    has_notes = has_notes || !table.rows[m].back().empty();
+  for (size_t r = 0; r < reports.size(); ++r) {
+    table.rows[r].push_back(note_of(comparison, r));
+    has_notes = has_notes || !table.rows[r].back().empty();
   }
   if (has_notes)
     table.columns.emplace_back("note");
@@ -203,63 +331,110 @@ Table paper_table(const Json& comparison) {
   return table;
 }
 
-Table comparison_table(const Json& comparison) {
+Table comparison_table(const ComparisonReport& comparison) {
+  const Comparison& found = comparison.found;
   Table table;
-  table.title = fmt::format("{}: differences to {} over {}, 95 % by blocks of {}",
-                            comparison["query"].get<std::string>(),
-                            comparison["reports"][0]["name"].get<std::string>(),
-                            common_queries(comparison), comparison["bootstrap"]["block"].dump());
-  if (comparison["ground_truths"] != "same")
-    table.title +=
-        fmt::format("; ground truths: {}", comparison["ground_truths"].get<std::string>());
+  table.title =
+      fmt::format("{}: differences to {} over {}, 95 % by blocks of {}", comparison.query(),
+                  comparison.names.front(), common_queries(found), found.block);
+  const GroundTruths truths = compare_ground_truths(comparison.reports);
+  if (truths != GroundTruths::same)
+    table.title += fmt::format("; ground truths: {}", enum_name(truths));
   table.columns = {"metric", "of", "value", "difference", "from", "to", ""};
-  for (const Json& row : comparison["metrics"])
-    if (!row["value"].is_null())
-      table.rows.push_back({row["metric"].get<std::string>(), row["report"].get<std::string>(),
-                            shown(row["value"]), signed_number(row["difference"]),
-                            signed_number(row["low"]), signed_number(row["high"]),
-                            judgement_of(row)});
+  for (const ComparedValue& value : found.values) {
+    if (!value.value) continue;
+    const auto& interval = value.interval;
+    table.rows.push_back({value.key, comparison.names[value.method],
+                          metric_cell(*value.metric, value.value), signed_number(value.difference),
+                          signed_number(interval ? Value(interval->low) : std::nullopt),
+                          signed_number(interval ? Value(interval->high) : std::nullopt),
+                          judgement_of(value)});
+  }
   return table;
 }
 
-Table paired_table(const Json& comparison) {
+Table paired_table(const ComparisonReport& comparison) {
   Table table;
-  table.title = fmt::format("Best matches beside those of {}",
-                            comparison["reports"][0]["name"].get<std::string>());
+  table.title = fmt::format("Best matches beside those of {}", comparison.names.front());
   table.columns = {"of", "both right", "only this", "only the first", "neither"};
-  for (const Json& row : comparison["paired"])
-    table.rows.push_back({row["report"].get<std::string>(), row["both_right"].dump(),
-                          row["only_this"].dump(), row["only_first"].dump(),
-                          row["neither"].dump()});
+  for (size_t r = 1; r < comparison.reports.size(); ++r) {
+    if (!comparison.is_paired(r)) continue;
+    const PairedCounts& counts = comparison.found.paired[r];
+    table.rows.push_back({comparison.names[r], std::to_string(counts.both_right),
+                          std::to_string(counts.only_this), std::to_string(counts.only_first),
+                          std::to_string(counts.neither)});
+  }
   return table;
 }
 
-Table comparison_rows(const Json& comparison) {
-  const auto text = [](const Json& value) { return value.is_null() ? "" : value.dump(); };
+Table comparison_rows(const ComparisonReport& comparison) {
+  const auto text = [](const Metric& metric, Value value) {
+    return value ? number_json(metric, value).dump() : "";
+  };
+  const std::string truths(enum_name(compare_ground_truths(comparison.reports)));
   Table table;
   table.columns = {"query", "report",     "walk", "ground_truths", "metric",
                    "value", "difference", "low",  "high",          "verdict"};
-  const auto begin = [&](const Json& report) {
-    table.rows.push_back({comparison["query"].get<std::string>(), report["name"].get<std::string>(),
-                          report.value("walk", std::string()),
-                          comparison["ground_truths"].get<std::string>()});
-  };
-  const auto add = [&](std::vector<std::string> cells) {
-    for (std::string& cell : cells) table.rows.back().push_back(std::move(cell));
-  };
-  for (const Json& report : comparison["reports"]) {
-    for (const Json& row : comparison["metrics"]) {
-      if (row["report"] != report["name"]) continue;
-      begin(report);
-      add({row["metric"].get<std::string>(), text(row["value"]), text(row["difference"]),
-           text(row["low"]), text(row["high"]), judgement_of(row)});
+  for (size_t r = 0; r < comparison.reports.size(); ++r) {
+    const Report& report = comparison.reports[r];
+    const std::vector<std::string> begin = {comparison.query(), comparison.names[r], report.walk(),
+                                            truths};
+    const auto add = [&](std::vector<std::string> cells) {
+      cells.insert(cells.begin(), begin.begin(), begin.end());
+      table.rows.push_back(std::move(cells));
+    };
+    for (const ComparedValue& value : comparison.found.values) {
+      if (value.method != r) continue;
+      const Metric& metric = *value.metric;
+      const auto& interval = value.interval;
+      add({value.key, text(metric, value.value), text(metric, value.difference),
+           text(metric, interval ? Value(interval->low) : std::nullopt),
+           text(metric, interval ? Value(interval->high) : std::nullopt), judgement_of(value)});
     }
-    for (const auto& item : report["localisation"].items()) {
-      begin(report);
-      add({item.key(), text(item.value()), "", "", "", ""});
-    }
+    for (const std::string_view key : kPathKeys)
+      add({std::string(key), text(find_metric(key), path_value(report, key)), "", "", "", ""});
   }
   return table;
+}
+
+std::string comparison_page(const ComparisonReport& comparison) {
+  const std::string title = title_of(comparison);
+  const Json json = comparison_json(comparison);
+  Json made = json["bootstrap"];
+  made.update(json["provenance"]);
+  const std::string sections =
+      section_html("Numbers", table_html(paper_table(comparison))) +
+      section_html("Curves and paths", methods_html(title, comparison.reports, comparison.names)) +
+      section_html("Differences",
+                   table_html(comparison_table(comparison)) + table_html(paired_table(comparison)));
+  return sections_page(title, sentence_of(comparison),
+                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
+                       sections, json["protocol"], made);
+}
+
+std::string methods_html(const std::string& title, std::span<const Report> reports,
+                         const std::vector<std::string>& names) {
+  Chart curves = curves_overlay(title, reports, names);
+  curves.width = 650;
+  curves.height = 450;
+  const Chart lanes = lanes_chart(title, reports, names);
+  std::vector<std::string> entries = names;
+  for (size_t r = 0; r < reports.size(); ++r)
+    entries[r] +=
+        fmt::format(" ({}{})", counted(judged_queries(reports[r].outcomes), "query", "queries"),
+                    reports[r].outcomes.confidence == Confidence::margin ? ", by margin" : "");
+  return "<div class=\"charts\"><figure><figcaption>Precision and recall of best matches, each "
+         "over its own queries</figcaption>" +
+         page_svg(curves) + "<p class=\"legend\">" + legend_html(entries) +
+         "</p></figure></div>\n<h3>Along the path</h3><p class=\"legend\">" +
+         legend_html(meanings_of(lanes)) + "</p>" + scroll_begin(html_escaped(title)) +
+         page_svg(lanes) + "</div>\n";
+}
+
+void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {
+  const std::string title = title_of(comparison);
+  draw_chart(curves_overlay(title, comparison.reports, comparison.names), folder);
+  draw_chart(lanes_chart(title, comparison.reports, comparison.names), folder);
 }
 
 }  // namespace vpr

@@ -6,12 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "base/json.h"
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
 #include "match/score_kernels.h"
 #include "present/evaluation_tables.h"
-#include "present/metrics_report.h"
 #include "present/score_matrix.h"
 #include "truth/ground_truth.h"
 
@@ -68,21 +66,7 @@ Series truth_series(const Judgement& judgement, const GroundTruth& truth,
   return series;
 }
 
-/// Runs of frames with the same fix.
-std::vector<ChartRun> fix_runs(const std::vector<Fix>& fixes) {
-  std::vector<ChartRun> runs;
-  for (size_t begin = 0; begin < fixes.size();) {
-    size_t end = begin;
-    while (end < fixes.size() && fixes[end] == fixes[begin]) ++end;
-    if (fixes[begin] != Fix::none)
-      runs.push_back(
-          {static_cast<double>(begin), static_cast<double>(end), meaning_of(fixes[begin])});
-    begin = end;
-  }
-  return runs;
-}
-
-Chart recall_chart(const Json& report, const Judgement& judgement) {
+Chart recall_chart(const Report& report, const Judgement& judgement) {
   Chart chart{"recall-at", evaluation_title(report), {"K"}};
   chart.y.label = "recall@K";
   Series& series = chart.series.emplace_back(
@@ -99,12 +83,14 @@ struct ScoreAxis {
 };
 
 /// Scores as thresholds are given: t_r as a mean frame distance or as mean z, t_p, or as they are.
-ScoreAxis score_axis(const Json& report, const Judgement& judgement) {
+ScoreAxis score_axis(const Report& report, const Judgement& judgement) {
   if (judgement.outcomes.confidence == Confidence::margin) return {"the margin per frame", 1};
   const auto length = static_cast<double>(judgement.layout.window_length);
-  if (!report.contains("counts")) return {score_words(report), 1};
-  if (report["settings"].contains("t_p")) return {"the probability t_p", 1};
-  if (report["settings"].contains("score")) return {"the mean z (t_r)", length * kScoreUnit};
+  const QuerySettings* settings = report.query_settings();
+  if (settings == nullptr) return {score_words(report), 1};
+  if (report.has_places()) return {"the probability t_p", 1};
+  if (std::get<SequenceQuerySettings>(*settings).score != Score::raw)
+    return {"the mean z (t_r)", length * kScoreUnit};
   return {"a mean frame distance (t_r with --t-r-scale bits)", length};
 }
 
@@ -136,6 +122,26 @@ std::vector<RankedMatch> strictest_first(const Judgement& judgement) {
 
 }  // namespace
 
+std::vector<std::pair<double, double>> curve_points(const Curve& curve, size_t most) {
+  std::vector<std::pair<double, double>> points;
+  for (const CurvePoint& point : thinned(curve, most))
+    points.emplace_back(curve.recall(point), Curve::precision(point));
+  return points;
+}
+
+std::vector<ChartRun> fix_runs(const std::vector<Fix>& fixes) {
+  std::vector<ChartRun> runs;
+  for (size_t begin = 0; begin < fixes.size();) {
+    size_t end = begin;
+    while (end < fixes.size() && fixes[end] == fixes[begin]) ++end;
+    if (fixes[begin] != Fix::none)
+      runs.push_back(
+          {static_cast<double>(begin), static_cast<double>(end), meaning_of(fixes[begin])});
+    begin = end;
+  }
+  return runs;
+}
+
 Chart precision_recall_chart(const std::string& title) {
   Chart chart{"precision-recall", title, {"recall"}};
   chart.y.label = "precision";
@@ -143,7 +149,7 @@ Chart precision_recall_chart(const std::string& title) {
   return chart;
 }
 
-Chart curve_chart(const Json& report, const Judgement& judgement) {
+Chart curve_chart(const Report& report, const Judgement& judgement) {
   Chart chart = precision_recall_chart(evaluation_title(report));
   if (judgement.all_pairs)
     chart.series.push_back(curve_series(Meaning::all_pairs, judgement.all_pairs->curve));
@@ -157,7 +163,7 @@ Chart curve_chart(const Json& report, const Judgement& judgement) {
   return chart;
 }
 
-Chart risk_chart(const Json& report, const Judgement& judgement) {
+Chart risk_chart(const Report& report, const Judgement& judgement) {
   Chart chart{"risk-coverage", evaluation_title(report), {"coverage: best matches accepted"}};
   chart.y.label = "risk: share of mistakes among them";
   chart.x.range = chart.y.range = {0, 1};
@@ -173,7 +179,7 @@ Chart risk_chart(const Json& report, const Judgement& judgement) {
   return chart;
 }
 
-Chart margin_chart(const Json& report, const Judgement& judgement) {
+Chart margin_chart(const Report& report, const Judgement& judgement) {
   Chart chart{"margins", evaluation_title(report)};
   chart.x = frame_axis({{"", 0, 0, 0, judgement.fixes.size()}}, "query frame", false);
   chart.y.label = "margin, a frame";
@@ -194,7 +200,7 @@ Chart margin_chart(const Json& report, const Judgement& judgement) {
   return chart;
 }
 
-Chart timeline_chart(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+Chart timeline_chart(const Report& report, const Judgement& judgement, const GroundTruth& truth,
                      const Monitor& monitor) {
   const std::vector<FrameBand> bands = frame_bands(judgement.layout);
   Chart chart{"timeline", evaluation_title(report)};
@@ -227,7 +233,7 @@ std::vector<Meaning> meanings_of(const Chart& chart) {
   return {found.begin(), found.end()};
 }
 
-Chart threshold_chart(const Json& report, const Judgement& judgement) {
+Chart threshold_chart(const Report& report, const Judgement& judgement) {
   const ScoreAxis axis = score_axis(report, judgement);
   const bool is_distance = confidence_order(judgement.outcomes) == ScoreOrder::distance;
   Chart chart{"thresholds",
@@ -254,7 +260,7 @@ Chart threshold_chart(const Json& report, const Judgement& judgement) {
   return chart;
 }
 
-std::vector<ThresholdStep> threshold_steps(const Json& report, const Judgement& judgement,
+std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgement& judgement,
                                            size_t most) {
   const ScoreAxis axis = score_axis(report, judgement);
   std::vector<ThresholdStep> steps;
@@ -273,17 +279,19 @@ std::vector<ThresholdStep> threshold_steps(const Json& report, const Judgement& 
   return kept;
 }
 
-void draw_evaluation(const Json& report, const Judgement& judgement, const GroundTruth& truth,
-                     const ScoreMatrix* matrix, const std::filesystem::path& folder,
-                     const Monitor& monitor) {
+void draw_evaluation(const Evaluation& evaluation, const Report& report,
+                     const std::filesystem::path& folder, const Monitor& monitor) {
+  const Judgement& judgement = evaluation.judgement;
   std::vector<Chart> charts = {curve_chart(report, judgement), risk_chart(report, judgement)};
   if (judgement.outcomes.has_ranks && judged_queries(judgement.outcomes) > 0)
     charts.push_back(recall_chart(report, judgement));
-  charts.push_back(timeline_chart(report, judgement, truth, monitor));
+  charts.push_back(timeline_chart(report, judgement, evaluation.truth, monitor));
   charts.push_back(margin_chart(report, judgement));
   for (const Chart& chart : charts)
     if (!chart.series.empty()) draw_chart(chart, folder);
-  const ScorePicture picture = draw_scores(judgement, truth, matrix, kMatrixSide, monitor);
+  const ScorePicture picture =
+      draw_scores(judgement, evaluation.truth, evaluation.matrix ? &*evaluation.matrix : nullptr,
+                  kMatrixSide, monitor);
   Chart chart =
       matrix_chart(judgement.layout, picture, reference_word(report), score_words(report));
   chart.title = evaluation_title(report);

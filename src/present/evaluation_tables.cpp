@@ -1,6 +1,7 @@
 #include "present/evaluation_tables.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -14,48 +15,40 @@ namespace {
 
 constexpr size_t kMostPlaces = 20;  // in a printed list
 
-// Settings of raw distances name no score, and those of FAB-MAP have another threshold.
-const ScoreKind& score_kind_of(const Json& settings) {
-  if (settings.contains(std::string(probability_kind().threshold_symbol)))
-    return probability_kind();
-  const auto named = enum_value<Score>(settings.value("score", std::string()));
-  return score_kind(named.value_or(Score::raw));
-}
-
 // What hits were decided by: t_r, t_p, or the setting of another decision.
-std::string_view decided_by(const Json& settings) {
-  const auto decision = enum_value<Decision>(settings.value("decide", std::string()));
-  return decision ? decision_kind(*decision).symbol : score_kind_of(settings).threshold_symbol;
+std::string_view decided_by(const QuerySettings& settings) {
+  const auto* of_sequence = std::get_if<SequenceQuerySettings>(&settings);
+  return of_sequence != nullptr ? decision_kind(of_sequence->decision).symbol
+                                : score_of(settings).threshold_symbol;
 }
 
 std::string text(const Json& json) {
   return json.is_string() ? json.get<std::string>() : json.dump();
 }
 
-std::string range_text(const Json& range) {
-  const std::string first = text(range[0]);
-  return range[0] == range[1] ? first : fmt::format("{} to {}", first, text(range[1]));
+std::string range_text(const std::array<size_t, 2>& range) {
+  return range[0] == range[1] ? std::to_string(range[0])
+                              : fmt::format("{} to {}", range[0], range[1]);
 }
 
-// Of a place in a report.
-std::string verdict_text(const Json& place) {
-  if (place["label"] == enum_name(PlaceLabel::different)) return "wrong";
-  if (place["label"] == enum_name(PlaceLabel::ignore)) return "ignored";
-  return place["hits"]["incorrect"] == 0 ? "right" : "mixed";
+std::string_view verdict_text(const JudgedCluster& judged) {
+  if (judged.label == PlaceLabel::different) return "wrong";
+  if (judged.label == PlaceLabel::ignore) return "ignored";
+  return judged.is_mixed() ? "mixed" : "right";
 }
 
 // "80.4", or "-" where nothing is judged.
-std::string per_cent(const Json& counts) {
-  return counts["rate"].is_null() ? "-" : fmt::format("{:.1f}", 100 * counts["rate"].get<double>());
+std::string per_cent(std::optional<double> rate) {
+  return rate ? fmt::format("{:.1f}", 100 * *rate) : "-";
 }
 
 // What a report is of, for titles: the name that the user gave; else the method, and the score
 // where it is not raw distances.
-std::string method_title(const Json& report) {
-  if (report.contains("name")) return text(report["name"]);
-  const std::string method = text(report["method"]);
-  const bool has_score = report["settings"].contains("score");
-  return has_score ? method + ", " + text(report["settings"]["score"]) : method;
+std::string method_title(const Report& report) {
+  if (report.name) return *report.name;
+  const Json settings = report.settings_json();
+  return settings.contains("score") ? report.method + ", " + text(settings["score"])
+                                    : report.method;
 }
 
 std::string setting_text(const Json& settings, std::string_view symbol) {
@@ -106,30 +99,210 @@ std::string best_match_words(const Judgement& judgement) {
                      100 * *counts.rate());
 }
 
-}  // namespace
-
-std::string evaluation_title(const Json& report) {
-  return fmt::format("{} on {}", method_title(report), text(report["query"]));
+// A metric by K.
+void add_columns(Table& table, std::string_view key, const RankValues& values) {
+  const Metric& metric = find_metric(key);
+  for (const auto& [k, value] : values)
+    add_column(table, fmt::format("{}{}", metric.symbol, k), metric_cell(metric, value));
 }
 
-std::string title_with_settings(const Json& report) {
+/// The metrics of one way to accept matches.
+struct NamedNumbers {
+  std::string name;    ///< in the first column
+  std::string prefix;  ///< of columns in CSV
+  const CurveNumbers* numbers = nullptr;
+};
+
+std::vector<NamedNumbers> curves_of(const Report& report) {
+  const auto& curves = report.metrics.curves;
+  const bool by_margin = report.outcomes.confidence == Confidence::margin;
+  std::vector<NamedNumbers> all = {
+      {by_margin ? "best matches, by margin" : "best matches", "best", &curves.single_best}};
+  if (curves.by_margin) all.push_back({"the same by margin", "margin", &*curves.by_margin});
+  if (curves.by_score) all.push_back({"the same by score", "score", &*curves.by_score});
+  if (curves.all_pairs) all.push_back({"all pairs", "pairs", &*curves.all_pairs});
+  return all;
+}
+
+std::string curve_cell(const CurveNumbers& numbers, size_t metric) {
+  return metric_cell(curve_metrics()[metric], numbers.values[metric].value);
+}
+
+Table curve_table(const Report& report) {
+  const BestMatchCounts& best = report.counts.best_match;
+  const auto& tied = report.metrics.curves.single_best.tied_queries;
+  Table table;
+  table.title = fmt::format(
+      "Metrics ({} with a match; {} without one, wrong if accepted{}; {} ignored, {} "
+      "unreadable, left out{})",
+      counted(best.queries, "query", "queries"), best.without_match,
+      best.unreachable == 0
+          ? ""
+          : fmt::format("; {} whose place lies where no training window ends, likewise",
+                        best.unreachable),
+      best.ignored, best.unreadable, tied ? fmt::format("; {} tied, to the first", *tied) : "");
+  table.columns = {"of", "to find"};
+  for (const Metric& metric : curve_metrics()) table.columns.emplace_back(metric.symbol);
+  for (const NamedNumbers& curve : curves_of(report)) {
+    auto& row = table.rows.emplace_back();
+    row = {curve.name, std::to_string(curve.numbers->to_find)};
+    for (size_t m = 0; m < curve_metrics().size(); ++m)
+      row.push_back(curve_cell(*curve.numbers, m));
+  }
+  return table;
+}
+
+Table recall_table(const Report& report) {
+  Table table{
+      "Recall@K (queries with a match; ties to the first; ignored references passed over)", {}, {}};
+  add_columns(table, "recall_at", report.metrics.recall_at);
+  return table;
+}
+
+// No columns where ranks are unknown.
+Table ranking_table(const Report& report) {
+  Table table{
+      "Precision@K and mAP@K (queries with a match; ties to the first; ignored references passed "
+      "over)",
+      {},
+      {}};
+  if (report.metrics.precision_at) add_columns(table, "precision_at", *report.metrics.precision_at);
+  if (report.metrics.map_at) add_columns(table, "map_at", *report.metrics.map_at);
+  return table;
+}
+
+Table achievement_table(const Report& report) {
+  const ReportedMetrics& found = report.metrics;
+  const Metric& metric = find_metric("recall_achievement");
+  Table table;
+  table.title = fmt::format(
+      "Recall achievement rate (share of {} of about {} whose recall@1 reaches the target)",
+      counted(found.stretches, "stretch", "stretches"), counted(found.stretch_frames, "frame"));
+  for (size_t t = 0; t < kRecallTargets.size(); ++t)
+    add_column(table, fmt::format("{}{:g}", metric.symbol, kRecallTargets[t]),
+               metric_cell(metric, found.recall_achievement[t]));
+  return table;
+}
+
+Table localisation_table(const Report& report) {
+  Table table;
+  table.title = fmt::format("Along the path ({})", report.protocol.definition("localisation"));
+  add_column(table, "frames", report.localisation.frames);
+  for (const Metric& metric : path_metrics())
+    if (!metric.key.ends_with("_m") || report.localisation.longest_gap_m)  // positions are known
+      add_column(table, metric.symbol, metric_cell(metric, metric.of_path(report.localisation)));
+  return table;
+}
+
+// The counts by view; none for a report without them.
+Table view_table(const CountsByView& counts) {
+  const auto& [query_views, train_views, hits, best, rate] = counts;
+  Table table;
+  table.title =
+      fmt::format("By view (frames in a row that look alike count once: {} and {})",
+                  counted(query_views, "query view"), counted(train_views, "training view"));
+  add_column(table, "view pairs right", hits.correct);
+  add_column(table, "view pairs wrong", hits.incorrect);
+  add_column(table, "view pairs mixed", hits.mixed);
+  add_column(table, "views right", best.correct);
+  add_column(table, "views wrong", best.incorrect);
+  add_column(table, "views mixed", best.mixed);
+  add_column(table, "views per cent", per_cent(rate));
+  return table;
+}
+
+// The first kMostPlaces places of a sequence result, with the right and wrong hits of each; empty
+// for other reports, and where there is none.
+std::string recognitions_text(const Report& report) {
+  if (!report.recognitions || report.recognitions->empty()) return "";
+  const std::vector<ReportedPlace>& places = *report.recognitions;
+  Table table;
+  table.title =
+      fmt::format("Places, judged at their {} (mixed: right there, but some hits are wrong)",
+                  has_paths(report.method) ? "middle frame" : "mean");
+  table.columns = {"sequence", "query frames", "train frames", "place", "hits right", "hits wrong"};
+  for (const ReportedPlace& place : places) {
+    if (table.rows.size() == kMostPlaces) break;
+    const LabelCounts& hits = place.judged.hits;
+    table.rows.push_back({place.sequence, range_text(place.query_range),
+                          range_text(place.train_range), std::string(verdict_text(place.judged)),
+                          std::to_string(hits.correct), std::to_string(hits.incorrect)});
+  }
+  return render_table(table, TableFormat::text) +
+         (places.size() > kMostPlaces
+              ? fmt::format("... and {} more\n", places.size() - kMostPlaces)
+              : "");
+}
+
+// The first table, with best matches over all frames that have a match: results with windows of
+// different lengths are compared by that, as a frame without a window is not right.
+Table comparable_table(const Report& report) {
+  Table table = report_table(report);
+  const BestMatchCounts& best = report.counts.best_match;
+  const uint64_t frames = report.frames_with_match - best.ignored;
+  add_column(table, "of frames", frames);
+  add_column(
+      table, "% of frames",
+      frames == 0 ? "-" : fmt::format("{:.1f}", 100 * double(best.correct) / double(frames)));
+  return table;
+}
+
+std::vector<Table> tables_of(const Report& report, bool is_one) {
+  std::vector<Table> tables = {is_one ? report_table(report) : comparable_table(report)};
+  if (report.by_view) tables.push_back(view_table(*report.by_view));
+  for (Table& more : metrics_tables(report)) tables.push_back(std::move(more));
+  return tables;
+}
+
+// One row that says of what it is.
+Table csv_row(const Report& report) {
+  Table table;
+  add_column(table, "method", report.method);
+  add_column(table, "query", report.query);
+  const Table counts = comparable_table(report);
+  table.title = counts.title;
+  add_columns(table, counts);
+  if (report.by_view) add_columns(table, view_table(*report.by_view));
+  for (const NamedNumbers& curve : curves_of(report))
+    for (size_t m = 0; m < curve_metrics().size(); ++m)
+      add_column(table, fmt::format("{} {}", curve.prefix, curve_metrics()[m].symbol),
+                 curve_cell(*curve.numbers, m));
+  for (const Table& more : {recall_table(report), ranking_table(report), achievement_table(report),
+                            localisation_table(report)})
+    add_columns(table, more);
+  return table;
+}
+
+}  // namespace
+
+std::string metric_cell(const Metric& metric, std::optional<double> value) {
+  return value ? fmt::format("{:.{}f}", *value, metric.digits) : "-";
+}
+
+std::string evaluation_title(const Report& report) {
+  return fmt::format("{} on {}", method_title(report), report.query);
+}
+
+std::string title_with_settings(const Report& report) {
   std::string title = evaluation_title(report);
-  title += setting_text(report["settings"], score_kind(Score::raw).window_symbol);
+  const Json settings = report.settings_json();
+  title += setting_text(settings, score_kind(Score::raw).window_symbol);
   for (const DecisionKind& decision : decision_kinds())
-    title += setting_text(report["settings"], decision.symbol);
+    title += setting_text(settings, decision.symbol);
   for (const std::string_view symbol :
        {probability_kind().window_symbol, probability_kind().threshold_symbol})
-    title += setting_text(report["settings"], symbol);
+    title += setting_text(settings, symbol);
   return title;
 }
 
-std::string reference_word(const Json& report) {
-  return report["settings"].contains("t_p") ? "training place" : "training frame";
+std::string reference_word(const Report& report) {
+  return report.has_places() ? "training place" : "training frame";
 }
 
-std::string score_words(const Json& report) {
-  if (!report.contains("counts")) return text(report["outcomes"]["scores_are"]);
-  return std::string(score_kind_of(report["settings"]).title);
+std::string score_words(const Report& report) {
+  const QuerySettings* settings = report.query_settings();
+  return std::string(settings != nullptr ? score_of(*settings).title
+                                         : enum_name(report.outcomes.kind));
 }
 
 std::string summary_sentence(const Judgement& judgement, bool is_judged,
@@ -151,98 +324,89 @@ std::string summary_sentence(const Judgement& judgement, bool is_judged,
   return is_judged ? text : text + " Nothing is judged without a ground truth.";
 }
 
-Table report_table(const Json& report) {
-  const Json& settings = report["settings"];
-  const Json& best = report["best_match"];
-  const bool is_result = report.contains("counts");
+Table report_table(const Report& report) {
+  const QuerySettings* of_query = report.query_settings();
+  const Json settings = report.settings_json();
+  const BestMatchCounts& best = report.counts.best_match;
   Table table;
   table.title =
-      fmt::format("{} on {} ({})", is_result ? method_title(report) : text(report["method"]),
-                  text(report["query"]), text(report["protocol"]["ground_truth"]));
-  table.rows.emplace_back();
-  const auto add = [&](const std::string_view column, const std::string& value) {
-    table.columns.emplace_back(column);
-    table.rows[0].push_back(value);
-  };
-  if (is_result) {
-    const Json& counts = report["counts"];
-    const ScoreKind& score = score_kind_of(settings);
-    for (const std::string_view symbol : {score.window_symbol, decided_by(settings)})
-      add(symbol, text(settings[std::string(symbol)]));
+      fmt::format("{} on {} ({})", of_query != nullptr ? method_title(report) : report.method,
+                  report.query, report.protocol.ground_truth);
+  if (of_query != nullptr) {
+    const auto& [hits, places, mixed, distinct, unused] = report.counts;
+    const ScoreKind& score = score_of(*of_query);
+    for (const std::string_view symbol : {score.window_symbol, decided_by(*of_query)})
+      add_column(table, symbol, text(settings[std::string(symbol)]));
     if (settings.contains("t_r_scale"))
-      add("scale", settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
-                                               : text(settings["t_r_scale"]));
-    add("hits right", text(counts["hits"]["correct"]));
-    add("hits wrong", text(counts["hits"]["incorrect"]));
-    if (counts.contains("places")) {
-      add("places right", text(counts["places"]["correct"]));
-      add("of these mixed", text(counts["mixed_places"]));
-      add("places wrong", text(counts["places"]["incorrect"]));
+      add_column(table, "scale",
+                 settings["t_r"].is_string() ? std::string(enum_name(score.frame_scale))
+                                             : text(settings["t_r_scale"]));
+    add_column(table, "hits right", hits.correct);
+    add_column(table, "hits wrong", hits.incorrect);
+    if (places) {
+      add_column(table, "places right", places->correct);
+      add_column(table, "of these mixed", mixed);
+      add_column(table, "places wrong", places->incorrect);
     }
-    add("distinct", text(counts["distinct"]));
+    add_column(table, "distinct", distinct);
   } else {
-    add("scores", text(settings["scores"]));
-    add("window", text(settings["window"]));
+    add_column(table, "scores", text(settings["scores"]));
+    add_column(table, "window", text(settings["window"]));
   }
-  add("best right", text(best["correct"]));
-  add("of", std::to_string(best["queries"].get<uint64_t>() - best["ignored"].get<uint64_t>()));
-  add("per cent", per_cent(best));
+  add_column(table, "best right", best.correct);
+  add_column(table, "of", best.queries - best.ignored);
+  add_column(table, "per cent", per_cent(best.rate()));
   return table;
 }
 
-Table unjudged_table(const Json& report) {
+Table unjudged_table(const Report& report) {
   Table table;
   table.title = evaluation_title(report) + ", not judged";
-  std::vector<std::string> row;
-  for (const char* key : {"hits", "places"}) {
-    if (!report["counts"].contains(key)) continue;
-    table.columns.emplace_back(key);
-    row.push_back(report["counts"][key]["ignored"].dump());
-  }
-  const auto best = report["outcomes"]["best"].get<std::string>();
-  table.columns.emplace_back("best matches");
-  row.push_back(std::to_string(std::count(best.begin(), best.end(), 'i')));
-  table.rows = {row};
+  add_column(table, "hits", report.counts.hits.ignored);
+  if (report.counts.clusters) add_column(table, "places", report.counts.clusters->ignored);
+  const auto best =
+      std::ranges::count(report.outcomes.queries, Verdict::ignored, &QueryOutcome::verdict);
+  add_column(table, "best matches", static_cast<uint64_t>(best));
   return table;
 }
 
-Table view_table(const Json& report) {
-  const Json& counts = report["by_view"];
-  const Json& hits = counts["hits"];
-  const Json& best = counts["best_match"];
-  Table table;
-  table.title = fmt::format("By view (frames in a row that look alike count once: {} and {})",
-                            counted(counts["query_views"].get<uint64_t>(), "query view"),
-                            counted(counts["train_views"].get<uint64_t>(), "training view"));
-  table.columns = {"view pairs right", "view pairs wrong", "view pairs mixed", "views right",
-                   "views wrong",      "views mixed",      "views per cent"};
-  table.rows = {{hits["correct"].dump(), hits["incorrect"].dump(), hits["mixed"].dump(),
-                 best["correct"].dump(), best["incorrect"].dump(), best["mixed"].dump(),
-                 per_cent(best)}};
-  return table;
+std::vector<Table> metrics_tables(const Report& report) {
+  std::vector<Table> tables = {curve_table(report)};
+  if (report.metrics.recall_at.size() > 1) tables.push_back(recall_table(report));
+  if (report.metrics.precision_at) tables.push_back(ranking_table(report));
+  tables.push_back(achievement_table(report));
+  tables.push_back(localisation_table(report));
+  return tables;
 }
 
-std::string recognitions_text(const Json& report) {
-  if (!report.contains("recognitions")) return "";
-  Table table;
-  const bool has_tracks = has_paths(report["settings"].value("method", std::string()));
-  table.title =
-      fmt::format("Places, judged at their {} (mixed: right there, but some hits are wrong)",
-                  has_tracks ? "middle frame" : "mean");
-  table.columns = {"sequence", "query frames", "train frames", "place", "hits right", "hits wrong"};
-  const Json& places = report["recognitions"];
-  for (const Json& place : places) {
-    if (table.rows.size() == kMostPlaces) break;
-    const Json& hits = place["hits"];
-    table.rows.push_back({text(place["sequence"]), range_text(place["query_range"]),
-                          range_text(place["train_range"]), verdict_text(place),
-                          text(hits["correct"]), text(hits["incorrect"])});
+std::string reports_text(std::span<const Report> reports, const std::vector<std::string>& names,
+                         TableFormat format) {
+  std::vector<Table> rows;
+  if (format == TableFormat::csv) {
+    for (const Report& report : reports) rows.push_back(csv_row(report));
+    return render_table(stack_tables(rows, "name", names), format);
   }
-  if (table.rows.empty()) return "";
-  return render_table(table, TableFormat::text) +
-         (places.size() > kMostPlaces
-              ? fmt::format("... and {} more\n", places.size() - kMostPlaces)
-              : "");
+  const bool is_one = reports.size() == 1;
+  std::vector<std::vector<Table>> kinds;  // tables that are of one kind in all reports
+  std::vector<std::vector<std::string>> named;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    std::vector<Table> tables = tables_of(reports[r], is_one);
+    kinds.resize(std::max(kinds.size(), tables.size()));
+    named.resize(kinds.size());
+    for (size_t t = 0; t < tables.size(); ++t) {
+      kinds[t].push_back(std::move(tables[t]));
+      named[t].insert(named[t].end(), kinds[t].back().rows.size(), names[r]);
+    }
+  }
+  std::string text;
+  for (size_t t = 0; t < kinds.size(); ++t) {
+    const Table table = is_one ? kinds[t][0] : stack_tables(kinds[t], "name", named[t]);
+    text += (t == 0 ? "" : "\n") + render_table(table, format);
+    if (t > 0 || !is_one || format != TableFormat::text) continue;
+    const std::string places = recognitions_text(reports[0]);
+    if (!places.empty()) text += "\n" + places;
+  }
+  return text;
 }
 
 Table protocols_table(const std::vector<ProtocolReport>& reports) {
@@ -259,8 +423,7 @@ Table protocols_table(const std::vector<ProtocolReport>& reports) {
 
 std::string protocols_notes(const std::vector<ProtocolReport>& reports) {
   std::string notes;
-  for (const ProtocolReport& one : reports)
-    notes += one.report["protocol"]["ground_truth"].get<std::string>() + "\n";
+  for (const ProtocolReport& one : reports) notes += one.report.protocol.ground_truth + "\n";
   return notes;
 }
 

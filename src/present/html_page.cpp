@@ -137,6 +137,10 @@ std::string legend_html(const std::vector<std::string>& series) {
   return html;
 }
 
+std::string section_html(const std::string& title, const std::string& content) {
+  return "<section><h2>" + title + "</h2>" + content + "</section>\n";
+}
+
 std::string sections_page(const std::string& title, const std::string& summary,
                           const std::string& subtitle, const std::string& sections,
                           const Json& protocol, const Json& provenance) {

@@ -53,6 +53,9 @@ std::string legend_html(const std::vector<Meaning>& meanings);
 /// The same of curves that mean nothing but their order.
 std::string legend_html(const std::vector<std::string>& series);
 
+/// A section of such a page; both texts are HTML.
+std::string section_html(const std::string& title, const std::string& content);
+
 /// A page of several sections, which are HTML; the other texts are escaped.
 std::string sections_page(const std::string& title, const std::string& summary,
                           const std::string& subtitle, const std::string& sections,

@@ -12,7 +12,6 @@
 #include "present/evaluation_tables.h"
 #include "present/html_page.h"
 #include "present/json_fields.h"
-#include "present/metrics_report.h"
 #include "present/score_matrix.h"
 
 namespace vpr {
@@ -65,7 +64,7 @@ std::string risk_areas(const Judgement& judgement) {
                      by_margin(judgement) ? single : other);
 }
 
-PageCharts page_charts(const Json& report, const Judgement& judgement, const GroundTruth& truth,
+PageCharts page_charts(const Report& report, const Judgement& judgement, const GroundTruth& truth,
                        const ScoreMatrix* matrix, const Monitor& monitor) {
   PageCharts charts = {
       curve_chart(report, judgement), risk_chart(report, judgement),
@@ -87,7 +86,7 @@ PageCharts page_charts(const Json& report, const Judgement& judgement, const Gro
 }
 
 /// Margins along the path, with their legend; nothing where none are known.
-std::string margins_html(const Json& report, const Judgement& judgement) {
+std::string margins_html(const Report& report, const Judgement& judgement) {
   Chart chart = margin_chart(report, judgement);
   if (chart.series.empty()) return "";
   chart.title = "margin of every query frame's best match";
@@ -98,7 +97,7 @@ std::string margins_html(const Json& report, const Judgement& judgement) {
 }
 
 /// What the first table says, without the protocol, which stands above.
-std::string tables_html(const Json& report, bool is_judged) {
+std::string tables_html(const Report& report, bool is_judged) {
   if (!is_judged) return table_html(unjudged_table(report));
   Table summary = report_table(report);
   summary.title = "Counts";
@@ -157,7 +156,7 @@ Json asked_margin(const Outcomes& outcomes) {
   return or_null(asked);
 }
 
-Json steps_json(const Json& report, const Judgement& judgement) {
+Json steps_json(const Report& report, const Judgement& judgement) {
   Json steps = Json::array();
   for (const ThresholdStep& step : threshold_steps(report, judgement, kMostPoints))
     steps.push_back({step.threshold, step.accepted[0], step.accepted[1], step.accepted[2]});
@@ -175,11 +174,11 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
 
 // A line of data for each query, the scales of all charts (from, to, begin and end of both axes in
 // units of the SVG), frames of the axes by bands, points of the curve, and counts by threshold.
-Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
+Json page_data(const Report& report, const Judgement& judgement, bool is_judged,
                const PageCharts& charts) {
   Json data;
-  data["best"] = report["outcomes"]["best"];
-  data["first_frame"] = report["outcomes"]["first_frame"];
+  data["best"] = outcome_letters(report.outcomes);
+  data["first_frame"] = report.outcomes.window_length - 1;
   data["kind"] = score_words(report);
   data["judged"] = is_judged;
   data["sequences"] = Json::array();
@@ -204,16 +203,20 @@ Json page_data(const Json& report, const Judgement& judgement, bool is_judged,
 
 }  // namespace
 
-std::string html_report(const Json& report, const std::string& summary, const Judgement& judgement,
-                        const GroundTruth& truth, const ScoreMatrix* matrix,
-                        const FrameSources& sources, const Monitor& monitor) {
+std::string html_report(const Evaluation& evaluation, const Report& report, const RunInfo& run,
+                        const std::string& summary, const FrameSources& sources,
+                        const Monitor& monitor) {
+  const Judgement& judgement = evaluation.judgement;
+  const GroundTruth& truth = evaluation.truth;
   GalleryCards gallery(judgement, truth, sources);
   gallery.read_frames(monitor);
+  const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
   const PageCharts charts = page_charts(report, judgement, truth, matrix, monitor);
-  Json made = report["settings"];
-  made.update(report["provenance"]);
-  if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
-  Json protocol = report["protocol"];
+  Json json = report_json(report);
+  Json made = json["settings"];
+  made.update(json["provenance"]);
+  if (!run.command_line.empty()) made["command_line"] = run.command_line;
+  Json& protocol = json["protocol"];
   protocol.erase("ground_truth");  // stands on top
   if (truth.is_known)
     protocol.erase("localisation");  // and above its table
@@ -221,12 +224,11 @@ std::string html_report(const Json& report, const std::string& summary, const Ju
     for (const char* key :
          {"tolerance_frames", "distinct", "best_match", "without_match", "single_best"})
       protocol.erase(key);  // what is judged
-  const std::string ground_truth = report["protocol"]["ground_truth"].get<std::string>();
   return fill_page(
       html_parts().page,
       {{"title", html_escaped(evaluation_title(report))},
        {"summary", html_escaped(summary)},
-       {"subtitle", html_escaped("Ground truth: " + ground_truth)},
+       {"subtitle", html_escaped("Ground truth: " + truth.protocol)},
        {"style", palette_css() + std::string(html_parts().style)},
        {"script", std::string(html_parts().script) + std::string(html_parts().hover_script) +
                       std::string(html_parts().label_script)},

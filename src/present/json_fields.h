@@ -1,9 +1,16 @@
 // Parts of JSON files: checked reading of our own files, and values that several files hold.
 #pragma once
 
+#include <charconv>
 #include <cmath>
+#include <concepts>
+#include <limits>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "base/json.h"
 #include "base/statistics.h"
@@ -39,6 +46,8 @@ class Fields {
     return value;
   }
   Fields object(const std::string& key) const { return {(*this)[key], where_}; }
+  const Json& json() const { return json_; }
+  const std::string& where() const { return where_; }
   [[noreturn]] void fail(std::string_view what) const {
     throw Error(ErrorKind::data, fmt::format("{}: is damaged: {}; make it again", where_, what));
   }
@@ -56,6 +65,126 @@ inline double read_fps(const Fields& fields) {
   if (!(fps > 0 && std::isfinite(fps))) fields.fail("\"fps\" is out of range");
   return fps;
 }
+
+template <class T>
+inline constexpr bool kIsNumbered = false;
+template <class T>
+inline constexpr bool kIsNumbered<std::map<size_t, T>> = true;
+
+/// A field of visit_fields that is written and read in a way of its own, under its key.
+template <class T>
+concept OwnForm = requires(T field, Json& json, const Fields& fields, const std::string& key) {
+  field.write(json, key);
+  field.read(fields, key);
+};
+
+/// A struct as JSON, by its visit_fields. A number that is not finite is null.
+template <class T>
+Json fields_to_json(const T& value) {
+  if constexpr (Settings<T>) {
+    Json json = Json::object();
+    visit_fields(const_cast<T&>(value), [&](std::string_view name, auto&& field) {  // not changed
+      const std::string key(name);
+      if constexpr (OwnForm<decltype(field)>)
+        field.write(json, key);
+      else
+        json[key] = fields_to_json(field);
+    });
+    return json;
+  } else if constexpr (detail::kIsOptional<T>) {
+    return value ? fields_to_json(*value) : Json();
+  } else if constexpr (detail::kIsList<T>) {
+    Json json = Json::array();
+    for (const auto& item : value) json.push_back(fields_to_json(item));
+    return json;
+  } else if constexpr (kIsNumbered<T>) {
+    Json json = Json::object();
+    for (const auto& [number, item] : value) json[std::to_string(number)] = fields_to_json(item);
+    return json;
+  } else if constexpr (std::is_floating_point_v<T>) {
+    return std::isfinite(value) ? Json(value) : Json();
+  } else {
+    return value_to_json(value);
+  }
+}
+
+/// Reads what fields_to_json wrote; null for a number is infinity. Throws Error(data) for anything
+/// unexpected: `fields` names the file, and `key` the part.
+template <class T>
+void fields_from_json(const Json& json, T& value, const Fields& fields, const std::string& key) {
+  if constexpr (Settings<T>) {
+    const Fields part(json, fields.where());
+    visit_fields(value, [&](std::string_view name, auto&& field) {
+      const std::string inner(name);
+      if constexpr (OwnForm<decltype(field)>)
+        field.read(part, inner);
+      else
+        fields_from_json(part[inner], field, part, inner);
+    });
+  } else if constexpr (detail::kIsOptional<T>) {
+    if (!json.is_null()) fields_from_json(json, value.emplace(), fields, key);
+  } else if constexpr (detail::kIsList<T>) {
+    if (!json.is_array()) fields.fail(fmt::format("\"{}\" is no list", key));
+    for (const Json& item : json) fields_from_json(item, value.emplace_back(), fields, key);
+  } else if constexpr (kIsNumbered<T>) {
+    const Fields part(json, fields.where());
+    for (const auto& item : json.items()) {
+      size_t number = 0;
+      const char* end = item.key().data() + item.key().size();
+      const auto [stop, error] = std::from_chars(item.key().data(), end, number);
+      if (error != std::errc{} || stop != end)
+        part.fail(fmt::format("\"{}\" is no number", item.key()));
+      fields_from_json(item.value(), value[number], part, item.key());
+    }
+  } else {
+    if constexpr (std::is_floating_point_v<T>)
+      if (json.is_null()) {
+        value = std::numeric_limits<T>::infinity();
+        return;
+      }
+    try {
+      value_from_json(json, value, fields.where(), key);
+    } catch (const Error& error) {
+      throw Error(ErrorKind::data, error.what());
+    }
+  }
+}
+
+/// A field that is absent where it has no value; otherwise, an optional without one is null.
+template <class T>
+struct IfSet {
+  std::optional<T>& field;
+
+  void write(Json& json, const std::string& key) const {
+    if (field) json[key] = fields_to_json(*field);
+  }
+  void read(const Fields& fields, const std::string& key) {
+    if (fields.has(key)) fields_from_json(fields[key], field.emplace(), fields, key);
+  }
+};
+
+/// A field that is absent where it has its usual value.
+template <class T>
+struct Unless {
+  T& field;
+  T usual;
+
+  void write(Json& json, const std::string& key) const {
+    if (field != usual) json[key] = fields_to_json(field);
+  }
+  void read(const Fields& fields, const std::string& key) {
+    if (fields.has(key)) fields_from_json(fields[key], field, fields, key);
+  }
+};
+
+/// A field that follows from the others: it is not read.
+template <class T>
+struct Derived {
+  T value;
+
+  void write(Json& json, const std::string& key) const { json[key] = fields_to_json(value); }
+  void read(const Fields&, const std::string&) {}
+};
 
 /// The value of an optional, or null.
 Json or_null(const auto& value) { return value ? Json(*value) : Json(); }

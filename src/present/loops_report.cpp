@@ -10,8 +10,9 @@
 #include "base/text.h"
 #include "evaluate/metrics.h"
 #include "present/evaluation_charts.h"
+#include "present/evaluation_tables.h"
 #include "present/html_page.h"
-#include "present/metrics_report.h"
+#include "present/json_fields.h"
 #include "present/route_map.h"
 #include "truth/times.h"
 
@@ -20,9 +21,18 @@ namespace {
 
 constexpr size_t kMostLines = 20;  // of a list of mistakes
 
-Json share(uint64_t part, uint64_t whole) {
-  if (whole == 0) return nullptr;
+std::optional<double> share(uint64_t part, uint64_t whole) {
+  if (whole == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::optional<double> precision(const LoopJudgement& judgement) {
+  const uint64_t right = judgement.count(PlaceLabel::same);
+  return share(right, right + judgement.count(PlaceLabel::different));
+}
+
+std::optional<double> recall(const LoopJudgement& judgement) {
+  return share(judgement.frames_found(), judgement.frames_with_loop());
 }
 
 Json seconds(int64_t nanoseconds) { return static_cast<double>(nanoseconds) / double{kSecond}; }
@@ -66,10 +76,16 @@ Json trajectory_json(const Trajectory& trajectory) {
                              : seconds(trajectory.times_ns.back() - trajectory.times_ns.front())}};
 }
 
+std::vector<JudgedLoop> wrong_loops(const LoopJudgement& judgement) {
+  std::vector<JudgedLoop> wrong;
+  for (const JudgedLoop& judged : judgement.loops)
+    if (judged.label == PlaceLabel::different) wrong.push_back(judged);
+  return wrong;
+}
+
 Json wrong_loops_json(const LoopJudgement& judgement) {
   Json wrong = Json::array();
-  for (const JudgedLoop& judged : judgement.loops) {
-    if (judged.label != PlaceLabel::different) continue;
+  for (const JudgedLoop& judged : wrong_loops(judgement)) {
     Json row = {{"line", judged.loop.line},
                 {"query", judged.loop.query},
                 {"match", judged.loop.match},
@@ -80,22 +96,26 @@ Json wrong_loops_json(const LoopJudgement& judgement) {
   return wrong;
 }
 
-Json missed_json(const LoopJudgement& judgement) {
-  Json missed = Json::array();
+Json stretch_json(const Revisit& stretch) {
+  return {{"first", stretch.first}, {"last", stretch.last}};
+}
+
+std::vector<Revisit> missed_revisits(const LoopJudgement& judgement) {
+  std::vector<Revisit> missed;
   for (const Revisit& revisit : judgement.revisits)
-    if (!revisit.is_found) missed.push_back({{"first", revisit.first}, {"last", revisit.last}});
+    if (!revisit.is_found) missed.push_back(revisit);
   return missed;
 }
 
-Json longest_missed_json(const LoopJudgement& judgement) {
-  const auto longest = judgement.longest_missed();
-  if (!longest) return nullptr;
-  return {{"first", longest->first}, {"last", longest->last}};
+Json missed_json(const LoopJudgement& judgement) {
+  Json missed = Json::array();
+  for (const Revisit& revisit : missed_revisits(judgement)) missed.push_back(stretch_json(revisit));
+  return missed;
 }
 
-uint64_t length_of(const Json& stretch) {
-  if (stretch.is_null()) return 0;
-  return stretch["last"].get<uint64_t>() - stretch["first"].get<uint64_t>() + 1;
+size_t longest_missed_frames(const LoopJudgement& judgement) {
+  const auto longest = judgement.longest_missed();
+  return longest ? longest->last - longest->first + 1 : 0;
 }
 
 constexpr size_t kMostDrawn = 2000;  // librsvg takes minutes for 100 000 that cross each other
@@ -190,92 +210,95 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
 
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
   const LoopJudgement& judgement = evaluation.judgement;
-  const uint64_t right = judgement.count(PlaceLabel::same);
-  const uint64_t wrong = judgement.count(PlaceLabel::different);
+  const auto longest = judgement.longest_missed();
   Json json = {{"schema", "vpr.loops/1"}, {"name", evaluation.name}};
   json["protocol"] = protocol_json(evaluation);
   json["trajectory"] = trajectory_json(evaluation.trajectory);
   json["loops"] = {{"listed", evaluation.list.loops.size()},
                    {"repeated", judgement.repeated},
                    {"too_near", judgement.count(PlaceLabel::ignore)},
-                   {"right", right},
-                   {"wrong", wrong},
-                   {"precision", share(right, right + wrong)}};
+                   {"right", judgement.count(PlaceLabel::same)},
+                   {"wrong", judgement.count(PlaceLabel::different)},
+                   {"precision", or_null(precision(judgement))}};
   json["frames"] = {{"with_loop", judgement.frames_with_loop()},
                     {"found", judgement.frames_found()},
-                    {"recall", share(judgement.frames_found(), judgement.frames_with_loop())},
-                    {"longest_missed", longest_missed_json(judgement)}};
+                    {"recall", or_null(recall(judgement))},
+                    {"longest_missed", longest ? stretch_json(*longest) : Json()}};
   json["revisits"] = {{"count", judgement.revisits.size()},
                       {"found", judgement.revisits_found()},
                       {"missed", missed_json(judgement)}};
   json["wrong_loops"] = wrong_loops_json(judgement);
-  json["metrics"] = judgement.curve ? curve_metrics_json(*judgement.curve) : Json();
+  json["metrics"] = judgement.curve ? curve_numbers_json(numbers_of(*judgement.curve)) : Json();
   json["curve"] = judgement.curve ? curve_json(*judgement.curve) : Json();
   json["provenance"] = provenance_json(run);
   return json;
 }
 
-std::string loops_sentence(const Json& report) {
-  const Json& frames = report["frames"];
-  const Json& loops = report["loops"];
-  const auto judged = loops["right"].get<uint64_t>() + loops["wrong"].get<uint64_t>();
-  const auto wrong = loops["wrong"].get<uint64_t>();
+std::string loops_sentence(const LoopsEvaluation& evaluation) {
+  const LoopJudgement& judgement = evaluation.judgement;
+  const uint64_t wrong = judgement.count(PlaceLabel::different);
+  const uint64_t judged = judgement.count(PlaceLabel::same) + wrong;
   const std::string of_loops =
       fmt::format("{} of {} wrong.", wrong == 0 ? "None" : fmt::to_string(wrong),
                   judged == 1 ? "1 loop is" : fmt::format("{} loops are", judged));
-  if (frames["with_loop"] == 0) return "No frame is near an earlier one. " + of_loops;
+  if (judgement.frames_with_loop() == 0) return "No frame is near an earlier one. " + of_loops;
   return fmt::format("{} {} of {} have a right loop; the longest stretch without one has {}.",
-                     of_loops, frames["found"].dump(),
-                     counted(frames["with_loop"].get<uint64_t>(), "frame near an earlier one",
+                     of_loops, judgement.frames_found(),
+                     counted(judgement.frames_with_loop(), "frame near an earlier one",
                              "frames near an earlier one"),
-                     counted(length_of(frames["longest_missed"]), "frame"));
+                     counted(longest_missed_frames(judgement), "frame"));
 }
 
-Table loops_table(const Json& report) {
-  const Json& loops = report["loops"];
-  const Json& frames = report["frames"];
+Table loops_table(const LoopsEvaluation& evaluation) {
+  const LoopJudgement& judgement = evaluation.judgement;
+  const LoopGap& gap = evaluation.rules.gap;
   Table table;
-  table.title = fmt::format("{} (within {} m, {} apart)", report["name"].get<std::string>(),
-                            report["protocol"]["radius_m"].dump(),
-                            report["protocol"]["gap_s"].is_null()
-                                ? counted(report["protocol"]["gap_frames"].get<uint64_t>(), "frame")
-                                : report["protocol"]["gap_s"].dump() + " s");
-  const auto add = [&](const std::string& column, const std::string& cell) {
-    table.columns.push_back(column);
-    if (table.rows.empty()) table.rows.emplace_back();
-    table.rows[0].push_back(cell);
+  // Numbers as in JSON: 2.0 m.
+  table.title = fmt::format(
+      "{} (within {} m, {} apart)", evaluation.name, Json(evaluation.rules.radius_m).dump(),
+      gap.nanoseconds ? seconds(*gap.nanoseconds).dump() + " s" : counted(gap.frames, "frame"));
+  const auto count = [&](const std::string& column, uint64_t number) {
+    add_column(table, column, number);
   };
-  for (const char* key : {"listed", "right", "wrong"}) add(key, shown(loops[key]));
-  add("too near", shown(loops["too_near"]));
-  add("precision", shown(loops["precision"]));
-  add("frames with a loop", shown(frames["with_loop"]));
-  add("found", shown(frames["found"]));
-  add("recall", shown(frames["recall"]));
-  add("longest missed", std::to_string(length_of(frames["longest_missed"])));
-  add("revisits", shown(report["revisits"]["count"]));
-  add("revisits found", shown(report["revisits"]["found"]));
-  if (!report["metrics"].is_null())
-    for (const CurveMetric& metric : curve_metrics())
-      add(std::string(metric.column), shown(report["metrics"][std::string(metric.key)]));
+  const auto share = [&](const std::string& column, std::optional<double> value) {
+    add_column(table, column, value ? fmt::format("{:.4f}", *value) : "-");
+  };
+  count("listed", evaluation.list.loops.size());
+  count("right", judgement.count(PlaceLabel::same));
+  count("wrong", judgement.count(PlaceLabel::different));
+  count("too near", judgement.count(PlaceLabel::ignore));
+  share("precision", precision(judgement));
+  count("frames with a loop", judgement.frames_with_loop());
+  count("found", judgement.frames_found());
+  share("recall", recall(judgement));
+  count("longest missed", longest_missed_frames(judgement));
+  count("revisits", judgement.revisits.size());
+  count("revisits found", judgement.revisits_found());
+  if (judgement.curve)
+    for (const Metric& metric : curve_metrics())
+      add_column(table, metric.symbol,
+                 metric_cell(metric, metric.of_curve(*judgement.curve).value));
   return table;
 }
 
-std::string loops_mistakes(const Json& report) {
+std::string loops_mistakes(const LoopsEvaluation& evaluation) {
   std::string text;
-  const auto add = [&](const Json& rows, const std::string& title, auto&& line) {
+  const auto add = [&](const auto& rows, const std::string& title, auto&& line) {
     if (rows.empty()) return;
     text += "\n" + title + "\n";
     for (size_t i = 0; i < std::min(rows.size(), kMostLines); ++i)
       text += "  " + line(rows[i]) + "\n";
     if (rows.size() > kMostLines) text += fmt::format("  and {} more\n", rows.size() - kMostLines);
   };
-  add(report["wrong_loops"], "Wrong loops:", [](const Json& row) {
-    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", row["line"].dump(),
-                       row["query"].dump(), row["match"].dump(), row["distance_m"].get<double>());
+  add(wrong_loops(evaluation.judgement), "Wrong loops:", [](const JudgedLoop& judged) {
+    const ListedLoop& loop = judged.loop;
+    return fmt::format("line {}: frame {} at frame {}, {:.2f} m away", loop.line, loop.query,
+                       loop.match, judged.distance_m);
   });
-  add(report["revisits"]["missed"], "Revisits without a right loop:", [](const Json& row) {
-    return fmt::format("frames {} to {}", row["first"].dump(), row["last"].dump());
-  });
+  add(missed_revisits(evaluation.judgement),
+      "Revisits without a right loop:", [](const Revisit& revisit) {
+        return fmt::format("frames {} to {}", revisit.first, revisit.last);
+      });
   return text;
 }
 
@@ -310,19 +333,19 @@ void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& 
   if (!curve.series.empty()) draw_chart(curve, folder);
 }
 
-std::string loops_page(const LoopsEvaluation& evaluation, const Json& report) {
-  Json made = report["provenance"];
-  if (report.contains("machine")) made["command_line"] = report["machine"]["command_line"];
-  const std::string mistakes = loops_mistakes(report);
+std::string loops_page(const LoopsEvaluation& evaluation, const RunInfo& run) {
+  const Json protocol = protocol_json(evaluation);
+  Json made = provenance_json(run);
+  made["command_line"] = run.command_line;
+  const std::string mistakes = loops_mistakes(evaluation);
   const std::string sections =
-      "<section><h2>Numbers</h2>" + table_html(loops_table(report)) +
-      "</section>\n<section><h2>On the way</h2>" + charts_html(evaluation) + "</section>\n" +
+      section_html("Numbers", table_html(loops_table(evaluation))) +
+      section_html("On the way", charts_html(evaluation)) +
       (mistakes.empty() ? ""
                         : "<section><h2>Mistakes</h2><pre>" + html_escaped(mistakes.substr(1)) +
                               "</pre></section>");
-  return sections_page("Loop closures: " + evaluation.name, loops_sentence(report),
-                       report["protocol"]["loop"].get<std::string>(), sections, report["protocol"],
-                       made);
+  return sections_page("Loop closures: " + evaluation.name, loops_sentence(evaluation),
+                       protocol["loop"].get<std::string>(), sections, protocol, made);
 }
 
 }  // namespace vpr

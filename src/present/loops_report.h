@@ -26,14 +26,14 @@ struct LoopsEvaluation {
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run);
 
 /// "17 of 20 revisits are found, and 3 of 190 loops are wrong."
-std::string loops_sentence(const Json& report);
+std::string loops_sentence(const LoopsEvaluation& evaluation);
 
 /// One row: loops, frames and revisits, and with scores the metrics of the curve.
-Table loops_table(const Json& report);
+Table loops_table(const LoopsEvaluation& evaluation);
 
 /// The revisits that nobody found and the loops that are wrong, the first 20 of each; empty where
 /// there are none.
-std::string loops_mistakes(const Json& report);
+std::string loops_mistakes(const LoopsEvaluation& evaluation);
 
 /// Precision against recall of every frame's best loop. No series where the list has no scores.
 Chart loops_curve_chart(const LoopsEvaluation& evaluation);
@@ -47,7 +47,7 @@ Chart loops_map_chart(const LoopsEvaluation& evaluation);
 void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder);
 
 /// The page: a sentence, the table, the trajectory with what is right, wrong and missing, the curve
-/// where the list has scores, and the first wrong loops. `report`: of the evaluation.
-std::string loops_page(const LoopsEvaluation& evaluation, const Json& report);
+/// where the list has scores, and the first wrong loops.
+std::string loops_page(const LoopsEvaluation& evaluation, const RunInfo& run);
 
 }  // namespace vpr

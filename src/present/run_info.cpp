@@ -18,12 +18,11 @@ std::string host_name() {
 
 }  // namespace
 
-Json provenance_json(const RunInfo& run) {
-  return {{"program", run.program},
-          {"version", program_version()},
-          {"commit", program_commit()},
-          {"seed", run.seed}};
+Provenance provenance_of(const RunInfo& run) {
+  return {run.program, program_version(), program_commit(), run.seed};
 }
+
+Json provenance_json(const RunInfo& run) { return value_to_json(provenance_of(run)); }
 
 Json machine_json(const RunInfo& run) {
   Json json = {{"host", host_name()}, {"threads", run.threads}};

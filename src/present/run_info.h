@@ -23,7 +23,24 @@ struct RunInfo {
   uint64_t seed = 0;
 };
 
-/// program, version, commit and seed; the caller adds fingerprints of the data.
+/// The program that made a file.
+struct Provenance {
+  std::string program;
+  std::string version;
+  std::string commit;
+  uint64_t seed = 0;
+};
+
+template <class Visitor>
+void visit_fields(Provenance& provenance, Visitor&& visit) {
+  visit("program", provenance.program);
+  visit("version", provenance.version);
+  visit("commit", provenance.commit);
+  visit("seed", provenance.seed);
+}
+
+Provenance provenance_of(const RunInfo& run);
+/// The same as JSON; the caller adds fingerprints of the data.
 Json provenance_json(const RunInfo& run);
 
 /// host, SIMD target, threads, command line, paths, memory limit.

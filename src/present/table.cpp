@@ -180,6 +180,21 @@ std::string latex_table(const Table& table) {
 
 }  // namespace
 
+void add_column(Table& table, std::string_view column, std::string cell) {
+  table.columns.emplace_back(column);
+  if (table.rows.empty()) table.rows.emplace_back();
+  table.rows[0].push_back(std::move(cell));
+}
+
+void add_column(Table& table, std::string_view column, uint64_t count) {
+  add_column(table, column, std::to_string(count));
+}
+
+void add_columns(Table& table, const Table& more) {
+  for (size_t c = 0; c < more.columns.size(); ++c)
+    add_column(table, more.columns[c], more.rows[0][c]);
+}
+
 Table stack_tables(const std::vector<Table>& tables, const std::string& key,
                    const std::vector<std::string>& names) {
   Table stacked;

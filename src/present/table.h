@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <string_view>
@@ -26,6 +27,12 @@ struct Table {
   /// Cells (row, column) that are the best of something: bold, in text with a star, in CSV as all.
   std::set<std::pair<size_t, size_t>> best = {};
 };
+
+/// Adds a column to a table of one row.
+void add_column(Table& table, std::string_view column, std::string cell);
+void add_column(Table& table, std::string_view column, uint64_t count);
+/// Adds the columns of another table of one row.
+void add_columns(Table& table, const Table& more);
 
 /// The rows of all tables below each other, under every column that any of them has, in the order
 /// in which they first occur; cells are empty where a table lacks the column. A first column `key`

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "decide/query_settings.h"
+#include "evaluate/loops.h"
 #include "store/sequence_database.h"
-#include "truth/loop_list.h"
 
 namespace vpr {
 

@@ -36,7 +36,7 @@ Comparison compare(const std::vector<NamedOutcomes>& methods, size_t block = 1,
 
 ComparedValue find(const Comparison& comparison, const std::string& metric, size_t method) {
   for (const ComparedValue& value : comparison.values)
-    if (value.metric == metric && value.method == method) return value;
+    if (value.key == metric && value.method == method) return value;
   FAIL("no " << metric);
   return {};
 }
@@ -113,7 +113,7 @@ TEST_CASE("recall@K beyond 1 is known of methods with ranks, and compared where 
   CHECK_FALSE(find(mixed, "recall_at_5", 1).value);
   CHECK_FALSE(find(mixed, "recall_at_5", 1).difference);
   for (const ComparedValue& value : compare({method("cw"), method("cw")}).values)
-    CHECK(value.metric != "recall_at_5");
+    CHECK(value.key != "recall_at_5");
 }
 
 TEST_CASE("each method is compared by the confidence that it decided by") {

@@ -141,7 +141,7 @@ TEST_CASE("a stop counts once where counts are by view") {
   CHECK(counts.best_match.correct == 1);
   CHECK(counts.best_match.mixed == 1);
   CHECK(counts.best_match.incorrect == 1);
-  CHECK(*counts.best_match_rate() == Approx((1 + 0.75 + 0) / 3));
+  CHECK(*counts.best_match_rate == Approx((1 + 0.75 + 0) / 3));
 }
 
 TEST_CASE("without queries there is no rate") { CHECK_FALSE(BestMatchCounts{}.rate().has_value()); }

@@ -86,8 +86,8 @@ TEST_CASE("a similarity is a distance turned round") {
   std::vector<Scored> turned = kFive;
   for (Scored& item : turned) item.distance = -item.distance;
   const Curve curve = curve_from(turned, 4, ScoreOrder::similarity);
-  for (const CurveMetric& metric : curve_metrics())
-    CHECK(metric.compute(curve).value == metric.compute(curve_from(kFive, 4)).value);
+  for (const Metric& metric : curve_metrics())
+    CHECK(metric.of_curve(curve).value == metric.of_curve(curve_from(kFive, 4)).value);
   CHECK(recall_at_full_precision(curve).threshold == -2);
 }
 
@@ -137,8 +137,7 @@ TEST_CASE("all scores equal: precision is the share of correct ones, ROC AUC one
 
 TEST_CASE("metrics that are not defined have no value") {
   const Curve nothing_to_find = curve_from({{1, false}, {2, false}}, 0);
-  for (const CurveMetric& metric : curve_metrics())
-    CHECK_FALSE(metric.compute(nothing_to_find).value);
+  for (const Metric& metric : curve_metrics()) CHECK_FALSE(metric.of_curve(nothing_to_find).value);
   const Curve no_scores = curve_from({}, 3);
   CHECK(average_precision(no_scores).value == 0);
   CHECK(recall_at_full_precision(no_scores).value == 0);

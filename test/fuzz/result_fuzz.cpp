@@ -31,7 +31,8 @@ void report(const Result& result) {
   size_t frames = result.query_frames;
   for (const auto& sequence : result.targets) frames += sequence.frames;
   if (frames > kMostFrames) return;
-  report_json(evaluate_result(result, {}, {GroundTruthArgument{"aligned", {}, 1}, {}, {}}, {}), {});
+  const JudgedBy by{GroundTruthArgument{"aligned", {}, 1}, {}, {}};
+  report_json(report_of(evaluate_result(result, {}, by, {}), {}));
 }
 
 }  // namespace

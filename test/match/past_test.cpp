@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/simd.h"
+#include "evaluate/loops.h"
 #include "examples.h"
 #include "match/match.h"
 #include "match/past_scores.h"
@@ -17,7 +18,6 @@
 #include "match/score_kernels.h"
 #include "reference/plain_past.h"
 #include "support.h"
-#include "truth/loop_list.h"
 #include "truth/times.h"
 
 using namespace vpr;

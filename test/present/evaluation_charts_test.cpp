@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "present/chart_layout.h"
 #include "present/charts.h"
 #include "present/evaluation_report.h"
@@ -56,8 +55,13 @@ GroundTruth aligned(const Judgement& judgement) {
   return truth;
 }
 
-Json report_of(const Judgement& judgement, const GroundTruth& truth) {
-  return scores_report_json({"mine", {}, 3, {}}, "it's", judgement, truth, "xxh3:0", {});
+Report report_of(const Judgement& judgement, const GroundTruth& truth) {
+  Evaluation evaluation;
+  evaluation.query_name = "it's";
+  evaluation.truth = truth;
+  evaluation.judgement = judgement;
+  evaluation.scores = {"mine", {}, 3, {}};
+  return report_of(evaluation, {});
 }
 
 const Series* find(const Chart& chart, Meaning meaning) {
@@ -300,7 +304,7 @@ TEST_CASE("risk against coverage, and what thresholds accept, are those counted 
   Judgement judgement = walk("rRwr");
   for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
   judgement.single_best = single_best_curve(judgement.outcomes);
-  const Json report = report_of(judgement, aligned(judgement));
+  const Report report = report_of(judgement, aligned(judgement));
   const Chart chart = risk_chart(report, judgement);
   REQUIRE(chart.series.size() == 1);
   CHECK(chart.series[0].points ==

@@ -49,6 +49,16 @@ GroundTruth example_truth(const Judgement& judgement) {
   return read_ground_truth({"aligned", {}, 0}, judgement.layout.scope);
 }
 
+Evaluation evaluation_of(const Judgement& judgement, const GroundTruth& truth,
+                         const std::string& method = "mine", const std::string& query = "walk") {
+  Evaluation evaluation;
+  evaluation.query_name = query;
+  evaluation.truth = truth;
+  evaluation.judgement = judgement;
+  evaluation.scores = {method, {}, judgement.layout.window_length, {}};
+  return evaluation;
+}
+
 std::vector<size_t> chosen(const std::vector<GalleryItem>& items, GalleryKind kind) {
   std::vector<size_t> queries;
   for (const GalleryItem& item : items)
@@ -136,11 +146,10 @@ TEST_CASE("a page names nothing outside itself, however hostile its names are") 
   judgement.layout.scope.sequences[0] = {"</script><script>alert(2)</script>", 6, true};
   judgement.layout.columns = {{0, 0, 6}};
   const GroundTruth truth = example_truth(judgement);
-  const Json report = scores_report_json({"<b>method</b>", {}, 1, {}}, "<i>query</i>", judgement,
-                                         truth, "xxh3:0", {});
+  const Evaluation evaluation = evaluation_of(judgement, truth, "<b>method</b>", "<i>query</i>");
   const Sequence sequence = open_sequence({folder.path(), {}});
-  const std::string page =
-      html_report(report, "<s>all</s>", judgement, truth, nullptr, {sequence, {sequence}}, {});
+  const std::string page = html_report(evaluation, report_of(evaluation, {}), {}, "<s>all</s>",
+                                       {sequence, {sequence}}, {});
   CHECK(page.find("<s>all") == std::string::npos);
   CHECK(page.find("<img src=x") == std::string::npos);
   CHECK(page.find("</script><script>alert") == std::string::npos);
@@ -157,8 +166,8 @@ TEST_CASE("a page names nothing outside itself, however hostile its names are") 
 TEST_CASE("a page of nothing is a page") {
   const Judgement judgement = example("");
   GroundTruth truth;
-  const Json report = scores_report_json({}, "none", judgement, truth, "xxh3:0", {});
-  CHECK(html_report(report, "", judgement, truth, nullptr, {}, {}).find("No query has") !=
+  const Evaluation evaluation = evaluation_of(judgement, truth);
+  CHECK(html_report(evaluation, report_of(evaluation, {}), {}, "", {}, {}).find("No query has") !=
         std::string::npos);
 }
 
@@ -172,9 +181,8 @@ size_t count_of(const std::string& text, const std::string& part) {
 
 std::string page_of(const Judgement& judgement, const GroundTruth& truth,
                     const Monitor& monitor = {}) {
-  const Json report = scores_report_json({"mine", {}, judgement.layout.window_length, {}}, "walk",
-                                         judgement, truth, "xxh3:0", {});
-  return html_report(report, "Recognised in 2 of 8 frames.", judgement, truth, nullptr, {},
+  const Evaluation evaluation = evaluation_of(judgement, truth);
+  return html_report(evaluation, report_of(evaluation, {}), {}, "Recognised in 2 of 8 frames.", {},
                      monitor);
 }
 
@@ -238,9 +246,10 @@ TEST_CASE("without a ground truth a page shows matches and judges nothing") {
   for (QueryOutcome& query : judgement.outcomes.queries) query.verdict = Verdict::ignored;
   judgement.fixes.assign(8, Fix::unjudged);
   judgement.fixes[3] = Fix::none;
-  Json report = scores_report_json({"mine", {}, 1, {}}, "walk", judgement, truth, "xxh3:0", {});
-  report["counts"] = {{"hits", {{"correct", 0}, {"incorrect", 0}, {"ignored", 7}}}};
-  const std::string page = html_report(report, "", judgement, truth, nullptr, {}, {});
+  const Evaluation evaluation = evaluation_of(judgement, truth);
+  Report report = report_of(evaluation, {});
+  report.counts.hits.ignored = 7;
+  const std::string page = html_report(evaluation, report, {}, "", {}, {});
   CHECK(page.find("recognised, not judged") != std::string::npos);
   CHECK(page.find("recognised, wrong") == std::string::npos);
   CHECK(page.find("worst mistakes") == std::string::npos);

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "evaluate/loops.h"
 #include "support.h"
-#include "truth/loop_list.h"
 #include "truth/times.h"
 
 using namespace vpr;

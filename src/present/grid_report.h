@@ -1,39 +1,24 @@
-// Pages and plots of several reports: a comparison on one query (vpr.comparison/1), and a grid of
-// methods and queries.
+// A grid of reports, methods by queries: as tables and a page.
 #pragma once
 
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "base/json.h"
-#include "present/stored_report.h"
+#include "present/evaluation_report.h"
 #include "present/table.h"
 
 namespace vpr {
 
-/// One file that needs nothing else: the table of a paper, curves and paths of all reports, and the
-/// intervals of their differences. `comparison` is a vpr.comparison/1, `names` are those in it.
-std::string comparison_page(const Json& comparison, std::span<const StoredReport> reports,
-                            const std::vector<std::string>& names);
-
-/// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
-/// Error(output).
-void draw_comparison(const Json& comparison, std::span<const StoredReport> reports,
-                     const std::vector<std::string>& names, const std::filesystem::path& folder);
-
-/// A report with its place in the grid: one report for each pair of a method and a query.
+/// A report in the grid: one for each pair of a method and a query.
 struct GridReport {
-  std::string method;
-  std::string query;
-  Json report;
-  StoredReport stored;
+  std::string method;  ///< its row
+  Report report;
 };
 
 /// What a report is called as a row: the name that the user gave, or the method with its window
 /// length and score.
-std::string grid_name(const Json& report);
+std::string grid_name(const Report& report);
 
 /// For each of R@1, AP, R@100P and the shares of the path with a right and a wrong fix, a table
 /// with methods as rows and queries as columns, the best of each query in bold, and the mean over
