@@ -7,6 +7,9 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "decide/score_kind.h"
+#include "evaluate/metrics.h"
+#include "evaluate/score_sources.h"
 #include "present/evaluation_report.h"
 #include "present/result_file.h"
 #include "sequence/sequence.h"
@@ -53,6 +56,22 @@ JudgedBy judged_by(const Session& session, const EvalInputs& inputs,
   if (!by.ground_truth && !only_looks(session, inputs)) refuse_without_truth(inputs);
   if (family == DatabaseFamily::sequences) add_names(by, inputs, query_name);
   return by;
+}
+
+/// The matrix of --scores alone, or of descriptors. Throws Error(usage) unless its kind is known.
+ScoreMatrix open_scores(const ScoreInputs& inputs) {
+  if (!inputs.query_npy.empty())
+    return descriptor_scores(open_sequence(parse_sequence_argument(inputs.query_npy)),
+                             open_sequence(parse_sequence_argument(inputs.reference_npy)),
+                             inputs.metric);
+  require_order(inputs.matrix);
+  return {inputs.matrix.path, inputs.matrix.format()};
+}
+
+/// The matrix that was saved with a result; `missing` stands where it has no score.
+ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
+  return {inputs.matrix.path,
+          {false, inputs.matrix.references_first, inputs.matrix.missing.value_or(missing)}};
 }
 
 /// The matrix of --scores beside a result; none without. Throws Error(data) if it is not the one
@@ -115,6 +134,47 @@ void evaluate_stored(Session& session, const EvalInputs& inputs, OpenedScores op
   evaluated.evaluation.fingerprint = stored.fingerprint;
 }
 
+/// What a report says of --scores alone. `seed`: of a replay. Throws what replay throws.
+ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
+  const std::string name =
+      inputs.name.empty() ? std::filesystem::path(inputs.source()).stem().string() : inputs.name;
+  ScoreSettings settings{name, inputs.matrix.format(), inputs.window_length, inputs.threshold};
+  if (!inputs.warp.empty()) settings.replay = replay(inputs.warp, *inputs.query_frames, seed);
+  return settings;
+}
+
+/// Warns where the scores find more places in the other order: --distance instead of --similarity.
+void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
+  const uint64_t queries = judged_queries(judgement.outcomes);
+  const auto found = recall_at(judgement.outcomes, 1);
+  if (!found || !judgement.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
+    return;
+  const double other =
+      static_cast<double>(judgement.all_pairs->worst_correct) / static_cast<double>(queries);
+  constexpr double kClear = 0.05;  // of the queries: more than chance
+  if (other < 2 * *found || other < *found + kClear) return;
+  warn(monitor,
+       fmt::format("{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(),
+                   100 * *found, inputs.matrix.is_distance ? "--distance" : "--similarity",
+                   100 * other, inputs.matrix.is_distance ? "--similarity" : "--distance"));
+}
+
+/// Warns where the best score of all may be what vpr-query writes where there is none.
+void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
+  const auto& points = judgement.single_best.points;
+  if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.matrix.path.empty() ||
+      points.empty())
+    return;
+  const double best = judgement.single_best.threshold(points.front());
+  const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
+  const auto kinds = score_kinds();
+  if (std::none_of(kinds.begin(), kinds.end(), is_missing)) return;
+  warn(monitor,
+       fmt::format("{0}: has the distance {1}, the best there is; if it stands for a missing one, "
+                   "as in a matrix of vpr-query, give --missing {1}",
+                   inputs.source(), best));
+}
+
 void evaluate_matrix(Session& session, const EvalInputs& inputs, Evaluated& evaluated) {
   evaluated.by = judged_by(session, inputs, inputs.pictures.query, DatabaseFamily::sequences);
   OpenedScores opened = open_inputs(session, inputs);
@@ -135,15 +195,6 @@ void require_inputs(const EvalInputs& inputs) {
 }
 
 }  // namespace
-
-EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
-  const auto& paths = inputs.results.empty() ? std::vector{inputs.scores.source()} : inputs.results;
-  EvalInputs one = inputs;
-  one.row_name = row_names(inputs.names, paths)[i];
-  if (!inputs.results.empty()) one.result = inputs.results[i];
-  if (!inputs.names.empty()) one.scores.name = inputs.names[i];
-  return one;
-}
 
 OpenedScores open_inputs(const Session& session, const EvalInputs& inputs) {
   require_inputs(inputs);
@@ -169,19 +220,6 @@ Evaluated evaluate(Session& session, const EvalInputs& inputs) {
   if (!inputs.scores.name.empty()) evaluated.evaluation.name = inputs.scores.name;
   evaluated.report = report_of(evaluated.evaluation, session.run, session.monitor);
   return evaluated;
-}
-
-std::vector<std::string> row_names(const std::vector<std::string>& given,
-                                   const std::vector<std::string>& paths) {
-  if (!given.empty()) return given;
-  std::vector<std::string> stems;
-  for (const std::string& path : paths)
-    stems.push_back(std::filesystem::path(path).stem().string());
-  std::vector<std::string> names = stems;
-  for (size_t i = 0; i < names.size(); ++i)
-    if (std::count(stems.begin(), stems.end(), stems[i]) > 1)
-      names[i] = fmt::format("{} ({})", stems[i], i + 1);
-  return names;
 }
 
 }  // namespace vpr

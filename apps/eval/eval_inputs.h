@@ -219,12 +219,6 @@ std::string metrics_help();
 /// Throws Error(usage) for flags that need --scores, or that a result answers already.
 void check_score_inputs(const ScoreInputs& inputs, bool has_result);
 
-/// The matrix of --scores alone, or of descriptors. Throws Error(usage) unless its kind is known.
-ScoreMatrix open_scores(const ScoreInputs& inputs);
-
-/// The matrix that was saved with a result; `missing` stands where it has no score.
-ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing);
-
 /// Throws Error(data) if `rows` windows do not have the frames that --query-frames or
 /// `query_frames` states, or, where neither is known, if a window is longer than the matrix.
 void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames);
@@ -235,15 +229,6 @@ std::vector<size_t> recall_at_of(const ScoreInputs& inputs);
 
 /// Throws Error(usage) for a --stretch out of range.
 size_t stretch_of(const ScoreInputs& inputs);
-
-/// What a report says of --scores alone. `seed`: of a replay. Throws what replay throws.
-ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed);
-
-/// Warns where the scores find more places in the other order: --distance instead of --similarity.
-void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);
-
-/// Warns where the best score of all may be what vpr-query writes where there is none.
-void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement);
 
 void add_trajectory_options(const Command& app, EvalInputs& inputs);
 
@@ -258,9 +243,6 @@ void claim_trajectory(const Session& session, const EvalInputs& inputs);
 void write_trajectory(const Session& session, const EvalInputs& inputs, const Evaluated& evaluated,
                       std::optional<double> frames_per_second);
 
-/// Of result i alone, or of the scores.
-EvalInputs inputs_of(const EvalInputs& inputs, size_t i);
-
 /// What is read of a result, or of scores alone.
 struct OpenedScores {
   std::optional<StoredResult> stored;
@@ -274,10 +256,5 @@ OpenedScores open_inputs(const Session& session, const EvalInputs& inputs);
 /// truth and more than pictures of a result is asked for; Error(data) if --scores is not the matrix
 /// that was saved with the result.
 Evaluated evaluate(Session& session, const EvalInputs& inputs);
-
-/// Names of rows: what the user gave with --name, else the files' own names, with a number where
-/// two are equal. `given`: empty, or one for each.
-std::vector<std::string> row_names(const std::vector<std::string>& given,
-                                   const std::vector<std::string>& paths);
 
 }  // namespace vpr

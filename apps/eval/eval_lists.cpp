@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "eval_inputs.h"
 #include "evaluate/matrix_scan.h"
-#include "evaluate/prediction_lists.h"
+#include "evaluate/score_sources.h"
 #include "present/result_file.h"
 #include "sequence/sequence.h"
 

@@ -5,12 +5,8 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "common/rate_flags.h"
-#include "decide/score_kind.h"
 #include "eval_inputs.h"
-#include "evaluate/descriptor_scores.h"
 #include "evaluate/metrics.h"
-#include "evaluate/outcomes.h"
-#include "sequence/sequence.h"
 
 namespace vpr {
 namespace {
@@ -144,15 +140,6 @@ void check_score_inputs(const ScoreInputs& inputs, bool has_result) {
   check_frames(inputs);
 }
 
-ScoreMatrix open_scores(const ScoreInputs& inputs) {
-  if (!inputs.query_npy.empty())
-    return descriptor_scores(open_sequence(parse_sequence_argument(inputs.query_npy)),
-                             open_sequence(parse_sequence_argument(inputs.reference_npy)),
-                             inputs.metric);
-  require_order(inputs.matrix);
-  return {inputs.matrix.path, inputs.matrix.format()};
-}
-
 std::vector<size_t> recall_at_of(const ScoreInputs& inputs) {
   if (inputs.recall_at.empty()) return {};
   std::vector<size_t> all = {1};
@@ -165,11 +152,6 @@ std::vector<size_t> recall_at_of(const ScoreInputs& inputs) {
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
-}
-
-ScoreMatrix open_saved_scores(const ScoreInputs& inputs, double missing) {
-  return {inputs.matrix.path,
-          {false, inputs.matrix.references_first, inputs.matrix.missing.value_or(missing)}};
 }
 
 void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> query_frames) {
@@ -188,44 +170,6 @@ void check_rows(const ScoreInputs& inputs, size_t rows, std::optional<size_t> qu
           : fmt::format("{}: its {} rows are fewer than the frames of one window, {}. Give "
                         "the number of query frames with --query-frames, or correct {}",
                         inputs.source(), rows, inputs.window_length, kWindowFlag));
-}
-
-ScoreSettings settings_of(const ScoreInputs& inputs, uint64_t seed) {
-  const std::string name =
-      inputs.name.empty() ? std::filesystem::path(inputs.source()).stem().string() : inputs.name;
-  ScoreSettings settings{name, inputs.matrix.format(), inputs.window_length, inputs.threshold};
-  if (!inputs.warp.empty()) settings.replay = replay(inputs.warp, *inputs.query_frames, seed);
-  return settings;
-}
-
-void warn_reversed(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
-  const uint64_t queries = judged_queries(judgement.outcomes);
-  const auto found = recall_at(judgement.outcomes, 1);
-  if (!found || !judgement.all_pairs || inputs.matrix.is_distance == inputs.matrix.is_similarity)
-    return;
-  const double other =
-      static_cast<double>(judgement.all_pairs->worst_correct) / static_cast<double>(queries);
-  constexpr double kClear = 0.05;  // of the queries: more than chance
-  if (other < 2 * *found || other < *found + kClear) return;
-  warn(monitor,
-       fmt::format("{}: R@1 is {:.1f} % with {} and {:.1f} % with {}", inputs.source(),
-                   100 * *found, inputs.matrix.is_distance ? "--distance" : "--similarity",
-                   100 * other, inputs.matrix.is_distance ? "--similarity" : "--distance"));
-}
-
-void warn_negative(const Monitor& monitor, const ScoreInputs& inputs, const Judgement& judgement) {
-  const auto& points = judgement.single_best.points;
-  if (inputs.matrix.is_similarity || inputs.matrix.missing || inputs.matrix.path.empty() ||
-      points.empty())
-    return;
-  const double best = judgement.single_best.threshold(points.front());
-  const auto is_missing = [&](const ScoreKind& kind) { return best == kind.missing; };
-  const auto kinds = score_kinds();
-  if (std::none_of(kinds.begin(), kinds.end(), is_missing)) return;
-  warn(monitor,
-       fmt::format("{0}: has the distance {1}, the best there is; if it stands for a missing one, "
-                   "as in a matrix of vpr-query, give --missing {1}",
-                   inputs.source(), best));
 }
 
 }  // namespace vpr

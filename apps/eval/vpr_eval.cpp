@@ -27,6 +27,31 @@ void visit_fields(EvalSettings& settings, Visitor&& visit) {
   visit("confidence", settings.inputs.confidence);
 }
 
+/// Names of rows: what the user gave with --name, else the files' own names, with a number where
+/// two are equal. `given`: empty, or one for each.
+std::vector<std::string> row_names(const std::vector<std::string>& given,
+                                   const std::vector<std::string>& paths) {
+  if (!given.empty()) return given;
+  std::vector<std::string> stems;
+  for (const std::string& path : paths)
+    stems.push_back(std::filesystem::path(path).stem().string());
+  std::vector<std::string> names = stems;
+  for (size_t i = 0; i < names.size(); ++i)
+    if (std::count(stems.begin(), stems.end(), stems[i]) > 1)
+      names[i] = fmt::format("{} ({})", stems[i], i + 1);
+  return names;
+}
+
+/// Of result i alone, or of the scores.
+EvalInputs inputs_of(const EvalInputs& inputs, size_t i) {
+  const auto& paths = inputs.results.empty() ? std::vector{inputs.scores.source()} : inputs.results;
+  EvalInputs one = inputs;
+  one.row_name = row_names(inputs.names, paths)[i];
+  if (!inputs.results.empty()) one.result = inputs.results[i];
+  if (!inputs.names.empty()) one.scores.name = inputs.names[i];
+  return one;
+}
+
 void check_names(const EvalInputs& inputs) {
   const size_t results = std::max<size_t>(inputs.results.size(), 1);
   if (inputs.names.empty() || inputs.names.size() == results) return;

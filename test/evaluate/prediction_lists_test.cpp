@@ -1,6 +1,4 @@
 // Lists of what other programs found, and lists for them.
-#include "evaluate/prediction_lists.h"
-
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -9,6 +7,7 @@
 
 #include "base/random.h"
 #include "evaluate/matrix_scan.h"
+#include "evaluate/score_sources.h"
 #include "support.h"
 
 using namespace vpr;

@@ -1,5 +1,5 @@
 // Any bytes as a list of what a program found, and as the file of one query.
-#include "evaluate/prediction_lists.h"
+#include "evaluate/score_sources.h"
 #include "fuzz.h"
 
 using namespace vpr;
