@@ -86,10 +86,11 @@ void run(Session& session, const CheckInputs& inputs) {
   const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
-  const Json json = ground_truth_report_json(found, summarise(found, session.monitor), session.run);
+  const GroundTruthSummary summary = summarise(found, session.monitor);
+  const Json json = ground_truth_report_json(found, summary, session.run);
   session.write_output(json);
-  std::string text = render_table(ground_truth_table(json), inputs.format);
-  if (inputs.format == TableFormat::text) text += ground_truth_examples(json);
+  std::string text = render_table(ground_truth_table(found, summary), inputs.format);
+  if (inputs.format == TableFormat::text) text += ground_truth_examples(found, summary);
   session.print_result(text, json);
   require_undamaged(found, inputs.ground_truth);
 }

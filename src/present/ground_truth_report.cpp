@@ -11,29 +11,6 @@ Json finding_json(const GroundTruthFinding& finding) {
   return {{"count", finding.count}, {"examples", finding.examples}};
 }
 
-// A row of the table: where the number stands in the report, and what it means.
-struct Line {
-  const char* group;
-  const char* key;
-  const char* meaning;
-};
-
-constexpr Line kLines[] = {
-    {"frames", "query", "query frames"},
-    {"frames", "train", "training frames"},
-    {"pairs", "same", "pairs of the same place, tolerance applied"},
-    {"pairs", "ignored", "pairs to ignore"},
-    {"pairs", "most_matches", "most matches of one query"},
-    {"findings", "out_of_range", "pairs out of range: damage"},
-    {"findings", "contradiction", "pairs labelled both same and ignore: damage"},
-    {"findings", "duplicate", "pairs given more than once; they count once"},
-    {"findings", "queries_without_match", "queries without a match; counted apart"},
-    {"findings", "references_without_match", "training frames that no query matches"},
-    {"findings", "one_sided", "pairs (i, j) without (j, i); usual between two walks"},
-};
-
-const Json& count_of(const Json& value) { return value.is_object() ? value["count"] : value; }
-
 }  // namespace
 
 Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
@@ -60,24 +37,39 @@ Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
   return json;
 }
 
-Table ground_truth_table(const Json& report) {
-  Table table;
-  table.title = report["protocol"].get<std::string>();
-  table.columns = {"what", "count"};
-  for (const Line& line : kLines) {
-    const Json& count = count_of(report[line.group][line.key]);
-    table.rows.push_back({line.meaning, count.is_null() ? "-" : count.dump()});
-  }
+Table ground_truth_table(const InspectedGroundTruth& ground_truth,
+                         const GroundTruthSummary& summary) {
+  const auto finding = [&](FindingKind kind) {
+    return ground_truth.findings[static_cast<size_t>(kind)].count;
+  };
+  Table table{ground_truth.truth.protocol, {"what", "count"}, {}};
+  const auto add = [&](const char* what, uint64_t count) {
+    table.rows.push_back({what, std::to_string(count)});
+  };
+  add("query frames", summary.query_frames);
+  add("training frames", summary.train_frames);
+  add("pairs of the same place, tolerance applied", summary.same);
+  add("pairs to ignore", summary.ignored);
+  add("most matches of one query", summary.most_matches);
+  add("pairs out of range: damage", finding(FindingKind::out_of_range));
+  add("pairs labelled both same and ignore: damage", finding(FindingKind::contradiction));
+  add("pairs given more than once; they count once", finding(FindingKind::duplicate));
+  add("queries without a match; counted apart", summary.queries_without_match);
+  add("training frames that no query matches", summary.references_without_match);
+  table.rows.push_back({"pairs (i, j) without (j, i); usual between two walks",
+                        summary.one_sided ? std::to_string(*summary.one_sided) : "-"});
   return table;
 }
 
-std::string ground_truth_examples(const Json& report) {
+std::string ground_truth_examples(const InspectedGroundTruth& ground_truth,
+                                  const GroundTruthSummary& summary) {
   std::string text;
-  for (const auto& item : report["findings"].items()) {
-    if (!item.value().is_object()) continue;
-    for (const Json& example : item.value()["examples"])
-      text += fmt::format("{}\n", example.get<std::string>());
-  }
+  for (const FindingKind kind :
+       {FindingKind::out_of_range, FindingKind::contradiction, FindingKind::duplicate})
+    for (const std::string& example : ground_truth.findings[static_cast<size_t>(kind)].examples)
+      text += example + "\n";
+  if (summary.one_sided)
+    for (const std::string& example : summary.one_sided_examples) text += example + "\n";
   return text;
 }
 

@@ -15,10 +15,12 @@ Json ground_truth_report_json(const InspectedGroundTruth& ground_truth,
                               const GroundTruthSummary& summary, const RunInfo& run);
 
 /// A row for everything that is counted, and what it means.
-Table ground_truth_table(const Json& report);
+Table ground_truth_table(const InspectedGroundTruth& ground_truth,
+                         const GroundTruthSummary& summary);
 
 /// The first pairs of everything that is odd, one a line.
-std::string ground_truth_examples(const Json& report);
+std::string ground_truth_examples(const InspectedGroundTruth& ground_truth,
+                                  const GroundTruthSummary& summary);
 
 /// What was turned into another format, `target` (vpr.conversion/1).
 Json conversion_json(const InspectedGroundTruth& ground_truth, const GroundTruthSummary& summary,
