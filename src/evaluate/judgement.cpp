@@ -83,9 +83,9 @@ Judgement judge(const Result& result, const GroundTruth& truth, std::span<const 
     check_stop(monitor);
     judgement.recognised.push_back({hit.query, column_of(judgement.layout, hit.target, hit.train)});
   }
-  judgement.frames_with_match = count_with_match(truth);
   judgement.fixes = fixes_of(result, truth);
   judgement.localisation = localise(judgement.fixes, travelled_m);
+  judgement.localisation.frames_with_match = count_with_match(truth);
   return judgement;
 }
 
@@ -108,9 +108,9 @@ Judgement judge(const ScoreMatrix& matrix, const ScoreLayout& layout, const Grou
           {window, column_of(layout, query.best->sequence,
                              query.best->reference + 1 - layout.window_length)});
   }
-  judgement.frames_with_match = count_with_match(truth);
   judgement.fixes = fixes_of(judgement.outcomes, accepted);
   judgement.localisation = localise(judgement.fixes, travelled_m);
+  judgement.localisation.frames_with_match = count_with_match(truth);
   return judgement;
 }
 

@@ -43,7 +43,6 @@ struct Judgement {
   std::vector<RecognisedCell> recognised;  ///< hits of a result, accepted best matches of scores
   std::optional<double> threshold;         ///< of accepted best matches
   bool is_oracle = false;                  ///< the threshold was chosen from the ground truth
-  size_t frames_with_match = 0;            ///< query frames that the ground truth has a match for
   std::vector<Fix> fixes;                  ///< one a query frame
   Localisation localisation;
   std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K of what is reported

@@ -95,6 +95,7 @@ enum class Fix { none, right, wrong, unjudged };
 /// Metres are none where positions are not known.
 struct Localisation {
   size_t frames = 0;  ///< of the whole path, frames before the first whole window included
+  size_t frames_with_match = 0;  ///< of which the ground truth has a match; set by judge
   size_t right = 0;
   size_t wrong = 0;
   size_t longest_gap_frames = 0;           ///< frames in a row without a right fix

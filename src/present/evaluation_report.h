@@ -66,14 +66,18 @@ struct ByAcceptance {
 /// A metric by K.
 using RankValues = std::map<size_t, std::optional<double>>;
 
+struct ReportedAchievement {
+  size_t stretch_frames = 0;
+  size_t stretches = 0;  ///< with a query to find
+  std::array<std::optional<double>, kRecallTargets.size()> shares = {};
+};
+
 struct ReportedMetrics {
   ByAcceptance<CurveNumbers> curves;
   RankValues recall_at;
   std::optional<RankValues> precision_at;  ///< where ranks are known
   std::optional<RankValues> map_at;
-  size_t stretch_frames = 0;
-  size_t stretches = 0;  ///< with a query to find
-  std::array<std::optional<double>, kRecallTargets.size()> recall_achievement = {};
+  ReportedAchievement recall_achievement;
 };
 
 /// What is counted, in words.
@@ -107,7 +111,6 @@ struct Report {
   std::optional<std::vector<ReportedPlace>> recognitions;
   ReportedMetrics metrics;
   Localisation localisation;
-  size_t frames_with_match = 0;
   bool is_oracle = false;  ///< fixes are by a threshold from the ground truth
   ByAcceptance<ReportedCurve> curves;
   Outcomes outcomes;  ///< if it was read: without the references of best matches
@@ -144,8 +147,8 @@ std::string outcome_letters(const Outcomes& outcomes);
 
 CurveNumbers numbers_of(const Curve& curve);
 Json curve_numbers_json(const CurveNumbers& numbers);
-/// A curve as reports hold it.
-Json curve_json(const Curve& curve);
+ReportedCurve reported_curve(const Curve& curve);
+Json curve_json(const ReportedCurve& curve);
 
 /// At most `most` points, evenly spaced by their place, first and last among them.
 std::vector<CurvePoint> thinned(const Curve& curve, size_t most);

@@ -172,7 +172,7 @@ Table ranking_table(const Report& report) {
 }
 
 Table achievement_table(const Report& report) {
-  const ReportedMetrics& found = report.metrics;
+  const ReportedAchievement& found = report.metrics.recall_achievement;
   const Metric& metric = find_metric("recall_achievement");
   Table table;
   table.title = fmt::format(
@@ -180,7 +180,7 @@ Table achievement_table(const Report& report) {
       counted(found.stretches, "stretch", "stretches"), counted(found.stretch_frames, "frame"));
   for (size_t t = 0; t < kRecallTargets.size(); ++t)
     add_column(table, fmt::format("{}{:g}", metric.symbol, kRecallTargets[t]),
-               metric_cell(metric, found.recall_achievement[t]));
+               metric_cell(metric, found.shares[t]));
   return table;
 }
 
@@ -239,7 +239,7 @@ std::string recognitions_text(const Report& report) {
 Table comparable_table(const Report& report) {
   Table table = report_table(report);
   const BestMatchCounts& best = report.counts.best_match;
-  const uint64_t frames = report.frames_with_match - best.ignored;
+  const uint64_t frames = report.localisation.frames_with_match - best.ignored;
   add_column(table, "of frames", frames);
   add_column(
       table, "% of frames",

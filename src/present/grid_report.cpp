@@ -54,7 +54,7 @@ constexpr std::array<GridMetric, 5> kMetrics = {
 /// not right; one whose best match is to be ignored is left out.
 double frames_of(const Report& report, const GridMetric& metric) {
   if (metric.is_of_path) return number(report.localisation.frames);
-  return number(report.frames_with_match) - number(report.counts.best_match.ignored);
+  return number(report.localisation.frames_with_match) - number(report.counts.best_match.ignored);
 }
 
 Value value_of(const Report& report, const GridMetric& metric) {

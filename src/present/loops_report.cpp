@@ -229,7 +229,7 @@ Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
                       {"missed", missed_json(judgement)}};
   json["wrong_loops"] = wrong_loops_json(judgement);
   json["metrics"] = judgement.curve ? curve_numbers_json(numbers_of(*judgement.curve)) : Json();
-  json["curve"] = judgement.curve ? curve_json(*judgement.curve) : Json();
+  json["curve"] = judgement.curve ? curve_json(reported_curve(*judgement.curve)) : Json();
   json["provenance"] = provenance_json(run);
   return json;
 }

@@ -255,6 +255,8 @@ TEST_CASE("damaged reports are refused") {
   CHECK(code("ranks", "1 2 3 4 5 6 7 8 9 10 11 -1") == 4);
   CHECK(code("first_frame", -1) == 4);
   CHECK(code("scores_are", "votes") == 4);
+  CHECK(code("fixes", "rrr") == 4);
+  CHECK(code("fixes", "rrrrrrrrrrrx") == 4);
   Json old = good;
   old.erase("outcomes");
   write_text(folder / "old.json", old.dump());

@@ -127,6 +127,9 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   const Json json = file_json(out / "all.json");
   CHECK(json["schema"] == "vpr.reports/1");
   REQUIRE(json["reports"].size() == 2);
+  Json written = file_json(out / "all/first.report.json");
+  for (const char* part : {"machine", "timing"}) written.erase(part);
+  CHECK(json["reports"][0]["report"].dump() == written.dump());  // as it was read
   const std::string page = read_text(out / "all.html");
   CHECK(has(page, "2 methods on 1 query"));
   CHECK(has(page, "<svg class=\"lanes\""));

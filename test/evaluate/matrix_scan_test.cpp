@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/random.h"
-#include "evaluate/outcomes.h"
+#include "evaluate/metrics.h"
 #include "support.h"
 
 using namespace vpr;

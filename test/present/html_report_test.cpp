@@ -137,6 +137,30 @@ TEST_CASE("thumbnails are small, and frames that cannot be read are gaps") {
   CHECK(found.at(1).jpeg.empty());
 }
 
+TEST_CASE("a report is written again as it was read") {
+  Judgement judgement = example("cwcwcw", 2);
+  judgement.outcomes.queries[2].verdict = Verdict::unreadable;
+  judgement.outcomes.queries[2].best.reset();
+  judgement.outcomes.queries[2].key = kNoScore;
+  judgement.outcomes.queries[3].verdict = Verdict::ignored;
+  judgement.outcomes.has_margins = judgement.outcomes.has_ranks = true;
+  judgement.outcomes.queries[0].margin = 0.1;
+  judgement.outcomes.queries[0].rank = 7;
+  judgement.outcomes.queries[1].key =
+      score_key(std::numeric_limits<double>::infinity(), ScoreOrder::distance);
+  order_by(judgement, Confidence::margin);
+  judgement.fixes[2] = Fix::right;
+  judgement.fixes[3] = Fix::unjudged;
+  judgement.localisation = localise(judgement.fixes, {});
+  Evaluation evaluation = evaluation_of(judgement, example_truth(judgement));
+  evaluation.scores.replay = replay("varying", 7, 3);
+  evaluation.name = "mine";
+  const Json json = report_json(report_of(evaluation, {}));
+  CHECK(json["confidence"] == "margin");
+  CHECK(json["outcomes"]["fixes"] == "..ri...");
+  CHECK(report_json(parse_report(json, "r.json")).dump() == json.dump());
+}
+
 TEST_CASE("a page names nothing outside itself, however hostile its names are") {
   const test::TemporaryFolder folder;
   const std::string hostile = "<img src=x onerror=alert(1)>\"'&{{data}}.png";
