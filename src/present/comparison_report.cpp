@@ -188,12 +188,10 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports,
 
 }  // namespace
 
-bool is_same_walk(const Report& a, const Report& b) { return a.walk() == b.walk(); }
-
 GroundTruths compare_ground_truths(std::span<const Report> reports) {
   std::map<bool, std::string> of_kind;  // places or frames
   for (const Report& report : reports) {
-    if (!is_same_walk(report, reports.front())) {
+    if (report.walk() != reports.front().walk()) {
       // Labels of other frames have another fingerprint: only the words can be compared.
       if (words_of_recording(report) != words_of_recording(reports.front()))
         return GroundTruths::different;

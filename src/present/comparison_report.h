@@ -16,9 +16,6 @@
 
 namespace vpr {
 
-/// Whether a report is of the same walk as another: of the query as it is, or replayed likewise.
-bool is_same_walk(const Report& a, const Report& b);
-
 /// Whether reports are judged by one ground truth. of_places_and_frames: places of some, frames of
 /// others, each kind by one; they say of different things, and can agree by query only.
 enum class GroundTruths { same, different, of_places_and_frames };
@@ -44,8 +41,9 @@ struct ComparisonReport {
   Provenance made_by;
 
   std::string query() const;
-  /// Whether a report is of the same walk as the first.
-  bool is_paired(size_t report) const { return is_same_walk(reports[report], reports.front()); }
+  /// Whether a report is of the same walk as the first: of the query as it is, or replayed
+  /// likewise.
+  bool is_paired(size_t report) const { return reports[report].walk() == reports.front().walk(); }
 };
 
 /// Everything of the file but "machine" and "timing".

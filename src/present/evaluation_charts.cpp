@@ -279,6 +279,15 @@ std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgement
   return kept;
 }
 
+Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
+                   const Monitor& monitor) {
+  const Judgement& judgement = evaluation.judgement;
+  const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
+  return matrix_chart(judgement.layout,
+                      draw_scores(judgement, evaluation.truth, matrix, most_pixels, monitor),
+                      reference_word(report), score_words(report));
+}
+
 void draw_evaluation(const Evaluation& evaluation, const Report& report,
                      const std::filesystem::path& folder, const Monitor& monitor) {
   const Judgement& judgement = evaluation.judgement;
@@ -289,11 +298,7 @@ void draw_evaluation(const Evaluation& evaluation, const Report& report,
   charts.push_back(margin_chart(report, judgement));
   for (const Chart& chart : charts)
     if (!chart.series.empty()) draw_chart(chart, folder);
-  const ScorePicture picture =
-      draw_scores(judgement, evaluation.truth, evaluation.matrix ? &*evaluation.matrix : nullptr,
-                  kMatrixSide, monitor);
-  Chart chart =
-      matrix_chart(judgement.layout, picture, reference_word(report), score_words(report));
+  Chart chart = matrix_chart(evaluation, report, kMatrixSide, monitor);
   chart.title = evaluation_title(report);
   draw_chart(chart, folder);
 }

@@ -56,6 +56,10 @@ Chart margin_chart(const Report& report, const Judgement& judgement);
 Chart timeline_chart(const Report& report, const Judgement& judgement, const GroundTruth& truth,
                      const Monitor& monitor = {});
 
+/// The scores of all pairs in at most `most_pixels` a side, and what is recognised.
+Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
+                   const Monitor& monitor);
+
 /// The meanings that a chart shows, for a legend outside it.
 std::vector<Meaning> meanings_of(const Chart& chart);
 

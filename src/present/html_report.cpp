@@ -64,13 +64,12 @@ std::string risk_areas(const Judgement& judgement) {
                      by_margin(judgement) ? single : other);
 }
 
-PageCharts page_charts(const Report& report, const Judgement& judgement, const GroundTruth& truth,
-                       const ScoreMatrix* matrix, const Monitor& monitor) {
-  PageCharts charts = {
-      curve_chart(report, judgement), risk_chart(report, judgement),
-      threshold_chart(report, judgement), timeline_chart(report, judgement, truth, monitor),
-      matrix_chart(judgement.layout, draw_scores(judgement, truth, matrix, kMatrixSide, monitor),
-                   reference_word(report), score_words(report))};
+PageCharts page_charts(const Evaluation& evaluation, const Report& report, const Monitor& monitor) {
+  const Judgement& judgement = evaluation.judgement;
+  PageCharts charts = {curve_chart(report, judgement), risk_chart(report, judgement),
+                       threshold_chart(report, judgement),
+                       timeline_chart(report, judgement, evaluation.truth, monitor),
+                       matrix_chart(evaluation, report, kMatrixSide, monitor)};
   charts.curve.title = "Precision and recall";
   charts.risk.title = "Risk and coverage: area " + risk_areas(judgement);
   charts.thresholds.title =
@@ -210,8 +209,7 @@ std::string html_report(const Evaluation& evaluation, const Report& report, cons
   const GroundTruth& truth = evaluation.truth;
   GalleryCards gallery(judgement, truth, sources);
   gallery.read_frames(monitor);
-  const ScoreMatrix* matrix = evaluation.matrix ? &*evaluation.matrix : nullptr;
-  const PageCharts charts = page_charts(report, judgement, truth, matrix, monitor);
+  const PageCharts charts = page_charts(evaluation, report, monitor);
   Json json = report_json(report);
   Json made = json["settings"];
   made.update(json["provenance"]);
@@ -241,7 +239,7 @@ std::string html_report(const Evaluation& evaluation, const Report& report, cons
        {"timeline_legend", legend_html(meanings_of(charts.timeline))},
        {"timeline", page_svg(charts.timeline)},
        {"margins", margins_html(report, judgement)},
-       {"matrix_title", matrix != nullptr ? "Scores of all pairs" : "Recognitions of all pairs"},
+       {"matrix_title", evaluation.matrix ? "Scores of all pairs" : "Recognitions of all pairs"},
        {"matrix_legend", legend_html(meanings_of(charts.matrix))},
        {"matrix", page_svg(charts.matrix)},
        {"gallery_title", truth.is_known ? "Mistakes and hits" : "Best matches"},

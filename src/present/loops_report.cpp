@@ -179,6 +179,17 @@ Series missed_series(const LoopsEvaluation& evaluation, const std::array<size_t,
   return missed;
 }
 
+/// Precision against recall of every frame's best loop. No series where the list has no scores.
+Chart curve_chart(const LoopsEvaluation& evaluation) {
+  Chart chart = precision_recall_chart(evaluation.name);
+  if (!evaluation.judgement.curve || evaluation.judgement.curve->points.empty()) return chart;
+  const Curve& curve = *evaluation.judgement.curve;
+  Series series{"best loop of every frame", {}, SeriesStyle::line, Meaning::best_matches};
+  series.points = curve_points(curve, 1000);
+  chart.series.push_back(series);
+  return chart;
+}
+
 /// The names of a chart's series, beside their colours.
 std::string legend_of(const Chart& chart) {
   std::string html;
@@ -198,7 +209,7 @@ std::string charts_html(const LoopsEvaluation& evaluation) {
   Chart map = loops_map_chart(evaluation);
   map.title = "Loops on the trajectory";
   std::string html = "<div class=\"charts\">" + figure(map);
-  Chart curve = loops_curve_chart(evaluation);
+  Chart curve = curve_chart(evaluation);
   curve.title = "Precision and recall";
   curve.width = 650;
   curve.height = 450;
@@ -302,16 +313,6 @@ std::string loops_mistakes(const LoopsEvaluation& evaluation) {
   return text;
 }
 
-Chart loops_curve_chart(const LoopsEvaluation& evaluation) {
-  Chart chart = precision_recall_chart(evaluation.name);
-  if (!evaluation.judgement.curve || evaluation.judgement.curve->points.empty()) return chart;
-  const Curve& curve = *evaluation.judgement.curve;
-  Series series{"best loop of every frame", {}, SeriesStyle::line, Meaning::best_matches};
-  series.points = curve_points(curve, 1000);
-  chart.series.push_back(series);
-  return chart;
-}
-
 Chart loops_map_chart(const LoopsEvaluation& evaluation) {
   Chart chart{"loops", evaluation.name};
   chart.is_plan = true;
@@ -329,7 +330,7 @@ Chart loops_map_chart(const LoopsEvaluation& evaluation) {
 
 void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder) {
   draw_chart(loops_map_chart(evaluation), folder);
-  const Chart curve = loops_curve_chart(evaluation);
+  const Chart curve = curve_chart(evaluation);
   if (!curve.series.empty()) draw_chart(curve, folder);
 }
 

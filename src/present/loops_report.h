@@ -35,9 +35,6 @@ Table loops_table(const LoopsEvaluation& evaluation);
 /// there are none.
 std::string loops_mistakes(const LoopsEvaluation& evaluation);
 
-/// Precision against recall of every frame's best loop. No series where the list has no scores.
-Chart loops_curve_chart(const LoopsEvaluation& evaluation);
-
 /// The trajectory seen along its shortest extent, as a plan: a line from frame to frame for every
 /// right and every wrong loop, and dots at the frames that have one, listed or not.
 Chart loops_map_chart(const LoopsEvaluation& evaluation);

@@ -309,45 +309,37 @@ std::vector<Table> sweep_tables(const std::vector<Sweep>& sweeps) {
 }
 
 Table cells_table(const std::vector<Sweep>& sweeps) {
-  Table table;
-  table.columns = {"query",
-                   std::string(sweeps.front().score->window_symbol),
-                   sweeps.front().threshold_symbol,
-                   "scale",
-                   "hits_correct",
-                   "hits_incorrect",
-                   "hits_ignored",
-                   "places_correct",
-                   "places_mixed",
-                   "places_incorrect",
-                   "places_ignored",
-                   "distinct",
-                   "best_match_correct",
-                   "best_match_queries",
-                   "best_match_ignored",
-                   "pareto",
-                   "recommended"};
+  std::vector<Table> rows;
+  std::vector<std::string> names;
   for (const Sweep& sweep : sweeps)
     for (size_t c = 0; c < sweep.cells.size(); ++c) {
       const CellCounts& cell = sweep.cells[c];
       const auto& [hits, places, mixed, distinct, best] = cell.counts;
-      std::vector<std::string>& row = table.rows.emplace_back();
-      row = {sweep.query_name, window_text(cell), threshold_text(cell),
-             std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure)};
-      for (const uint64_t count : {hits.correct, hits.incorrect, hits.ignored})
-        row.push_back(std::to_string(count));
-      if (places)
-        for (const uint64_t count : {places->correct, mixed, places->incorrect, places->ignored})
-          row.push_back(std::to_string(count));
-      else
-        row.insert(row.end(), 4, "");
-      for (const uint64_t count : {distinct, best.correct, best.queries, best.ignored})
-        row.push_back(std::to_string(count));
       const Recommendation& choice = sweep.recommendation;
       const bool is_pareto = std::ranges::find(choice.pareto, c) != choice.pareto.end();
-      row.insert(row.end(), {is_pareto ? "yes" : "no", choice.cell == c ? "yes" : "no"});
+      const auto of_places = [&](uint64_t count) { return places ? std::to_string(count) : ""; };
+      const LabelCounts judged = places.value_or(LabelCounts{});
+      names.push_back(sweep.query_name);
+      Table& row = rows.emplace_back();
+      add_column(row, sweep.score->window_symbol, cell.window);
+      add_column(row, sweep.threshold_symbol, threshold_text(cell));
+      add_column(row, "scale",
+                 std::string(cell.scale ? enum_name(*cell.scale) : sweep.score->measure));
+      add_column(row, "hits_correct", hits.correct);
+      add_column(row, "hits_incorrect", hits.incorrect);
+      add_column(row, "hits_ignored", hits.ignored);
+      add_column(row, "places_correct", of_places(judged.correct));
+      add_column(row, "places_mixed", of_places(mixed));
+      add_column(row, "places_incorrect", of_places(judged.incorrect));
+      add_column(row, "places_ignored", of_places(judged.ignored));
+      add_column(row, "distinct", distinct);
+      add_column(row, "best_match_correct", best.correct);
+      add_column(row, "best_match_queries", best.queries);
+      add_column(row, "best_match_ignored", best.ignored);
+      add_column(row, "pareto", is_pareto ? "yes" : "no");
+      add_column(row, "recommended", choice.cell == c ? "yes" : "no");
     }
-  return table;
+  return stack_tables(rows, "query", names);
 }
 
 std::string reason_text(const Sweep& sweep) {
