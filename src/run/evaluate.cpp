@@ -92,6 +92,12 @@ void warn_of_truth(const Evaluation& evaluation, const JudgedBy& by, const Monit
   if (const auto lengths = other_length(evaluation, by)) warn(monitor, *lengths);
 }
 
+void present_by(Judgement& judgement, const JudgedBy& by) {
+  if (by.confidence) order_by(judgement, *by.confidence);
+  if (!by.recall_at.empty()) judgement.recall_at = by.recall_at;
+  judgement.stretch_frames = by.stretch_frames;
+}
+
 void set_replay(GroundTruthScope& scope, const Replay& replay) {
   if (replay.frames() != scope.query_frames)
     throw Error(
@@ -115,9 +121,7 @@ Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, con
   const std::vector<double> travelled_m = way_of(by, scope, monitor);
   evaluation.judgement = matrix ? judge(result, *matrix, truth, travelled_m, monitor)
                                 : judge(result, truth, travelled_m, monitor);
-  if (by.confidence) order_by(evaluation.judgement, *by.confidence);
-  if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
-  evaluation.judgement.stretch_frames = by.stretch_frames;
+  present_by(evaluation.judgement, by);
   JudgedResult& judged = evaluation.result.emplace();
   judged.counts = count_recognitions(result, truth, monitor);
   judged.by_view = count_by_view(result, truth, monitor);
@@ -140,9 +144,7 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   const std::vector<double> travelled_m = way_of(by, layout.scope, monitor);
   evaluation.judgement =
       judge(matrix, layout, evaluation.truth, settings.threshold, travelled_m, monitor);
-  if (by.confidence) order_by(evaluation.judgement, *by.confidence);
-  if (!by.recall_at.empty()) evaluation.judgement.recall_at = by.recall_at;
-  evaluation.judgement.stretch_frames = by.stretch_frames;
+  present_by(evaluation.judgement, by);
   evaluation.fingerprint = matrix.fingerprint(monitor);
   evaluation.matrix = std::move(matrix);
   warn_of_truth(evaluation, by, monitor);
