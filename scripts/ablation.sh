@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# What every step of standardized scores is worth, as a table of docs/experiments/zscores.md: per cent of
-# best matches that are right / of windows before the first wrong one when sorted by score.
+# The effect of each step of z-score normalization, as a table of docs/experiments/zscores.md:
+# percent of correct best matches / of windows before the first incorrect one in order of score.
 #   scripts/ablation.sh DATA [BIN]     DATA: folder with corridor/ and nordland/
 set -euo pipefail
 here=$(dirname "$0")
-data=$(realpath "${1:?give the folder that holds corridor/ and nordland/}")
+data=$(realpath "${1:?pass the folder with corridor/ and nordland/}")
 bin=${2:-$here/../build/release/bin}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
@@ -37,7 +37,7 @@ variant() { # NAME SCORE [SETTING...]: one row
     for length in ${lengths//,/ }; do
       "$bin/vpr-query" "$out/$name.vprdb" --query "$query" --config "$out/config.json" \
         --score "$score" --t-r 0 --c-l "$length" -o "$out/r.json" --force --quiet
-      python3 "$here/recognised_early.py" "$out/r" "$tolerance"
+      python3 "$here/recognized_early.py" "$out/r" "$tolerance"
     done
   done <<<"$sets"
   echo ' |'

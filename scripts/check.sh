@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# What must be green before a commit: format, layers, build, tests, static analysis.
+# Required before a commit: format, layers, build, tests, static analysis.
 #   scripts/check.sh           everything
 #   scripts/check.sh --style   format, layers, schemas and links only
-#   scripts/check.sh --quick   no build and no tests; static analysis of the files that a change
-#                              touches: all commits since $VPR_CHECK_BASE, by default of the six
-#                              hours before the last one; at most 20 files, the rest is named
-#   scripts/check.sh --fix     formats instead of complaining, then everything
+#   scripts/check.sh --quick   no build and no tests; static analysis of the changed files: all
+#                              commits since $VPR_CHECK_BASE, by default of the six hours before
+#                              the last one; at most 20 files, the others are only listed
+#   scripts/check.sh --fix     formats the files, then everything
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh --check
@@ -14,14 +14,14 @@ if [[ ${1:-} == --fix ]]; then
   clang-format -i "${files[@]}"
 else
   clang-format --dry-run --Werror "${files[@]}"
-  echo "format: ${#files[@]} files are as .clang-format says"
+  echo "format: ${#files[@]} files match .clang-format"
 fi
 scripts/check_layers.sh
 scripts/check_schemas.py
 scripts/check_links.py
 [[ ${1:-} == --style ]] && exit 0
 
-# Static analysis reads sources as they stand, without precompiled headers.
+# Static analysis reads sources without precompiled headers.
 analyse() {
   cmake --preset tidy >/dev/null
   cmake --build --preset tidy --target generated_sources >/dev/null
@@ -35,7 +35,7 @@ if [[ ${1:-} == --quick ]]; then
   base=${VPR_CHECK_BASE:-$(git rev-list -1 --before=$((last - 6 * 3600)) HEAD)}
   mapfile -t changed < <(git diff --name-only --diff-filter=d "${base:-HEAD~1}" -- 'src/*.cpp' 'apps/*.cpp')
   [[ ${#changed[@]} -gt 20 ]] &&
-    echo "clang-tidy: ${#changed[@]} files are changed; not looked at: ${changed[*]:20}"
+    echo "clang-tidy: ${#changed[@]} files have changed; not analyzed: ${changed[*]:20}"
   [[ ${#changed[@]} -gt 0 ]] && analyse "${changed[@]:0:20}"
   exit 0
 fi

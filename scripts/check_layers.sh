@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Includes may only go from a later stage to an earlier one.
+# Includes must go from a later stage to an earlier one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 stages=(base sequence truth synth describe store fabmap match decide evaluate run present bench)
 declare -A rank
 for i in "${!stages[@]}"; do rank[${stages[$i]}]=$i; done
-# These stand side by side: none may include another.
+# These are alternatives: none may include another.
 rank[synth]=${rank[truth]}
 rank[describe]=${rank[truth]}
 bad=0

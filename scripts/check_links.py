@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""check_links.py [ROOT]: checks that links of all Markdown files lead to files and headings.
+"""check_links.py [ROOT]: checks that the links in all Markdown files point to files and headings.
 
-Links to web pages are not followed. Anchors are formed as GitHub forms them."""
+Does not follow links to web pages. Forms anchors like GitHub."""
 import pathlib
 import re
 import subprocess
@@ -41,9 +41,9 @@ for file in files:
         path, _, anchor = link.partition("#")
         target = file.parent / path if path else file
         if not target.exists():
-            problem = "there is no such file"
+            problem = "the file does not exist"
         elif anchor and target.suffix == ".md" and anchor not in anchors(target):
-            problem = "there is no such heading"
+            problem = "the heading does not exist"
         else:
             continue
         print(f"{file.relative_to(root)}: {link}: {problem}")

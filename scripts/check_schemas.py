@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """check_schemas.py [--format] [FILE...]: checks the schemas in docs/, and validates JSON files.
 
-Every property has a description, every reference leads to a definition, every definition is used,
-and files are formatted as --format writes them."""
+Every property has a description, every reference points to a definition, every definition is used,
+and files have the format that --format writes."""
 import json
 import pathlib
 import sys
 
 docs = pathlib.Path(__file__).resolve().parent.parent / "docs"
-# Properties whose name and type say what they are.
+# Properties that need no description.
 SELF_EVIDENT = {"lower_quartile_ms", "upper_quartile_ms", "command_line", "correct", "incorrect", "ignored"}
 
 
@@ -20,7 +20,7 @@ def depth(node):
 
 def formatted(node, indent=0, column=0):
     """JSON with two spaces of indentation. Objects of up to two levels are on one line if they fit
-    into 100 columns."""
+    in 100 columns."""
     line = json.dumps(node, ensure_ascii=False)
     if not isinstance(node, (dict, list)) or depth(node) <= 2 and column + len(line) < 100:
         return line
@@ -83,7 +83,7 @@ for (name, path), node in every_node.items():
             complain(f"{name}: {path}/{key} has no description: what it is, its unit, when it is absent")
 for name, path in every_node:
     if path.startswith("/$defs/") and path.count("/") == 2 and (name, path) not in used:
-        complain(f"{name}: nothing refers to {path}")
+        complain(f"{name}: {path} is not used")
 for name, schema in schemas.items():
     if (docs / name).read_text() != formatted(schema) + "\n":
         complain(f"{name} is not formatted: run scripts/check_schemas.py --format")
@@ -97,7 +97,7 @@ if len(sys.argv) > 1:
 
 
 def inlined(node, file):
-    """A schema whose references lead to its own definitions, which are those of all files."""
+    """A schema with the definitions of all files, to which its references point."""
     if isinstance(node, list):
         return [inlined(item, file) for item in node]
     if not isinstance(node, dict):

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From nothing to a table of counts:
+# The whole path from images to a table of counts:
 #   scripts/demo.sh                  on a small rendered building
 #   scripts/demo.sh DATASET.json     on a data set description of your own
 # Results stay in out/demo.
@@ -22,7 +22,7 @@ fi
 echo; echo "== train"
 "$bin/vpr-train" fastable --dataset "$dataset" -o "$out/demo.vprdb" --force
 
-# Name, and whether there is a ground truth, of every query.
+# Each query's name, and whether it has a ground truth.
 mapfile -t queries < <(python3 -c '
 import json, sys
 for query in json.load(open(sys.argv[1])).get("queries", []):
@@ -30,7 +30,7 @@ for query in json.load(open(sys.argv[1])).get("queries", []):
 for line in "${queries[@]}"; do
   IFS=$'\t' read -r query has_truth <<<"$line"
   file=$out/${query//\//_}
-  # A map needs to know where frames were taken.
+  # A map needs positions of frames.
   map=()
   grep -q '"plan"' "$dataset" && map=(--map "$file.map")
   echo; echo "== query $query, and evaluate"
@@ -39,7 +39,7 @@ for line in "${queries[@]}"; do
   if [[ $has_truth == yes ]]; then
     "$bin/vpr-eval" "$file.json" --dataset "$dataset" --html "$file.html" "${map[@]}" -o "$file.report.json" --force
   else
-    echo "no ground truth to evaluate it with"
+    echo "no ground truth for the evaluation"
   fi
 done
-echo; echo "Results, reports, maps and pages to look at (*.html) are in $out"
+echo; echo "Results, reports, maps and pages (*.html) are in $out"

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Has every command that writes meet failing file calls, full disks and disks that lose their power,
-# and checks what is there afterwards (docs/reliability.md).
-#   scripts/faults.sh           every call and full disk, and 1500 without power
-#   scripts/faults.sh 500       so many cases of each kind; 0: all
-# Disks need root and mounts; where they can't be had, it is said why they are skipped. Findings are
-# printed with the line that repeats each, and end the script with exit code 1.
+# Runs every command that writes with failing file calls, full disks and power loss, and checks the
+# files afterwards (docs/reliability.md).
+#   scripts/faults.sh           every call and full disk, and 1500 power losses
+#   scripts/faults.sh 500       this number of cases of each kind; 0: all
+# Disks need root and mounts; without them, they are skipped with the reason. Each finding is
+# printed with the command line that repeats it; findings end the script with exit code 1.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh

@@ -2,7 +2,7 @@
 # Fetches published data sets from their authors' addresses, and unpacks them.
 #   scripts/fetch-data.sh [NAME ...] [--to DIR]
 # Names: put-mc-floor1 vpr-bench gardens-point st-lucia sfu (default: all). DIR: data/downloads.
-# Downloads that were cut off go on where they stopped. Nothing is unpacked before its size is right.
+# Resumes interrupted downloads. Unpacks an archive only if its size is correct.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 
@@ -19,7 +19,7 @@ while [[ $# -gt 0 ]]; do
   case $1 in
     --to) [[ $# -ge 2 ]] || { echo "fetch-data: --to needs a folder" >&2; exit 2; }; target=$2; shift ;;
     -h | --help) sed -n '2,5s/^# //p' "$root/scripts/fetch-data.sh"; exit 0 ;;
-    *) [[ -n ${address[$1]:-} ]] || { echo "fetch-data: no data set $1; there are: ${!address[*]}" >&2; exit 2; }
+    *) [[ -n ${address[$1]:-} ]] || { echo "fetch-data: unknown data set $1; choose one of ${!address[*]}" >&2; exit 2; }
        names+=("$1") ;;
   esac
   shift
@@ -29,23 +29,23 @@ for tool in curl tar unzip python3; do
   command -v "$tool" >/dev/null || { echo "fetch-data: $tool is missing; install it and try again" >&2; exit 3; }
 done
 
-# The size that the server states, or nothing.
+# The size stated by the server, or nothing.
 stated_size() {
   curl --silent --fail --location --head --connect-timeout 20 "$1" |
     tr -d '\r' | awk 'tolower($1) == "content-length:" { size = $2 } END { print size }'
 }
 
-# Fetches one address into a file, and checks that all of it came.
+# Downloads one address to a file, and checks that it is complete.
 download() {
   local url=$1 file=$2 size have
   size=$(stated_size "$url") || size=
   [[ -n $size ]] || echo "fetch-data: the server does not state the size of $url; it is not checked" >&2
   have=$(stat -c %s "$file" 2>/dev/null || echo 0)
   [[ -n $size && $have == "$size" ]] && return 0
-  [[ -n $size && $have -lt $size ]] || rm -f "$file" # too long, or nothing to compare with: anew
+  [[ -n $size && $have -lt $size ]] || rm -f "$file" # too long, or of unknown size: start again
   local fetch=(curl --fail --location --connect-timeout 20 --retry 3 --output "$file") code=0
   "${fetch[@]}" --continue-at - "$url" || code=$?
-  if [[ $code == 33 ]]; then # the server can't go on in the middle
+  if [[ $code == 33 ]]; then # the server cannot resume
     rm -f "$file"
     code=0
     "${fetch[@]}" "$url" || code=$?
@@ -56,7 +56,7 @@ download() {
   return 1
 }
 
-# Unpacks beside the final folder, describes, then renames: a folder that is there is complete.
+# Unpacks next to the final folder, describes, then renames: an existing folder is complete.
 unpack() {
   local name=$1 archive=$2 folder=$3
   rm -rf "$folder.part"
@@ -69,7 +69,7 @@ unpack() {
   mv "$folder.part" "$folder"
 }
 
-# Which sequences the first floor's archive holds; it has no ground truth.
+# The sequences in the archive of the first floor, which has no ground truth.
 describe_floor1() {
   python3 - "$1" <<'PYTHON'
 import json, pathlib, sys
@@ -97,9 +97,9 @@ for name in "${names[@]}"; do
   [[ ${address[$name]} == *.tar.gz ]] && archive=$target/$name.tar.gz
   echo "$name: from ${address[$name]}"
   if ! download "${address[$name]}" "$archive"; then
-    failed+=("$name: could not be fetched whole from ${address[$name]}; run this again to go on, or fetch it by hand into $archive")
+    failed+=("$name: incomplete download from ${address[$name]}; run this again to resume it, or download it manually to $archive")
   elif ! unpack "$name" "$archive" "$folder"; then
-    failed+=("$name: $archive is no such archive as its authors describe; look into $folder.part, or delete it and run this again")
+    failed+=("$name: $archive differs from the description of its authors; check $folder.part, or delete it and run this again")
   else
     echo "$name: is in $folder"
   fi

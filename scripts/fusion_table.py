@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
-"""FAB-MAP and sequences together: per cent of best matches that are right, of standardized scores /
-of these fused with FAB-MAP's, by c_l, and of FAB-MAP alone, which knows single frames; the table of
-docs/experiments/fusion.md. Vocabularies have 500 SIFT words by default, and never see a set that they are
-used on: those of corridor, Nordland and loop are of four floors of the tower, those of the tower of
-corridor and loop, those of rendered worlds of their pretraining walks or, where there are none, of
-the tower.
+"""Fusion of FAB-MAP and sequences: percent of correct best matches for z-scores / for z-scores fused
+with FAB-MAP, by c_l, and for FAB-MAP alone on single frames; the table of docs/experiments/fusion.md.
+Vocabularies have 500 SIFT words by default, and are never trained on the set under test: corridor,
+Nordland and loop use four floors of the tower, the tower uses corridor and loop, rendered worlds use
+their pretraining walks or, without any, the tower.
 
   scripts/fusion_table.py DATA [--world RENDERED]... [--features sift] [--words 500] [--bin BIN]
 
-DATA holds corridor/, nordland/, loop/ and tower/; RENDERED is a folder that vpr-synth made."""
+DATA holds corridor/, nordland/, loop/ and tower/; RENDERED is a folder written by vpr-synth."""
 import argparse
 import array
 import csv
@@ -48,7 +47,7 @@ def write_pairs(path, sequence, frames, reach):
 
 
 def tower_sets(data, out):
-    """Every other frame of all floors trained, the frames between them of each floor the query."""
+    """Trains every other frame of all floors; the frames between them are queries, one per floor."""
     floors = sorted((data / "tower").glob("floor*"))
     vocabulary = [data / "loop/images", data / "corridor/ref", data / "corridor/query"]
     sets = []
@@ -160,7 +159,7 @@ def main():
     parser.add_argument("--features", default="sift")
     parser.add_argument("--words", default="500")
     parser.add_argument("--threads", default=0)
-    parser.add_argument("--only", default="", help="sets whose title holds this")
+    parser.add_argument("--only", default="", help="only sets with this text in their title")
     parser.add_argument("--bin", default=pathlib.Path(__file__).parent / "../build/release/bin")
     args = parser.parse_args()
     print(f"| | {' | '.join(f'c_l {n}' if n == 1 else str(n) for n in LENGTHS)} | FAB-MAP |")

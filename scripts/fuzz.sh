@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets and runs each; ends with 1 if one of them found something.
+# Builds the fuzz targets and runs each one; exits with 1 if any has a finding.
 #   scripts/fuzz.sh [SECONDS [NAME...]]      default: 60 seconds, all targets
-#   scripts/fuzz.sh --minimise [NAME...]     makes each corpus a smallest one that covers what it and
-#                                            small inputs of earlier runs cover
-# New inputs, logs and what a finding needs to be repeated stay in build/fuzz/found.
+#   scripts/fuzz.sh --minimize [NAME...]     reduces each corpus to a smallest one with the same
+#                                            coverage, including small inputs of earlier runs
+# New inputs, logs and the data to repeat a finding stay in build/fuzz/found.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 command -v clang++ >/dev/null || { echo "fuzz: needs clang; apt-get install clang" >&2; exit 1; }
@@ -15,8 +15,8 @@ cmake --build build/fuzz --target "${names[@]/#/fuzz_}"
 found=build/fuzz/found
 limits=(-timeout=10 -rss_limit_mb=2048)
 
-# Of what runs found, small inputs only: a corpus is read by people, and kept in the repository.
-minimise() {
+# Only small inputs of earlier runs: the corpus is part of the repository and must stay readable.
+minimize() {
   local corpus=test/fuzz/corpus/$1 inputs smallest
   inputs=$(mktemp -d) smallest=$(mktemp -d)
   mkdir -p "$found/$1"
@@ -42,6 +42,6 @@ run() {
 
 bad=0
 for name in "${names[@]}"; do
-  if [[ $what == --minimise ]]; then minimise "$name"; else run "$name" || bad=1; fi
+  if [[ $what == --minimize ]]; then minimize "$name"; else run "$name" || bad=1; fi
 done
 exit $bad

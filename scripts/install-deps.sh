@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Installs what building, testing and the demo need, if it is missing (Debian 12 or newer, Ubuntu).
+# Installs missing dependencies of build, tests and demo (Debian 12 or newer, Ubuntu).
 #   scripts/install-deps.sh            build, test, demo
-#   scripts/install-deps.sh --check    also what scripts/check.sh needs
-#   scripts/install-deps.sh --package  also what building and testing the Debian package needs
-#   scripts/install-deps.sh --cluster  also what trees of experiments need (docs/clusters.md)
-#   scripts/install-deps.sh --arm64    also what scripts/test-arm64.sh needs
-#   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs build on
+#   scripts/install-deps.sh --check    also those of scripts/check.sh
+#   scripts/install-deps.sh --package  also those of building and testing the Debian package
+#   scripts/install-deps.sh --cluster  also those of trees of experiments (docs/clusters.md)
+#   scripts/install-deps.sh --arm64    also those of scripts/test-arm64.sh
+#   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs link
 set -euo pipefail
 libraries=(
   libopencv-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev
@@ -26,7 +26,7 @@ done
 [[ ${#missing[@]} == 0 ]] && exit 0
 
 if ! command -v apt-get >/dev/null; then
-  echo "install-deps: no apt-get here; install these by hand: ${missing[*]}" >&2
+  echo "install-deps: apt-get is missing; install these packages manually: ${missing[*]}" >&2
   exit 1
 fi
 as_root=()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Lists the frames of aligned sequences in which something moves: leave_out_stops.py IMAGES OUT NAME...
+"""Lists the frames of aligned sequences that show motion: leave_out_stops.py IMAGES OUT NAME...
 
-Frame i is left out of every sequence IMAGES/NAME if, in all of them, it is within 100 bits of frame
+Frame i is omitted from every sequence IMAGES/NAME if, in all of them, it is within 100 bits of frame
 i - 1. Reads OUT/NAME.vprdb, writes OUT/moving-NAME.txt."""
 import pathlib
 import sys

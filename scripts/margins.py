@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What margins are worth, as the tables of docs/experiments/margins.md: margins.py DATA [BIN]. DATA: folder with
-corridor/, nordland/ and tower/; the small building is rendered. One thread."""
+"""The effect of margins, as the tables of docs/experiments/margins.md: margins.py DATA [BIN]. DATA:
+folder with corridor/, nordland/ and tower/; the small building is rendered. One thread."""
 import itertools
 import json
 import pathlib

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds everything with instruments that find errors of memory, undefined behaviour and races, and
-# runs all tests with them. An hour for each on two cores.
+# Builds everything with sanitizers for memory errors, undefined behavior and data races, and runs
+# all tests. One hour for each on two cores.
 #   scripts/sanitizers.sh [asan] [tsan]     default: both
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Raw distances and standardized scores on every set of real images, in both directions: per cent
-# of best matches that are right / of windows before the first wrong one when sorted by score, as
-# in docs/experiments/zscores.md.
+# Raw distances and z-scores on every set of real images, in both directions: percent of correct
+# best matches / of windows before the first incorrect one in order of score, as in
+# docs/experiments/zscores.md.
 #   scripts/score_table.sh DATA [BIN] [SCORE...]   DATA: holds corridor/, nordland/ and loop/
 set -euo pipefail
 here=$(dirname "$0")
-data=$(realpath "${1:?give the folder that holds corridor/, nordland/ and loop/}")
+data=$(realpath "${1:?pass the folder with corridor/, nordland/ and loop/}")
 bin=${2:-$here/../build/release/bin}
 scores=("${@:3}")
 [ ${#scores[@]} -gt 0 ] || scores=(raw standardized standardized-offline)
@@ -31,7 +31,7 @@ while read -r name train query tolerance lengths; do
     for length in ${lengths//,/ }; do
       "$bin/vpr-query" "$out/train.vprdb" --query "$query" --score "$score" --t-r 0 \
         --c-l "$length" -o "$out/r.json" --force --quiet
-      python3 "$here/recognised_early.py" "$out/r" "$tolerance"
+      python3 "$here/recognized_early.py" "$out/r" "$tolerance"
     done
     echo ' |'
   done

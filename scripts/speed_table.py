@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""What methods recognise at other paces than they were trained at, as Markdown: per cent of best
-matches that are right / recall at 100 per cent precision.
+"""Recognition at speeds other than the training speed, as Markdown: percent of correct best matches
+/ recall at 100 percent precision.
 
   scripts/speed_table.py --data DATA                     corridor and Nordland of a folder (data/README.md)
   scripts/speed_table.py --world configs/worlds/speeds.json    a rendered building and its walks
   scripts/speed_table.py --train TRAIN --query QUERY --ground-truth GT [--tolerance N] [--name NAME]
 
-Columns are replays of the query (--warp; seeds 1 to 3, averaged, where something is drawn), or of a
-world its query walks. Rows are what the programs offer: raw and z-score windows, by margin where
-vpr-query has --decide, of the rates 1/2, 2/3, 1, 3/2 and 2 where it has --rates, and the method
-filter where there is one. --into FILE writes the tables between the lines "<!-- speed table: begin -->" and "... end -->"
-of FILE, as of docs/experiments/speeds.md."""
+Columns are simulated speeds of the query (--warp; the mean over seeds 1 to 3 if it is random), or
+the query walks of a world. Rows are the methods that the programs support: raw and z-score windows,
+by margin if vpr-query has --decide, with the rates 1/2, 2/3, 1, 3/2 and 2 if it has --rates, and the
+method filter. --into FILE writes the tables between the lines "<!-- speed table: begin -->" and
+"... end -->" of FILE, such as docs/experiments/speeds.md."""
 import argparse
 import functools
 import json
@@ -55,19 +55,19 @@ def methods(help_text):
 
 
 class Judge:
-    """One data set: its database, and a cell for a method and a replay or walk."""
+    """One data set: its database, and a cell per method and simulated speed or walk."""
 
     def __init__(self, bin_folder, folder, train, truth):
         self.bin, self.folder, self.truth = pathlib.Path(bin_folder), pathlib.Path(folder), truth
         self.database = self.folder / "train.vprdb"
         run(self.bin / "vpr-train", "fastable", *train, "-o", self.database, "--quiet")
 
-    @functools.cache  # rows that differ in what is read of it share one
+    @functools.cache  # rows that read different values of a report share it
     def measure(self, flags, query, warp, seed):
         with tempfile.TemporaryDirectory(dir=self.folder) as work:
             result = pathlib.Path(work) / "r.json"
             replay = [] if warp == "same" else ["--warp", warp]
-            threshold = [] if "--method" in flags else ["--t-r", 0]  # of no interest here
+            threshold = [] if "--method" in flags else ["--t-r", 0]  # has no effect on the table
             run(self.bin / "vpr-query", self.database, *query, *flags, *threshold, *replay,
                 "--seed", seed, "--threads", 1, "--quiet", "-o", result)
             return json.loads(run(self.bin / "vpr-eval", result, *self.truth, "--json"))
@@ -108,7 +108,7 @@ def of_world(options):
         run(options.bin / "vpr-synth", options.world, "-o", building, "--quiet")
         dataset = building / "dataset.json"
         walks = [query["name"] for query in json.loads(dataset.read_text())["queries"]]
-        walks.remove("back")  # nothing of it can be right: no walk was trained that way
+        walks.remove("back")  # nothing can be correct: no walk was trained in this direction
         columns = [(walk, ("--dataset", dataset, "--query", walk), "same") for walk in walks]
         judge = Judge(options.bin, folder, ["--dataset", dataset], ["--dataset", dataset])
         return table(options.world.stem, judge, columns, options.rows)
@@ -137,7 +137,7 @@ def main():
     options.bin = options.bin.resolve()
     options.rows = methods(run(options.bin / "vpr-query", "--help"))
     if not options.data and not options.world and not (options.train and options.query):
-        parser.error("give --data, --world, or --train and --query with --ground-truth")
+        parser.error("use --data, --world, or --train and --query with --ground-truth")
     tables = []
 
     def add(table):

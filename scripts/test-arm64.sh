@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Builds for 64-bit ARM and runs it under qemu's user mode: tests of the kernels and of real images;
-# then compares every byte that the programs write with those of this machine's own programs.
-# Needs Debian 12, root and the network; not part of scripts/test.sh.
+# Builds for 64-bit ARM and tests under qemu's user mode: kernels and real images; then compares all
+# bytes that the programs write with those of the native programs. Needs Debian 12, root and network
+# access; not part of scripts/test.sh.
 #   scripts/test-arm64.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh --arm64
 
-# The libraries that programs link, as packages for ARM, unpacked but not installed.
+# The libraries that programs link, as unpacked ARM packages that are not installed.
 root=build/arm64-root
 if [[ ! -d $root ]]; then
   mkdir -p build
@@ -16,8 +16,8 @@ if [[ ! -d $root ]]; then
   find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + |
     mmdebstrap --architectures=arm64 --variant=extract \
       --include="libc6-dev $(scripts/install-deps.sh --libraries)" bookworm "$made" -
-  # Absolute links lead out of the root, and the package scripts that would choose among
-  # alternatives were not run.
+  # Absolute links point outside the root, and the package scripts that select alternatives did not
+  # run.
   find "$made" -type l -lname '/*' -printf '%P\0%l\0' | while IFS= read -r -d '' link && IFS= read -r -d '' target; do
     ln -sfnr "$made$target" "$made/$link"
   done
@@ -39,7 +39,7 @@ tests=(base synth describe store fabmap match decide)
 cmake --preset arm64 >/dev/null
 cmake --build --preset arm64 --target "${programs[@]}" "${tests[@]/#/test_}" test_real_data
 ctest --preset arm64 -R "^($(IFS='|'; echo "${tests[*]}"))\$"
-# Says what it skips where the images are missing, and ends with 77.
+# Reports what it skips if the images are missing, and exits with 77.
 qemu-aarch64-static -L "$root" build/arm64/bin/test_real_data "*corridor*,*the loop*" || [[ $? == 77 ]]
 build/arm64/emulated/vpr-bench matching --databases 500 --c-l 20 --json | grep -o '"simd": "NEON"'
 

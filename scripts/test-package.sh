@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the Debian package, installs it into an empty Debian 12 beside nothing else, and runs it
-# there: programs, completions, manual pages. Needs root and the network; not part of scripts/test.sh.
+# Builds the Debian package, installs it into an empty Debian 12, and runs it there: programs,
+# completions, manual pages. Needs root and network access; not part of scripts/test.sh.
 #   scripts/test-package.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -10,7 +10,7 @@ cmake --build --preset release --target package
 package=$(realpath "$(ls -t build/release/*.deb | head -1)")
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
-# From the package sources of this machine; the package brings its own dependencies.
+# Uses the package sources of this machine; the package brings its own dependencies.
 find /etc/apt -name '*.sources' -exec cat {} + -o -name '*.list' -exec cat {} + |
   mmdebstrap --variant=apt --include=bash-completion,man-db bookworm "$root/debian" - >/dev/null
 cp "$package" "$root/debian/vpr-toolkit.deb"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds with warnings as errors, and runs all tests.
+# Installs missing dependencies, builds with warnings as errors, and runs all tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Thresholds from one walk, or half of one, used on another: thresholds_table.py DATA [BIN] [--jobs N].
+"""Thresholds of one walk, or half of one, applied to another: thresholds_table.py DATA [BIN] [--jobs N].
 DATA: folder with corridor/, nordland/, loop/ and tower/. Worlds are rendered from
-configs/worlds/speeds.json. Prints the tables of docs/experiments/calibration.md: by what vpr-tune
-fastable recommends, by vpr-tune calibrate, and automatic thresholds and margins on whole walks."""
+configs/worlds/speeds.json. Prints the tables of docs/experiments/calibration.md: thresholds of
+vpr-tune fastable and of vpr-tune calibrate, and automatic thresholds and margins on whole walks."""
 import argparse
 import array
 import collections
@@ -20,9 +20,9 @@ parser.add_argument("bin", type=pathlib.Path, nargs="?", default=here.parent / "
 parser.add_argument("--jobs", type=int, default=1)
 parser.add_argument("--worlds", type=int, default=3)
 parser.add_argument("--tables", default="walks,hours,auto")
-parser.add_argument("--decisions", help="some of them, apart by ';' (--decisions filter)")
-parser.add_argument("--seed", type=int, default=201, help="of the first rendered world")
-parser.add_argument("--work", type=pathlib.Path, help="folder of an earlier run, whose worlds are taken")
+parser.add_argument("--decisions", help="some of the decisions, separated by ';' (--decisions filter)")
+parser.add_argument("--seed", type=int, default=201, help="seed of the first rendered world")
+parser.add_argument("--work", type=pathlib.Path, help="folder of an earlier run, whose worlds are used")
 options = parser.parse_args()
 out = options.work or pathlib.Path(tempfile.mkdtemp())
 
@@ -92,7 +92,7 @@ def count(database, walk, truth, config, key):
 
 
 def right_windows(key, truth):
-    """Query windows with a hit that the truth calls the same place."""
+    """Query windows with a correct hit."""
     result = json.loads((out / f"{key}.json").read_text())
     last = result["settings"]["c_l"] - 1
     data = (out / f"{key}.hits.npy").read_bytes()
@@ -120,7 +120,7 @@ def trial(job):
                    ).replace(" ", "").replace(",", "")
     key += "-" + pathlib.Path(first.path).name
     config = out / f"{key}.config.json"
-    if decision == "filter":  # whose places are views
+    if decision == "filter":  # its places are keyframes
         tolerance = {3: 10, 2: 20}.get(tolerance, tolerance)
     truths = [cut_truth(w, f"{key}-{i}", train_frames, tolerance) for i, w in enumerate((first, second))]
     if not recommend(rule, database, first, truths[0], decision, lengths_of(first, second), config):
@@ -246,7 +246,7 @@ def automatic(job):
     truth, config = cut_truth(walk, key, frames, tolerance), out / f"{key}.config.json"
     words = DECISIONS[decision]
     config.write_text(json.dumps({"score": words[1], "decide": words[3], "c_l": length}))
-    if group == "tower":  # all is wrong
+    if group == "tower":  # every match is incorrect
         truth.write_text("query,reference,label\n")
     report = count(database, walk, truth, config, key)
     known = sum(letter in "cwi" for letter in report["outcomes"]["best"])

@@ -9,7 +9,7 @@ USAGE, FILES, DATA = 2, 3, 4
 
 
 class Refusal(Exception):
-    """What is wrong, in one sentence, and the exit code."""
+    """An error message of one sentence, and the exit code."""
 
     def __init__(self, code, text):
         super().__init__(text)
@@ -52,7 +52,7 @@ def write(arguments, content):
 
 
 def run(arguments, convert):
-    """Call convert(arguments); end with one sentence and an exit code if it fails."""
+    """Call convert(arguments); on failure, print one sentence and exit with its code."""
     script = pathlib.Path(sys.argv[0]).name
     try:
         if arguments.output.exists() and not arguments.force:
@@ -66,5 +66,5 @@ def run(arguments, convert):
               file=sys.stderr)
         sys.exit(FILES)
     except MemoryError:
-        print(f"{script}: {arguments.source}: does not fit into memory", file=sys.stderr)
+        print(f"{script}: {arguments.source}: does not fit in memory", file=sys.stderr)
         sys.exit(FILES)

@@ -4,9 +4,9 @@
   exif.py photos -o photos.csv
 
 The CSV has one line per image in the order of the frames, with the columns image, lat, lon and,
-where images have them, heading and time (seconds since 1970). Give it to --ground-truth with
---query-images photos, and to --query-times for the times. Fields are empty where an image has no
-position: no tags, 0 N 0 E, or a receiver without a fix. Times without a time zone are taken as UTC.
+if images have them, heading and time (seconds since 1970). Use it with --ground-truth and
+--query-images photos, and with --query-times for the times. Fields are empty if an image has no
+position: no tags, 0 N 0 E, or a receiver without a fix. Times without a time zone are read as UTC.
 Needs python3-pil.
 """
 import csv
@@ -23,7 +23,7 @@ GPS, CAMERA = 0x8825, 0x8769  # directories of tags
 
 
 def number(value):
-    """A tag as a number; NaN for a quotient by 0 and for anything else."""
+    """A tag as a number; NaN for a division by 0 and for other values."""
     try:
         return float(value)
     except (TypeError, ValueError, ZeroDivisionError):
@@ -37,7 +37,7 @@ def degrees(parts):
 
 
 def position(image, tags):
-    """Latitude and longitude in degrees, or nothing."""
+    """Latitude and longitude in degrees, or None."""
     values = [degrees(tags.get(key)) for key in (2, 4)]
     if any(map(math.isnan, values)) or values == [0, 0] or tags.get(9) == "V":
         return None
@@ -54,7 +54,7 @@ def position(image, tags):
 
 
 def time_taken(tags):
-    """Seconds since 1970 as text and whether a time zone is known, or nothing."""
+    """Seconds since 1970 as text and whether a time zone is known, or None."""
     taken, fraction, zone = (str(tags.get(key, "")).strip("\0 ") for key in (0x9003, 0x9291, 0x9011))
     try:
         time = datetime.datetime.strptime(taken + (zone.replace(":", "") or "+0000"),
@@ -97,7 +97,7 @@ def convert(arguments):
         raise common.Refusal(common.DATA, f"{folder}: no image has a GPS position or a time in its "
                                           "EXIF tags")
     if lacks_zone:
-        print(f"exif.py: {folder}: times without a time zone are taken as UTC; with a camera two "
+        print(f"exif.py: {folder}: times without a time zone are read as UTC; for a camera two "
               "hours ahead, use --offset -7200", file=sys.stderr)
     columns = ["image", "lat", "lon",
                *(key for key in ("heading", "time") if any(row[key] != "" for row in rows))]

@@ -3,9 +3,9 @@
 
   gpx.py tuesday.gpx -o tuesday.csv
 
-The CSV has the columns lat and lon, and time where the track has times (UTC). It holds the points
+The CSV has the columns lat and lon, and time if the track has times (UTC). It holds the points
 of all tracks and segments in the order of the file; waypoints and routes are ignored. A document
-type, and with it every entity, is refused.
+type, and therefore every entity, is refused.
 """
 import re
 import xml.etree.ElementTree
@@ -42,7 +42,7 @@ def convert(arguments):
     if not points:
         fail("has no track points (<trkpt>); waypoints and routes are not a recording")
     if len({len(point) for point in points}) > 1:
-        fail("some track points have a time, and others have none")
+        fail("some track points have a time, others do not")
     if any("," in field for point in points for field in point):
         fail("a time has a comma")
     header = ("lat", "lon", "time")[:len(points[0])]

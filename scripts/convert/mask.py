@@ -4,9 +4,9 @@
   mask.py mask.png -o ground_truth.npz
 
 A row of the image is a query frame, a column a training frame: 255 is the same place, 0 is another
-place, and any value between is ignored. A .npz file holds the matrices GThard and GTsoft as
-VPR_Tutorial has them; a .npy file holds one matrix, for masks without ignored pairs. JPEG images
-are refused: their values are not the drawn ones. Needs python3-pil.
+place, and values in between are ignored. A .npz file holds the matrices GThard and GTsoft as in
+VPR_Tutorial; a .npy file holds one matrix, for masks without ignored pairs. JPEG images
+are refused: their values differ from the drawn ones. Needs python3-pil.
 """
 import io
 
@@ -21,7 +21,7 @@ def convert(arguments):
     try:
         with image_module.open(path) as image:
             if image.format == "JPEG":
-                raise common.Refusal(common.DATA, f"{path}: is a JPEG, whose values are not the "
+                raise common.Refusal(common.DATA, f"{path}: is a JPEG, whose values differ from the "
                                                   "drawn ones; save the mask as PNG")
             if image.mode not in ("1", "L", "LA", "P", "RGB", "RGBA"):
                 raise common.Refusal(common.DATA, f"{path}: has more than 8 bits per channel")

@@ -6,7 +6,7 @@
 
 Reads full and sparse matrices of numbers or logical values, of MAT-files of version 4 to 7
 (python3-scipy) and 7.3 (python3-h5py). Rows stay rows. By default the matrix is the only one in
-the file, or the one called truth; scalars are ignored.
+the file, or the one named truth; scalars are ignored.
 """
 import io
 
@@ -82,7 +82,7 @@ def convert(arguments):
     except (common.Refusal, MemoryError):
         raise
     except Exception as error:  # the libraries raise many kinds for damaged files
-        raise common.Refusal(common.DATA, f"{path}: is not a MAT-file that can be read "
+        raise common.Refusal(common.DATA, f"{path}: is not a readable MAT-file "
                                           f"({error})") from None
     if values.dtype.kind not in "biuf":
         raise common.Refusal(common.DATA, f"{path}: the matrix is not of real numbers")

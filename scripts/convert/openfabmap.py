@@ -24,7 +24,7 @@ MATRIX = re.compile(r'^(\w+): !!opencv-matrix\s+rows: (\d+)\s+cols: (\d+)\s+dt: 
 
 
 def read_matrix(path, wanted):
-    """The one matrix of the file, or the one called `wanted`."""
+    """The only matrix of the file, or the one named `wanted`."""
     with open(path, "rb") as file:
         is_packed = file.read(2) == b"\x1f\x8b"
     try:

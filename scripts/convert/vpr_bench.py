@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Turns VPR-Bench's ground truth into pairs as CSV, which the programs read.
+"""Converts VPR-Bench's ground truth to pairs as CSV.
 
   scripts/convert/vpr_bench.py ground_truth_new.npy > pairs.csv
 
 The file has a row (query, list of references) for every query or, as GSV-Cities stores it, one list
-or array of references for every query. It is a Python pickle, which is a program: what would do
-more than build lists, numbers and NumPy arrays is refused. Needs NumPy (python3-numpy)."""
+or array of references for every query. It is a Python pickle, which can execute code: anything
+except lists, numbers and NumPy arrays is refused. Needs NumPy (python3-numpy)."""
 import pickle
 import sys
 
@@ -32,7 +32,7 @@ try:
     rows = table if table.ndim == 2 else enumerate(table)
     pairs = [(query, reference) for query, references in rows for reference in references]
     if any(int(number) != number for pair in pairs for number in pair):
-        raise ValueError("a query or reference is no whole number")
-except Exception as error:  # whatever a damaged file brings about
+        raise ValueError("a query or reference is not an integer")
+except Exception as error:  # a damaged file can raise any kind
     sys.exit(f"{sys.argv[1]}: {error}")
 print("query,reference", *(f"{int(query)},{int(reference)}" for query, reference in pairs), sep="\n")

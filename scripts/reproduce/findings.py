@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
-"""The paper's findings, checked on numbers.
+"""Checks the paper's findings on numbers.
 
     findings.py EXPERIMENT... [--into FILE]
 
-This checks what was written (out/EXPERIMENT.json, of any version) by the findings of today; --into
-writes it between the lines "<!-- findings: begin -->" and "... end -->" of FILE.
+Checks the current findings on stored numbers (out/EXPERIMENT.json, of any version); --into writes
+the result between the lines "<!-- findings: begin -->" and "... end -->" of FILE.
 
 A finding is data (configs/paper): a sentence, its place in the paper, one of KINDS, and `where`,
-the numbers that it speaks of, by the settings and the measure of their cells. Each number, series
-or pair of numbers must be as the kind says, or `rows` of them.
+its numbers, selected by the settings and the measure of their cells. Each number, series or pair of
+numbers, or `rows` of them, must satisfy the kind.
 
-  low, high     bounds, which belong to what holds
-  over          the parameter along which a series goes, then those that change along with it
+  low, high     bounds, inclusive
+  over          the parameter of a series, then those that change with it
   than          what is different in the numbers to compare with; all other settings, where both
                 have them, are the same
-  contradicted  how the paper's own table contradicts its text: such a finding is not counted
-  unchecked     why the paper has no number to check the finding on
+  contradicted  how the paper's table contradicts its text; the finding is not counted
+  unchecked     why the paper has no number for the finding
 """
 import argparse
 import json
@@ -24,7 +24,7 @@ import pathlib
 from dataclasses import dataclass
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# The name of a sequence says which data set and query it is.
+# Data set and query by the name of a sequence.
 NO_SETTINGS = ("paper", "ours", "low", "high", "data", "query")
 EXPONENT_TOLERANCE = 0.15  # of growth: time ~ parameter ^ exponent
 
@@ -39,7 +39,7 @@ def rises(values):
 
 def exponent(parameters, values):
     """The least-squares slope of log value over log parameter: 1 for proportional numbers, 0 for
-    constant ones; none where a number is not above 0."""
+    constant ones; None if a number is not above 0."""
     if min(values) <= 0:
         return math.nan
     x, y = [math.log(p) for p in parameters], [math.log(v) for v in values]
@@ -58,14 +58,14 @@ def is_within(value, finding):
 
 @dataclass
 class Part:
-    """What is judged at once: a number, a series over a parameter, or a number and those that it is
-    compared with."""
+    """The unit of a check: a number, a series over a parameter, or a number with those to compare
+    with."""
     settings: dict  # of its first cell
     values: list
     others: list  # the parameter's values of a series, or the numbers to compare with
 
 
-# Each kind: which parts it judges, and when a part is as the kind says.
+# For each kind: the parts that it checks, and its condition.
 KINDS = {
     "zero": ("number", lambda part, _: part.values[0] == 0),
     "at least": ("number", lambda part, finding: is_within(part.values[0], finding)),
@@ -87,7 +87,7 @@ KINDS = {
 
 
 def number(value):
-    """A number, or the bound of a text such as "over 50"; None where a text states none."""
+    """A number, or the bound of a text such as "over 50"; None if there is none."""
     if isinstance(value, str):
         return float(value.removeprefix("over ")) if value.startswith("over ") else None
     return value
@@ -98,7 +98,7 @@ def as_list(value):
 
 
 def select(cells, where):
-    """The cells with these settings; none if any of the stated values has no cell."""
+    """The cells with these settings; none if any of the values has no cell."""
     found = [cell for cell in cells
              if all(cell.get(key) in as_list(value) for key, value in where.items())]
     complete = all(any(cell[key] == value for cell in found)
@@ -111,8 +111,8 @@ def settings_of(cell, but=()):
 
 
 def series(finding, cells, whose):
-    """One part for all cells that agree in everything but the parameter; a parameter of one value
-    makes no series."""
+    """One part for all cells that differ only in the parameter; a parameter with a single value is not
+    a series."""
     groups = {}
     for cell in cells:
         key = json.dumps(settings_of(cell, finding["over"]))
@@ -127,7 +127,7 @@ def series(finding, cells, whose):
 
 
 def pairs(finding, cells, all_cells, whose):
-    """One part for each cell, with all cells to compare it with; none if one has no such cell."""
+    """One part per cell, with all cells to compare it with; none if any cell has no counterpart."""
     others = select(all_cells, finding["than"])
     parts = []
     for cell in cells:
@@ -154,8 +154,8 @@ def parts_of(finding, all_cells, whose):
 
 
 def check(finding, cells, whose="ours"):
-    """Whether a finding holds on our numbers, or on the paper's, and by part what it speaks of.
-    `holds` is None where a number is missing."""
+    """Whether a finding holds on our numbers, or on the paper's, with its parts. `holds` is None if a
+    number is missing."""
     parts = parts_of(finding, cells, whose)
     judge = KINDS[finding["kind"]][1]
     fits = [bool(judge(part, finding)) for part in parts]
@@ -168,21 +168,21 @@ def check(finding, cells, whose="ours"):
 
 
 def check_all(findings, cells):
-    """What goes into the JSON: every finding with the outcome on our numbers."""
+    """The findings for the JSON, with the outcome on our numbers."""
     words = ("finding", "place", "kind", "contradicted", "unchecked")
     return [{**{key: finding[key] for key in words if key in finding}, **check(finding, cells)}
             for finding in findings]
 
 
 def summary(outcomes):
-    """How many hold of those that were measured and that the paper's tables do not contradict."""
+    """How many findings hold, among those that were measured and that the paper's tables do not contradict."""
     counted = [outcome["holds"] for outcome in outcomes
                if outcome["holds"] is not None and "contradicted" not in outcome]
     return {"hold": sum(counted), "of": len(counted)}
 
 
 def name(settings, all_settings):
-    """The settings in which parts differ, in words, but whose times they stand beside."""
+    """The settings in which parts differ, as text."""
     differing = {key: value for key, value in settings.items() if key not in ("what", "our_work")
                  and any(other.get(key) != value for other in all_settings)}
     return ", ".join(value if isinstance(value, str) else f"{key} {value}"
@@ -197,9 +197,9 @@ def numbers(part):
 
 
 def evidence(outcome):
-    """Our numbers in words: those that do not fit where a finding fails, else all."""
+    """Our numbers as text: if a finding fails, those that do not fit, otherwise all."""
     every = [part["settings"] for part in outcome["parts"]]
-    fits = {}  # one entry where the same number of ours stands beside several of the paper
+    fits = {}  # one entry if the same number of ours corresponds to several in the paper
     for part in outcome["parts"]:
         label = name(part["settings"], every)
         fits[f"{label}: {numbers(part)}" if label else numbers(part)] = part["fits"]
@@ -219,14 +219,14 @@ def line(outcome):
 
 
 def lines(outcomes):
-    """What a table ends with."""
+    """The last lines of a table."""
     counts = summary(outcomes)
     return [*(f"- {line(outcome)}" for outcome in outcomes), "",
             f"{counts['hold']} of {counts['of']} findings hold."]
 
 
 def overview(experiments):
-    """All findings of these experiments, checked again on what was written of them."""
+    """All findings of these experiments, checked again on their stored numbers."""
     sections, total = [], []
     for experiment in experiments:
         written = json.loads((ROOT / f"out/{experiment}.json").read_text())

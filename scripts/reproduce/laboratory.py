@@ -1,4 +1,4 @@
-"""Where experiments run: the programs, the data sets and the databases, each made once."""
+"""Runs the programs of experiments; each data set and database is made once."""
 import hashlib
 import json
 import os
@@ -18,8 +18,8 @@ def say(sentence):
 
 
 def run(what, program, *arguments):
-    """Runs a program of the toolkit, and says what it does, how long it has been at it, and how
-    long it took; what it prints on stdout is dropped, errors are shown."""
+    """Runs a program of the toolkit and reports its purpose, its elapsed time at intervals, and its total
+    time. Discards stdout, shows errors."""
     if not (BIN / program).exists():
         sys.exit(f"reproduce: {BIN / program} is missing; build it with cmake --build --preset "
                  f"release --target {program}, or name the programs' folder in VPR_BIN")
@@ -31,9 +31,9 @@ def run(what, program, *arguments):
             code = child.wait(timeout=SIGN_OF_LIFE_S)
             break
         except subprocess.TimeoutExpired:
-            if not sys.stderr.isatty():  # where there is no progress bar
+            if not sys.stderr.isatty():  # there is no progress bar
                 say(f"{what}: for {time.monotonic() - start:.0f} s")
-        except KeyboardInterrupt:  # the program got the signal, too
+        except KeyboardInterrupt:  # the program received the signal as well
             child.wait()
             sys.exit(130)
     if code != 0:
@@ -47,13 +47,13 @@ def read(path):
 
 
 def is_fresh(target, *sources):
-    """Whether a file is there and younger than what it was made from."""
+    """Whether a file exists and is newer than its inputs."""
     return target.exists() and all(
         target.stat().st_mtime >= source.stat().st_mtime for source in sources)
 
 
 class DataSet:
-    """The user's recordings, or a rendered stand-in that is made when first needed."""
+    """The user's recordings, or a synthetic stand-in that is rendered on first use."""
 
     def __init__(self, name, folder):
         self.name = name
@@ -68,7 +68,7 @@ class DataSet:
             self.description = pathlib.Path(folder) / name / "dataset.json"
             if not self.description.exists():
                 sys.exit(f"reproduce: {self.description} is missing; "
-                         "data/README.md says what it holds")
+                         "data/README.md describes its contents")
         description = read(self.description)
         self.title = description["name"]
         self.has_places = bool(description.get("places") and description.get("pretrain"))
@@ -89,8 +89,8 @@ class Laboratory:
         self.folder = folder
         self.data_sets = {}
         self.databases = {}
-        self.machine = None  # that times were measured on
-        self.makers = []  # program, version, commit and seed behind the numbers
+        self.machine = None  # on which times were measured
+        self.makers = []  # program, version, commit and seed of the numbers
 
     def data(self, name):
         if name not in self.data_sets:
@@ -103,7 +103,7 @@ class Laboratory:
         return self.databases[name, method]
 
     def sweep(self, method, name, query, grids):
-        """Cells of a sweep by its two settings, one vpr-tune for all of them."""
+        """Cells of a sweep by its two settings, from a single run of vpr-tune."""
         out = WORK / "sweep.json"
         flags = [word for flag, values in grids.items()
                  for word in (flag, ",".join(str(v) for v in sorted(set(values))))]
@@ -126,7 +126,7 @@ class Laboratory:
         return self.written(report)
 
     def written(self, path):
-        """A file that a program wrote, whose makers are remembered."""
+        """Reads a file written by a program, and records its makers."""
         content = read(path)
         made_by = content["provenance"]
         maker = {key: made_by[key] for key in ("program", "version", "commit", "seed")}
@@ -135,7 +135,7 @@ class Laboratory:
         return content
 
     def provenance(self):
-        """What made the numbers, from which data; without paths and times."""
+        """The makers of the numbers and their data, without paths and times."""
         return {
             "program": "reproduce.py",
             "version": self.makers[0]["version"],

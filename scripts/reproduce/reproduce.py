@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Runs one experiment of the paper and writes its numbers beside ours.
+"""Runs one experiment of the paper and writes the paper's numbers next to ours.
 
     reproduce.py EXPERIMENT [--data DIR]
 
 EXPERIMENT is a file in configs/paper without .json. Without --data, the rendered stand-in of each
 data set is used (vpr-synth, configs/worlds); with it, DIR/<data set>/dataset.json (data/README.md).
 Writes out/EXPERIMENT.json (docs/reproduction.schema.json), .csv and .md, which end with the paper's
-findings and whether they hold. What was rendered and trained stays in out/reproduce. The programs
-are those of build/release/bin, or of the folder that the environment's VPR_BIN names.
+findings and whether they hold. Rendered and trained data stay in out/reproduce. Uses the programs in
+build/release/bin, or in the folder $VPR_BIN.
 """
 import argparse
 import pathlib
@@ -17,11 +17,11 @@ import findings
 from laboratory import ROOT, WORK, Laboratory, read, run, say
 from tables import cells_of, write_csv, write_json, write_markdown
 
-PARAMETERS = ("frames", "c_l", "query_frames", "places")  # of what vpr-bench measures
+PARAMETERS = ("frames", "c_l", "query_frames", "places")  # of measurements by vpr-bench
 
 
 def measures(counts):
-    """Counts of a cell or report under the names of the paper's columns."""
+    """Counts of a cell or report, with the names of the paper's columns."""
     found = {"correct": counts["hits"]["correct"], "incorrect": counts["hits"]["incorrect"],
              "correct hits": counts["hits"]["correct"],
              "incorrect hits": counts["hits"]["incorrect"],
@@ -33,8 +33,8 @@ def measures(counts):
 
 
 def run_grid(experiment, laboratory):
-    """FAB-MAP over c_w and t_p, or OpenABLE over c_l and t_r (by FastABLE; the last cell of each
-    query also without re-use, which must give the same)."""
+    """FAB-MAP over c_w and t_p, or OpenABLE over c_l and t_r (computed by FastABLE; the last
+    cell of each query also without reuse, which must be equal)."""
     is_fabmap = experiment["kind"] == "fabmap"
     method, keys = ("fabmap", ("c_w", "t_p")) if is_fabmap else ("fastable", ("c_l", "t_r"))
     groups = {}
@@ -53,7 +53,7 @@ def run_grid(experiment, laboratory):
 
 
 def check_openable(laboratory, name, query, row, counts):
-    """OpenABLE without any re-use gives the very same counts."""
+    """Checks that OpenABLE without reuse has the same counts."""
     report = laboratory.report("openable", name, query, "--c-l", row["c_l"], "--t-r", row["t_r"])
     if report["counts"] != counts:
         sys.exit(f"reproduce: OpenABLE and FastABLE differ on {query}: "
@@ -62,7 +62,7 @@ def check_openable(laboratory, name, query, row, counts):
 
 
 def run_floor(experiment, laboratory):
-    """Each row a query of its own."""
+    """A separate query per row."""
     ours = []
     for row in experiment["rows"]:
         if row["method"] == "FAB-MAP" and not laboratory.data(row["data"]).has_places:
@@ -86,7 +86,7 @@ def localised_per_cent(report):
 
 
 def run_maps(experiment, laboratory):
-    """FAB-MAP and OpenABLE side by side on the plan, as SVG and PNG in out/figures."""
+    """Draws FAB-MAP and OpenABLE on the plan, as SVG and PNG in out/figures."""
     ours = []
     for row in experiment["rows"]:
         name, query = row["data"], row["query"]
@@ -111,13 +111,13 @@ def run_maps(experiment, laboratory):
 
 
 def keep_result(stem):
-    """Moves the last result and its companions aside."""
+    """Renames the last result and its companions."""
     for file in WORK.glob("result.*"):
         file.replace(stem.parent / (stem.name + file.name.removeprefix("result")))
 
 
 def run_bench(experiment, laboratory):
-    """Timings by vpr-bench: the time of a row is that of one work, a ratio that of two."""
+    """Timings by vpr-bench: the time of one work, or the ratio of two."""
     measured = []
     figures = ROOT / "out/figures"
     figures.mkdir(parents=True, exist_ok=True)
@@ -140,7 +140,7 @@ def is_nordland(command):
 
 
 def nordland_data(folder):
-    """Real frames instead of generated codes, where the user has them."""
+    """Real frames instead of generated codes, if the user has them."""
     if not folder:
         return []
     nordland = pathlib.Path(folder) / "nordland"
@@ -148,9 +148,9 @@ def nordland_data(folder):
 
 
 def times_of(row, measured):
-    """Our time or ratio in the place of the paper's, and its quartiles; of a ratio the least and
-    the most of both. Nothing where a work was not measured."""
-    works = row["our_work"].split(" / ")  # "slow / fast" of a ratio
+    """Our time or ratio for a number of the paper, with its quartiles; for a ratio the smallest and the
+    largest of both. None if a work was not measured."""
+    works = row["our_work"].split(" / ")  # "slow / fast" for a ratio
     found = [bench for work in works for bench in measured if bench["work"] == work
              and all(bench["parameters"].get(key) == row[key] for key in PARAMETERS if key in row)]
     if len(found) < len(works):
@@ -165,7 +165,7 @@ def times_of(row, measured):
 
 
 def rounded(value):
-    """To four digits."""
+    """Rounds to four digits."""
     return float(f"{value:.4g}")
 
 

@@ -1,4 +1,4 @@
-"""What an experiment writes: one entry a number as JSON and CSV, a table to read, and findings."""
+"""Output of an experiment: one entry per number as JSON and CSV, a readable table, and findings."""
 import csv
 import json
 
@@ -6,7 +6,7 @@ import findings
 
 
 def cells_of(rows):
-    """One entry a number: settings, name, the paper's and ours, of times with their quartiles."""
+    """One entry per number: settings, name, the paper's and ours, with quartiles for times."""
     cells = []
     for row, ours, *spread in rows:
         measured = [key for key in row if key in ours]
@@ -40,8 +40,7 @@ def count_table(cells):
 
 
 def time_table(cells):
-    """The times, and how many times as fast one work is as another, each in the paper's grid, where
-    it has one, or as a list."""
+    """The times and speed-ups, in the paper's grid if it has one, otherwise as a list."""
     lines = []
     for measure in dict.fromkeys(cell["measure"] for cell in cells):
         alike = [cell for cell in cells if cell["measure"] == measure]
@@ -61,8 +60,8 @@ def paper_of(cell):
 
 
 def time_grid(cells):
-    """A column for each number of database frames; what was measured here with its quartiles, below
-    it what the paper has in its place."""
+    """A column per number of database frames: our measurement with its quartiles, and the paper's below
+    it."""
     frames = sorted({cell["frames"] for cell in cells})
     blocks = {}
     for cell in cells:
@@ -76,7 +75,7 @@ def time_grid(cells):
 
 
 def time_list(cells):
-    """A row for each number, with the settings that any of them has."""
+    """A row per number, with a column for each setting."""
     keys = [key for key in ("frames", "c_l", "query_frames", "places")
             if any(key in cell for cell in cells)]
     rows = [[cell["what"], cell["our_work"], *(str(cell.get(key, "")) for key in keys),

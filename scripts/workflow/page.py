@@ -17,14 +17,14 @@ def read(path):
 
 
 def number(value):
-    """As tables show it: nothing for what was not measured."""
+    """A number as text for tables; empty if it was not measured."""
     if value is None:
         return ""
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def table(head, rows):
-    """Cells are text, or pairs of a text and where it leads."""
+    """Cells are text, or pairs of a text and a link."""
     def cell(content):
         if isinstance(content, tuple):
             return f'<td><a href="{html.escape(content[1])}">{html.escape(content[0])}</a></td>'
@@ -37,7 +37,7 @@ def table(head, rows):
 
 
 def counts_of(counts):
-    """Hits and places; FAB-MAP has no places but distinct ones."""
+    """Hits and places; for FAB-MAP, distinct places."""
     places = counts.get("places", {})
     return [counts["hits"]["correct"], counts["hits"]["incorrect"], places.get("correct"),
             places.get("incorrect"), counts["distinct"]]
@@ -88,7 +88,7 @@ def sweep_of(name, path):
 
 
 def makers(paths):
-    """Programs behind the numbers, each once."""
+    """The programs that computed the numbers, without duplicates."""
     found = {(by["program"], by["version"], by["commit"])
              for by in (read(path)["provenance"] for path in paths)}
     return ", ".join(f"{program} {version} ({commit})" for program, version, commit in

@@ -1,9 +1,9 @@
-"""Data sets of a tree of experiments, and what of them which job depends on.
+"""Data sets of a tree of experiments, and the dependencies of jobs on their parts.
 
-A frame that is replaced shall rebuild what was made of it, but a folder's date does not say so, and
-one file for a whole data set would rebuild too much. So each part of a data set (training, one
-query, its ground truth) has a stamp: a file that lists what the description says of the part, and
-size and date of every file behind it. It is written anew only when one of these changes.
+A replaced frame must rebuild its results, but it does not change the date of its folder, and a
+single file for a whole data set would rebuild too much. Therefore each part of a data set (training,
+one query, its ground truth) has a stamp: a file with the part's description and the size and date of
+all its files. A stamp is rewritten only if its content changes.
 """
 import json
 import os
@@ -12,15 +12,15 @@ import re
 
 LISTS = (".txt", ".lst", ".csv")
 TRAINING = ("pretrain", "train", "places")
-LABELS = ("schema", "name", "format")  # keys whose strings are no paths
+LABELS = ("schema", "name", "format")  # keys whose strings are not paths
 
 
 class Mistake(Exception):
-    """What the user has to put right, in one sentence."""
+    """An error for the user to fix, in one sentence."""
 
 
 def write_if_new(path, content):
-    """Writes a file unless it holds the content already: its date says when that changed."""
+    """Writes a file unless it has this content already, so that its date is the time of its last change."""
     path = pathlib.Path(path)
     if path.exists() and path.read_text() == content:
         return
@@ -34,7 +34,7 @@ def read_json(path):
     try:
         return json.loads(pathlib.Path(path).read_text())
     except (OSError, ValueError) as error:
-        raise Mistake(f"{path} can't be read: {error}") from error
+        raise Mistake(f"{path} cannot be read: {error}") from error
 
 
 def strings(value):
@@ -50,7 +50,7 @@ def strings(value):
 
 
 def with_strings(value, change):
-    """A JSON value with every string changed that may be a path."""
+    """A JSON value with every string that may be a path replaced."""
     if isinstance(value, str):
         return change(value)
     if isinstance(value, dict):
@@ -60,7 +60,7 @@ def with_strings(value, change):
 
 
 def existing(text, folder):
-    """The file or folder that a string names, with a range @FIRST:LAST or without; or nothing."""
+    """The file or folder that a string names, with or without a range @FIRST:LAST; or None."""
     for name in (text, re.sub(r"@[\d:-]*$", "", text)):
         path = pathlib.Path(folder, name)
         if name and path.exists():
@@ -69,7 +69,7 @@ def existing(text, folder):
 
 
 def behind(path, follow_lists):
-    """The files that a sequence or ground truth consists of."""
+    """The files of a sequence or ground truth."""
     if path.is_dir():
         with os.scandir(path) as entries:
             return sorted(pathlib.Path(entry.path) for entry in entries
@@ -95,7 +95,7 @@ def stamp(path, part, folder, follow_lists=True):
 
 
 class Rendered:
-    """A data set that vpr-synth renders: everything depends on the world."""
+    """A data set rendered by vpr-synth: everything depends on the world."""
 
     def __init__(self, name, world, out):
         self.world = str(world)
@@ -116,7 +116,7 @@ class Rendered:
 
 
 class Described:
-    """A data set with a description: a file of the user, or written here from the tree's."""
+    """A data set with a description: a file of the user, or one written here from the tree's file."""
 
     def __init__(self, name, description, folder, out):
         self.description, self.folder = description, folder
@@ -151,8 +151,7 @@ def identifier(name):
 
 
 def written_description(name, content, folder, out):
-    """Writes the description that stands in the tree's file: existing paths in it become absolute,
-    since it is read from elsewhere."""
+    """Writes the description in the tree's file to a file of its own; existing paths become absolute."""
     def absolute(text):
         found = existing(text, folder)
         return text if found is None else os.path.abspath(os.path.join(folder, text))
@@ -164,8 +163,8 @@ def written_description(name, content, folder, out):
 
 
 def open_data_set(name, row, folder, data, out):
-    """The data set of a row of experiments.yaml, or nothing where it needs a folder that was not
-    given."""
+    """The data set of a row of experiments.yaml, or None if it needs a folder that was not
+    passed."""
     if data is None and any("{data}" in text for text in strings(row)):
         return None
     row = with_strings(row, lambda text: text.replace("{data}", str(data)))

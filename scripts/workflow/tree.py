@@ -1,7 +1,7 @@
-"""What experiments.yaml means: every job of the tree, with its inputs and its command.
+"""The jobs defined by experiments.yaml, with their inputs and commands.
 
-Jobs go by their kind and an id, which is the middle of their output's path: see Snakefile. Paths of
-outputs are relative to the folder that Snakemake was started in.
+Jobs are identified by their kind and an id, the middle of their output's path: see Snakefile. Paths
+of outputs are relative to the folder in which Snakemake was started.
 """
 import dataclasses
 import itertools
@@ -29,7 +29,7 @@ class Job:
 
 @dataclasses.dataclass
 class Run:
-    """A query with one method at one cell of its grids."""
+    """A query with one method in one cell of its grids."""
     method: str
     id: str
     name: str  # in tables and comparisons
@@ -40,7 +40,7 @@ def words(*parts):
 
 
 def flags(settings):
-    """Settings as flags: a switch for true, nothing for false, values of a list with commas."""
+    """Settings as flags: a switch for true, nothing for false, list values separated by commas."""
     found = []
     for key, value in settings.items():
         flag = "--" + key.replace("_", "-")
@@ -53,7 +53,7 @@ def flags(settings):
 
 
 def filled(template, values):
-    """A template of the user with {name} replaced; other braces stay as they are."""
+    """A user's template with {name} replaced; other braces do not change."""
     if "{data}" in template and values["data"] is None:
         raise Mistake(f"\"{template}\" needs --config data=DIR")
     for name, value in values.items():
@@ -62,10 +62,10 @@ def filled(template, values):
 
 
 def chosen(names, known, what):
-    """The names, all where none are given; a name that is not known is a mistake."""
+    """The selected names, all by default; an unknown name is an error."""
     for name in names or []:
         if name not in known:
-            raise Mistake(f"{what} names \"{name}\"; there are {', '.join(map(str, known))}")
+            raise Mistake(f"{what}: unknown name \"{name}\"; choose from {', '.join(map(str, known))}")
     return list(names or known)
 
 
@@ -85,14 +85,14 @@ class Tree:
             else:
                 self.add_data_set(name, row, data_set)
         if not self.sections:
-            raise Mistake("no data set is left: give --config data=DIR")
+            raise Mistake("no data set is left: pass --config data=DIR")
         self.check_comparisons()
         write_if_new(self.out / "inputs/tree.json", json.dumps(
             {"title": content.get("title", "Experiments"), "left_out": self.left_out,
              "sections": self.sections}, indent=1))
 
     def path(self, kind, job):
-        """Where the output of a job is; rules in Snakefile say the same."""
+        """The output of a job, as in the rules of Snakefile."""
         return {"data": f"{self.out}/data/{job}", "databases": f"{self.out}/databases/{job}.vprdb",
                 "results": f"{self.out}/results/{job}/result.json",
                 "reports": f"{self.out}/results/{job}/report.json",
@@ -130,7 +130,7 @@ class Tree:
         return self.content["descriptors"][descriptor].get("family", "fastable")
 
     def files(self, name, descriptor):
-        """The stamp of what a descriptor's commands read beside the data set."""
+        """The stamp of the files that a descriptor's commands read in addition to the data set."""
         files = self.content["descriptors"][descriptor].get("files")
         if not files:
             return []
@@ -153,7 +153,7 @@ class Tree:
                         command)
 
     def query_words(self, key, of):
-        """What vpr-query (key query) or vpr-tune (tune) is told to run on."""
+        """The input arguments of vpr-query (key query) or vpr-tune (tune)."""
         row = self.content["descriptors"][of["descriptor"]]
         description = of["data_set"].description
         if key not in row:
@@ -162,7 +162,7 @@ class Tree:
                                  "set": of["name"]})
 
     def add_method(self, name, data_set, query, method, databases, section):
-        """Results, reports and sweeps of a method on a query; gives its runs."""
+        """Adds results, reports and sweeps of a method on a query; returns its runs."""
         row = self.content["methods"][method]
         named = chosen(row.get("descriptors"), self.content["descriptors"], f"method {method}")
         on = [descriptor for descriptor in named if (descriptor, self.seeds[0]) in databases]
@@ -184,7 +184,7 @@ class Tree:
         return runs
 
     def grids(self, method, row, key):
-        """The grids that a method names under a key, with their values."""
+        """The grids of a method under a key, with their values."""
         grids = {**self.content.get("grids", {}), **row.get("grids", {})}
         return {grid: grids[grid] for grid in chosen(row[key], grids, f"method {method}")}
 
@@ -243,7 +243,7 @@ class Tree:
             chosen(row["methods"], self.content["methods"], f"comparison {name}")
 
     def shown(self):
-        """What the page is made of."""
+        """The inputs of the page."""
         return [f"{self.out}/inputs/tree.json",
                 *(self.path(*key) for key in self.jobs
                   if key[0] in ("reports", "sweeps", "comparisons"))]
@@ -254,20 +254,20 @@ class Tree:
 
 
 def load(config):
-    """The tree of --config experiments=FILE data=DIR out=DIR, each of which may be left out. Has
-    commands find the programs."""
+    """The tree of --config experiments=FILE data=DIR out=DIR, each optional. Adds the programs
+    to the PATH of commands."""
     path = pathlib.Path(config.get("experiments") or HERE / "experiments.yaml")
     try:
         content = yaml.safe_load(path.read_text())
     except (OSError, ValueError, yaml.YAMLError) as error:
-        raise Mistake(f"{path} can't be read: {error}") from error
+        raise Mistake(f"{path} cannot be read: {error}") from error
     schema = json.loads(SCHEMA.read_text())
     for error in jsonschema.Draft202012Validator(schema).iter_errors(content):
         raise Mistake(f"{path}: {'/'.join(map(str, error.path)) or 'the file'}: {error.message}")
     programs = pathlib.Path(os.environ.get("VPR_BIN") or ROOT / "build/release/bin").resolve()
     if not (programs / "vpr-query").exists():
-        raise Mistake(f"{programs}/vpr-query is missing: cmake --build --preset release makes it, "
-                      "and VPR_BIN names a folder of programs that are built")
+        raise Mistake(f"{programs}/vpr-query is missing: build it with cmake --build --preset release, "
+                      "or set VPR_BIN to a folder of built programs")
     os.environ["PATH"] = f"{programs}:{os.environ['PATH']}"
     data = os.path.abspath(config["data"]) if config.get("data") else None
     return Tree(content, path.resolve().parent, data, config.get("out") or "out/workflow")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Links of the documentation are valid, and scripts/check_links.py finds those that are not.   links.py SOURCE"""
+"""Links of the documentation are valid, and scripts/check_links.py finds invalid ones.   links.py SOURCE"""
 import pathlib
 import subprocess
 import sys
@@ -27,7 +27,7 @@ with tempfile.TemporaryDirectory() as folder:
                                "[4](c.md) [5](docs/b.md#again-2) [6](docs/b.md#no-heading) [7](#none)\n"
                                "```\n[8](d.md)\n```\n")
     found = broken(root)
-    if found != ["a.md: c.md: there is no such file",
-                 *(f"a.md: {link}: there is no such heading"
+    if found != ["a.md: c.md: the file does not exist",
+                 *(f"a.md: {link}: the heading does not exist"
                    for link in ("docs/b.md#again-2", "docs/b.md#no-heading", "#none"))]:
         sys.exit(f"links: {found}")

@@ -51,7 +51,7 @@ for more in (("--query-images", photos), ("--query-times", folder / "p.csv")):
 outcome = support.run(support.programs / "vpr-eval", "check", photos, *truth[1:])
 assert outcome.returncode != 0 and "scripts/convert/exif.py" in outcome.stderr, outcome
 
-# Positions that are none.
+# Invalid positions.
 for bad in (place(0, _9="V"), place(0, _2=angle(52, 0, 0, 0)), {}, {2: angle(0, 0, 0), 4: angle(0, 0, 0)}):
     image("IMG_10.jpg", bad)
     assert rows()[0][2] == "IMG_10.jpg,,,", bad

@@ -26,7 +26,7 @@ support.good(converted(track(
 assert (folder / "t.csv").read_text() == (
     "lat,lon,time\n52,13,2024-05-01T12:00:00Z\n52.0002,13,2024-05-01T14:00:01.5+02:00\n"
     "54,13,2024-05-01T12:00:03Z\n")
-# Frames find their place on the track by their times: at the first point, and half way.
+# Frames are located on the track by their times: at the first point, and halfway.
 (folder / "times.txt").write_text("1714564800\n1714564800.75\n")
 (folder / "r.csv").write_text("lat,lon\n52.0001,13\n52,13\n")
 gps = ("--ground-truth-reference", folder / "r.csv", "--radius", "1", "--query-times", folder / "times.txt")
@@ -38,7 +38,7 @@ support.named(folder / "t.gpx", "gpx.py", *gps)
 support.good(converted(track(point(52) + point(53))))
 assert (folder / "t.csv").read_text() == "lat,lon\n52,13\n53,13\n"
 for text, words in (
-        (track(point(52, "2024-05-01T12:00:02Z") + point(52)), "have none"),
+        (track(point(52, "2024-05-01T12:00:02Z") + point(52)), "others do not"),
         (track('<trkpt lat="52"/>'), "track point 0 has no latitude or longitude"),
         (track(""), "no track points"), ("<kml/>", "<kml>"), (track(point(52))[:-22], "damaged XML"),
         ("", "damaged XML"), ("<gpx><trk></gpx>", "damaged XML"),

@@ -31,7 +31,7 @@ check("two.mat", truth.T, "--variable", "b")
 scipy_io.savemat(folder / "t.mat", {"a": truth.T, "truth": truth})
 check("t.mat", truth)
 
-# Version 7.3, as MATLAB writes it: columns are rows of HDF5, sparse matrices are groups.
+# Version 7.3 in the layout of MATLAB: columns are rows of HDF5, sparse matrices are groups.
 with h5py.File(folder / "h.mat", "w", userblock_size=512) as file:
     file["loops"] = truth.T.astype("u1")
     file["loops"].attrs["MATLAB_class"] = numpy.bytes_("logical")

@@ -41,7 +41,7 @@ for bad in ("", "nonsense", several.replace("cols: 1", "cols: 2"), several.repla
 support.refused(convert(folder / "cut.yml.gz", "-o", folder / "x.npy"), 4, "is damaged")
 support.refused(convert(folder / "none.yml", "-o", folder / "x.npy"), 3, "none.yml")
 
-# A database, its YAML, and a database of that: the same words and tree.
+# A database, its YAML, and a database imported from it: the same words and tree.
 for name, seed in (("pre", 1), ("walk", 2)):
     (folder / name).mkdir()
     for frame in range(6):

@@ -1,5 +1,5 @@
-"""What the tests of scripts/convert share.
-   NAME.py SOURCE BIN; ends with 77 (skipped) without the packages that it imports."""
+"""Common functions of the tests of scripts/convert.
+   NAME.py SOURCE BIN; exits with 77 (skipped) without the imported packages."""
 import pathlib
 import subprocess
 import sys
@@ -40,11 +40,11 @@ def refused(outcome, code, words):
 
 
 def evaluated(*words):
-    """What vpr-eval check says of a ground truth."""
+    """The report of vpr-eval check about a ground truth."""
     return good(run(programs / "vpr-eval", "check", *words, "--json")).stdout
 
 
 def named(path, script, *more):
-    """The programs refuse the unconverted file with the script's name."""
+    """The programs refuse the unconverted file and name the script."""
     outcome = run(programs / "vpr-eval", "check", path, *more)
     assert outcome.returncode == 2 and f"scripts/convert/{script}" in outcome.stderr, outcome

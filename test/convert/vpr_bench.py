@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What scripts/convert/vpr_bench.py makes of files, and what the programs say of them.
+"""Output of scripts/convert/vpr_bench.py, and its use in the programs.
    vpr_bench.py SOURCE BIN [CORRIDOR]; ends with 77 (skipped) without NumPy."""
 import os
 import pathlib
@@ -33,7 +33,7 @@ check(table([(0, [1, 2]), (1, []), (2, (0,))], (3, 2)), two)
 check(table([(0, numpy.array([1, 2])), (1, range(0)), (2, [numpy.int64(0)])], (3, 2)), two)
 check(table([[1, 2], numpy.array([], dtype=int), [0.0]], 3), two)
 
-# The programs read what it writes, and say what to do with what it reads.
+# The programs read its output, and refuse its input with advice.
 pairs = folder / "pairs.csv"
 pairs.write_text(two)
 checked = run(programs / "vpr-eval", "check", pairs, "--query-frames", "3", "--train-frames", "3")
@@ -45,7 +45,7 @@ for words in (("check", folder / "g.npy"), ("check", folder / "g.npy", "--ground
     assert "scripts/convert/vpr_bench.py" in refused.stderr, refused
 
 
-# A pickle that would run something is refused, and nothing runs; so is what is damaged.
+# A pickle with code is refused without running it; so is a damaged one.
 class Hostile:
     def __reduce__(self):
         return os.system, (f"touch {folder}/HERE",)

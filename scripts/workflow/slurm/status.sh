@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What has become of a job, as Snakemake asks it:   status.sh JOB
-# A job that was killed (memory, time, node) leaves no file that says so; Slurm's controller knows,
-# for some minutes without accounting.
+# The status of a job in Snakemake's terms:   status.sh JOB
+# A killed job (memory, time, node) leaves no file; Slurm's controller knows its state, for a few
+# minutes without accounting.
 state=$(scontrol show job "$1" 2>/dev/null | sed -n 's/.*JobState=\([A-Z_]*\).*/\1/p')
 [[ -n $state ]] || state=$(sacct -j "$1" -X -n -o State 2>/dev/null | awk '{print $1; exit}')
 case $state in

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Tries the job array and the profile against a Slurm of one node that it starts on this machine, as
-# root, and ends:   VPR_BIN=build/ci/bin scripts/workflow/slurm/try.sh
+# Tests the job array and the profile with a one-node Slurm that it starts on this machine as root
+# and stops at the end:
+#   VPR_BIN=build/ci/bin scripts/workflow/slurm/try.sh
 # Needs slurmctld, slurmd, slurm-client, munge and snakemake (apt). Not part of any test.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
@@ -88,7 +89,7 @@ snakemake -s "$snakefile" --profile "$profile" --latency-wait 5 \
 ls -l out/index.html
 [[ $(scontrol -o show jobs | grep -c "JobName=vpr-.* JobState=COMPLETED") -ge 8 ]]
 
-echo; echo "== what has become of jobs"
+echo; echo "== status of jobs"
 done_job=$(sbatch --parsable --mem=100 --output=/dev/null --wrap true)
 gone_job=$(sbatch --parsable --mem=100 --output=/dev/null --wrap "sleep 600")
 until [[ $("$profile/status.sh" "$done_job") == success ]]; do sleep 1; done

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Best matches that are right, and those before the first wrong one when sorted by score, in per
-cent, of aligned sequences: recognised_early.py RESULT TOLERANCE, for RESULT.json"""
+"""Percent of correct best matches, and of those before the first incorrect one in order of score,
+of aligned sequences: recognized_early.py RESULT TOLERANCE, for RESULT.json"""
 import array
 import sys
 
