@@ -1,4 +1,4 @@
-// Codes of several walks, as matchers, queries and sweeps are tested with them.
+// Codes of several sequences for tests of matchers, queries and sweeps.
 #pragma once
 
 #include <cstdint>
@@ -25,29 +25,29 @@ struct Example {
   std::vector<DescriptorSpan> spans() const;
 };
 
-/// Walks of so many frames each; every frame is readable.
+/// Sequences with these numbers of frames; every frame is readable.
 Example make_example(const std::vector<size_t>& train_frames, size_t query_frames, uint64_t seed);
 
-/// A database of sequences "a", "b", ..., whose frames are called by their numbers; it has neither
+/// A database of sequences "a", "b", ..., whose frames are named by their numbers; it has neither
 /// thresholds nor statistics.
 SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequences);
 
-/// A query whose frames are called by their numbers.
+/// A query whose frames are named by their numbers.
 DescriptorSet make_query(const std::vector<LdbCode>& codes);
 
-/// FAB-MAP's database of the same sequences: of 40 words, each frame shows some that follow from
-/// its descriptor, so that equal frames show the same; none for descriptors of zeros.
+/// A FAB-MAP database of the same sequences: each frame shows some of 40 words, determined by its
+/// descriptor, so that equal frames show equal words; none for descriptors of zeros.
 FabmapDatabase make_fabmap(const SequenceDatabase& database);
 
-/// The words that a frame shows there.
+/// The words of a frame in this database.
 WordSet words_of(DescriptorRow row);
 
-/// All window pairs of two sequences, row-major, query windows x train windows; empty if either
-/// sequence is shorter than a window. OpenABLE: window_length distances a cell.
+/// All window pairs of two sequences, row-major, query windows x training windows; empty if either
+/// sequence is shorter than a window. OpenABLE: window_length distances per cell.
 std::vector<uint32_t> plain_openable(const DescriptorRows& train, const DescriptorRows& query,
                                      size_t window_length);
 
-/// The same matrix by FastABLE's recurrence, two distances a cell (paper, section VII).
+/// The same matrix by FastABLE's recurrence, two distances per cell (paper, section VII).
 std::vector<uint32_t> plain_fastable(const DescriptorRows& train, const DescriptorRows& query,
                                      size_t window_length);
 

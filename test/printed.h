@@ -1,4 +1,4 @@
-// JSON that programs print and write.
+// JSON written by programs.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace vpr::test {
 
 inline Json file_json(const std::filesystem::path& path) { return Json::parse(read_text(path)); }
 
-/// What a program printed; it must have ended with 0.
+/// The output of a program, which must have exited with 0.
 inline Json printed_json(const RunOutcome& outcome) { return Json::parse(ok(outcome).out); }
 inline Json printed_json(const std::string& program, const Words& arguments) {
   return printed_json(run_program(program, arguments));

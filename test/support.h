@@ -1,4 +1,4 @@
-// What tests of several stages share.
+// Helpers for tests of several folders.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace vpr::test {
 
-/// An empty folder that is removed again.
+/// An empty folder that is removed at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -34,8 +34,8 @@ bool has(const std::string& text, const std::string& part);
 /// Names of everything in a folder, hidden files included, sorted.
 std::vector<std::string> list_folder(const std::filesystem::path& folder);
 
-/// A .npy file of one or two dimensions with the values in C order; with `is_column_major`, the
-/// file has them in Fortran order.
+/// Writes a .npy file of one or two dimensions with the values in C order; `is_column_major` writes
+/// them in Fortran order.
 template <class T>
 void write_array(const std::filesystem::path& path, const std::vector<T>& values,
                  const std::vector<size_t>& shape, bool is_column_major = false) {
@@ -58,14 +58,14 @@ std::vector<T> read_array(const std::filesystem::path& path) {
   return {values.begin(), values.end()};
 }
 
-/// A grey picture with seeded content.
+/// Writes a gray image with seeded content.
 void write_image(const std::filesystem::path& path, uint64_t seed, int width = 40, int height = 30);
 
 std::vector<LdbCode> random_codes(size_t count, uint64_t seed);
-/// A walk: each code differs from the one before in about `changed_bits` bits.
+/// A sequence in which consecutive codes differ in about `changed_bits` bits.
 std::vector<LdbCode> walk_codes(size_t count, uint64_t seed, int changed_bits = 60);
 
-/// One of simd_targets(), which kernels are chosen for while it lives; then the best one again.
+/// Selects one of simd_targets() during its lifetime, then the best one again.
 class ChosenTarget {
  public:
   explicit ChosenTarget(const std::string& name) { use_simd_target(name); }
@@ -74,8 +74,8 @@ class ChosenTarget {
   ChosenTarget& operator=(const ChosenTarget&) = delete;
 };
 
-/// The real image sequences, in $VPR_TEST_DATA or beside the project; if they are not there, prints
-/// why the test is skipped and gives nothing.
+/// The real image sequences, in $VPR_TEST_DATA or next to the project; without them, prints why the
+/// test is skipped and returns nullopt.
 std::optional<std::filesystem::path> real_data(const std::string& folder);
 bool lacked_data();
 
@@ -88,17 +88,17 @@ struct RunOutcome {
   std::string out;
   std::string err;
 };
-/// Runs one of our programs, without a shell. `environment`: NAME=VALUE.
+/// Runs one of the programs without a shell. `environment`: NAME=VALUE.
 RunOutcome run_program(const std::string& program, const Words& arguments,
                        const Words& environment = {});
-/// A run that must end with exit code 0.
+/// Requires exit code 0.
 RunOutcome ok(const RunOutcome& outcome);
 RunOutcome run_ok(const std::string& program, const Words& arguments,
                   const Words& environment = {});
 std::filesystem::path program_path(const std::string& program);
 std::filesystem::path source_path(const std::string& name);
 
-/// The kind of the Error that `work` throws; nothing if it throws none.
+/// The kind of the Error that `work` throws, or nullopt.
 template <class Work>
 std::optional<ErrorKind> error_kind(Work&& work) {
   try {
@@ -109,7 +109,7 @@ std::optional<ErrorKind> error_kind(Work&& work) {
   return std::nullopt;
 }
 
-/// The sentence of the Error that `work` throws; empty if it throws none.
+/// The message of the Error that `work` throws; empty if it throws none.
 template <class Work>
 std::string error_text(Work&& work) {
   try {

@@ -32,7 +32,7 @@ void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags) {
   if (!flags.fps || truth.options.query_times.empty()) return;
   const auto formats = ground_truth_formats();
   const auto named = std::ranges::find(formats, truth.format, &GroundTruthFormat::name);
-  const GroundTruthFormat* format = truth.format.empty()     ? &recognise_format(truth.path)
+  const GroundTruthFormat* format = truth.format.empty()     ? &detect_format(truth.path)
                                     : named != formats.end() ? &*named
                                                              : nullptr;
   if (format == nullptr || std::ranges::find(format->options, "times") == format->options.end())

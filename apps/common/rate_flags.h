@@ -24,7 +24,7 @@ void add_rate_flags(const Command& command, RateFlags& flags, const std::string&
 void check_rates(const RateFlags& flags);
 
 /// Query times that --fps asks for are not those of a ground truth whose format has none: leaves
-/// them out of it. Throws what recognise_format throws.
+/// them out of it. Throws what detect_format throws.
 void leave_times_to_rate(GroundTruthArgument& truth, const RateFlags& flags);
 
 /// The sequence with its rate, and thinned as the flags say (truth/sequence_rate.h).

@@ -76,8 +76,8 @@ GroundTruthScope find_scope(const ScopeInputs& inputs, const Monitor& monitor) {
   if (!has_numbers) return {kUnknownFrames, {{"", kUnknownFrames}}};
   if (!inputs.query_frames || !inputs.train_frames)
     throw Error(ErrorKind::usage, "give both --query-frames and --train-frames");
-  if (*inputs.query_frames > kMostGrownFrames || *inputs.train_frames > kMostGrownFrames)
-    throw Error(ErrorKind::usage, fmt::format("numbers of frames go up to {}", kMostGrownFrames));
+  if (*inputs.query_frames > kMaxGrownFrames || *inputs.train_frames > kMaxGrownFrames)
+    throw Error(ErrorKind::usage, fmt::format("numbers of frames go up to {}", kMaxGrownFrames));
   return {*inputs.query_frames, {{"", *inputs.train_frames}}};
 }
 
@@ -86,7 +86,7 @@ void run(Session& session, const CheckInputs& inputs) {
   const GroundTruthArgument argument = ground_truth_argument(inputs.ground_truth, inputs.flags);
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
-  const GroundTruthSummary summary = summarise(found, session.monitor);
+  const GroundTruthSummary summary = summarize(found, session.monitor);
   const Json json = ground_truth_report_json(found, summary, session.run);
   session.write_output(json);
   std::string text = render_table(ground_truth_table(found, summary), inputs.format);
@@ -116,7 +116,7 @@ void run(Session& session, const ConvertInputs& inputs) {
   const InspectedGroundTruth found =
       inspect_ground_truth(argument, find_scope(inputs.scope, session.monitor), session.monitor);
   require_undamaged(found, inputs.ground_truth);
-  const GroundTruthSummary summary = summarise(found, session.monitor);
+  const GroundTruthSummary summary = summarize(found, session.monitor);
   const bool holds_ignored = target.ignores_in.empty() ||
                              std::filesystem::path(options.output).extension() == target.ignores_in;
   if (summary.ignored > 0 && !holds_ignored)

@@ -56,11 +56,11 @@ ExportedRows layout_of(const DescriptorShape& shape) {
   switch (shape.element) {
     case ElementType::bits:
       return {npy_type<uint8_t>(), (shape.length + 7) / 8};
-    case ElementType::grey_levels:
+    case ElementType::gray_levels:
       return {npy_type<uint8_t>(), shape.length};
-    case ElementType::whole_numbers:
-    case ElementType::wide_numbers:
-    case ElementType::coordinates:
+    case ElementType::int8:
+    case ElementType::int16:
+    case ElementType::points16:
     case ElementType::frame_numbers:
       break;
   }
@@ -70,14 +70,14 @@ ExportedRows layout_of(const DescriptorShape& shape) {
 std::vector<std::byte> exported(const DescriptorStore& store, DescriptorRow row) {
   const DescriptorShape shape = store.shape();
   switch (shape.element) {
-    case ElementType::whole_numbers:
+    case ElementType::int8:
       return as_floats<int8_t>(row);
-    case ElementType::wide_numbers:
+    case ElementType::int16:
       return as_floats<int16_t>(row);
-    case ElementType::coordinates:
+    case ElementType::points16:
       return as_points(row, store.unit);
     case ElementType::bits:
-    case ElementType::grey_levels:
+    case ElementType::gray_levels:
     case ElementType::frame_numbers:
       break;
   }

@@ -1,4 +1,4 @@
-// A vector whose first element begins a cache line.
+// A vector whose first element is aligned to a cache line.
 #pragma once
 
 #include <cstddef>

@@ -9,12 +9,12 @@
 
 namespace vpr {
 
-/// The 128-bit XXH3 checksum of bytes as text: "xxh3:" and 32 hexadecimal digits. No bytes have
-/// one, too.
+/// "xxh3:" and the 128-bit XXH3 checksum of the bytes as 32 hexadecimal digits. Empty input is
+/// valid.
 std::string checksum(std::span<const std::byte> bytes);
 std::string checksum(std::string_view text);
 
-/// The checksum of bytes that arrive piece by piece; pieces may be cut anywhere.
+/// The checksum of bytes that arrive in pieces; it does not depend on the size of the pieces.
 class ChecksumStream {
  public:
   ChecksumStream();

@@ -15,12 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A script, and the files that it reads.
+/// A conversion script and a test for the files that it reads.
 struct Converter {
   std::string_view format;
   std::string_view what;
   std::string_view script;
-  bool makes_arrays = false;  ///< of any values, not of ground truth only
+  bool makes_arrays = false;  ///< its output is an array of any kind, not only ground truth
   bool (*reads)(const fs::path& path, std::string_view start) = nullptr;
 };
 
@@ -45,7 +45,7 @@ bool is_image(const fs::path&, std::string_view start) {
                      [&](std::string_view signature) { return start.starts_with(signature); });
 }
 
-// Two or three integers with commas between them, without a header.
+// Two or three integers, separated by commas, without a header.
 bool is_openseqslam(const fs::path&, std::string_view start) {
   const auto lines = split_lines(start);
   if (lines.empty()) return false;

@@ -1,4 +1,4 @@
-// Formats of other programs that a script of scripts/convert turns into one that programs read.
+// File formats that the programs do not read, and the scripts in scripts/convert that convert them.
 #pragma once
 
 #include <filesystem>
@@ -6,13 +6,13 @@
 
 namespace vpr {
 
-/// Throws Error(usage), naming the script, if `start`, the first bytes of the file, or its
-/// extension is that of a format that a script reads. `arrays_only`: only formats that hold any
-/// arrays.
+/// Throws Error(usage) with the name of the script if `start`, the first bytes of the file, or the
+/// extension belongs to a format that a script converts. `arrays_only`: check only formats that
+/// hold arrays of any kind.
 void refuse_unconverted(const std::filesystem::path& path, std::string_view start,
                         bool arrays_only = false);
 
-/// Throws Error(usage), naming the script, if a script reads this format.
+/// Throws Error(usage) with the name of the script if a script converts this format.
 void refuse_unconverted_format(std::string_view format);
 
 }  // namespace vpr

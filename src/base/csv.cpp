@@ -22,7 +22,7 @@ class CsvParser {
       do row.fields.push_back(field());
       while (take(','));
       take('\r');
-      if (at_ < text_.size() && !take('\n')) fail("a quote stands inside a field");
+      if (at_ < text_.size() && !take('\n')) fail("a quote is inside an unquoted field");
       ++line_;
       if (row.fields.size() > 1 || !row.fields.front().empty()) rows.push_back(std::move(row));
     }
@@ -30,7 +30,7 @@ class CsvParser {
   }
 
  private:
-  // Lines that begin with #, in front of everything else.
+  // Lines before the first row that begin with #.
   void skip_comments() {
     while (at_ < text_.size() && text_[at_] == '#') {
       at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1;
@@ -55,7 +55,7 @@ class CsvParser {
   std::string quoted_field() {
     std::string value;
     for (;;) {
-      if (at_ >= text_.size()) fail("a quote does not end");
+      if (at_ >= text_.size()) fail("a quote is not closed");
       const char c = text_[at_++];
       if (c == '"' && !take('"')) return value;
       if (c == '\n') ++line_;

@@ -13,12 +13,12 @@ struct CsvRow {
   std::vector<std::string> fields;
 };
 
-/// Empty lines are left out; a byte order mark, and lines in front of the first row that begin with
-/// #, are skipped. `where` names the file in errors.
-/// Throws Error(data) for a quote that does not end or stands inside an unquoted field.
+/// Skips empty lines, a byte order mark, and lines before the first row that begin with #. `where`
+/// names the file in errors. Throws Error(data) for an unterminated quote or a quote inside an
+/// unquoted field.
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& where);
 
-/// A field as CSV: quoted where it has to be.
+/// A field as CSV, quoted if necessary.
 std::string csv_field(const std::string& text);
 
 }  // namespace vpr

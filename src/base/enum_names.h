@@ -1,4 +1,4 @@
-// Names of an enum's values, for files, flags and tables.
+// Names of enumerators in files, flags and tables.
 #pragma once
 
 #include <array>
@@ -8,17 +8,17 @@
 
 namespace vpr {
 
-/// Names of the values of E, in their order; specialise as `kEnumNames<E>`.
+/// Names of the enumerators of E, in their order; specialize as `kEnumNames<E>`.
 template <class E>
 inline constexpr std::array<std::string_view, 0> kEnumNames{};
 
-/// The name of a value of E, which must be one of its enumerators.
+/// `value` must be one of the enumerators.
 template <class E>
 std::string_view enum_name(E value) {
   return kEnumNames<E>[static_cast<size_t>(value)];
 }
 
-/// The value of E that has a name; nothing where none has it.
+/// The enumerator with this name, or nullopt.
 template <class E>
 std::optional<E> enum_value(std::string_view name) {
   for (size_t i = 0; i < kEnumNames<E>.size(); ++i)

@@ -1,4 +1,4 @@
-// The one exception type of the toolkit: a kind, which becomes the exit code, and one sentence.
+// The toolkit's only exception type: a kind, which determines the exit code, and a message.
 #pragma once
 
 #include <stdexcept>
@@ -6,18 +6,18 @@
 
 namespace vpr {
 
-/// Whose mistake an error is; the programs turn it into their exit code.
+/// The cause of an error; the programs map it to their exit code.
 enum class ErrorKind {
-  usage,        ///< wrong flags or settings, or an output that exists (exit code 2)
-  input,        ///< something to read is missing or can't be decoded (3)
-  output,       ///< something can't be written (3)
-  data,         ///< a database, result or ground truth is damaged or does not fit (4)
-  expectation,  ///< a check that the user asked for failed (5)
+  usage,        ///< wrong flags or settings, or an existing output (exit code 2)
+  input,        ///< a file is missing or cannot be decoded (3)
+  output,       ///< a file cannot be written (3)
+  data,         ///< a database, result or ground truth is damaged or does not match (4)
+  expectation,  ///< a check that the user requested failed (5)
   interrupted,  ///< the user stopped the program (130)
-  internal      ///< a defect of ours (1)
+  internal      ///< a defect in the toolkit (1)
 };
 
-/// Message: one sentence that says what was expected, what was found, where, and what to do.
+/// The message says what is wrong, where, and what to do.
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
@@ -27,10 +27,9 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-/// The process exit code that stands for an error kind.
 int exit_code(ErrorKind kind);
 
-/// "No space left on device" for an errno value, in any thread.
+/// The system's text for an errno value, such as "No space left on device". Thread-safe.
 std::string system_error_text(int error_number);
 
 }  // namespace vpr

@@ -1,6 +1,6 @@
-// Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
+// Compiled once per SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
-// The settings above come first.
+// The settings above must come first.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -17,8 +17,8 @@
 #define VPR_EXPONENTIALS_ONCE
 namespace vpr {
 namespace {
-constexpr size_t kGroup = 8;     // values that are added to their own sums
-constexpr double kLeast = -690;  // exp of less counts as 0
+constexpr size_t kGroup = 8;     // values per group, each with its own partial sum
+constexpr double kLeast = -690;  // exp of anything smaller counts as 0
 }  // namespace
 }  // namespace vpr
 #endif
@@ -35,9 +35,9 @@ using Doubles = hn::Vec<Tag>;
 constexpr size_t kLanes = hn::MaxLanes(Tag());
 constexpr size_t kVectors = kGroup / kLanes;
 
-// exp(x) for x in [kLeast, 0], 0 below: x = n ln 2 + r, and Taylor's series of exp(r) to r^13,
-// whose rest is below 4e-18. Multiplied and added apart: fused, the last digit would depend on the
-// target.
+// exp(x) for x in [kLeast, 0], 0 below: x = n ln 2 + r, with the Taylor series of exp(r) up to
+// r^13, whose remainder is below 4e-18. No fused multiply-add: it would change the last digit on
+// some targets.
 HWY_INLINE Doubles Exp(Doubles x) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
@@ -58,7 +58,7 @@ HWY_INLINE Doubles Exp(Doubles x) {
   const auto too_small = hn::Lt(x, hn::Set(d, kLeast));
   const Doubles bounded = hn::Max(x, hn::Set(d, kLeast));
   const Doubles n = hn::Round(hn::Mul(bounded, hn::Set(d, 1.4426950408889634)));
-  // ln 2 in two parts, the first short enough that its product with n is exact.
+  // ln 2 in two parts; the first is short enough that its product with n is exact.
   const Doubles r = hn::Sub(hn::Sub(bounded, hn::Mul(n, hn::Set(d, 6.93147180369123816490e-01))),
                             hn::Mul(n, hn::Set(d, 1.90821492927058770002e-10)));
   Doubles series = hn::Set(d, kInverseFactorials[0]);

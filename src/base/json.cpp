@@ -22,7 +22,7 @@ std::optional<Json> parse_json(std::string_view text) {
       text,
       [&](int depth, Json::parse_event_t, Json&) {
         too_deep = too_deep || depth > kMaxDepth;
-        return !too_deep;  // what is nested deeper is not kept
+        return !too_deep;  // drop values that are nested too deeply
       },
       false);
   if (json.is_discarded() || too_deep) return std::nullopt;
@@ -48,10 +48,11 @@ void require_schema(const Json& json, std::string_view schema_kind, const std::s
   const std::string schema = found->get<std::string>();
   if (schema == wanted) return;
   if (schema.starts_with(fmt::format("vpr.{}/", schema_kind)))
-    throw Error(error_kind,
-                fmt::format("{}: has schema {}, made by another version of the program (this one "
-                            "reads {}). Run the command that made it again",
-                            where, schema, wanted));
+    throw Error(
+        error_kind,
+        fmt::format("{}: has schema {}, written by another version of the program (this one "
+                    "reads {}). Run the command that wrote it again",
+                    where, schema, wanted));
   throw Error(error_kind, fmt::format("{}: expected schema {}, found {}", where, wanted, schema));
 }
 

@@ -1,8 +1,8 @@
-// JSON text, and settings structs to and from JSON.
+// Conversion between JSON text, settings structs and JSON values.
 //
-// A settings struct S is described once, by a function found by its argument:
+// A settings struct S is described once, by a function that argument-dependent lookup finds:
 //   template <class Visitor> void visit_fields(S& s, Visitor&& v) { v("c_l", s.window_length); }
-// Its JSON object, its unknown-key check and the nearest-key hint all come from there.
+// It provides the JSON object, the check for unknown keys and the hint with the nearest key.
 #pragma once
 
 #include <algorithm>
@@ -26,22 +26,22 @@
 
 namespace vpr {
 
-/// The value that a text holds; nothing if it is no JSON, or nested deeper than any file of ours
-/// (so that what works through it may recurse).
+/// Returns nullopt for invalid JSON, or for JSON nested deeper than any of our files, so that code
+/// that uses the value may recurse.
 std::optional<Json> parse_json(std::string_view text);
 
-/// Reads a whole file. Throws Error(input) if it can't be read, Error(kind) if it is not JSON.
+/// Reads a whole file. Throws Error(input) if it cannot be read, Error(kind) if it is not JSON.
 Json read_json(const std::filesystem::path& path, ErrorKind kind);
 
-/// Checks `"schema": "vpr.<kind>/<version>"`. Throws Error(error_kind) for anything else, which
-/// says whether the kind or the version differs.
+/// Checks `"schema": "vpr.<kind>/<version>"`. Otherwise throws Error(error_kind), which says
+/// whether the kind or the version differs.
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,
                     ErrorKind error_kind, int version = 1);
 
-/// Two spaces of indentation and a final line feed; bytes that are not UTF-8 are replaced.
+/// Two spaces of indentation and a final line feed; invalid UTF-8 is replaced.
 std::string to_text(const Json& json);
 
-/// On one line, without spaces; bytes that are not UTF-8 are replaced.
+/// One line without spaces; invalid UTF-8 is replaced.
 std::string to_line(const Json& json);
 
 namespace detail {
@@ -54,7 +54,7 @@ inline constexpr bool kIsOptional = false;
 template <class T>
 inline constexpr bool kIsOptional<std::optional<T>> = true;
 
-/// A visitor that takes any field: what tells settings structs from other types.
+/// A visitor that accepts any field; it distinguishes settings structs from other types.
 struct AnyVisitor {
   template <class T>
   void operator()(const char*, T&) const {}
@@ -69,14 +69,14 @@ std::string one_of(std::span<const std::string_view> names);
 
 }  // namespace detail
 
-/// A struct that a visit_fields describes.
+/// A struct with a visit_fields function.
 template <class S>
 concept Settings = requires(S& s, detail::AnyVisitor v) {
   visit_fields(s, v);
 };
 
-/// A setting as files hold it: a struct becomes an object with all its keys in the order of
-/// visit_fields, a name its text, and an optional without a value "auto".
+/// A setting as stored in files: a struct becomes an object with all its keys in the order of
+/// visit_fields, an enumerator its name, and an empty optional "auto".
 template <class T>
 Json value_to_json(const T& value) {
   if constexpr (Settings<T>) {
@@ -93,8 +93,8 @@ Json value_to_json(const T& value) {
   }
 }
 
-/// Takes over the keys that are there; fields without one keep their value. `where` names the file.
-/// Throws Error(usage) for an unknown key (naming the nearest) or a value of another type.
+/// Reads the keys that are present; the other fields keep their values. `where` names the file.
+/// Throws Error(usage) for an unknown key (with the nearest name) or a value of the wrong type.
 template <class T>
 void value_from_json(const Json& json, T& value, const std::string& where, const std::string& key) {
   if constexpr (Settings<T>) {
@@ -128,22 +128,22 @@ void value_from_json(const Json& json, T& value, const std::string& where, const
     if (!json.is_boolean()) detail::bad_value(where, key, "true or false", json);
     value = json.get<bool>();
   } else if constexpr (std::is_integral_v<T>) {
-    if (!json.is_number_integer()) detail::bad_value(where, key, "a whole number", json);
+    if (!json.is_number_integer()) detail::bad_value(where, key, "an integer", json);
     const bool fits = json.is_number_unsigned() ? std::in_range<T>(json.get<uint64_t>())
                                                 : std::in_range<T>(json.get<int64_t>());
-    if (!fits) detail::bad_value(where, key, "a whole number in range", json);
+    if (!fits) detail::bad_value(where, key, "an integer in range", json);
     value = json.get<T>();
   } else if constexpr (std::is_floating_point_v<T>) {
     if (!json.is_number()) detail::bad_value(where, key, "a number", json);
     value = json.get<T>();
   } else {
     static_assert(std::is_same_v<T, std::string>);
-    if (!json.is_string()) detail::bad_value(where, key, "a text", json);
+    if (!json.is_string()) detail::bad_value(where, key, "a string", json);
     value = json.get<std::string>();
   }
 }
 
-/// The settings that a file of ours was made with: what is wrong there is damage, Error(data).
+/// Reads the settings stored in one of our files. Throws Error(data) for any defect.
 template <Settings S>
 void stored_settings_from_json(const Json& file, S& settings, const std::string& where) {
   const auto found = file.find("settings");

@@ -9,11 +9,11 @@
 
 namespace vpr {
 
-/// Owns the mapping. An empty file gives an empty span.
+/// Owns the mapping. An empty file yields an empty span.
 class MappedFile {
  public:
   MappedFile() = default;
-  /// Throws Error(input) when the file is missing, not a regular file, or can't be read.
+  /// Throws Error(input) if the file is missing, is not a regular file, or cannot be read.
   explicit MappedFile(const std::filesystem::path& path);
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept;
@@ -21,8 +21,8 @@ class MappedFile {
 
   std::span<const std::byte> bytes() const { return {data_, size_}; }
   std::string_view text() const { return {reinterpret_cast<const char*>(data_), size_}; }
-  /// Gives the memory of these bytes back, as far as they fill whole pages; they stay readable, and
-  /// are read from the file again.
+  /// Releases the memory of these bytes, as far as they fill whole pages. They stay readable; the
+  /// system reads them from the file again.
   void forget(size_t first, size_t size) const;
 
  private:
@@ -30,8 +30,9 @@ class MappedFile {
   size_t size_ = 0;
 };
 
-/// The bytes of a file that another program may change or truncate meanwhile, which would kill a
-/// process that maps it: as many as it had when it was opened, or fewer. Throws as MappedFile does.
+/// Reads a file that another program may modify or truncate at the same time, which would crash a
+/// process that maps it. Returns at most as many bytes as the file had when it was opened. Throws
+/// as MappedFile does.
 std::string read_whole_file(const std::filesystem::path& path);
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// A rectangle of values that somebody else owns.
+// A non-owning view of a matrix.
 #pragma once
 
 #include <cassert>
@@ -7,7 +7,7 @@
 
 namespace vpr {
 
-/// Row-major, rows `stride` values apart.
+/// Row-major; consecutive rows are `stride` values apart.
 template <class T>
 struct MatrixView {
   T* data = nullptr;

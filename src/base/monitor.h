@@ -1,4 +1,4 @@
-// How long work tells its caller how far it is, and how the caller stops it.
+// Progress reports, warnings and cancellation of long-running work.
 #pragma once
 
 #include <atomic>
@@ -8,23 +8,23 @@
 
 namespace vpr {
 
-/// Every member may be empty. Callbacks are called from any thread, several at once.
+/// Every member may be empty. Callbacks are called from any thread, possibly concurrently.
 struct Monitor {
-  /// Step in words, units done, units in all (0: unknown).
+  /// The name of the step, units done, and units in total (0: unknown).
   std::function<void(const std::string& step, size_t done, size_t total)> progress;
-  /// One sentence for the user about something that is odd but no error.
+  /// A warning for the user, one sentence.
   std::function<void(const std::string& sentence)> warn;
   /// Becomes true when the user wants to stop.
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Ends work that the user wants to stop: throws Error(interrupted) then.
+/// Throws Error(interrupted) if the user wants to stop.
 void check_stop(const Monitor& monitor);
 
-/// Passes a warning on, one whole sentence, to who listens; without a listener it is lost.
+/// Forwards a warning, one sentence; without a callback it is dropped.
 void warn(const Monitor& monitor, const std::string& sentence);
 
-/// Counts units of one step that are finished in any thread and order.
+/// Counts the finished units of one step, from any thread and in any order.
 class StepCounter {
  public:
   StepCounter(const Monitor& monitor, std::string step, size_t total);
@@ -38,9 +38,9 @@ class StepCounter {
   std::atomic<size_t> done_{0};
 };
 
-/// For the work on the thing `index` (from 0) of `count`: what is reported as "match" arrives at
-/// `monitor` as "match NAME 3/14" ("match NAME" if there is one thing only), and as a share of the
-/// whole step, whose parts are taken to be of one size. Parts may have parts.
+/// A monitor for part `index` (from 0) of `count` parts. It reports the step "match" as "match NAME
+/// 3/14" ("match NAME" if there is only one part), with its progress as a fraction of the whole
+/// step; all parts count the same. Parts may be nested.
 Monitor part_of(const Monitor& monitor, const std::string& name, size_t index, size_t count);
 
 }  // namespace vpr

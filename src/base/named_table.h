@@ -1,4 +1,4 @@
-// Tables whose rows are chosen by name: methods, variants, formats, protocols.
+// Tables whose rows are selected by name: methods, variants, formats, protocols.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace vpr {
 
-/// The names of a table's rows, which have a member `name`, in their order.
+/// The names of all rows, in their order. Rows have a member `name`.
 template <class Table>
 std::vector<std::string> names_of(const Table& table) {
   std::vector<std::string> names;
@@ -21,8 +21,8 @@ std::vector<std::string> names_of(const Table& table) {
   return names;
 }
 
-/// Throws Error(usage): `word` is not the name of a `what` ("method"). The text names the nearest
-/// of `names`, of which there is at least one, and all of them.
+/// Throws Error(usage): `word` is not the name of a `what` ("method"). The message lists all
+/// `names`, of which there is at least one, and the nearest one.
 [[noreturn]] inline void refuse_name(std::string_view what, std::string_view word,
                                      const std::vector<std::string>& names) {
   throw Error(ErrorKind::usage,
@@ -30,7 +30,7 @@ std::vector<std::string> names_of(const Table& table) {
                           nearest(word, names), fmt::join(names, ", ")));
 }
 
-/// The row called `name`, the first if there are several. Throws as refuse_name does.
+/// The first row with this name. Throws as refuse_name does.
 template <class Table>
 const auto& find_named(const Table& table, std::string_view what, std::string_view name) {
   for (const auto& row : table)

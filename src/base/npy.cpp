@@ -24,7 +24,7 @@ namespace {
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kMaxHeader = 65536;
 
-// The text between `before` and `after` in a header; nothing where either is missing.
+// The text between `before` and `after` in a header; nullopt if either is missing.
 std::optional<std::string_view> between(std::string_view text, std::string_view before,
                                         std::string_view after) {
   const size_t start = text.find(before);
@@ -35,7 +35,7 @@ std::optional<std::string_view> between(std::string_view text, std::string_view 
   return text.substr(0, end);
 }
 
-// "(3, 4)" without its parentheses: 3, 4; a trailing comma is allowed.
+// The contents of the parentheses of "(3, 4)": 3, 4; a trailing comma is allowed.
 std::optional<std::vector<size_t>> parse_shape(std::string_view text) {
   std::vector<size_t> shape;
   while (!text.empty()) {
@@ -49,14 +49,14 @@ std::optional<std::vector<size_t>> parse_shape(std::string_view text) {
   return shape;
 }
 
-constexpr int64_t kMostExact = int64_t{1} << 53;
+constexpr int64_t kMaxExact = int64_t{1} << 53;
 
 /// IEEE 754's 16-bit format.
 struct Half {
   uint16_t bits;
 };
 
-// The bits of the 32-bit format have the same meaning, but for the width of its two fields.
+// As for the 32-bit format, except for the widths of exponent and fraction.
 double number(Half half) {
   const uint32_t sign = uint32_t{half.bits} >> 15 << 31;
   const uint32_t exponent = half.bits >> 10 & 31U;
@@ -72,9 +72,9 @@ double number(Half half) {
 template <class T>
 double number(T value) {
   if constexpr (std::is_integral_v<T> && sizeof(T) == 8) {
-    if (!std::cmp_less_equal(value, kMostExact) || !std::cmp_greater_equal(value, -kMostExact))
+    if (!std::cmp_less_equal(value, kMaxExact) || !std::cmp_greater_equal(value, -kMaxExact))
       throw Error(ErrorKind::data,
-                  "the file holds integers beyond 2^53, which are not told apart as float64; scale "
+                  "the file holds integers beyond 2^53, which float64 cannot represent; scale "
                   "them down first");
   }
   return static_cast<double>(value);

@@ -1,4 +1,5 @@
-// NumPy's .npy files (format 1.0 to 3.0, little-endian), and numbers of any type as doubles.
+// NumPy's .npy files (format 1.0 to 3.0, little-endian), and conversion of numbers of any type to
+// double.
 #pragma once
 
 #include <cstddef>
@@ -48,29 +49,29 @@ inline std::string_view npy_type<double>() {
   return "<f8";
 }
 
-/// What stands before the values.
+/// The header of a .npy file.
 struct NpyHeader {
   std::string type;
   std::vector<size_t> shape;
   bool is_column_major = false;  ///< Fortran order: the first index changes fastest
-  size_t offset = 0;             ///< of the values, in bytes
+  size_t offset = 0;             ///< of the first value, in bytes
 };
 
-/// More bytes than any header has.
+/// An upper bound of the length of a header, in bytes.
 inline constexpr size_t kMaxNpyHeader = 65536 + 12;
 
-/// `file` may be the beginning of one (kMaxNpyHeader bytes are enough). Nothing if it doesn't begin
-/// as a .npy file does; whether the values fit the shape is not looked at.
+/// `file` may be the beginning of a file (kMaxNpyHeader bytes are enough). Returns nullopt unless
+/// it begins as a .npy file does. Does not check that the values fit the shape.
 std::optional<NpyHeader> parse_npy_header(std::string_view file);
 
-/// Bytes of a little-endian number of that type ("<f4": 4, "|b1": 1); nothing for another type.
+/// Bytes per value of a little-endian type ("<f4": 4, "|b1": 1); nullopt for other types.
 std::optional<size_t> npy_value_size(std::string_view type);
 
-/// The bytes before the values; a multiple of 64 bytes long.
+/// The bytes before the values; their number is a multiple of 64.
 std::string npy_header(std::string_view type, const std::vector<size_t>& shape);
 
-/// A memory-mapped array. Nothing that its header says is trusted: the file's size must be that of
-/// the shape. Throws Error(input) if it can't be read, Error(data) if it is not such an array.
+/// A memory-mapped array. The header is not trusted: the size of the file must fit the shape.
+/// Throws Error(input) if the file cannot be read, Error(data) if it is not a supported array.
 class NpyArray {
  public:
   NpyArray() = default;
@@ -78,19 +79,19 @@ class NpyArray {
 
   const std::string& type() const { return type_; }
   const std::vector<size_t>& shape() const { return shape_; }
-  /// Fortran order: the first index runs fastest.
+  /// Fortran order: the first index changes fastest.
   bool is_column_major() const { return is_column_major_; }
-  /// The whole file, header included, as checksums cover it.
+  /// The whole file with its header, as checksums cover it.
   std::span<const std::byte> file_bytes() const { return file_.bytes(); }
 
-  /// The values as they lie in the file, of whatever type and order.
+  /// The raw bytes of the values, of any type and order.
   std::span<const std::byte> value_bytes() const { return file_.bytes().subspan(offset_); }
-  /// Gives the memory of values back that were read: they are read from the file again if needed.
+  /// Releases the memory of values; the system reads them from the file again if needed.
   void forget_values(size_t first_byte, size_t size) const {
     file_.forget(offset_ + first_byte, size);
   }
 
-  /// The values; throws Error(data) when the type or the number of dimensions is another, or the
+  /// The values. Throws Error(data) if the type or the number of dimensions differs, or if the
   /// order is Fortran's.
   template <class T>
   std::span<const T> values(size_t dimensions) const {
@@ -117,19 +118,20 @@ void write_npy(Output& file, std::span<const T> values, const std::vector<size_t
   file.write(std::as_bytes(values));
 }
 
-/// How numbers of a type are read.
+/// How to read numbers of one type.
 struct NumberType {
-  std::string_view name;  ///< NumPy's: "<f4"
-  size_t bytes = 0;       ///< of a number
+  std::string_view name;  ///< NumPy's name: "<f4"
+  size_t bytes = 0;       ///< per number
   bool is_whole = false;
-  /// Reads `count` numbers `stride` bytes apart, and writes them `out_stride` doubles apart. Throws
-  /// Error(data) for a 64-bit integer beyond 2^53, which a double does not tell from the next.
+  /// Reads `count` numbers that are `stride` bytes apart, and writes them as doubles that are
+  /// `out_stride` values apart. Throws Error(data) for a 64-bit integer beyond 2^53, which double
+  /// cannot represent exactly.
   void (*read)(const std::byte* from, size_t stride, size_t count, double* out,
                size_t out_stride) = nullptr;
 };
 
-/// The row of a little-endian type: float16, float32, float64, bool, or integers of 8 to 64 bits.
-/// Null for another.
+/// The entry of a little-endian type: float16, float32, float64, bool, or integers of 8 to 64 bits.
+/// Null for other types.
 const NumberType* find_number_type(std::string_view name);
 
 }  // namespace vpr

@@ -25,20 +25,22 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMark = ".vpr-files";
 constexpr const char* kAside = ".vpr-old";
-constexpr size_t kMostFlushed = 256;  // files one by one; of more, the whole file system at once
+// files flushed one by one; with more, flush the whole file system
+constexpr size_t kMaxFlushed = 256;
 
 [[noreturn]] void fail_to_write(const fs::path& target, int error_number) {
   throw Error(ErrorKind::output, fmt::format("{}: can't be written: {}", target.string(),
                                              system_error_text(error_number)));
 }
 
-constexpr std::string_view kExists = "exists already; give --force to replace it, or another name";
+constexpr std::string_view kExists =
+    "exists already; use --force to replace it, or choose another name";
 
 [[noreturn]] void refuse(const fs::path& path, std::string_view why) {
   throw Error(ErrorKind::usage, fmt::format("{}: {}", path.string(), why));
 }
 
-// Repeats a call that a signal interrupts.
+// Repeats a call that a signal interrupted.
 template <class Call>
 auto retried(Call&& call) {
   auto result = call();
@@ -72,15 +74,15 @@ bool has_entry(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, ignored));
 }
 
-// The start of the names of all temporaries of a target, and of no other target in the folder.
-// Short, whatever the target's name is.
+// The prefix of all temporaries of this target, and of no other target in the folder. Short for any
+// length of the target's name.
 std::string name_start(const fs::path& target) {
   const std::string sum = checksum(target.filename().string());
   return fmt::format(".vpr-partial-{}-", sum.substr(sum.size() - 16));
 }
 
-// Removes what killed processes left, which nobody has locked, and puts an old folder back that one
-// of them had set aside. The lock is held during the removal: a process that has just made the same
+// Removes the unlocked temporaries that killed processes left, and restores a folder that one of
+// them had renamed. Holds the lock during the removal: a process that has just created the same
 // name waits for it.
 void clean_up(const fs::path& target) {
   const std::string start = name_start(target);
@@ -90,7 +92,7 @@ void clean_up(const fs::path& target) {
     const std::string name = it->path().filename().string();
     const bool is_aside = name.starts_with(kAside + start);
     if (!is_aside && !name.starts_with(start)) continue;
-    // Whoever sets a folder aside has its parent locked.
+    // A process that renames a folder holds the lock on its parent.
     const fs::path locked = is_aside ? folder_of(target) : it->path();
     const Descriptor left(
         ::open(locked.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | (is_aside ? 0 : O_NOFOLLOW)));
@@ -112,7 +114,7 @@ void flush_descriptor(int descriptor, const fs::path& target) {
 
 void flush_path(const fs::path& path, const fs::path& target) {
   const Descriptor opened(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (opened.value < 0 && errno == EACCES && fs::is_directory(path)) return;  // only writable
+  if (opened.value < 0 && errno == EACCES && fs::is_directory(path)) return;  // write-only folder
   if (opened.value < 0) fail_to_write(target, errno);
   flush_descriptor(opened.value, target);
 }
@@ -124,19 +126,19 @@ void flush_inside(const fs::path& folder, int descriptor, const fs::path& target
        it.increment(error))
     paths.push_back(it->path());
   if (error) fail_to_write(target, error.value());
-  if (paths.size() > kMostFlushed) {
+  if (paths.size() > kMaxFlushed) {
     if (::syncfs(descriptor) != 0) fail_to_write(target, errno);
     return;
   }
   for (const fs::path& path : paths) flush_path(path, target);
 }
 
-// Where the file system has no such flags.
+// Whether the file system does not support the rename flags.
 bool lacks_flags(int error_number) {
   return error_number == EINVAL || error_number == ENOSYS || error_number == ENOTSUP;
 }
 
-// Renames to a name that must be free.
+// Renames to a name that must not exist.
 void rename_new(const fs::path& from, const fs::path& to) {
   int result = ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE);
   if (result != 0 && lacks_flags(errno)) {
@@ -147,8 +149,9 @@ void rename_new(const fs::path& from, const fs::path& to) {
   if (result != 0) fail_to_write(to, errno);
 }
 
-// Exchanges a folder with the old one, which is removed with the temporary. Without an exchange in
-// one step, the target has no name for a moment; clean_up puts it back after a kill.
+// Exchanges a folder with the old one, which is then removed with the temporary. If the file system
+// cannot exchange them in one step, the target does not exist for a moment; clean_up restores it if
+// the process is killed then.
 void replace_folder(const fs::path& temporary, const fs::path& target) {
   if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0)
     return;
@@ -159,7 +162,7 @@ void replace_folder(const fs::path& temporary, const fs::path& target) {
     const int error_number = errno;
     if (::rename(old.c_str(), target.c_str()) == 0) fail_to_write(target, error_number);
     throw Error(ErrorKind::output,
-                fmt::format("{}: can't be written: {}; what it was is {}", target.string(),
+                fmt::format("{}: can't be written: {}; the old folder is {}", target.string(),
                             system_error_text(error_number), old.string()));
   }
   std::error_code ignored;
@@ -253,7 +256,7 @@ Output::Output(const fs::path& target, Existing existing, FolderCheck is_ours)
       fail_to_write(target_, error_number);
     }
     retried([&] { return ::flock(descriptor_, LOCK_EX); });
-    // Another process may have taken it for a dead one before it was locked.
+    // Another process may have removed it as abandoned before it was locked.
     struct stat opened {};
     ::fstat(descriptor_, &opened);
     if (identity_of(temporary_) == std::pair<uint64_t, uint64_t>(opened.st_dev, opened.st_ino))
@@ -276,7 +279,7 @@ void Output::check() const {
   const fs::file_status status = fs::symlink_status(target_, error);
   if (status.type() == fs::file_type::none) fail_to_write(target_, error.value());
   if (!is_folder() && fs::is_directory(fs::status(target_, error)))
-    refuse(target_, "is a folder, but the output is a file; give a file name");
+    refuse(target_, "is a folder, but the output is a file; use a file name");
   if (!fs::exists(status)) return;
   if (existing_ == Existing::refuse) refuse(target_, kExists);
   if (!is_folder() && !fs::is_regular_file(status))
@@ -284,7 +287,7 @@ void Output::check() const {
   if (is_folder() &&
       (!fs::is_directory(status) || !(entries_of(target_).empty() || is_ours_(target_))))
     refuse(target_,
-           "is not replaced, because it is not, or not only, an output of this program; give "
+           "is not replaced, because it holds more than an output of this program; choose "
            "another name");
 }
 
@@ -323,7 +326,7 @@ void Output::flush() {
 
 void Output::place() {
   if (existing_ == Existing::replace && is_folder() && has_entry(target_)) {
-    replace_folder(temporary_, target_);  // which leaves the old one under the temporary name
+    replace_folder(temporary_, target_);  // the old folder now has the temporary name
     return;
   }
   if (existing_ == Existing::refuse || is_folder())
@@ -349,7 +352,8 @@ void Outputs::protect(const fs::path& input) {
   while (!error && folder.has_relative_path()) {
     folder = folder.parent_path();
     const auto around = identity_of(folder);
-    if (around && !around_inputs_.insert(*around).second) break;  // and all around that one
+    // its parents are protected already
+    if (around && !around_inputs_.insert(*around).second) break;
   }
   for (const Claim& claim : claims_) check_protected(claim.output->path());
 }
@@ -371,12 +375,13 @@ void Outputs::check_protected(const fs::path& path) const {
   if (!identity) return;
   const bool is_input = inputs_.contains(*identity);
   if (is_input || around_inputs_.contains(*identity))
-    refuse(path, fmt::format("{} an input of this run, which its output would replace; give the "
-                             "output another name",
-                             is_input ? "is" : "holds"));
+    refuse(path,
+           fmt::format("{} an input of this run, which the output would replace; choose another "
+                       "name for the output",
+                       is_input ? "is" : "holds"));
 }
 
-// Paths need not exist: they are one if they are one name in one folder.
+// Paths need not exist: two paths are equal if they are the same name in the same folder.
 Outputs::Claim* Outputs::find(const fs::path& path) {
   const fs::path name = without_trailing_slash(path);
   const auto folder = identity_of(folder_of(name));
@@ -389,7 +394,7 @@ Outputs::Claim* Outputs::find(const fs::path& path) {
 }
 
 Outputs::Claim& Outputs::claim(const fs::path& path, FolderCheck is_ours) {
-  if (find(path) != nullptr) refuse(path, "is written twice; give each output a name of its own");
+  if (find(path) != nullptr) refuse(path, "is written twice; use a different name for each output");
   check_protected(path);
   const auto identity = identity_of(path);
   const bool is_extended = identity && extended_.contains(*identity);
@@ -451,7 +456,7 @@ void Outputs::commit() {
   if (outputs.empty()) return;
   const Descriptor folder(
       ::open(folder_of(outputs.back()->path()).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  folder.lock(LOCK_EX);  // if the file system has locks
+  folder.lock(LOCK_EX);  // if the file system supports locks
   std::string placed;
   try {
     for (Output* output : outputs) {

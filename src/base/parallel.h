@@ -1,4 +1,4 @@
-// The parallel loop of the toolkit (oneTBB). Results must not depend on the number of threads.
+// The toolkit's parallel loop (oneTBB). Results must not depend on the number of threads.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,14 @@
 
 namespace vpr {
 
-/// Calls body(i) once for every i in [0, count), in any order, from several threads.
-/// Throws what a body throws (any one of them), and Error(interrupted) on a stop.
+/// Calls body(i) once for every i in [0, count), in any order, from several threads. Rethrows one
+/// exception of a body; throws Error(interrupted) on a stop.
 void parallel_for(size_t count, const Monitor& monitor, const std::function<void(size_t)>& body);
 
-/// Threads that parallel_for would use now.
+/// The number of threads that parallel_for uses at present.
 size_t thread_count();
 
-/// Limits the whole process to `threads` threads (0: all cores) while it lives.
+/// Limits the whole process to `threads` threads (0: all cores) during its lifetime.
 class ThreadLimit {
  public:
   explicit ThreadLimit(size_t threads);
@@ -33,35 +33,35 @@ class ThreadLimit {
   std::unique_ptr<Control> control_;
 };
 
-/// Says, in builds with ThreadSanitizer, that all that this thread did so far comes before what
-/// another does after take_over with the same address. In other builds it does nothing.
+/// Tells ThreadSanitizer that everything this thread has done so far happens before what another
+/// thread does after take_over with the same address. Does nothing in other builds.
 inline void hand_over([[maybe_unused]] const void* address) {
 #if defined(__SANITIZE_THREAD__)
   __tsan_release(const_cast<void*>(address));
 #endif
 }
 
-/// The other end of hand_over.
+/// The counterpart of hand_over.
 inline void take_over([[maybe_unused]] const void* address) {
 #if defined(__SANITIZE_THREAD__)
   __tsan_acquire(const_cast<void*>(address));
 #endif
 }
 
-// Of all parallel loops: an address of each loop's own would have to be read before it is taken
-// over.
+// Shared by all parallel loops: reading an address of the loop's own would itself be a race before
+// take_over.
 inline constexpr char kLoopBegin = 0;
 inline constexpr char kLoopEnd = 0;
 
-/// The order of a parallel loop: all parts come after its beginning and before its end, and in no
-/// order among themselves.
+/// The order within a parallel loop: all parts come after its beginning and before its end, and are
+/// unordered among each other.
 struct ThreadOrder {
   ThreadOrder() { hand_over(&kLoopBegin); }
   ~ThreadOrder() { take_over(&kLoopEnd); }
   ThreadOrder(const ThreadOrder&) = delete;
   ThreadOrder& operator=(const ThreadOrder&) = delete;
 
-  /// Lives while a part is worked on.
+  /// Lives as long as the work on one part.
   struct Part {
     Part() { take_over(&kLoopBegin); }
     ~Part() { hand_over(&kLoopEnd); }

@@ -14,7 +14,8 @@ RandomEngine named_engine(uint64_t seed, std::string_view name) {
 
 uint64_t uniform_below(RandomEngine& engine, uint64_t bound) {
   assert(bound > 0);
-  const uint64_t reject_below = (0 - bound) % bound;  // 2^64 mod bound: the rest is a multiple
+  // 2^64 mod bound: the number of accepted values is a multiple of bound
+  const uint64_t reject_below = (0 - bound) % bound;
   for (;;) {
     const uint64_t value = engine();
     if (value >= reject_below) return value % bound;

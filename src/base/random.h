@@ -1,5 +1,6 @@
 // Seeded random numbers, the same with every standard library (std::*_distribution is not). Draw
-// one a statement or in braces: in which order a call's arguments are drawn is the compiler's.
+// one number per statement or in braces: the compiler chooses the order in which function arguments
+// are evaluated.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +9,10 @@
 
 namespace vpr {
 
-/// The only source of chance: the standard fixes its numbers for every seed.
+/// The only random engine: the standard fixes its output for every seed.
 using RandomEngine = std::mt19937_64;
 
-/// An engine of its own for every purpose: (seed, name) starts it, by the standard's seed_seq.
+/// A separate engine for each purpose, seeded by std::seed_seq from seed and name.
 RandomEngine named_engine(uint64_t seed, std::string_view name);
 
 /// Uniform in [0, bound), without bias. bound > 0.

@@ -1,5 +1,5 @@
 #include "base/highway.h"
-// Highway's list of generated targets needs the settings above.
+// Highway's list of generated targets requires the settings above.
 #include <algorithm>
 #include <cstdint>
 
@@ -13,7 +13,7 @@
 namespace vpr {
 namespace {
 
-// Highway's numbers of the targets; a better one is lower.
+// Highway's bits of the targets; a lower value is a better target.
 std::vector<int64_t> target_bits() {
   static const std::vector<int64_t> kBits = [] {
     std::vector<int64_t> bits = hwy::SupportedAndGeneratedTargets();

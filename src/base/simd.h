@@ -1,4 +1,4 @@
-// Which SIMD target the kernels run on. Results never depend on it.
+// The SIMD target of the kernels. Results do not depend on it.
 #pragma once
 
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace vpr {
 
-/// Highway's names of the targets that this machine and this program have, best first.
+/// Highway's names of the targets that both the machine and this build support, best first.
 std::vector<std::string> simd_targets();
 
-/// All kernels of the process run on this target from now on; on the best one for an empty name.
-/// (Highway keeps its choice for the whole process: call it before work starts.) Throws
-/// Error(usage) listing the choices for a name that this machine or program does not have.
+/// Runs all kernels of the process on this target; an empty name selects the best one. (Highway
+/// keeps this choice globally: call it before work starts.) Throws Error(usage), which lists the
+/// choices, for a name that the machine or this build does not support.
 void use_simd_target(std::string_view name);
 
 }  // namespace vpr

@@ -9,9 +9,9 @@
 namespace vpr {
 namespace {
 
-// How likely `most` or fewer are drawn.
+// The probability of `most` or fewer.
 double poisson_at_most(uint64_t most, double mean) {
-  double log_term = -mean;  // of k: the probability itself may be too small for a number
+  double log_term = -mean;  // log of the term k: the probability itself may underflow
   double sum = std::exp(log_term);
   for (uint64_t k = 1; k <= most; ++k) {
     log_term += std::log(mean / static_cast<double>(k));
@@ -20,7 +20,7 @@ double poisson_at_most(uint64_t most, double mean) {
   return sum;
 }
 
-// The mean at which `most` or fewer are drawn with `probability`.
+// The mean at which `most` or fewer have this probability.
 double poisson_mean(uint64_t most, double probability) {
   const auto count = static_cast<double>(most);
   double low = 0;

@@ -1,11 +1,10 @@
-// Elapsed wall time on the steady clock.
 #pragma once
 
 #include <chrono>
 
 namespace vpr {
 
-/// The time since it was made, by a clock that never runs backwards.
+/// Wall time since construction, by a clock that never runs backwards.
 class Stopwatch {
  public:
   double elapsed_s() const {

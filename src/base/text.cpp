@@ -19,7 +19,7 @@ std::string shown(std::string_view text, bool keeps_line_feeds) {
   std::string result;
   for (size_t i = 0; i < text.size(); ++i) {
     const uint8_t byte = byte_at(i);
-    // U+0080 to U+009F are the bytes c2 80 to c2 9f.
+    // U+0080 to U+009F are encoded as c2 80 to c2 9f.
     const bool is_first_of_c1 = byte == 0xc2 && i + 1 < text.size() && byte_at(i + 1) < 0xa0;
     const bool is_last_of_c1 = byte >= 0x80 && byte < 0xa0 && i > 0 && byte_at(i - 1) == 0xc2;
     const bool is_control = byte < 0x20 || byte == 0x7f || is_first_of_c1 || is_last_of_c1;
@@ -31,7 +31,7 @@ std::string shown(std::string_view text, bool keeps_line_feeds) {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Cuts the digits at the front of `text` off; of any length, so no number type is involved.
+// Removes the leading digits from `text`. No number type is involved, so any length works.
 std::string_view take_digits(std::string_view& text) {
   const auto end = std::find_if_not(text.begin(), text.end(), is_digit);
   const std::string_view digits(text.data(), static_cast<size_t>(end - text.begin()));
@@ -44,7 +44,7 @@ std::string_view without_leading_zeros(std::string_view digits) {
   return digits;
 }
 
-// Negative, 0 or positive. std::string_view compares as unsigned bytes.
+// Negative, 0 or positive. std::string_view compares unsigned bytes.
 int compare_values(std::string_view a, std::string_view b) {
   a = without_leading_zeros(a);
   b = without_leading_zeros(b);

@@ -20,7 +20,7 @@ std::string error_text(zip_error_t& error) {
   throw Error(ErrorKind::data, fmt::format("{}: is a damaged zip archive ({})", where, what));
 }
 
-// libzip's view of a ZipContent.
+// The callback by which libzip reads a ZipContent.
 zip_int64_t supply(void* state, void* data, zip_uint64_t size, zip_source_cmd_t command) {
   const auto* content = static_cast<const ZipContent*>(state);
   switch (command) {
@@ -51,7 +51,7 @@ void require(bool good, const char* what) {
     throw Error(ErrorKind::internal, fmt::format("writing a zip archive failed: {}", what));
 }
 
-// All bytes that libzip has written into `source`.
+// All bytes that libzip has written to `source`.
 std::string written_bytes(zip_source_t* source) {
   zip_stat_t status;
   require(zip_source_stat(source, &status) == 0 && (status.valid & ZIP_STAT_SIZE) != 0, "size");

@@ -1,4 +1,4 @@
-// Zip archives, as NumPy's .npz files are: read one after the other, never trusted.
+// Zip archives, such as NumPy's .npz files: entries are read in sequence, lengths are not trusted.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@ struct zip_file;
 
 namespace vpr {
 
-/// Files of an archive, stored or deflated. Throws Error(input) if it can't be read, Error(data) if
-/// it is no archive.
+/// The files of an archive, stored or deflated. Throws Error(input) if it cannot be read,
+/// Error(data) if it is not a zip archive.
 class ZipFile {
  public:
   explicit ZipFile(const std::filesystem::path& path);
@@ -24,18 +24,18 @@ class ZipFile {
   ZipFile(const ZipFile&) = delete;
   ZipFile& operator=(const ZipFile&) = delete;
 
-  /// Their names, in the order of the archive.
+  /// The names of all files, in the order of the archive.
   const std::vector<std::string>& names() const { return names_; }
 
-  /// One file, from its beginning. It must not outlive the archive.
+  /// One file, read from its beginning. The archive must outlive it.
   class Entry {
    public:
     Entry(ZipFile& archive, size_t index);
     ~Entry();
     Entry(const Entry&) = delete;
     Entry& operator=(const Entry&) = delete;
-    /// At most as many bytes as there is room for; 0 at the end. Throws Error(data) if they are
-    /// damaged; that the checksum is wrong shows at the end.
+    /// Reads at most bytes.size() bytes; returns 0 at the end. Throws Error(data) if they are
+    /// damaged; a wrong checksum is detected at the end.
     size_t read(std::span<std::byte> bytes);
 
    private:
@@ -50,15 +50,15 @@ class ZipFile {
   std::vector<std::string> names_;
 };
 
-/// A file to be put into an archive: `fill` writes its next bytes and returns how many there were,
-/// 0 at the end.
+/// A file to add to an archive: `fill` writes its next bytes and returns their number, 0 at the
+/// end.
 struct ZipContent {
   std::string name;
   std::function<size_t(std::span<std::byte> bytes)> fill;
 };
 
-/// The bytes of an archive with these files, deflated, with the earliest date that zip knows: equal
-/// content gives equal bytes. Throws Error(internal) if libzip fails.
+/// The bytes of an archive with these files, deflated, with the earliest date that zip supports:
+/// equal content yields equal bytes. Throws Error(internal) if libzip fails.
 std::string zip_archive(std::vector<ZipContent> contents);
 
 }  // namespace vpr

@@ -17,7 +17,7 @@
 namespace vpr {
 namespace {
 
-// A line "Name:   123 kB" of a file below /proc.
+// The value of a line "Name:   123 kB" of a file in /proc, in bytes.
 size_t proc_bytes(const char* path, const std::string& name) {
   std::ifstream file(path);
   for (std::string word; file >> word;) {
@@ -36,10 +36,10 @@ Json numbers_json(const NamedNumbers& numbers) {
 }
 
 NamedNumbers read_numbers(const Json& json, const Fields& where) {
-  if (!json.is_object()) where.fail("parameters are no object");
+  if (!json.is_object()) where.fail("the parameters are not an object");
   NamedNumbers numbers;
   for (const auto& [name, value] : json.items()) {
-    if (!value.is_number()) where.fail("a parameter is no number");
+    if (!value.is_number()) where.fail("a parameter is not a number");
     numbers.emplace_back(name, value.get<double>());
   }
   return numbers;
@@ -47,13 +47,13 @@ NamedNumbers read_numbers(const Json& json, const Fields& where) {
 
 double read_time(const Fields& row, const std::string& key) {
   const Json& value = row[key];
-  if (!value.is_number() || !(value.get<double>() >= 0)) row.fail("a time is no number");
+  if (!value.is_number() || !(value.get<double>() >= 0)) row.fail("a time is not a number");
   return value.get<double>();
 }
 
 }  // namespace
 
-TimeSummary summarise(std::vector<double> times_ms) {
+TimeSummary summarize(std::vector<double> times_ms) {
   std::sort(times_ms.begin(), times_ms.end());
   return {median(times_ms), quantile(times_ms, 0.25), quantile(times_ms, 0.75),
           times_ms.front(), times_ms.back(),          times_ms.size()};

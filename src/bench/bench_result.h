@@ -1,4 +1,5 @@
-// Repeated timing on the steady clock; what a benchmark measured, and its file (vpr.bench/2).
+// Repeated timing on the steady clock, and the results of a benchmark with their file
+// (vpr.bench/2).
 #pragma once
 
 #include <cstddef>
@@ -26,68 +27,67 @@ struct TimeSummary {
   size_t repetitions = 0;
 };
 
-/// Order statistics (base/statistics.h) of times in milliseconds, of which there is at least one.
-TimeSummary summarise(std::vector<double> times_ms);
+/// Order statistics (base/statistics.h) of times in milliseconds; `times_ms` must not be empty.
+TimeSummary summarize(std::vector<double> times_ms);
 
-/// How long to measure.
+/// The length of a measurement.
 struct Effort {
-  double seconds = 0.5;    ///< goes on at least so long, ...
-  size_t repetitions = 5;  ///< ... and at least so often, ...
-  size_t most = 10'000;    ///< ... but not more often
-  size_t warm_ups = 1;     ///< runs before, which do not count
+  double seconds = 0.5;    ///< at least this time, ...
+  size_t repetitions = 5;  ///< ... and at least this number of repetitions, ...
+  size_t most = 10'000;    ///< ... but at most this number
+  size_t warm_ups = 1;     ///< untimed runs at the beginning
 };
 
-/// Throws Error(usage) unless a measurement may take so long: above 0, at most an hour.
+/// Throws Error(usage) unless the time of a measurement is above 0 and at most one hour.
 void check_seconds(double seconds);
 
-/// Milliseconds of each run of `work`. Stops between runs when asked to.
+/// The time of each run of `work` in milliseconds. Stops between runs if the user wants to stop.
 std::vector<double> time_repeatedly(const Effort& effort, const std::function<void()>& work,
                                     const Monitor& monitor);
 
-/// Keeps the process, and threads that it starts from now on, on the first `cores` of its cores, so
-/// that the scheduler moves nothing; without effect where it has fewer.
+/// Pins the process and its future threads to its first `cores` cores, so that the scheduler does
+/// not move them. No effect if the process has fewer cores.
 void pin_to_cores(size_t cores);
 
-/// Resets the process's highest resident memory, where the system can (Linux).
+/// Resets the peak resident memory of the process, if the system supports this (Linux).
 void reset_peak_memory();
-/// Bytes at most in memory since; 0 where it is not known.
+/// Peak resident memory since the reset, in bytes; 0 if unknown.
 size_t peak_memory();
-/// Bytes that the system could still give; 0 where it is not known.
+/// Available memory of the system in bytes; 0 if unknown.
 size_t available_memory();
 
-/// Names and numbers, in the order in which they are shown.
+/// Names with numbers, in the order of display.
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 
 /// One measurement.
 struct BenchRow {
-  std::string work;         ///< what was timed: "fastable-online", "surf", ...
-  NamedNumbers parameters;  ///< with `work`, they name the row
-  std::string per;          ///< a time is per "query frame", "frame", ...
+  std::string work;         ///< the timed work: "fastable-online", "surf", ...
+  NamedNumbers parameters;  ///< together with `work`, they identify the row
+  std::string per;          ///< the unit of work: "query frame", "frame", ...
   TimeSummary time;
-  NamedNumbers values;  ///< what else was found out: recall, memory, ...
-  std::string note;     ///< in words: sampled, left out, ...
+  NamedNumbers values;  ///< other measured values: recall, memory, ...
+  std::string note;     ///< a remark: sampled, omitted, ...
 
-  double parameter(const std::string& name) const;  ///< 0 if there is none
+  double parameter(const std::string& name) const;  ///< 0 if missing
 };
 
-/// The first number of a name; nothing where no number has it.
+/// The first number with this name, or nullopt.
 std::optional<double> find_number(const NamedNumbers& numbers, const std::string& name);
 
-/// What one command of vpr-bench measured.
+/// The results of one command of vpr-bench.
 struct BenchResult {
   std::string bench;
   Json settings;
   std::vector<BenchRow> rows;
-  std::vector<std::string> left_out;  ///< sentences: what was not measured, and why
+  std::vector<std::string> left_out;  ///< one sentence per omitted measurement, with the reason
   std::vector<Chart> charts;
 };
 
-/// Adds `name`, how many times faster a row is than the one of `slower` with its parameters, to the
-/// values of every row of `work`.
+/// Adds the value `name` to every row of `work`: the speed-up over the row of `slower` with the
+/// same parameters.
 void add_speed_up(BenchResult& result, const std::string& work, const std::string& slower,
                   const std::string& name);
 
-/// The row with this work and these parameters, or null.
 const BenchRow* find_row(const BenchResult& result, const std::string& work,
                          const NamedNumbers& parameters);
 

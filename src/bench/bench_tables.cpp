@@ -30,8 +30,8 @@ std::string cell(const NamedNumbers& numbers, const std::string& name) {
 
 std::string milliseconds(double value) { return fmt::format("{:.4g}", value); }
 
-// Values that people don't miss: the share of a core at 10 Hz is the time in milliseconds, the
-// others concern who works on the method. CSV and JSON have them.
+// Values for developers of a method, or derived ones: the share of a core at 10 Hz equals the time
+// in milliseconds. CSV and JSON include them.
 bool is_shown(const std::string& name) {
   static const std::set<std::string> kHidden = {"cpu_at_10_hz_percent", "ring", "statistics_s",
                                                 "learned_share"};
@@ -42,7 +42,7 @@ std::string short_number(double value) {
   return fmt::format(fmt::runtime(std::abs(value) >= 1000 ? "{:.0f}" : "{:.4g}"), value);
 }
 
-// What a table for people calls a value.
+// The column title of a value.
 std::string label(const std::string& name) {
   static const std::map<std::string, std::string> kLabels = {
       {"c_l", "c_l"},
@@ -62,7 +62,7 @@ std::string label(const std::string& name) {
   return words;
 }
 
-// Rows that fit one table: of the same unit, and with the same parameters.
+// Whether two rows fit one table: they have the same unit and parameters of the same names.
 bool is_alike(const BenchRow& a, const BenchRow& b) {
   const auto same_name = [](const auto& x, const auto& y) { return x.first == y.first; };
   return a.per == b.per && std::equal(a.parameters.begin(), a.parameters.end(),
@@ -80,7 +80,8 @@ std::vector<std::vector<BenchRow>> alike_rows(const std::vector<BenchRow>& rows)
   return groups;
 }
 
-// Splits the parameters of alike rows: those that differ get a column, the others go into words.
+// Splits the parameters of rows with equal names: those that differ become columns, the others
+// become text.
 std::vector<std::string> differing(const std::vector<BenchRow>& rows, std::string& common) {
   std::vector<std::string> names;
   for (const auto& [name, value] : rows.front().parameters) {
@@ -96,7 +97,7 @@ std::vector<std::string> differing(const std::vector<BenchRow>& rows, std::strin
   return names;
 }
 
-// Values that at least half of the rows have.
+// Values of at least half of the rows.
 std::vector<std::string> usual_values(const std::vector<BenchRow>& rows) {
   std::vector<std::string> names = names_of(rows, &BenchRow::values);
   std::erase_if(names, [&](const std::string& name) {
@@ -152,19 +153,19 @@ std::string row_name(const std::string& work, const NamedNumbers& parameters) {
   return name;
 }
 
-// Whether a median is more than `factor` times the old one, and the spread agrees: the lower
-// quartile ratio is above 1 (above the factor, if that is smaller). Both strict.
+// Whether the median is more than `factor` times the old one, and the quartiles confirm it: the
+// lower quartile ratio is above 1, or above the factor if that is smaller. Both bounds are strict.
 bool is_slower(const BenchRatio& row, double factor) {
   return row.ratio > factor && row.low > std::min(factor, 1.0);
 }
 
-// In words: a large ratio whose spread reaches down to the old time proves nothing.
+// A large ratio whose quartiles include the old time is not significant.
 std::string verdict(const BenchRatio& row, double factor) {
   if (is_slower(row, factor)) return "slower";
   return row.ratio > factor ? "unsure" : "";
 }
 
-// Of times that may be 0: the clock's least step apart, nothing is faster than nothing.
+// The ratio of times that may be 0 because of the clock's resolution; 0 / 0 is 1.
 double quotient(double a, double b) { return b > 0 ? a / b : a > 0 ? 1e9 : 1; }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Benchmarks as tables, and two runs on one machine compared: what became slower?
+// Benchmark results as tables, and the comparison of two runs on one machine.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace vpr {
 
-/// Rows as one table for programs: a column for each parameter or value that any row has.
+/// All rows as one table for programs, with a column for each parameter or value of any row.
 Table rows_table(const BenchResult& result);
 
-/// Rows as tables for people, at most 120 characters wide with the names and numbers that occur:
-/// one for each set of parameters and unit. What all rows share stands in the title, values that
-/// most rows lack stand in words.
+/// The rows as tables for people, at most 120 characters wide for all current names and values: one
+/// table per unit and set of parameters. The title holds what all rows share; rare values become
+/// text.
 std::vector<Table> readable_tables(const BenchResult& result);
 
-/// A row that both runs have, by work and parameters.
+/// A row that both runs contain, by work and parameters.
 struct BenchRatio {
   std::string work;
   NamedNumbers parameters;
@@ -29,23 +29,22 @@ struct BenchRatio {
   double high = 0;   ///< new upper quartile / old lower quartile
 };
 
-/// What two runs of one benchmark have in common.
+/// The common rows of two runs of one benchmark.
 struct BenchComparison {
   std::vector<BenchRatio> ratios;        ///< in the order of the old run
-  std::vector<std::string> only_in_one;  ///< rows without a partner, in words
+  std::vector<std::string> only_in_one;  ///< descriptions of rows without a counterpart
 };
 
-/// Compares two runs row by row. Throws Error(data) if the two are different benchmarks, or have no
-/// row in common.
+/// Compares two runs row by row. Throws Error(data) if they are different benchmarks or have no
+/// common row.
 BenchComparison compare_benches(const BenchResult& older, const BenchResult& newer);
 
-/// Rows that are slower are marked, and those whose ratio is above the factor although their spread
-/// reaches down to the old time ("unsure").
+/// Marks slower rows, and rows with a ratio above the factor whose quartiles include the old time
+/// ("unsure").
 Table comparison_table(const BenchComparison& comparison, double factor);
-/// The same as vpr.bench-comparison holds it, with all rows in the order of the old run.
+/// The comparison as vpr.bench-comparison, with all rows in the order of the old run.
 Json comparison_json(const BenchComparison& comparison, double factor);
 
-/// Rows that are slower.
 size_t count_slower(const BenchComparison& comparison, double factor);
 
 }  // namespace vpr

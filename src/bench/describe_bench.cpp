@@ -23,7 +23,7 @@ namespace {
 /// Encoded files and decoded frames.
 struct Frames {
   std::vector<std::vector<uint8_t>> files;
-  std::vector<cv::Mat> grey;
+  std::vector<cv::Mat> gray;
 };
 
 std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
@@ -34,29 +34,29 @@ std::vector<uint8_t> read_bytes(const std::filesystem::path& path) {
 Frames load_frames(const std::optional<Sequence>& images, uint64_t count, uint64_t seed) {
   Frames frames;
   if (images && images->files.empty())
-    throw Error(ErrorKind::usage, fmt::format("{}: give a folder or list of images, not a video",
+    throw Error(ErrorKind::usage, fmt::format("{}: is a video; use a folder or list of images",
                                               images->argument.path.string()));
   for (uint64_t i = 0; i < count; ++i) {
     if (images) {
       if (i == images->files.size()) break;
-      frames.grey.push_back(decode_image(images->files[i], PixelFormat::grey));
+      frames.gray.push_back(decode_image(images->files[i], PixelFormat::grey));
       frames.files.push_back(read_bytes(images->files[i]));
     } else {
       cv::imencode(".jpg", generate_frame(seed + i), frames.files.emplace_back());
-      frames.grey.push_back(cv::imdecode(frames.files.back(), cv::IMREAD_GRAYSCALE));
+      frames.gray.push_back(cv::imdecode(frames.files.back(), cv::IMREAD_GRAYSCALE));
     }
   }
   return frames;
 }
 
-// What training does, with all threads: decoding alone, and with describing.
+// Times training with all threads: decoding alone, and decoding with describing.
 void add_whole_sequence(BenchResult& result, const Sequence& images,
                         const DescribeBenchSettings& settings, const Monitor& monitor) {
   const auto add = [&](const std::string& work, const std::function<void()>& run) {
     BenchRow row{work, {{"files", static_cast<double>(images.files.size())}}, "frame", {}, {}, ""};
     std::vector<double> times_ms = time_repeatedly({settings.seconds}, run, monitor);
     for (double& ms : times_ms) ms /= static_cast<double>(images.files.size());
-    row.time = summarise(std::move(times_ms));
+    row.time = summarize(std::move(times_ms));
     result.rows.push_back(std::move(row));
   };
   add("decode all", [&] {
@@ -87,17 +87,17 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   StepCounter counter(monitor, "measure", 7 + kinds.size());
   const auto add = [&](const std::string& work, auto&& run) {
     BenchRow row{work,
-                 {{"width", static_cast<double>(frames.grey[0].cols)},
-                  {"height", static_cast<double>(frames.grey[0].rows)}},
+                 {{"width", static_cast<double>(frames.gray[0].cols)},
+                  {"height", static_cast<double>(frames.gray[0].rows)}},
                  "frame",
                  {},
                  {},
                  ""};
-    row.time = summarise(time_repeatedly(
+    row.time = summarize(time_repeatedly(
         {settings.seconds},
         [&] {
           run(next);
-          next = (next + 1) % frames.grey.size();
+          next = (next + 1) % frames.gray.size();
         },
         monitor));
     row.values.emplace_back("fps", 1000 / row.time.median_ms);
@@ -107,21 +107,21 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   add("decode", [&](size_t i) { cv::imdecode(frames.files[i], cv::IMREAD_GRAYSCALE); });
   add("resize", [&](size_t i) {
     cv::Mat small;
-    cv::resize(frames.grey[i], small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
+    cv::resize(frames.gray[i], small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
   });
-  add("ldb", [&](size_t i) { describe_ldb(frames.grey[i]); });
-  add("thumbnail", [&](size_t i) { describe_thumbnail(frames.grey[i]); });
-  add("brief", [&](size_t i) { describe_brief(frames.grey[i]); });
-  add("orb of the centre", [&](size_t i) { describe_orb(frames.grey[i]); });
-  add("hog", [&](size_t i) { describe_hog(frames.grey[i]); });
+  add("ldb", [&](size_t i) { describe_ldb(frames.gray[i]); });
+  add("thumbnail", [&](size_t i) { describe_thumbnail(frames.gray[i]); });
+  add("brief", [&](size_t i) { describe_brief(frames.gray[i]); });
+  add("orb of the center", [&](size_t i) { describe_orb(frames.gray[i]); });
+  add("hog", [&](size_t i) { describe_hog(frames.gray[i]); });
   for (const FeatureKind kind : kinds) {
     FeatureSettings feature = settings.feature_settings;
     feature.kind = kind;
     size_t points = 0;
-    for (const cv::Mat& frame : frames.grey) points += find_features(frame, feature).points.size();
-    add(std::string(enum_name(kind)), [&](size_t i) { find_features(frames.grey[i], feature); });
+    for (const cv::Mat& frame : frames.gray) points += find_features(frame, feature).points.size();
+    add(std::string(enum_name(kind)), [&](size_t i) { find_features(frames.gray[i], feature); });
     result.rows.back().values.emplace_back(
-        "features", static_cast<double>(points) / static_cast<double>(frames.grey.size()));
+        "features", static_cast<double>(points) / static_cast<double>(frames.gray.size()));
   }
   if (images) add_whole_sequence(result, *images, settings, monitor);
   return result;

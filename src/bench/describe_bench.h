@@ -1,4 +1,4 @@
-// Time per frame of decoding, resizing, LDB and each local feature.
+// Time per frame for decoding, resizing, LDB and each local feature.
 #pragma once
 
 #include "bench/bench_result.h"
@@ -7,11 +7,11 @@
 
 namespace vpr {
 
-/// What vpr-bench describe times.
+/// Settings of vpr-bench describe.
 struct DescribeBenchSettings {
   std::vector<std::string> features = {"surf", "sift", "kaze", "akaze", "orb", "brisk"};
-  uint64_t frames = 20;  ///< different ones, in turn
-  double seconds = 1;    ///< of each measurement
+  uint64_t frames = 20;  ///< number of different frames, used in turn
+  double seconds = 1;    ///< per measurement
   FeatureSettings feature_settings;
 };
 

@@ -19,7 +19,7 @@ namespace vpr {
 namespace {
 
 constexpr size_t kQueries = 20;
-// Views, pretraining frames and queries are drawn from seeds of their own.
+// Views, pretraining frames and queries have separate seeds.
 constexpr uint64_t kPretrainSeed = uint64_t{1} << 40;
 constexpr uint64_t kQuerySeed = uint64_t{2} << 40;
 constexpr size_t kCheckedPlaces = 100;
@@ -42,7 +42,7 @@ void check_settings(const FabmapBenchSettings& settings) {
   for (const std::string& variant : settings.variants) find_fabmap_variant(variant);
 }
 
-/// Views, and what queries need of them.
+/// Views with the data that queries need.
 struct Example {
   ViewWords views;
   WordIndex lists;
@@ -66,7 +66,7 @@ struct Example {
   FabmapQuery query(const FabmapModel& model, size_t q) const {
     return {model, views, index, queries[q % queries.size()], views.views()};
   }
-  // Entries of the lists that a query follows: what the inverted index has to do.
+  // Entries in the lists that a query visits: the work of the inverted index.
   double postings(const FabmapModel& model) const {
     size_t sum = 0;
     for (const WordSet& query : queries) {
@@ -81,7 +81,7 @@ struct Example {
   }
 };
 
-// How far a variant may be from the definition: what it states, and rounding.
+// The maximum error of a variant: its documented error plus rounding.
 double stated_error(const std::string& variant, size_t words, size_t per_frame) {
   if (variant == "lut") return 0.5e-6 * static_cast<double>(words) + 1e-9;
   if (variant == "fabmap2-fixed") return static_cast<double>(per_frame + 1) / 2 / (1 << 20) + 1e-9;
@@ -98,19 +98,21 @@ void check_variants(const FabmapModel& model, const FabmapBenchSettings& setting
     for (const std::string& variant : settings.variants) {
       const auto found = find_fabmap_variant(variant).log_likelihoods(query);
       for (size_t v = 0; v < found.size(); ++v) {
-        // Bail-out says of views that can't win any more only that they can't.
+        // For dropped views, fast bail-out only states that they cannot win.
         if (variant == "fbo" && expected[v] < best - 5) continue;
         if (std::abs(found[v] - expected[v]) > stated_error(variant, model.words(), per_frame))
-          throw Error(ErrorKind::expectation,
-                      fmt::format("{}: a log-likelihood differs from its definition by more than "
-                                  "stated; nothing was timed",
-                                  variant));
+          throw Error(
+              ErrorKind::expectation,
+              fmt::format(
+                  "{}: a log-likelihood differs from the reference implementation by more than "
+                  "documented; nothing was timed",
+                  variant));
       }
     }
   }
 }
 
-// Numbers drawn evenly: nothing converges early, so that this is the slowest case.
+// Uniformly distributed values: nothing converges early, so this is the slowest case.
 BenchRow time_kmeans(const FabmapBenchSettings& settings, uint64_t words, uint64_t seed,
                      const Monitor& monitor) {
   RandomEngine engine(seed);
@@ -128,11 +130,11 @@ BenchRow time_kmeans(const FabmapBenchSettings& settings, uint64_t words, uint64
                ""};
   const Stopwatch watch;
   kmeans_words(descriptors, {words, settings.iterations, seed}, monitor);
-  row.time = summarise({watch.elapsed_ms()});
+  row.time = summarize({watch.elapsed_ms()});
   return row;
 }
 
-// Adds the time of a Chow-Liu tree of generated frames, and gives the tree.
+// Times the Chow-Liu tree of generated frames; returns the tree.
 ChowLiuTree time_tree(BenchResult& result, const FabmapBenchSettings& settings, uint64_t words,
                       uint64_t per_frame, uint64_t seed, const Monitor& monitor) {
   std::vector<WordSet> frames;
@@ -145,7 +147,7 @@ ChowLiuTree time_tree(BenchResult& result, const FabmapBenchSettings& settings, 
                           {"words", static_cast<double>(words)},
                           {"words_per_frame", static_cast<double>(per_frame)}},
                          "tree",
-                         summarise({watch.elapsed_ms()}),
+                         summarize({watch.elapsed_ms()}),
                          {},
                          ""});
   return tree;
@@ -153,7 +155,7 @@ ChowLiuTree time_tree(BenchResult& result, const FabmapBenchSettings& settings, 
 
 bool is_slow(const std::string& variant) { return !variant.starts_with("fabmap2"); }
 
-// Adds the times of a query of every variant, and of the posterior behind it.
+// Times a query with every variant, and the posterior after it.
 void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
                   const FabmapModel& model, const Example& example, const NamedNumbers& parameters,
                   const Monitor& monitor) {
@@ -169,7 +171,7 @@ void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
     }
     BenchRow row{variant, parameters, "query frame", {}, {}, ""};
     size_t q = 0;
-    row.time = summarise(time_repeatedly(
+    row.time = summarize(time_repeatedly(
         effort, [&] { find_fabmap_variant(variant).log_likelihoods(example.query(model, q++)); },
         monitor));
     row.values.emplace_back("fps", 1000 / row.time.median_ms);
@@ -178,15 +180,15 @@ void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
   }
   const auto logs = fabmap2_log_likelihoods(example.query(model, 0));
   BenchRow row{"posterior", parameters, "query frame", {}, {}, ""};
-  row.time = summarise(time_repeatedly(
+  row.time = summarize(time_repeatedly(
       effort, [&] { fabmap_posterior(logs, logs[0], {}, {}); }, monitor));
   result.rows.push_back(std::move(row));
 }
 
-// The times of the first numbers of words, by places.
+// The times for the first values of words and words per frame, by the number of places.
 Chart chart_of(const BenchResult& result, const FabmapBenchSettings& settings) {
   Chart chart{"fabmap",
-              fmt::format("FAB-MAP query time, {} words, {} a frame", settings.words.front(),
+              fmt::format("FAB-MAP query time, {} words, {} per frame", settings.words.front(),
                           settings.words_per_frame.front()),
               {"places", true},
               {"milliseconds", true}};

@@ -1,21 +1,21 @@
-// FAB-MAP's query time against places, words and words per frame, for every variant.
+// FAB-MAP's query time by places, words and words per frame, for every variant.
 #pragma once
 
 #include "bench/bench_result.h"
 
 namespace vpr {
 
-/// What vpr-bench fabmap times: every variant with every combination of the numbers.
+/// Settings of vpr-bench fabmap, which times every variant with every combination of the values.
 struct FabmapBenchSettings {
   std::vector<std::string> variants = {"fabmap2", "fabmap2-fixed", "fbo", "lut", "fabmap1"};
   std::vector<uint64_t> places = {10, 100, 1000, 10'000, 100'000};
   std::vector<uint64_t> words = {10'000};
   std::vector<uint64_t> words_per_frame = {200};
   uint64_t pretrain_frames = 1000;
-  uint64_t descriptors = 20'000;      ///< of 64 numbers, that k-means makes words of; 0: not timed
+  uint64_t descriptors = 20'000;      ///< of 64 values, for k-means; 0: not timed
   uint64_t iterations = 20;           ///< of k-means
-  double seconds = 0.3;               ///< of each measurement
-  double slow_limit = 1'000'000'000;  ///< places x words above which slow variants are left out
+  double seconds = 0.3;               ///< per measurement
+  double slow_limit = 1'000'000'000;  ///< places x words above which slow variants are omitted
 };
 
 template <class Visitor>
@@ -31,8 +31,9 @@ void visit_fields(FabmapBenchSettings& settings, Visitor&& visit) {
   visit("slow_limit", settings.slow_limit);
 }
 
-/// Words drawn evenly. Before a variant is timed, it is compared with the definition on a hundred
-/// places. Also times the normalisation of the posterior, and training of the Chow-Liu tree.
+/// Words are drawn uniformly. Before a variant is timed, its results are compared with the
+/// reference implementation on a hundred places. Also times the normalization of the posterior and
+/// the training of the Chow-Liu tree.
 BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
                          const Monitor& monitor);
 

@@ -33,8 +33,8 @@ std::vector<LdbCode> generate_walk(size_t count, uint64_t seed) {
   return codes;
 }
 
-std::vector<LdbCode> walk_again(const std::vector<LdbCode>& walk, size_t first, size_t count,
-                                size_t changed_bits, uint64_t seed) {
+std::vector<LdbCode> repeat_walk(const std::vector<LdbCode>& walk, size_t first, size_t count,
+                                 size_t changed_bits, uint64_t seed) {
   RandomEngine engine(seed);
   std::vector<LdbCode> codes;
   for (size_t i = 0; i < count; ++i) {
@@ -47,7 +47,7 @@ std::vector<LdbCode> walk_again(const std::vector<LdbCode>& walk, size_t first, 
 GeneratedVectors generate_vectors(size_t count, size_t length, size_t bits, uint64_t seed,
                                   uint64_t noise_seed, size_t first) {
   GeneratedVectors vectors;
-  vectors.shape = {bits == 8 ? ElementType::whole_numbers : ElementType::wide_numbers, length};
+  vectors.shape = {bits == 8 ? ElementType::int8 : ElementType::int16, length};
   RandomEngine engine(seed);
   RandomEngine noise(noise_seed);
   std::vector<double> place(length, 0);
@@ -58,9 +58,9 @@ GeneratedVectors generate_vectors(size_t count, size_t length, size_t bits, uint
     if (i < first) continue;
     for (size_t x = 0; x < length; ++x) seen[x] = place[x] + 0.3 * (uniform_unit(noise) - 0.5);
     if (bits == 8)
-      quantise_numbers(seen, std::span(reinterpret_cast<int8_t*>(row.data()), length));
+      quantize_numbers(seen, std::span(reinterpret_cast<int8_t*>(row.data()), length));
     else
-      quantise_numbers(seen, std::span(reinterpret_cast<int16_t*>(row.data()), length));
+      quantize_numbers(seen, std::span(reinterpret_cast<int16_t*>(row.data()), length));
     vectors.bytes.insert(vectors.bytes.end(), row.begin(), row.end());
   }
   return vectors;

@@ -1,4 +1,4 @@
-// Data to time with where no recording is given.
+// Generated data for benchmarks without a recording.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,16 @@ class Mat;
 
 namespace vpr {
 
-/// Codes of a walk: each differs from the one before in about 60 of its bits, as neighbouring
-/// frames of real recordings do.
+/// Codes of a sequence: consecutive codes differ in about 60 bits, like neighboring frames of real
+/// recordings.
 std::vector<LdbCode> generate_walk(size_t count, uint64_t seed);
 
-/// `count` codes from `first` on, each with `changed_bits` bits drawn and flipped: the same walk on
-/// another day.
-std::vector<LdbCode> walk_again(const std::vector<LdbCode>& walk, size_t first, size_t count,
-                                size_t changed_bits, uint64_t seed);
+/// `count` codes from `first` on, each with `changed_bits` randomly chosen bits flipped: the same
+/// route on another day.
+std::vector<LdbCode> repeat_walk(const std::vector<LdbCode>& walk, size_t first, size_t count,
+                                 size_t changed_bits, uint64_t seed);
 
-/// Vectors as imported ones are stored.
+/// Vectors in the format of imported ones.
 struct GeneratedVectors {
   DescriptorShape shape;
   std::vector<uint8_t> bytes;
@@ -31,15 +31,15 @@ struct GeneratedVectors {
   DescriptorRows rows() const { return {shape, bytes}; }
 };
 
-/// A walk in which each vector is near the one before, and, of another seed, the same walk from
-/// frame `first` on with other noise. Numbers have `bits` bits, 16 or 8.
+/// A sequence in which each vector is close to its predecessor, or, for another seed, the same
+/// sequence from frame `first` on with other noise. Values have `bits` bits, 16 or 8.
 GeneratedVectors generate_vectors(size_t count, size_t length, size_t bits, uint64_t seed,
                                   uint64_t noise_seed, size_t first = 0);
 
-/// A grey 640x480 picture with edges, corners and soft shading: panels, lines, lamps.
+/// A gray 640x480 image with edges, corners and soft shading: panels, lines, lamps.
 cv::Mat generate_frame(uint64_t seed);
 
-/// About `per_frame` words, drawn evenly.
+/// About `per_frame` words, drawn uniformly.
 WordSet generate_words(size_t words, size_t per_frame, uint64_t seed);
 
 }  // namespace vpr

@@ -30,7 +30,7 @@ constexpr size_t kCheckedCells = 300;
 
 void ignore(const ScoreRow&) {}
 
-// The distances of so many query windows, or all.
+// The distances of the first `rows` query windows, or of all.
 FrameDistances first_rows(const MatchingCase& example, size_t rows) {
   const size_t frames = example.settings.window_length + std::min(rows, example.rows()) - 1;
   return example.distances.of_query({example.distances.query.rows.first(frames), {}});
@@ -41,8 +41,8 @@ std::vector<double> divided(std::vector<double> times_ms, double by) {
   return times_ms;
 }
 
-// One query frame after the other through the stage of settings.method, again and again. The first
-// windows are shorter, and not timed. `seen` is called after each frame.
+// Passes query frames through the stage of settings.method repeatedly. The first windows are
+// shorter and are not timed. Calls `seen` after each frame.
 void time_stage(const FrameDistances& distances, const MatchSettings& settings,
                 const Effort& effort, const Monitor& monitor, const std::function<void()>& seen,
                 BenchRow& row) {
@@ -54,7 +54,7 @@ void time_stage(const FrameDistances& distances, const MatchSettings& settings,
     next = {(next.row + 1) % distances.query_frames, next.number + 1, next.in_a_row + 1};
   };
   for (size_t f = 0; f <= settings.window_length; ++f) advance();
-  row.time = summarise(time_repeatedly(effort, advance, monitor));
+  row.time = summarize(time_repeatedly(effort, advance, monitor));
 }
 
 void time_online(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
@@ -103,7 +103,7 @@ void time_filtered(const MatchingCase& example, const Effort& effort, const Moni
 void time_batch(const MatchingCase& example, const Effort& effort, const Monitor& monitor,
                 BenchRow& row) {
   const auto frames = static_cast<double>(example.distances.query_frames);
-  row.time = summarise(divided(
+  row.time = summarize(divided(
       time_repeatedly(
           effort, [&] { match(example.distances, example.settings, {{ignore}}, {}); }, monitor),
       frames));
@@ -114,12 +114,13 @@ void time_openable(const MatchingCase& example, const Effort& effort, const Moni
   MatchSettings settings = example.settings;
   settings.method = &find_sequence_method("openable");
   const auto run = [&](size_t rows) { match(first_rows(example, rows), settings, {{ignore}}, {}); };
-  // As many rows at once as fit a tenth of the time, for the start of a run costs something too.
+  // Use as many rows per run as fit in a tenth of the time, because the start of a run has a cost
+  // as well.
   const Stopwatch watch;
   run(1);
   const double share = effort.seconds / 10 / watch.elapsed_s();
   const size_t rows = std::clamp<size_t>(static_cast<size_t>(share), 1, example.rows());
-  row.time = summarise(divided(time_repeatedly(
+  row.time = summarize(divided(time_repeatedly(
                                    effort, [&] { run(rows); }, monitor),
                                static_cast<double>(rows)));
   if (rows < example.rows()) row.note = fmt::format("{} rows sampled", rows);
@@ -133,7 +134,7 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
                        monitor);
   row.values.emplace_back("build_s", watch.elapsed_s());
   size_t window = 0;
-  row.time = summarise(time_repeatedly(
+  row.time = summarize(time_repeatedly(
       effort,
       [&] {
         index.find(example.query_codes[window].data());
@@ -156,10 +157,10 @@ void time_lsh(const MatchingCase& example, const Effort& effort, const Monitor& 
 
 constexpr std::array<MatchingTimer, 6> kTimers = {{
     {"fastable-online", "one query frame after the other", false, time_online},
-    {"fastable", "the whole query at once", false, time_batch},
-    {"standardized", "online, standardized scores", false, time_standardized},
-    {"filter", "online, over places and rates, of standardized scores", false, time_filtered},
-    {"openable", "no re-use, same kernels", false, time_openable},
+    {"fastable", "the whole query in one batch", false, time_batch},
+    {"standardized", "online, z-scores", false, time_standardized},
+    {"filter", "online, over places and speeds, with z-scores", false, time_filtered},
+    {"openable", "no reuse, same kernels", false, time_openable},
     {"lsh", "multi-probe hashing, approximate", true, time_lsh},
 }};
 
@@ -167,14 +168,14 @@ const MatchingTimer& find_matching_timer(std::string_view name) {
   return find_named(kTimers, "method", name);
 }
 
-// Standardized scores need the whole ring.
+// Z-scores need the whole ring.
 bool has_room_for_scores(const MatchingCase& example) {
   return ring_fits(example.distances.train_frames, example.settings.window_length,
                    example.settings.memory_limit);
 }
 
 void check_scores(const MatchingCase& example, const Monitor& monitor) {
-  constexpr size_t kCheckedScores = 20;  // each costs the oracle as many distances as rows
+  constexpr size_t kCheckedScores = 20;  // each needs as many reference distances as there are rows
   constexpr size_t kCheckedRows = 20;
   const size_t length = example.settings.window_length;
   const FrameDistances some = first_rows(example, kCheckedRows);
@@ -182,19 +183,20 @@ void check_scores(const MatchingCase& example, const Monitor& monitor) {
   const ScoreBasis basis = score_basis(example);
   match(standardized(some, basis, monitor), example.settings, {{std::ref(scan)}}, monitor);
   if (!wrong_scores(scan.result(), some.train, some.query, length, basis, monitor).empty())
-    throw Error(ErrorKind::expectation,
-                "standardized: a score differs from its definition; nothing was timed");
+    throw Error(
+        ErrorKind::expectation,
+        "standardized: a score differs from the reference implementation; nothing was timed");
 }
 
-constexpr size_t kMostFrames = 50'000'000;
+constexpr size_t kMaxFrames = 50'000'000;
 
 void check_settings(const MatchingBenchSettings& settings) {
   const auto require = [](std::string_view name, const std::vector<uint64_t>& values) {
     if (values.empty()) throw Error(ErrorKind::usage, fmt::format("{} is empty", name));
     for (const uint64_t value : values)
-      if (value < 1 || value > kMostFrames)
+      if (value < 1 || value > kMaxFrames)
         throw Error(ErrorKind::usage,
-                    fmt::format("{} must be from 1 to {}, found {}", name, kMostFrames, value));
+                    fmt::format("{} must be from 1 to {}, found {}", name, kMaxFrames, value));
   };
   require("databases", settings.databases);
   require("c_l", settings.window_lengths);
@@ -204,15 +206,15 @@ void check_settings(const MatchingBenchSettings& settings) {
     throw Error(ErrorKind::usage, fmt::format("changed_bits must be at most {}, found {}", kLdbBits,
                                               settings.changed_bits));
   for (const std::string& method : settings.methods) find_matching_timer(method);
-  if (settings.descriptor_length > kMostNumbers)
+  if (settings.descriptor_length > kMaxNumbers)
     throw Error(ErrorKind::usage, fmt::format("descriptor_length must be at most {}, found {}",
-                                              kMostNumbers, settings.descriptor_length));
+                                              kMaxNumbers, settings.descriptor_length));
   if (settings.precision != 8 && settings.precision != 16)
     throw Error(ErrorKind::usage,
                 fmt::format("precision must be 16 or 8 bits, found {}", settings.precision));
 }
 
-// Those that take the descriptors.
+// The methods that accept the descriptors.
 std::vector<std::string> timed_methods(const MatchingBenchSettings& settings) {
   std::vector<std::string> methods;
   for (const std::string& method : settings.methods)
@@ -252,12 +254,12 @@ Walks make_walks(const MatchingBenchSettings& settings,
   } else {
     walks.train_codes = generate_walk(frames, seed);
     walks.query_codes =
-        walk_again(walks.train_codes, frames / 3, query, settings.changed_bits, seed + 1);
+        repeat_walk(walks.train_codes, frames / 3, query, settings.changed_bits, seed + 1);
   }
   return walks;
 }
 
-// Why a case cannot be measured; empty if it can.
+// The reason why a case cannot be measured; empty if it can.
 std::string obstacle(const MatchingBenchSettings& settings,
                      const std::optional<RecordedCodes>& recorded, uint64_t frames, uint64_t length,
                      uint64_t query) {
@@ -267,7 +269,7 @@ std::string obstacle(const MatchingBenchSettings& settings,
   if (recorded && (recorded->train.size() < frames || recorded->query.size() < query))
     return fmt::format("{} database frames and {} query frames: the recordings have {} and {}",
                        frames, query, recorded->train.size(), recorded->query.size());
-  // Codes twice (as generated, and in blocks), sums twice, the ring, a row.
+  // Codes twice (as generated and in blocks), sums twice, the ring, one row.
   const size_t bytes = settings.descriptor_length == 0
                            ? kLdbBytes
                            : settings.descriptor_length * settings.precision / 8;
@@ -292,7 +294,7 @@ void add_rates(BenchRow& row) {
   row.values.emplace_back("cpu_at_10_hz_percent", row.time.median_ms);
 }
 
-// Hits as dense as a fine threshold leaves them: a quarter of a band of 400 windows.
+// Recognitions as dense as with a well-chosen threshold: a quarter of a band of 400 windows.
 BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
                          const Monitor& monitor) {
   RandomEngine engine(seed);
@@ -302,7 +304,7 @@ BenchRow time_clustering(uint64_t count, const Effort& effort, uint64_t seed,
       if (uniform_below(engine, 4) == 0) hits.push_back({query, 0, train, 0, 1});
   BenchRow row{"cluster", {{"hits", static_cast<double>(count)}}, "set of hits", {}, {}, ""};
   size_t places = 0;
-  row.time = summarise(time_repeatedly(
+  row.time = summarize(time_repeatedly(
       effort, [&] { places = cluster_hits(hits, {}).all.size(); }, monitor));
   row.values.emplace_back("places", static_cast<double>(places));
   return row;
@@ -363,7 +365,8 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
     if (!wrong_cells(scan.result(), some.train, some.query.rows, length, monitor).empty())
       throw Error(
           ErrorKind::expectation,
-          fmt::format("{}: a distance differs from its definition; nothing was timed", method));
+          fmt::format("{}: a distance differs from the reference implementation; nothing was timed",
+                      method));
   };
   check("fastable-online", 200);
   check("fastable", 200);
@@ -402,8 +405,8 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
           counter.add();
           if (method == "standardized" && !has_room_for_scores(example)) {
             result.left_out.push_back(
-                fmt::format("standardized for {} frames, whose scores do not fit ring_bytes {}",
-                            frames, settings.ring_bytes));
+                fmt::format("standardized for {} frames, whose scores exceed ring_bytes {}", frames,
+                            settings.ring_bytes));
             continue;
           }
           BenchRow row{method, parameters_of(frames, length, query), "query frame", {}, {}, ""};
@@ -421,7 +424,7 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
 }
 
 void add_matching_comparisons(BenchResult& result, const MatchingBenchSettings& settings) {
-  // How many times faster than OpenABLE with the same kernels, where that was timed.
+  // The speed-up over OpenABLE with the same kernels, if that was timed.
   for (const char* work : {"fastable-online", "fastable"})
     add_speed_up(result, work, "openable", "times_openable");
   add_speed_up(result, "standardized", "fastable-online", "share_of_fastable_speed");

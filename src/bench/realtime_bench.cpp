@@ -66,7 +66,7 @@ BenchResult bench_realtime(const SequenceDatabase& database, const Sequence& que
   const double wall_s = std::max(Milliseconds(Clock::now() - start).count(),
                                  static_cast<double>(frames) * period_ms) /
                         1000;
-  BenchRow row{"replay", {{"rate_hz", settings.rate_hz}}, "frame", summarise(latencies_ms), {}, ""};
+  BenchRow row{"replay", {{"rate_hz", settings.rate_hz}}, "frame", summarize(latencies_ms), {}, ""};
   for (const int percent : {50, 95, 99})
     row.values.emplace_back(fmt::format("latency_{}_ms", percent),
                             quantile(latencies_ms, percent / 100.0));

@@ -1,5 +1,5 @@
-// Frame descriptors of any kind as rows of bytes, the way they are stored and compared; and the
-// visual words of a frame.
+// Frame descriptors of any kind as rows of bytes, as stored and compared, and the visual words of a
+// frame.
 #pragma once
 
 #include <cstddef>
@@ -12,73 +12,64 @@
 
 namespace vpr {
 
-/// Word ids, rising, each once: what a frame or view shows.
+/// The visual words of a frame or view: word ids, increasing, without duplicates.
 using WordSet = std::vector<uint32_t>;
 
-/// What a descriptor is made of, and so what it is compared by: bits, signed whole numbers of 8 or
-/// of 16 bits (vectors, of which only directions count), coordinates of 16 bits (points, in one
-/// unit for a whole database), grey levels of 8 bits (pictures), or nothing but a frame's number,
-/// where distances are given.
-enum class ElementType {
-  bits,
-  whole_numbers,
-  wide_numbers,
-  coordinates,
-  grey_levels,
-  frame_numbers
-};
+/// The element type of a descriptor, which determines the distance: bits; signed integers of 8 or
+/// 16 bits (vectors, compared by direction only); points with 16-bit coordinates (one unit for a
+/// whole database); gray levels of 8 bits (images); or only the number of the frame, for
+/// precomputed distances.
+enum class ElementType { bits, int8, int16, points16, gray_levels, frame_numbers };
 
-/// The longest descriptors that can be compared: distances of bits fit 16 bits, scalar products of
-/// numbers 32.
-inline constexpr size_t kMostBits = 65472;
-inline constexpr size_t kMostNumbers = 131071;
+/// The longest descriptors that can be compared: distances of bits must fit 16 bits, scalar
+/// products of integers 32 bits.
+inline constexpr size_t kMaxBits = 65472;
+inline constexpr size_t kMaxNumbers = 131071;
 
-/// The longest descriptor of an element type.
 constexpr size_t most_elements(ElementType element) {
-  return element == ElementType::bits ? kMostBits : kMostNumbers;
+  return element == ElementType::bits ? kMaxBits : kMaxNumbers;
 }
 
-/// The elements of which every descriptor of a kind consists: their type and their number.
+/// The element type and the number of elements of a descriptor.
 struct DescriptorShape {
   ElementType element = ElementType::bits;
-  size_t length = kLdbBits;  ///< bits or whole numbers; at least 1
+  size_t length = kLdbBits;  ///< bits or integers; at least 1
 
   bool operator==(const DescriptorShape&) const = default;
 
-  /// Bytes of a row. Bit b is in byte b / 8, least significant first, and bits are padded with
-  /// zeros to whole words of 64; a whole number or a grey level is a byte, a wide number or a
-  /// coordinate two, a frame's number four, the lower first.
+  /// Bytes per row. Bit b is in byte b / 8, least significant first, and rows of bits are padded
+  /// with zeros to multiples of 64 bits. Integers of 8 bits and gray levels take one byte, integers
+  /// and coordinates of 16 bits two, frame numbers four, in little-endian order.
   constexpr size_t row_bytes() const {
     switch (element) {
       case ElementType::bits:
         return (length + 63) / 64 * 8;
-      case ElementType::whole_numbers:
-      case ElementType::grey_levels:
+      case ElementType::int8:
+      case ElementType::gray_levels:
         return length;
       case ElementType::frame_numbers:
         return 4 * length;
-      case ElementType::wide_numbers:
-      case ElementType::coordinates:
+      case ElementType::int16:
+      case ElementType::points16:
         break;
     }
     return 2 * length;
   }
 };
 
-/// What its elements are called: "bits", "numbers", "pixels".
+/// The name of the elements in messages: "bits", "numbers", "pixels".
 constexpr std::string_view element_words(const DescriptorShape& shape) {
   if (shape.element == ElementType::bits) return "bits";
-  return shape.element == ElementType::grey_levels ? "pixels" : "numbers";
+  return shape.element == ElementType::gray_levels ? "pixels" : "numbers";
 }
 
-/// The shape of LDB codes.
 inline constexpr DescriptorShape kLdbShape = {ElementType::bits, kLdbBits};
 static_assert(kLdbShape.row_bytes() == kLdbBytes && sizeof(LdbCode) == kLdbBytes);
 
 /// The descriptor of one frame: row_bytes() bytes.
 using DescriptorRow = std::span<const uint8_t>;
 
-/// The descriptors of frames in a row, one after the other. The bytes are somebody else's.
+/// The descriptors of consecutive frames, one after the other; a view of bytes owned elsewhere.
 struct DescriptorRows {
   DescriptorShape shape = kLdbShape;
   std::span<const uint8_t> bytes;  ///< size() * shape.row_bytes()
@@ -103,13 +94,13 @@ struct DescriptorRows {
 
 class GivenDistances;
 
-/// The frames of one sequence as matchers take them: their descriptors, and which of them could not
-/// be read. All are somebody else's.
+/// The frames of one sequence as input of matchers: their descriptors and the unreadable frames.
+/// Owns nothing.
 struct DescriptorSpan {
   DescriptorRows rows;
-  std::span<const size_t> unreadable;     ///< rising
-  const GivenDistances* given = nullptr;  ///< of a query: its distances, which are known already
-  std::span<const WordSet> words = {};    ///< that each frame shows, where FAB-MAP is asked, too
+  std::span<const size_t> unreadable;     ///< increasing
+  const GivenDistances* given = nullptr;  ///< set for a query whose distances are precomputed
+  std::span<const WordSet> words = {};    ///< of each frame; only for fusion with FAB-MAP
 };
 
 }  // namespace vpr

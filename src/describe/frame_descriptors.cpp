@@ -18,14 +18,14 @@
 namespace vpr {
 namespace {
 
-// One descriptor a frame, by what describes a grey picture: to an array of row_bytes() bytes.
-template <auto describe_grey>
+// Writes one descriptor per frame, computed from the gray image, to an array of row_bytes() bytes.
+template <auto describe_gray>
 DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
                           const FrameVisitor& visit, const Monitor& monitor) {
   const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::grey;
   const size_t row_bytes = kind.shape.row_bytes();
-  std::mutex mutex;  // a video's length is not known before its end
+  std::mutex mutex;  // the length of a video is unknown before its end
   DescriptorSet set;
   set.descriptors.kind = &kind;
   std::vector<uint8_t>& rows = set.descriptors.owned;
@@ -33,14 +33,14 @@ DescriptorSet describe_by(const DescriptorKind& kind, const Sequence& sequence,
   set.frames = for_each_frame(
       sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& image) {
         const auto row =
-            describe_grey(settings.illumination_invariant ? illumination_invariant(image) : image);
+            describe_gray(settings.illumination_invariant ? illumination_invariant(image) : image);
         assert(row.size() * sizeof(row[0]) == row_bytes);
         if (visit) visit(index, image);
         const std::lock_guard lock(mutex);
         if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
         std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
       });
-  rows.resize(set.frames.count() * row_bytes);  // the last of a video may have no image
+  rows.resize(set.frames.count() * row_bytes);  // the last frame of a video may have no image
   return set;
 }
 
@@ -50,7 +50,7 @@ DescriptorSet import_kind(const DescriptorKind& kind, const Sequence& sequence,
   return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
 }
 
-// The set with the frames that a replay of it shows.
+// The frames of a set that `replay` selects.
 DescriptorSet shown(const DescriptorSet& set, Replay replay) {
   DescriptorSet result;
   result.descriptors.kind = set.descriptors.kind;
@@ -66,39 +66,39 @@ DescriptorSet shown(const DescriptorSet& set, Replay replay) {
 constexpr std::array<DescriptorKind, 10> kKinds = {{
     {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
     {"thumbnail",
-     "the frame in 64x32 grey levels, normalised in squares, as SeqSLAM has it",
-     {ElementType::grey_levels, std::tuple_size_v<Thumbnail64>},
+     "the frame in 64x32 gray levels, normalized in squares, as in SeqSLAM",
+     {ElementType::gray_levels, std::tuple_size_v<Thumbnail64>},
      describe_by<describe_thumbnail>},
     {"hog",
-     "histograms of oriented gradients of the whole frame, 30752 numbers",
-     {ElementType::whole_numbers, kHogLength},
+     "histograms of oriented gradients of the whole frame, 30752 values",
+     {ElementType::int8, kHogLength},
      describe_by<describe_hog>},
     {"brief",
-     "a binary code of pairs of pixels of the whole frame, of 256 bits",
-     {ElementType::bits, kCentreBits},
+     "a binary code of the whole frame from pairs of pixels, of 256 bits",
+     {ElementType::bits, kCenterBits},
      describe_by<describe_brief>},
     {"orb",
-     "OpenCV's ORB of the frame's centre, not turned, of 256 bits",
-     {ElementType::bits, kCentreBits},
+     "OpenCV's ORB at the center of the frame, without rotation, of 256 bits",
+     {ElementType::bits, kCenterBits},
      describe_by<describe_orb>},
     {kVectorKind,
-     "vectors from files, in whole numbers of 16 bits",
-     {ElementType::wide_numbers, 0},
+     "vectors from files, as 16-bit integers",
+     {ElementType::int16, 0},
      import_kind,
      true},
     {kNarrowVectorKind,
-     "vectors from files, in whole numbers of 8 bits",
-     {ElementType::whole_numbers, 0},
+     "vectors from files, as 8-bit integers",
+     {ElementType::int8, 0},
      import_kind,
      true},
     {kPointKind,
-     "vectors from files whose lengths count, in whole numbers of 16 bits",
-     {ElementType::coordinates, 0},
+     "vectors from files with their lengths, as 16-bit integers",
+     {ElementType::points16, 0},
      import_kind,
      true},
     {kDirectionKind,
-     "vectors from files at length 1, in whole numbers of 16 bits",
-     {ElementType::coordinates, 0},
+     "vectors from files scaled to length 1, as 16-bit integers",
+     {ElementType::points16, 0},
      import_kind,
      true},
     {kBitKind, "bits from files", {ElementType::bits, 0}, import_kind, true},
@@ -135,7 +135,7 @@ const DescriptorKind& descriptor_kind(std::string_view name) {
 
 const DescriptorKind& given_kind() {
   static constexpr DescriptorKind kGiven = {"scores",
-                                            "frames of which only scores are known",
+                                            "frames with precomputed scores only",
                                             {ElementType::frame_numbers, 1},
                                             nullptr,
                                             true};

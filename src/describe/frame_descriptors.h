@@ -1,4 +1,4 @@
-// The table of frame descriptors, and what a sequence or a database holds of them.
+// The table of frame descriptors, and the descriptors of a sequence or a database.
 #pragma once
 
 #include <functional>
@@ -14,10 +14,10 @@
 
 namespace vpr {
 
-/// Settings of all kinds; each reads its own.
+/// Settings of all descriptors; each one uses its own.
 struct DescriptorSettings {
-  bool illumination_invariant = false;  ///< decode in colour and remove the light's colour first
-  double unit = 0;  ///< of coordinates; no setting of a user: a database's (DescriptorStore)
+  bool illumination_invariant = false;  ///< decode in color and remove the color of the light first
+  double unit = 0;  ///< of coordinates; set by the database (DescriptorStore), not by the user
 };
 
 template <class Visitor>
@@ -27,71 +27,71 @@ void visit_fields(DescriptorSettings& settings, Visitor&& visit) {
 
 struct DescriptorSet;
 
-/// What else looks at a frame once it is decoded; called as for_each_frame calls its body.
+/// An additional receiver of decoded frames, called as for_each_frame calls its body.
 using FrameVisitor = std::function<void(size_t index, const cv::Mat& image)>;
 
-/// A row of the table: how frames are described.
+/// An entry of the table: one kind of descriptor.
 struct DescriptorKind {
   std::string_view name;  ///< in flags and manifests
   std::string_view summary;
-  DescriptorShape shape;  ///< of length 0 where every set says its own
+  DescriptorShape shape;  ///< length 0 if each set has its own length
   DescriptorSet (*describe_with)(const DescriptorKind& kind, const Sequence& sequence,
                                  const DescriptorSettings& settings, Unreadable unreadable,
                                  const FrameVisitor& visit, const Monitor& monitor);
-  bool is_imported = false;  ///< its sequences are arrays of descriptors, not frames
+  bool is_imported = false;  ///< its sequences are arrays of descriptors instead of frames
 
-  /// Decodes and describes in parallel, no frame kept. Same result for any number of threads; all
-  /// zero for an unreadable frame. `visit`, if it is set, gets each readable frame as it was
-  /// decoded: grey, or BGR if descriptors are illumination invariant; none of imported descriptors.
-  /// Throws what for_each_frame throws, or import_descriptors.
+  /// Decodes and describes frames in parallel without keeping them. The result is the same for any
+  /// number of threads; the descriptor of an unreadable frame is all zero. `visit`, if set,
+  /// receives each readable frame as decoded: gray, or BGR if descriptors are illumination
+  /// invariant; it is not called for imported descriptors. Throws as for_each_frame or
+  /// import_descriptors does.
   DescriptorSet describe(const Sequence& sequence, const DescriptorSettings& settings,
                          Unreadable unreadable, const Monitor& monitor,
                          const FrameVisitor& visit = nullptr) const;
 };
 
-/// The kinds, LDB first: what a manifest without a name holds.
+/// All kinds, LDB first: the kind of a manifest without a name.
 std::span<const DescriptorKind> descriptor_kinds();
 
-/// The row of that name, or null.
+/// The kind with this name, or null.
 const DescriptorKind* find_descriptor_kind(std::string_view name);
 
-/// The same; for an unknown name throws Error(usage), which lists those that describe frames.
+/// The kind with this name. For an unknown name, throws Error(usage), which lists the kinds that
+/// describe frames.
 const DescriptorKind& descriptor_kind(std::string_view name);
 
-/// What stands for frames of which only distances are known (match/given_distances.h): their
-/// numbers. No database that is stored has it, and no flag names it.
+/// A placeholder for frames with precomputed distances (match/given_distances.h): the descriptor is
+/// the number of the frame. It is never stored and cannot be selected by a flag.
 const DescriptorKind& given_kind();
 
-/// Descriptors of one kind: of a fresh description, or the memory-mapped ones of a stored database.
+/// Descriptors of one kind: in memory, or memory-mapped from a stored database.
 struct DescriptorStore {
   const DescriptorKind* kind = &descriptor_kinds().front();
   std::vector<uint8_t> owned;
   NpyArray mapped;
-  size_t length = 0;  ///< of a kind whose sets say it; 0 before the first is appended
-  double unit = 0;    ///< of coordinates: what 1 is; 0: no such kind, or not known yet
+  size_t length = 0;  ///< of kinds with a length per set; 0 before the first append
+  double unit = 0;    ///< value of a stored coordinate of 1; 0: other kinds, or not known yet
 
   DescriptorShape shape() const;
   DescriptorRows rows() const;
-  /// Only where nothing is mapped, and of the same shape; to an empty store, of the same kind.
+  /// Requires an empty store of the same kind, or a store in memory with rows of the same shape.
   void append(const DescriptorRows& more);
 };
 
-/// The frames of one sequence and their descriptors.
 struct DescriptorSet {
   DescriptorStore descriptors;
   FrameList frames;
-  const GivenDistances* given = nullptr;  ///< where the distances of these frames are known already
-  std::vector<WordSet> words = {};        ///< that each frame shows, where FAB-MAP is asked, too
+  const GivenDistances* given = nullptr;  ///< set if the distances of these frames are precomputed
+  std::vector<WordSet> words = {};        ///< of each frame; only for fusion with FAB-MAP
 
   DescriptorRows rows() const { return descriptors.rows(); }
   DescriptorSpan span() const { return {rows(), frames.unreadable, given, words}; }
 };
 
-/// The set with its frames replayed by `warp` (sequence/selection.h); as it is where that is empty.
-/// Rows are repeated or left out, and no frame is described again. Throws as replay does.
+/// The set resampled by `warp` (sequence/selection.h), or unchanged if `warp` is empty. Repeats or
+/// omits rows without describing frames again. Throws as replay does.
 DescriptorSet replayed(DescriptorSet set, const std::string& warp, uint64_t seed);
 
-/// LDB codes as a set, and back.
 DescriptorSet ldb_set(std::span<const LdbCode> codes, FrameList frames);
 /// The codes of a set, which must hold LDB codes.
 std::vector<LdbCode> ldb_codes(const DescriptorSet& set);

@@ -36,11 +36,11 @@ const NumberType& number_type(const std::string& type, const std::string& path) 
                                            fmt::join(shape, ", ")));
 }
 
-// Numbers of the one descriptor that a file holds.
+// The length of the only descriptor in a file.
 size_t length_of_one(const NpyArray& array, const std::string& path) {
   const std::vector<size_t>& shape = array.shape();
   const bool is_one = shape.size() == 1 || (shape.size() == 2 && shape[0] == 1);
-  if (!is_one || shape.back() == 0) refuse_shape(path, shape, "one descriptor, d or 1 x d numbers");
+  if (!is_one || shape.back() == 0) refuse_shape(path, shape, "one descriptor, d or 1 x d values");
   return shape.back();
 }
 
@@ -53,7 +53,7 @@ size_t rows_in_range(const SequenceArgument& argument, size_t all) {
   return frame_count({argument.range.first, last, argument.range.step}).value();
 }
 
-constexpr size_t kBlockNumbers = 1 << 16;  // read at once: half a megabyte
+constexpr size_t kBlockNumbers = 1 << 16;  // values read at once: half a megabyte
 
 double largest_size(std::span<const double> vector) {
   double largest = 0;
@@ -64,11 +64,11 @@ double largest_size(std::span<const double> vector) {
 template <class T>
 void store_numbers(std::span<const double> row, std::span<uint8_t> out) {
   std::vector<T> numbers(row.size());
-  quantise_numbers(row, numbers);
+  quantize_numbers(row, numbers);
   std::memcpy(out.data(), numbers.data(), out.size());
 }
 
-// Numbers of 8 bits each, the lowest first, or of 1.
+// Values of 8 bits, least significant first, or of 1 bit.
 void store_bits(std::span<const double> row, size_t bits_a_number, std::span<uint8_t> out) {
   std::fill(out.begin(), out.end(), uint8_t{0});
   for (size_t i = 0; i < row.size(); ++i) {
@@ -79,7 +79,7 @@ void store_bits(std::span<const double> row, size_t bits_a_number, std::span<uin
   }
 }
 
-// How long the longest point may be before its coordinates are rounded.
+// The maximum length of a point before its coordinates are rounded.
 double longest_point(size_t coordinates) {
   return kLongestPoint - std::sqrt(static_cast<double>(coordinates)) / 2;
 }
@@ -99,7 +99,7 @@ void store_point(std::span<const double> row, double unit, std::span<uint8_t> ou
   std::memcpy(out.data(), numbers.data(), out.size());
 }
 
-// Vectors are scaled before they are squared: numbers may be as large or as small as doubles are.
+// Scales before it squares: values may be as large or as small as double allows.
 void store_direction(std::span<const double> row, double unit, std::span<uint8_t> out) {
   const double largest = largest_size(row);
   std::vector<double> scaled;
@@ -113,11 +113,11 @@ void check_point(std::span<const double> row, double unit, const std::string& wh
   if (length_of(row) > unit * longest_point(row.size()) * (1 + kRounding))
     throw Error(ErrorKind::data,
                 fmt::format("{}: is more than twice as long as the longest vector that the "
-                            "database was trained with; is it of the same descriptor?",
+                            "database was trained with; use the same descriptor",
                             where));
 }
 
-/// How rows of a kind come from numbers.
+/// The conversion of numbers to rows of one kind.
 struct RowImport {
   size_t elements_a_number = 1;
   bool is_vector = true;
@@ -154,8 +154,8 @@ RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
   const bool is_bits = kind == kBitKind;
   if (rows.type().starts_with("<f") == is_bits)
     throw Error(ErrorKind::data,
-                fmt::format("{}: its numbers are of type {}; {}", rows.where(0), rows.type(),
-                            is_bits ? "bits are uint8 (8 bits a number) or bool"
+                fmt::format("{}: its values are of type {}; {}", rows.where(0), rows.type(),
+                            is_bits ? "bits are uint8 (8 bits per value) or bool"
                                     : "vectors are float16, float32 or float64, and uint8 or bool "
                                       "are bits: train with --bits"));
   if (is_bits) return bit_import(rows.type());
@@ -168,12 +168,12 @@ RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
 void check_length(const ArrayRows& rows, ElementType element, size_t elements_a_number) {
   const size_t most = most_elements(element) / elements_a_number;
   if (rows.length() > most)
-    throw Error(ErrorKind::data, fmt::format("{}: has {} numbers; there may be {} at most",
-                                             rows.where(0), rows.length(), most));
+    throw Error(ErrorKind::data, fmt::format("{}: has {} values; the maximum is {}", rows.where(0),
+                                             rows.length(), most));
 }
 
-// Rows [first, first + count) to where `out` begins. Gives those that are missing, which stay
-// zeros.
+// Imports rows [first, first + count) to `out`. Returns the missing rows, whose descriptors stay
+// zero.
 std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
                                 Unreadable unreadable, size_t first, size_t count,
                                 std::span<uint8_t> out) {
@@ -186,7 +186,7 @@ std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
     if (import.is_vector && is_missing_vector(row)) {
       if (unreadable == Unreadable::fail)
         throw Error(ErrorKind::data,
-                    fmt::format("{} is missing (all NaN); give --skip-unreadable to go on without "
+                    fmt::format("{} is missing (all NaN); use --skip-unreadable to ignore "
                                 "it",
                                 rows.where(first + i)));
       missing.push_back(first + i);
@@ -198,13 +198,13 @@ std::vector<size_t> store_block(const ArrayRows& rows, const RowImport& import,
   return missing;
 }
 
-/// What became of a block of rows: those that are missing, or why it could not be read.
+/// The result of a block of rows: the missing rows, or the error.
 struct BlockRows {
   std::vector<size_t> missing;
   std::optional<Error> error;
 };
 
-// The first row that is wrong is named, whatever came first in time.
+// Reports the first invalid row, for any order of threads.
 void keep_unreadable(FrameList& frames, const std::vector<BlockRows>& blocks) {
   for (const BlockRows& block : blocks) {
     if (block.error) throw Error(*block.error);
@@ -227,7 +227,7 @@ ArrayRows::ArrayRows(const Sequence& sequence) : sequence_(sequence) {
   }
   const std::vector<size_t>& shape = array_.shape();
   if (shape.size() != 2 || shape[0] == 0 || shape[1] == 0)
-    refuse_shape(path, shape, "n x d numbers, a row a frame");
+    refuse_shape(path, shape, "n x d values, one row per frame");
   length_ = shape[1];
   count_ = rows_in_range(sequence.argument, shape[0]);
 }
@@ -256,15 +256,15 @@ void ArrayRows::read(size_t first, size_t count, std::span<double> out) const {
       const NpyArray file(sequence_.files[first + row]);
       if (file.type() != type_ || length_of_one(file, path) != length_)
         throw Error(ErrorKind::data,
-                    fmt::format("{}: holds {} numbers of type {}, and the first file {} of {}",
-                                path, file.shape().back(), file.type(), length_, type_));
+                    fmt::format("{}: holds {} values of type {}, but the first file {} of {}", path,
+                                file.shape().back(), file.type(), length_, type_));
       type.read(file.value_bytes().data(), type.bytes, length_, out.data() + row * length_, 1);
     }
     return;
   }
   const std::byte* values = array_.value_bytes().data();
   const size_t rows = array_.shape()[0];
-  if (array_.is_column_major()) {  // column by column: the rows of a column lie side by side
+  if (array_.is_column_major()) {  // the values of one column are contiguous
     const size_t step = sequence_.argument.range.step * type.bytes;
     for (size_t x = 0; x < length_; ++x)
       type.read(values + (x * rows + recorded(first)) * type.bytes, step, count, out.data() + x,
@@ -289,7 +289,7 @@ void check_numbers(std::span<const double> vector, const std::string& where) {
                                 [](double number) { return !std::isfinite(number); });
   if (bad != vector.end())
     throw Error(ErrorKind::data,
-                fmt::format("{}: number {} is {}", where, bad - vector.begin(), *bad));
+                fmt::format("{}: value {} is {}", where, bad - vector.begin(), *bad));
 }
 
 void check_vector(std::span<const double> vector, const std::string& where) {
@@ -299,13 +299,13 @@ void check_vector(std::span<const double> vector, const std::string& where) {
                 fmt::format("{}: is a vector of zeros, which has no direction", where));
 }
 
-void quantise_numbers(std::span<const double> vector, std::span<int8_t> out) {
+void quantize_numbers(std::span<const double> vector, std::span<int8_t> out) {
   const double largest = largest_size(vector);
   for (size_t i = 0; i < vector.size(); ++i)
     out[i] = static_cast<int8_t>(std::nearbyint(vector[i] / largest * 127));
 }
 
-void quantise_numbers(std::span<const double> vector, std::span<int16_t> out) {
+void quantize_numbers(std::span<const double> vector, std::span<int16_t> out) {
   const double largest = largest_size(vector);
   double squares = 0;
   for (const double number : vector) squares += number / largest * (number / largest);
@@ -322,7 +322,7 @@ double coordinate_unit(std::string_view kind, std::span<const Sequence> sequence
   for (const Sequence& sequence : sequences) {
     const ArrayRows rows(sequence);
     import_of(kind, rows, 0);
-    check_length(rows, ElementType::coordinates, 1);
+    check_length(rows, ElementType::points16, 1);
     std::vector<double> lengths(rows.count(), 0);
     parallel_for(rows.count(), monitor, [&](size_t i) {
       std::vector<double> row(rows.length());
@@ -331,9 +331,8 @@ double coordinate_unit(std::string_view kind, std::span<const Sequence> sequence
       check_numbers(row, rows.where(i));
       lengths[i] = length_of(row);
       if (!std::isfinite(2 * lengths[i]))
-        throw Error(
-            ErrorKind::data,
-            fmt::format("{}: is too long to be compared by Euclidean distances", rows.where(i)));
+        throw Error(ErrorKind::data,
+                    fmt::format("{}: is too long for Euclidean distances", rows.where(i)));
     });
     const double longest = *std::max_element(lengths.begin(), lengths.end());
     unit = std::max(unit, 2 * longest / longest_point(rows.length()));

@@ -11,9 +11,9 @@ constexpr int kResized = 64;
 constexpr int kBorder = 3;
 constexpr int kWindow = 60;
 
-cv::Mat ldb_window(const cv::Mat& grey) {
+cv::Mat ldb_window(const cv::Mat& gray) {
   cv::Mat resized;
-  cv::resize(grey, resized, cv::Size(kResized, kResized), 0, 0, cv::INTER_LINEAR_EXACT);
+  cv::resize(gray, resized, cv::Size(kResized, kResized), 0, 0, cv::INTER_LINEAR_EXACT);
   cv::Mat blurred;
   cv::GaussianBlur(resized, blurred, cv::Size(7, 7), 2, 2, cv::BORDER_REFLECT_101);
   return blurred(cv::Rect(kBorder, kBorder, kWindow, kWindow));
@@ -46,10 +46,10 @@ std::array<std::array<int32_t, 25>, 3> ldb_cell_values(const cv::Mat& integral, 
   return values;
 }
 
-LdbCode describe_ldb(const cv::Mat& grey) {
-  assert(grey.type() == CV_8UC1 && !grey.empty());
+LdbCode describe_ldb(const cv::Mat& gray) {
+  assert(gray.type() == CV_8UC1 && !gray.empty());
   cv::Mat integral;
-  cv::integral(ldb_window(grey), integral, CV_32S);
+  cv::integral(ldb_window(gray), integral, CV_32S);
   LdbCode code{};
   size_t bit = 0;
   for (int g = 2; g <= 5; ++g) {

@@ -19,14 +19,14 @@
 namespace vpr {
 namespace {
 
-/// A pixel of a line, and the share of it in a pixel of the shorter line.
+/// A pixel of the longer line, and its overlap with a pixel of the shorter line.
 struct Share {
   int from = 0;
   int64_t weight = 0;
 };
 
-// With pixels of a line `shorter` long and those of one `longer` in units of which both are whole:
-// pixel x covers [longer x, longer (x + 1)), pixel i of the other line [shorter i, shorter (i +
+// In units in which the pixels of both lines have integer lengths: pixel x of the `shorter` line
+// covers [longer x, longer (x + 1)), pixel i of the `longer` line covers [shorter i, shorter (i +
 // 1)).
 std::vector<std::vector<Share>> shares(int64_t longer, int64_t shorter) {
   std::vector<std::vector<Share>> all(static_cast<size_t>(shorter));
@@ -39,9 +39,9 @@ std::vector<std::vector<Share>> shares(int64_t longer, int64_t shorter) {
   return all;
 }
 
-constexpr double kDeviation = 32;  // grey levels
+constexpr double kDeviation = 32;  // gray levels
 
-void normalise_square(const cv::Mat& small, int left, int top, Thumbnail64& out) {
+void normalize_square(const cv::Mat& small, int left, int top, Thumbnail64& out) {
   constexpr int kPixels = kThumbnailPatch * kThumbnailPatch;
   int sum = 0;
   int squares = 0;
@@ -52,7 +52,7 @@ void normalise_square(const cv::Mat& small, int left, int top, Thumbnail64& out)
       squares += row[x] * row[x];
     }
   }
-  // Of 64 p - sum, the deviation is the root of 64 squares - sum^2.
+  // 64 times the deviation of 64 p - sum: the root of 64 squares - sum^2.
   const double deviation = std::sqrt(static_cast<double>(kPixels * squares - sum * sum));
   for (int y = top; y < top + kThumbnailPatch; ++y) {
     const uint8_t* row = small.ptr<uint8_t>(y);
@@ -84,14 +84,14 @@ constexpr int kBriefSide = 64;
 constexpr int kBriefPatch = 48;
 constexpr int kOrbSide = 128;
 
-cv::Mat resized(const cv::Mat& grey, int side) {
-  assert(grey.type() == CV_8UC1 && !grey.empty());
+cv::Mat resized(const cv::Mat& gray, int side) {
+  assert(gray.type() == CV_8UC1 && !gray.empty());
   cv::Mat square;
-  cv::resize(grey, square, {side, side}, 0, 0, cv::INTER_LINEAR_EXACT);
+  cv::resize(gray, square, {side, side}, 0, 0, cv::INTER_LINEAR_EXACT);
   return square;
 }
 
-// From twelve uniform numbers, which no mathematical library can round otherwise.
+// The sum of twelve uniform integers: no mathematical library can round it differently.
 int normal_offset(RandomEngine& engine) {
   double sum = -6;
   for (int i = 0; i < 12; ++i) sum += uniform_unit(engine);
@@ -99,9 +99,9 @@ int normal_offset(RandomEngine& engine) {
   return static_cast<int>(std::clamp(offset, -kBriefPatch / 2.0, kBriefPatch / 2.0 - 1));
 }
 
-std::array<BriefPair, kCentreBits> draw_pairs() {
+std::array<BriefPair, kCenterBits> draw_pairs() {
   RandomEngine engine = named_engine(1, "brief");
-  std::array<BriefPair, kCentreBits> pairs;
+  std::array<BriefPair, kCenterBits> pairs;
   for (BriefPair& pair : pairs)
     for (int* offset : {&pair.first_x, &pair.first_y, &pair.second_x, &pair.second_y})
       *offset = normal_offset(engine);
@@ -110,16 +110,16 @@ std::array<BriefPair, kCentreBits> draw_pairs() {
 
 }  // namespace
 
-cv::Mat shrink(const cv::Mat& grey, int width, int height) {
-  const auto columns = shares(grey.cols, width);
-  const auto rows = shares(grey.rows, height);
-  const int64_t area = int64_t{grey.cols} * grey.rows;
+cv::Mat shrink(const cv::Mat& gray, int width, int height) {
+  const auto columns = shares(gray.cols, width);
+  const auto rows = shares(gray.rows, height);
+  const int64_t area = int64_t{gray.cols} * gray.rows;
   cv::Mat out(height, width, CV_8U);
   std::vector<int64_t> sums(static_cast<size_t>(width));
   for (int y = 0; y < height; ++y) {
     std::fill(sums.begin(), sums.end(), 0);
     for (const Share& row : rows[static_cast<size_t>(y)]) {
-      const uint8_t* from = grey.ptr<uint8_t>(row.from);
+      const uint8_t* from = gray.ptr<uint8_t>(row.from);
       for (size_t x = 0; x < sums.size(); ++x) {
         int64_t sum = 0;
         for (const Share& column : columns[x]) sum += column.weight * from[column.from];
@@ -133,55 +133,55 @@ cv::Mat shrink(const cv::Mat& grey, int width, int height) {
   return out;
 }
 
-Thumbnail64 describe_thumbnail(const cv::Mat& grey) {
-  const cv::Mat small = shrink(grey, kThumbnailWidth, kThumbnailHeight);
+Thumbnail64 describe_thumbnail(const cv::Mat& gray) {
+  const cv::Mat small = shrink(gray, kThumbnailWidth, kThumbnailHeight);
   Thumbnail64 thumbnail;
   for (int y = 0; y < kThumbnailHeight; y += kThumbnailPatch)
     for (int x = 0; x < kThumbnailWidth; x += kThumbnailPatch)
-      normalise_square(small, x, y, thumbnail);
+      normalize_square(small, x, y, thumbnail);
   return thumbnail;
 }
 
-std::vector<int8_t> describe_hog(const cv::Mat& grey) {
+std::vector<int8_t> describe_hog(const cv::Mat& gray) {
   constexpr int kSide = 512;
   constexpr int kCell = 16;
   constexpr int kDirections = 8;
   const cv::HOGDescriptor hog({kSide, kSide}, {2 * kCell, 2 * kCell}, {kCell, kCell},
                               {kCell, kCell}, kDirections);
   cv::Mat square;
-  cv::resize(grey, square, {kSide, kSide}, 0, 0, cv::INTER_LINEAR_EXACT);
+  cv::resize(gray, square, {kSide, kSide}, 0, 0, cv::INTER_LINEAR_EXACT);
   std::vector<float> values;
   hog.compute(square, values);
   std::vector<int8_t> numbers(kHogLength, 0);
   const std::vector<double> vector(values.begin(), values.end());
   if (std::any_of(vector.begin(), vector.end(), [](double value) { return value != 0; }))
-    quantise_numbers(vector, std::span(numbers));
+    quantize_numbers(vector, std::span(numbers));
   return numbers;
 }
 
 cv::Mat illumination_invariant(const cv::Mat& bgr) {
   assert(bgr.type() == CV_8UC3);
   static const std::array<double, 256> kLn = log_table();
-  cv::Mat grey(bgr.size(), CV_8UC1);
+  cv::Mat gray(bgr.size(), CV_8UC1);
   for (int y = 0; y < bgr.rows; ++y)
     for (int x = 0; x < bgr.cols; ++x)
-      grey.at<uint8_t>(y, x) = invariant_value(bgr.at<cv::Vec3b>(y, x), kLn);
-  return grey;
+      gray.at<uint8_t>(y, x) = invariant_value(bgr.at<cv::Vec3b>(y, x), kLn);
+  return gray;
 }
 
-const std::array<BriefPair, kCentreBits>& brief_pairs() {
-  static const std::array<BriefPair, kCentreBits> kPairs = draw_pairs();
+const std::array<BriefPair, kCenterBits>& brief_pairs() {
+  static const std::array<BriefPair, kCenterBits> kPairs = draw_pairs();
   return kPairs;
 }
 
-CentreCode describe_brief(const cv::Mat& grey) {
+CenterCode describe_brief(const cv::Mat& gray) {
   cv::Mat smooth;
-  cv::GaussianBlur(resized(grey, kBriefSide), smooth, {9, 9}, 2, 2, cv::BORDER_REFLECT_101);
+  cv::GaussianBlur(resized(gray, kBriefSide), smooth, {9, 9}, 2, 2, cv::BORDER_REFLECT_101);
   const auto pixel = [&](int x, int y) {
     return smooth.at<uint8_t>(kBriefSide / 2 + y, kBriefSide / 2 + x);
   };
-  CentreCode code{};
-  for (size_t bit = 0; bit < kCentreBits; ++bit) {
+  CenterCode code{};
+  for (size_t bit = 0; bit < kCenterBits; ++bit) {
     const BriefPair& pair = brief_pairs()[bit];
     const bool is_darker = pixel(pair.first_x, pair.first_y) < pixel(pair.second_x, pair.second_y);
     code[bit / 8] = static_cast<uint8_t>(code[bit / 8] | int{is_darker} << bit % 8);
@@ -189,16 +189,16 @@ CentreCode describe_brief(const cv::Mat& grey) {
   return code;
 }
 
-// Only the level of the keypoint is looked at: there is one.
-CentreCode describe_orb(const cv::Mat& grey) {
+// OpenCV uses only the octave of the keypoint: there is only one level.
+CenterCode describe_orb(const cv::Mat& gray) {
   constexpr int kBorder = 30;
   const auto orb = cv::ORB::create(1, 1.2F, 1, kBorder, 0, 2, cv::ORB::HARRIS_SCORE, 31);
   std::vector<cv::KeyPoint> keypoints = {
       cv::KeyPoint(kOrbSide / 2 + 1, kOrbSide / 2 + 1, 1, /*angle=*/0, 0, /*octave=*/0)};
   cv::Mat descriptor;
-  orb->compute(resized(grey, kOrbSide), keypoints, descriptor);
-  assert(descriptor.rows == 1 && descriptor.cols == static_cast<int>(kCentreBits / 8));
-  CentreCode code;
+  orb->compute(resized(gray, kOrbSide), keypoints, descriptor);
+  assert(descriptor.rows == 1 && descriptor.cols == static_cast<int>(kCenterBits / 8));
+  CenterCode code;
   std::memcpy(code.data(), descriptor.ptr(), code.size());
   return code;
 }

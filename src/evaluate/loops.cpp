@@ -21,7 +21,7 @@ namespace vpr {
 
 namespace {
 
-/// Where a list has what.
+/// The columns of a list.
 struct LoopColumns {
   size_t query = 0;
   size_t match = 1;
@@ -29,7 +29,7 @@ struct LoopColumns {
   size_t count = 0;
 };
 
-/// A line as text.
+/// The fields of one line.
 struct LoopLine {
   std::string_view query;
   std::string_view match;
@@ -51,7 +51,8 @@ LoopColumns read_header(const FileLocation& location, const std::vector<std::str
 
 LoopColumns columns_of(const FileLocation& location, size_t cells) {
   if (cells != 2 && cells != 3)
-    location.fail(fmt::format("expected query, match and maybe a score; found {} columns", cells));
+    location.fail(
+        fmt::format("expected query, match and optionally a score; found {} columns", cells));
   LoopColumns columns{0, 1, {}, cells};
   if (cells == 3) columns.score = 2;
   return columns;
@@ -109,19 +110,19 @@ size_t frame_of_time(const FileLocation& location, std::string_view text, TimeUn
   const int64_t difference = std::abs(trajectory.times_ns[frame] - time);
   if (difference > max_difference_ns)
     location.fail(
-        fmt::format("the pose nearest to the time {} is {} s away, and --max-difference "
-                    "is {} s",
+        fmt::format("the pose nearest to the time {} is {} s away, but --max-difference is {} s",
                     text, time_text(difference), time_text(max_difference_ns)));
   return frame;
 }
 
 void require_order(const FileLocation& location, const ListedLoop& loop) {
   if (loop.match < loop.query) return;
-  location.fail(loop.match == loop.query
-                    ? fmt::format("frame {} can't close a loop with itself", loop.query)
-                    : fmt::format("frame {} closes a loop with the later frame {}; give the later "
-                                  "of the two as query",
-                                  loop.query, loop.match));
+  location.fail(
+      loop.match == loop.query
+          ? fmt::format("frame {} cannot close a loop with itself", loop.query)
+          : fmt::format(
+                "frame {} closes a loop with the later frame {}; list the later frame as query",
+                loop.query, loop.match));
 }
 
 std::optional<double> read_score(const FileLocation& location, const LoopLine& line) {
@@ -243,24 +244,24 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
   list.name = path.string();
   list.is_by_time = is_by_time(lines, trajectory, rules.frames);
   if (list.is_by_time && trajectory.times_ns.empty())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: names frames by time stamps, and {} has none; give them with "
-                            "--times",
-                            path.string(), trajectory.name));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("{}: names frames by time stamps, but {} has none; pass them with --times",
+                    path.string(), trajectory.name));
   std::optional<TimeUnit> unit;
   for (const LoopLine& line : lines) {
     location.at("line", line.number);
     if (!unit) unit = unit_of_time(line.query);
     const auto frame = [&](std::string_view text) {
       if (!list.is_by_time) return frame_of_index(location, text, trajectory.poses.size());
-      if (!unit) location.fail(fmt::format("\"{}\" is no time", text));
+      if (!unit) location.fail(fmt::format("\"{}\" is not a valid time", text));
       return frame_of_time(location, text, *unit, trajectory, rules.max_difference_ns);
     };
     const ListedLoop loop{frame(line.query), frame(line.match), read_score(location, line),
                           line.number};
     for (const size_t end : {loop.query, loop.match})
       if (!trajectory.poses[end])
-        location.fail(fmt::format("{} has no pose of frame {}", trajectory.name, end));
+        location.fail(fmt::format("{} has no pose for frame {}", trajectory.name, end));
     require_order(location, loop);
     list.has_scores = loop.score.has_value();
     list.loops.push_back(loop);
@@ -274,8 +275,8 @@ LoopGap parse_loop_gap(const std::string& text, const std::string& flag) {
   const bool is_whole = value && *value == std::floor(*value);
   if (!value || !(*value > 0 && *value <= kMostGap) || (!is_time && !is_whole))
     throw Error(ErrorKind::usage,
-                fmt::format("{} says how long ago a place must have been left, in seconds or in "
-                            "frames, as in {} 30s or {} 300; found \"{}\"",
+                fmt::format("{} is the minimum separation of the two frames of a loop, in seconds "
+                            "or in frames, such as {} 30s or {} 300; found \"{}\"",
                             flag, flag, flag, text));
   if (!is_time) return {{}, static_cast<size_t>(*value)};
   return {std::llround(*value * double{kSecond}), 0};

@@ -19,13 +19,13 @@
 
 namespace vpr {
 
-/// What names the frames of a list; `automatic`: time stamps if any has a decimal point or an
-/// exponent, or if all are beyond the last frame of a trajectory with times; else indices.
+/// How a list identifies frames. `automatic`: time stamps if any has a decimal point or an
+/// exponent, or if all are beyond the last frame of a trajectory with times; otherwise indices.
 enum class LoopFrames { automatic, index, time };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<LoopFrames> = {"auto", "index", "time"};
 
-/// A loop closure that somebody claims: two frames of one trajectory, the match the earlier.
+/// A reported loop closure: two frames of one trajectory; the match is earlier than the query.
 struct ListedLoop {
   size_t query = 0;
   size_t match = 0;
@@ -41,37 +41,36 @@ struct LoopList {
   bool has_scores = false;
 };
 
-/// How a list is read.
 struct LoopListRules {
   LoopFrames frames = LoopFrames::automatic;
-  int64_t max_difference_ns = 20'000'000;  ///< of a time stamp to its pose, bounds included
+  /// maximum distance of a time stamp to its pose, inclusive
+  int64_t max_difference_ns = 20'000'000;
 };
 
-/// A line a loop: query, match and maybe a score, divided by commas or blanks; a header may name
-/// the columns query, match and score in any order (others are not looked at); lines that start
-/// with # are skipped. Indices count the poses of `trajectory` from 0; a time stamp is the pose
-/// nearest to it. Throws Error(input) if the file can't be read; Error(data), naming the line, for
-/// a frame that there is not, one without a pose, a time stamp without a pose near it, a match that
-/// is not before its query, and a score in some lines only.
+/// One loop per line: query, match and optionally a score, separated by commas or blanks. A header
+/// may name the columns query, match and score in any order; other columns and lines that start
+/// with # are skipped. Indices count the poses of `trajectory` from 0; a time stamp refers to the
+/// nearest pose. Throws Error(input) if the file cannot be read; Error(data), with the line, for a
+/// frame that does not exist or has no pose, a time stamp without a pose nearby, a match that is
+/// not before its query, and a score in only some of the lines.
 LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& trajectory,
                         const LoopListRules& rules);
 
-/// How long before a frame another must be, so that to be at one place closes a loop; bounds
-/// included.
+/// The minimum separation of two frames of one place that close a loop, inclusive.
 struct LoopGap {
-  std::optional<int64_t> nanoseconds;  ///< none: `frames`
+  std::optional<int64_t> nanoseconds;  ///< unset: `frames`
   size_t frames = 1;
 };
 
-/// "30s" or a whole number of frames, above 0. Throws Error(usage), beginning with `flag`, for
-/// anything else.
+/// Parses "30s" or a positive integer number of frames. Throws Error(usage), beginning with `flag`,
+/// for other text.
 LoopGap parse_loop_gap(const std::string& text, const std::string& flag);
 
-/// Whether frame `match` is at least the gap before frame `query`. `times_ns`, which rise, are
-/// only looked at if the gap is one of time.
+/// Whether frame `match` is before frame `query` by at least the gap. `times_ns`, which increase,
+/// are used only for a gap in time.
 bool is_past(const LoopGap& gap, std::span<const int64_t> times_ns, size_t query, size_t match);
 
-/// By frame, how many frames from the first on are past. Rises.
+/// For each frame, the number of frames from the first on that are past. Non-decreasing.
 std::vector<uint32_t> past_frames(const LoopGap& gap, std::span<const int64_t> times_ns,
                                   size_t frames);
 

@@ -302,13 +302,13 @@ size_t find_frame(const FrameNames& names, const std::string& name, const std::s
 void check_size(const Prediction& one, size_t queries, size_t references, bool is_named) {
   constexpr uint64_t kMostScores = uint64_t{1} << 31;
   if (is_named || (uint64_t{queries} * references <= kMostScores &&
-                   std::max(queries, references) <= kMostGrownFrames))
+                   std::max(queries, references) <= kMaxGrownFrames))
     return;
   throw Error(ErrorKind::data,
               fmt::format("{}: the frame numbers up to here need {} x {} scores; the limits are {} "
                           "scores and {} frames. Name the frames with --query and --train "
                           "(folders, or lists of names)",
-                          one.where, queries, references, kMostScores, kMostGrownFrames));
+                          one.where, queries, references, kMostScores, kMaxGrownFrames));
 }
 
 Lists collect(const std::vector<Prediction>& all, const FrameNames& queries,

@@ -37,16 +37,16 @@ double smoothed(size_t n, size_t of) {
   return kScale * (of == 0 ? 0 : static_cast<double>(n) / static_cast<double>(of)) + kFloor;
 }
 
-// Hangs the edges from the root, the smaller word of the best edge.
+// Orients the edges away from the root, the smaller word of the best edge.
 ChowLiuTree orient(const std::vector<Edge>& edges, const std::vector<uint32_t>& counts,
                    const WordColumns& columns, size_t frames) {
   const size_t words = counts.size();
   ChowLiuTree tree;
   tree.parent.resize(words);
-  std::vector<std::vector<uint32_t>> neighbours(words);
+  std::vector<std::vector<uint32_t>> neighbors(words);
   for (const Edge& edge : edges) {
-    neighbours[edge.a].push_back(edge.b);
-    neighbours[edge.b].push_back(edge.a);
+    neighbors[edge.a].push_back(edge.b);
+    neighbors[edge.b].push_back(edge.a);
   }
   const uint32_t root = edges.empty() ? 0 : std::min_element(edges.begin(), edges.end(), better)->a;
   tree.parent[root] = root;
@@ -54,7 +54,7 @@ ChowLiuTree orient(const std::vector<Edge>& edges, const std::vector<uint32_t>& 
   while (!open.empty()) {
     const uint32_t word = open.back();
     open.pop_back();
-    for (const uint32_t next : neighbours[word]) {
+    for (const uint32_t next : neighbors[word]) {
       if (next == tree.parent[word]) continue;
       tree.parent[next] = word;
       open.push_back(next);
@@ -80,9 +80,9 @@ std::vector<uint32_t> count_words(std::span<const WordSet> frames, size_t words)
 
 constexpr double kLeastProbability = 1e-300;
 
-// Whether every word reaches a root: there are no cycles. Parents are words.
+// Whether every word reaches a root, so that there are no cycles. Parents are valid words.
 bool reach_roots(std::span<const uint32_t> parent) {
-  std::vector<uint8_t> state(parent.size(), 0);  // 1: on the way, 2: reaches a root
+  std::vector<uint8_t> state(parent.size(), 0);  // 1: on the current path, 2: reaches a root
   for (uint32_t start = 0; start < parent.size(); ++start) {
     std::vector<uint32_t> way;
     uint32_t q = start;
@@ -118,7 +118,7 @@ double MutualInformation::operator()(size_t n_a, size_t n_b, size_t n_ab) const 
   return joint - (marginal_[n_a] + marginal_[n_b]);
 }
 
-// Prim: each word outside the tree keeps its best edge into it.
+// Prim's algorithm: each word outside the tree keeps its best edge into the tree.
 ChowLiuTree train_chow_liu(std::span<const WordSet> frames, size_t words, const Monitor& monitor) {
   assert(words > 0 && !frames.empty());
   const std::vector<uint32_t> counts = count_words(frames, words);
@@ -170,7 +170,7 @@ ChowLiuTree tree_of_rows(std::span<const double> rows, const std::string& name) 
   ChowLiuTree tree;
   for (size_t q = 0; q < words; ++q) {
     if (!(rows[q] >= 0 && rows[q] < static_cast<double>(words)) || rows[q] != std::floor(rows[q]))
-      fail(fmt::format("the parent of word {} is no word", q));
+      fail(fmt::format("the parent of word {} is not a word", q));
     tree.parent.push_back(static_cast<uint32_t>(rows[q]));
     for (size_t row = 1; row < 4; ++row) {
       const double p = rows[row * words + q];

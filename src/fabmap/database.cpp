@@ -61,7 +61,7 @@ ViewWords read_words(const Archive& archive, const std::string& name, size_t wor
     fits = (view.empty() || view.back() < words) &&
            std::adjacent_find(view.begin(), view.end(), std::greater_equal<>()) == view.end();
   }
-  if (!fits) archive.fail(name + ".npy and its offsets do not fit");
+  if (!fits) archive.fail(name + ".npy and its offsets do not match");
   return read;
 }
 
@@ -75,7 +75,7 @@ WordIndex read_index(const Archive& archive, const ViewWords& views, size_t word
                         {offset_span.begin(), offset_span.end()},
                         {list_span.begin(), list_span.end()}};
   if (!is_sound(index) || index.lists.size() != views.words.size())
-    archive.fail("index.npy and its offsets do not fit the places");
+    archive.fail("index.npy and its offsets do not match the places");
   return index;
 }
 
@@ -90,7 +90,7 @@ cv::Mat read_vocabulary(const Archive& archive, FeatureKind kind) {
   const NpyArray array = archive.array("vocabulary.npy");
   if (array.shape().size() != 2 || array.shape()[0] == 0 || array.shape()[0] > 100'000'000 ||
       array.shape()[1] != static_cast<size_t>(descriptor_length(kind)))
-    archive.fail("vocabulary.npy does not fit the features");
+    archive.fail("vocabulary.npy does not match the features");
   const int rows = static_cast<int>(array.shape()[0]);
   const int cols = static_cast<int>(array.shape()[1]);
   if (is_binary(kind))
@@ -123,12 +123,12 @@ std::vector<ViewGroup> read_groups(const Archive& archive, const std::string& na
     group.unreadable = read_unreadable(archive, json, count);
     for (size_t frames = count; frames > 0; --frames) {
       const size_t end = names.find('\n', at);
-      if (end == std::string::npos) archive.fail("its numbers of frames do not fit frames.txt");
+      if (end == std::string::npos) archive.fail("its frame counts do not match frames.txt");
       group.frame_names.push_back(names.substr(at, end - at));
       at = end + 1;
     }
   }
-  if (at != names.size()) archive.fail("its numbers of frames do not fit frames.txt");
+  if (at != names.size()) archive.fail("its frame counts do not match frames.txt");
   return groups;
 }
 
@@ -205,7 +205,7 @@ FabmapDatabase read_fabmap_database(const std::filesystem::path& path) {
   database.index = read_index(archive, database.views, words);
   database.groups = read_groups(archive, archive.text("frames.txt"));
   if (database.places().size() != database.views.views())
-    archive.fail("its views do not fit its groups");
+    archive.fail("its views do not match its groups");
   return database;
 }
 

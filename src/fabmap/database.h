@@ -1,5 +1,5 @@
-// The database of FAB-MAP: vocabulary, Chow-Liu tree, and the words of every view; and the one that
-// scores of sequences are fused with.
+// FAB-MAP's database: vocabulary, Chow-Liu tree and the words of every view; and its use in fusion
+// with sequence scores.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,20 @@
 
 namespace vpr {
 
-/// How descriptors become words.
+/// The algorithm that clusters descriptors into words.
 enum class Clustering { kmeans, radius };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<Clustering> = {"kmeans", "radius"};
 
-/// How a vocabulary and a Chow-Liu tree are learned from pretraining frames.
+/// Settings of training a vocabulary and a Chow-Liu tree on pretraining frames.
 struct FabmapTrainSettings {
   FeatureSettings features;
   Clustering clustering = Clustering::kmeans;
-  uint64_t words = 1000;     ///< wanted of k-means; in a database: that there are
-  uint64_t iterations = 20;  ///< Lloyd steps at most
-  double radius = 0.4;       ///< of radius clustering: who is farther from all centres becomes one
+  /// number of words requested from k-means; in a database: the number of words
+  uint64_t words = 1000;
+  uint64_t iterations = 20;  ///< maximum number of Lloyd steps
+  /// of radius clustering: a descriptor farther than this from all centers becomes one
+  double radius = 0.4;
   bool skip_unreadable = false;
 };
 
@@ -42,7 +44,7 @@ void visit_fields(FabmapTrainSettings& settings, Visitor&& visit) {
   visit("skip_unreadable", settings.skip_unreadable);
 }
 
-/// Frames that were trained together: each a place of its own, or all views of one place.
+/// Frames that were trained together: each one its own place, or all of them views of one place.
 struct ViewGroup {
   std::string name;
   bool is_place = false;
@@ -50,13 +52,13 @@ struct ViewGroup {
   std::vector<size_t> unreadable = {};  ///< frames that could not be decoded: they never match
 };
 
-/// Where a view comes from.
+/// The source of a view.
 struct ViewOrigin {
   size_t group = 0;
   size_t frame = 0;  ///< within the group
 };
 
-/// All that FAB-MAP needs of training: the content of its database folder.
+/// The content of a database folder: all training data of FAB-MAP.
 struct FabmapDatabase {
   FabmapTrainSettings settings;
   uint64_t seed = 1;
@@ -70,42 +72,42 @@ struct FabmapDatabase {
 
   /// `view` is below views.views().
   ViewOrigin origin(size_t view) const;
-  /// Views of frames that could not be decoded, rising.
+  /// Views of frames that could not be decoded, increasing.
   std::vector<size_t> unreadable_views() const;
-  /// Per view, the index of its place: groups of the same name that are places share one.
+  /// The index of the place of each view: place groups with the same name share one place.
   std::vector<uint32_t> places() const;
-  /// Names by place index: the group's, or "group#frame".
+  /// Names by place index: the name of the group, or "group#frame".
   std::vector<std::string> place_names() const;
 };
 
-/// How many frames of each group show no word, though they could be decoded.
+/// For each group, the number of frames that were decoded but show no word.
 std::vector<size_t> featureless_frames(const FabmapDatabase& database);
 
-/// Appends a group and the words of its frames. The index is out of date then.
+/// Appends a group and the words of its frames. Invalidates the index.
 void add_group(FabmapDatabase& database, const ViewGroup& group, std::span<const WordSet> frames);
 
-/// Makes the index of all views anew.
+/// Rebuilds the index of all views.
 void index_views(FabmapDatabase& database);
 
-/// Every file is verified. Throws Error(input) if it is missing,
-/// Error(data) if it is damaged, of another method or of another version.
+/// Verifies every file. Throws Error(input) if a file is missing; Error(data) if it is damaged or
+/// belongs to another method or version.
 FabmapDatabase read_fabmap_database(const std::filesystem::path& path);
 
-/// Byte-identical for the same content. The caller commits.
+/// Byte-identical for equal content. The caller commits.
 void write_fabmap_database(const std::filesystem::path& path, const FabmapDatabase& database,
                            Outputs& outputs);
 
-/// What FAB-MAP knows of the training frames of a database of sequences: its database of the same
-/// frames, each of which is one of its views.
+/// FAB-MAP's data for the training frames of a sequence database: a FAB-MAP database of the same
+/// frames, in which each frame is a view.
 struct FusedViews {
-  /// Of a frame that could not be decoded.
+  /// The view of a frame that could not be decoded.
   static constexpr uint32_t kNoView = std::numeric_limits<uint32_t>::max();
 
   FabmapDatabase fabmap;
-  Vocabulary vocabulary;        ///< of it, for frames to be described by
-  std::vector<size_t> frames;   ///< of each training sequence
-  std::vector<uint32_t> views;  ///< by training frame, sequence after sequence
-  std::vector<WordSet> words;   ///< that the same frames show
+  Vocabulary vocabulary;        ///< of the FAB-MAP database, to describe frames
+  std::vector<size_t> frames;   ///< frame count of each training sequence
+  std::vector<uint32_t> views;  ///< view of each training frame, sequence after sequence
+  std::vector<WordSet> words;   ///< words of each training frame
 };
 
 }  // namespace vpr

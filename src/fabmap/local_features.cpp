@@ -13,10 +13,10 @@
 namespace vpr {
 namespace {
 
-constexpr int kSmallestSide = 16;  // OpenCV's pyramids fail below
+constexpr int kSmallestSide = 16;  // OpenCV's pyramids fail for smaller images
 
-LocalFeatures find_surf(const cv::Mat& grey, const FeatureSettings& settings) {
-  const dlib::cv_image<unsigned char> image(grey);
+LocalFeatures find_surf(const cv::Mat& gray, const FeatureSettings& settings) {
+  const dlib::cv_image<unsigned char> image(gray);
   const auto points = dlib::get_surf_points(image, settings.surf_points, settings.surf_threshold);
   LocalFeatures found;
   found.descriptors.create(static_cast<int>(points.size()), 64, CV_32F);
@@ -29,10 +29,10 @@ LocalFeatures find_surf(const cv::Mat& grey, const FeatureSettings& settings) {
   return found;
 }
 
-LocalFeatures find_with(cv::Feature2D& detector, const cv::Mat& grey) {
+LocalFeatures find_with(cv::Feature2D& detector, const cv::Mat& gray) {
   std::vector<cv::KeyPoint> points;
   LocalFeatures found;
-  detector.detectAndCompute(grey, cv::noArray(), points, found.descriptors);
+  detector.detectAndCompute(gray, cv::noArray(), points, found.descriptors);
   cv::KeyPoint::convert(points, found.points);
   return found;
 }
@@ -47,28 +47,28 @@ struct KindRow {
 constexpr std::array<KindRow, 6> kKinds = {{
     {false, 64, find_surf},
     {false, 128,
-     [](const cv::Mat& grey, const FeatureSettings& s) {
+     [](const cv::Mat& gray, const FeatureSettings& s) {
        return find_with(*cv::SIFT::create(static_cast<int>(s.sift_features), 3, s.sift_contrast),
-                        grey);
+                        gray);
      }},
     {false, 64,
-     [](const cv::Mat& grey, const FeatureSettings& s) {
+     [](const cv::Mat& gray, const FeatureSettings& s) {
        return find_with(*cv::KAZE::create(false, false, static_cast<float>(s.kaze_threshold)),
-                        grey);
+                        gray);
      }},
     {true, 61,
-     [](const cv::Mat& grey, const FeatureSettings& s) {
+     [](const cv::Mat& gray, const FeatureSettings& s) {
        return find_with(*cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3,
                                            static_cast<float>(s.akaze_threshold)),
-                        grey);
+                        gray);
      }},
     {true, 32,
-     [](const cv::Mat& grey, const FeatureSettings& s) {
-       return find_with(*cv::ORB::create(static_cast<int>(s.orb_features)), grey);
+     [](const cv::Mat& gray, const FeatureSettings& s) {
+       return find_with(*cv::ORB::create(static_cast<int>(s.orb_features)), gray);
      }},
     {true, 64,
-     [](const cv::Mat& grey, const FeatureSettings& s) {
-       return find_with(*cv::BRISK::create(static_cast<int>(s.brisk_threshold)), grey);
+     [](const cv::Mat& gray, const FeatureSettings& s) {
+       return find_with(*cv::BRISK::create(static_cast<int>(s.brisk_threshold)), gray);
      }},
 }};
 
@@ -97,10 +97,10 @@ bool is_binary(FeatureKind kind) { return row_of(kind).binary; }
 
 int descriptor_length(FeatureKind kind) { return row_of(kind).length; }
 
-LocalFeatures find_features(const cv::Mat& grey, const FeatureSettings& settings) {
+LocalFeatures find_features(const cv::Mat& gray, const FeatureSettings& settings) {
   LocalFeatures found;
-  if (std::min(grey.rows, grey.cols) >= kSmallestSide)
-    found = row_of(settings.kind).find(grey, settings);
+  if (std::min(gray.rows, gray.cols) >= kSmallestSide)
+    found = row_of(settings.kind).find(gray, settings);
   if (found.descriptors.empty())
     found.descriptors.create(0, descriptor_length(settings.kind),
                              is_binary(settings.kind) ? CV_8U : CV_32F);

@@ -1,4 +1,4 @@
-// Local features of a frame: what FAB-MAP's visual words are made of.
+// Local features of a frame, the input of FAB-MAP's visual words.
 #pragma once
 
 #include <array>
@@ -11,18 +11,18 @@
 
 namespace vpr {
 
-/// Kinds of local features: how points are found, and what describes them.
+/// Kinds of local features: a detector with a descriptor.
 enum class FeatureKind { surf, sift, kaze, akaze, orb, brisk };
 template <>
 inline constexpr std::array<std::string_view, 6> kEnumNames<FeatureKind> = {
     "surf", "sift", "kaze", "akaze", "orb", "brisk"};
 
-/// Settings of every kind; only those of `kind` matter.
+/// Settings of all kinds; only those of `kind` are used.
 struct FeatureSettings {
   FeatureKind kind = FeatureKind::surf;
-  int64_t surf_points = 1000;   ///< at most
+  int64_t surf_points = 1000;   ///< maximum number
   double surf_threshold = 30;   ///< of dlib's detector
-  int64_t sift_features = 400;  ///< the strongest
+  int64_t sift_features = 400;  ///< number of strongest features
   double sift_contrast = 0.04;
   double kaze_threshold = 0.001;
   double akaze_threshold = 0.001;
@@ -46,21 +46,21 @@ void visit_fields(FeatureSettings& settings, Visitor&& visit) {
 /// Checks the settings of every kind. Throws Error(usage) for a value out of range.
 void check_feature_settings(const FeatureSettings& settings);
 
-/// The features of one frame: descriptors and, row by row, where they are.
+/// The features of one frame: descriptors, and the position of each row.
 struct LocalFeatures {
-  /// One row a feature: CV_32F (surf 64, sift 128, kaze 64) or CV_8U (akaze 61, orb 32, brisk 64
-  /// bytes of bits). No rows where the frame has no feature, or is too small to have one.
+  /// One row per feature: CV_32F (surf 64, sift 128, kaze 64) or CV_8U (akaze 61, orb 32, brisk 64
+  /// bytes of bits). No rows if the frame has no features or is too small.
   cv::Mat descriptors;
   std::vector<cv::Point2f> points;
 };
 
-/// Whether descriptors are strings of bits, compared by Hamming distance.
+/// Whether descriptors are bit strings, compared by Hamming distance.
 bool is_binary(FeatureKind kind);
 
-/// Bytes (binary) or floats of one descriptor.
+/// Bytes (binary) or floats per descriptor.
 int descriptor_length(FeatureKind kind);
 
-/// `grey`: 8 bits, one channel. Depends on the image and the settings alone.
-LocalFeatures find_features(const cv::Mat& grey, const FeatureSettings& settings);
+/// `gray`: 8 bits, one channel. The result depends only on the image and the settings.
+LocalFeatures find_features(const cv::Mat& gray, const FeatureSettings& settings);
 
 }  // namespace vpr

@@ -18,28 +18,27 @@ namespace {
 
 constexpr double kFixedScale = 1 << 20;
 constexpr size_t kListsAhead = 4;
-constexpr double kMostFixed = 2000;  // of a term: 2^31 / 2^20 with room to spare
+constexpr double kMaxFixed = 2000;  // maximum size of a term: 2^31 / 2^20 with a safety factor
 
 constexpr std::array<FabmapVariant, 5> kVariants = {{
     {"fabmap2", "inverted index: only words of the query and their children",
      fabmap2_log_likelihoods},
-    {"fabmap2-fixed", "the same in fixed point, faster", fabmap2_fixed_log_likelihoods},
-    {"fabmap1", "the definition: every word of every view", fabmap1_log_likelihoods},
-    {"lut", "the definition from a table of rounded logarithms", lut_log_likelihoods},
-    {"fbo", "fast bail-out: drops views that can't win any more", fbo_log_likelihoods, false},
+    {"fabmap2-fixed", "as fabmap2 in fixed point, faster", fabmap2_fixed_log_likelihoods},
+    {"fabmap1", "the definition: all words of all views", fabmap1_log_likelihoods},
+    {"lut", "as fabmap1 with a table of rounded logarithms", lut_log_likelihoods},
+    {"fbo", "fast bail-out: drops views that cannot win", fbo_log_likelihoods, false},
 }};
 
 int32_t as_fixed(double value) {
-  return static_cast<int32_t>(
-      std::lround(std::clamp(value, -kMostFixed, kMostFixed) * kFixedScale));
+  return static_cast<int32_t>(std::lround(std::clamp(value, -kMaxFixed, kMaxFixed) * kFixedScale));
 }
 
 size_t entry(bool z, bool parent, bool own) {
   return 4 * size_t{z} + 2 * size_t{parent} + size_t{own};
 }
 
-// Words whose entry differs from the one of an empty frame: those of the query, and children of
-// these. Each once.
+// Words whose entry differs from that in an empty frame: the words of the query and the children of
+// these words, without duplicates.
 std::vector<uint32_t> touched_words(const FabmapModel& model, std::span<const uint32_t> words,
                                     const std::vector<uint8_t>& seen) {
   std::vector<uint32_t> touched(words.begin(), words.end());
@@ -55,8 +54,8 @@ struct WordTerm {
 };
 
 struct QueryTerms {
-  std::vector<WordTerm> words;  ///< touched, each once
-  double to_all = 0;            ///< what every view gets, beside the index's constant
+  std::vector<WordTerm> words;  ///< touched words, without duplicates
+  double to_all = 0;            ///< what every view adds to the index's constant
 };
 
 QueryTerms query_terms(const FabmapQuery& query) {
@@ -76,14 +75,15 @@ QueryTerms query_terms(const FabmapQuery& query) {
   return terms;
 }
 
-// The start of a list; the processor finds the rest by itself.
+// Prefetches the start of a list; the processor prefetches the rest.
 void prefetch(std::span<const uint16_t> list) {
   hwy::Prefetch(list.data());
   hwy::Prefetch(list.data() + 32);
 }
 
-// Adds each word's term to the sums of the views that show it, block by block, so that sums stay in
-// a cache. Four at a time: the views of a list differ, so that none waits for another.
+// Adds the term of each word to the sums of the views that show it, block by block, so that the
+// sums stay in a cache. Four views at a time: the views of a list are distinct, so their additions
+// are independent.
 template <class T, class Convert>
 void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
                Convert&& convert) {
@@ -108,7 +108,7 @@ void add_terms(const WordIndex& index, std::span<const WordTerm> terms, T* sums,
   }
 }
 
-/// One word's probabilities, by the names of the paper.
+/// The probabilities of one word, with the paper's names.
 struct Word {
   double p = 0;            // P(z)
   double p_given = 0;      // P(z | z_parent)
@@ -124,13 +124,13 @@ struct Word {
     const double p_seen = e ? detector.p_seen_if_there : detector.p_seen_if_not;
     return z ? p_seen : 1 - p_seen;
   }
-  // P(e = 1 | L) of a view that observed L itself.
+  // P(e = 1 | L) of a view that observed L.
   double there(bool observed) const {
     const double a = seen(observed, true) * marginal(true);
     const double b = seen(observed, false) * marginal(false);
     return a / (a + b);
   }
-  // P(z | e, z_parent) as FAB-MAP approximates it from P(z | e) and P(z | z_parent).
+  // FAB-MAP's approximation of P(z | e, z_parent) from P(z | e) and P(z | z_parent).
   double observed(bool z, bool e, bool parent) const {
     const double a = marginal(z) * seen(!z, e) * conditional(!z, parent);
     const double b = marginal(!z) * seen(z, e) * conditional(z, parent);
@@ -157,15 +157,16 @@ void check_detector(const DetectorModel& detector) {
 
 const double kLogProbability = std::log(1e-6);
 
-constexpr size_t kStepsBetween = 32;  // words between two times that views are dropped
+constexpr size_t kStepsBetween = 32;  // words between two checks that drop views
 
-/// A word in the order of evaluation, and what may still come from it and later ones on.
+/// A word in the order of evaluation, with bounds for the words from here on.
 struct Step {
   uint32_t word = 0;
-  double p_observed = 0;  // P(z_q | z_parent) of what was observed: small speaks loudest
+  double p_observed = 0;  // P(z_q | z_parent) of the observation: smaller values discriminate more
   double without = 0;     // log-likelihood of a view that does not show the word
   double with = 0;
-  double gap = 0;  // a view further behind the best before this step is dropped; 0: none is
+  // a view whose gap to the best before this step is larger is dropped; 0: keep all
+  double gap = 0;
 };
 
 std::vector<Step> plan_steps(const FabmapQuery& query) {
@@ -187,7 +188,8 @@ std::vector<Step> plan_steps(const FabmapQuery& query) {
     Step& step = steps[s];
     const double difference = step.with - step.without;
     const double p = model.p[step.word];
-    // Two views differ by the difference, one way or the other, where just one shows the word.
+    // If only one of two views shows the word, their log-likelihoods differ by plus or minus
+    // `difference`.
     variance += 2 * p * (1 - p) * difference * difference;
     largest = std::max(largest, std::abs(difference));
     if (s % kStepsBetween == 0) step.gap = bail_out_gap(variance, largest);
@@ -229,7 +231,7 @@ FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
     for (const uint32_t word : views.view(v)) sum += step[word];
     index.defaults[v] = sum;
     index.fixed_defaults[v] = as_fixed(sum);
-    index.fits_fixed = index.fits_fixed && std::abs(sum) < kMostFixed / 2;
+    index.fits_fixed = index.fits_fixed && std::abs(sum) < kMaxFixed / 2;
   }
   return index;
 }
@@ -282,11 +284,11 @@ std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query) {
 
 std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query) {
   const QueryTerms terms = query_terms(query);
-  double largest = 0;  // that a query may add to a view
+  double largest = 0;  // upper bound of the sum that a query adds to a view
   for (const WordTerm& term : terms.words) largest += std::abs(term.to_its_views);
-  if (!query.index.fits_fixed || largest > kMostFixed / 2) return fabmap2_log_likelihoods(query);
+  if (!query.index.fits_fixed || largest > kMaxFixed / 2) return fabmap2_log_likelihoods(query);
   const double to_all = query.index.constant + terms.to_all;
-  // Unsigned: sums may leave the range on the way, as long as they end in it.
+  // Unsigned: intermediate sums may overflow if the final sum is in range.
   std::vector<uint32_t> sums(query.index.fixed_defaults.begin(), query.index.fixed_defaults.end());
   add_terms(query.index.lists, terms.words, sums.data(),
             [](double step) { return static_cast<uint32_t>(as_fixed(step)); });
@@ -367,7 +369,7 @@ double bail_out_gap(double variance, double largest) {
 
 std::vector<double> fbo_log_likelihoods(const FabmapQuery& query) {
   const FabmapIndex& index = query.index;
-  std::vector<double> sums(index.lists.views, 0);  // without what every view gets alike
+  std::vector<double> sums(index.lists.views, 0);  // without the part common to all views
   std::vector<uint32_t> alive = readable_views(query);
   double to_all = 0;
   for (const Step& step : plan_steps(query)) {

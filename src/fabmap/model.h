@@ -1,4 +1,4 @@
-// FAB-MAP: the word model, and the variants that compute log-likelihoods of all views for one
+// FAB-MAP: the word model, and the variants that compute the log-likelihoods of all views for one
 // observation.
 #pragma once
 
@@ -14,35 +14,35 @@
 
 namespace vpr {
 
-/// Whether a word depends on its parent in the Chow-Liu tree, or on no other one.
+/// Whether a word depends on its parent in the Chow-Liu tree or on no other word.
 enum class WordModel { tree, naive_bayes };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<WordModel> = {"tree", "naive-bayes"};
 
-/// How likely an unknown place is: by the probabilities of its words, or on average over
+/// The likelihood of an unknown place: from the marginals of the words, or averaged over
 /// pretraining frames.
 enum class NewPlaceModel { mean_field, pretrain };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<NewPlaceModel> = {"mean-field",
                                                                               "pretrain"};
 
-/// How reliably a word is seen (z) where its cause is there (e): FAB-MAP's detector.
+/// FAB-MAP's detector: how reliably a word is seen (z) if its cause exists (e).
 struct DetectorModel {
   double p_seen_if_there = 0.39;  ///< P(z = 1 | e = 1)
   double p_seen_if_not = 0;       ///< P(z = 1 | e = 0)
 };
 
-/// Logarithms of P(z_q | z_parent, L) for both observations, both of the parent's and both of the
-/// view's own: a view's log-likelihood is the sum of one entry per word. With naive Bayes the
-/// parent does not matter.
+/// Logarithms of P(z_q | z_parent, L) for both values of the observation, of the parent's
+/// observation and of the view's own observation: a view's log-likelihood is the sum of one entry
+/// per word. With naive Bayes the parent has no effect.
 struct FabmapModel {
   /// log_p[q][4 z_q + 2 z_parent + L_q]
   std::vector<std::array<double, 8>> log_p;
-  /// New place by mean field: log of sum over e of P(z_q = e) P(z_q | e, z_parent);
-  /// [q][2 z_q + z_parent].
+  /// New place by mean field: log of the sum over e of P(z_q = e) P(z_q | e, z_parent); [q][2 z_q +
+  /// z_parent].
   std::vector<std::array<double, 4>> log_p_new;
-  std::vector<uint32_t> parent;                 ///< of the tree; of itself with naive Bayes
-  std::vector<std::vector<uint32_t>> children;  ///< words whose parent this is, itself left out
+  std::vector<uint32_t> parent;                 ///< in the tree; the word itself with naive Bayes
+  std::vector<std::vector<uint32_t>> children;  ///< words with this parent, except the word itself
   std::vector<double> p;                        ///< P(z_q)
   std::vector<double> p_given;                  ///< P(z_q | z_parent); p with naive Bayes
   std::vector<double> p_given_not;
@@ -51,25 +51,25 @@ struct FabmapModel {
 };
 
 /// The model of a tree and a detector. Throws Error(usage) unless the detector's probabilities are
-/// in [0, 1), and seeing what is there is possible and more likely than what is not.
+/// in [0, 1) and P(z = 1 | e = 1) is above P(z = 1 | e = 0).
 FabmapModel make_fabmap_model(const ChowLiuTree& tree, const DetectorModel& detector,
                               WordModel words);
 
-/// Which words a frame shows, for look-up by word.
+/// One flag per word: whether a frame shows it.
 std::vector<uint8_t> word_flags(std::span<const uint32_t> words, size_t count);
 
-/// How far a view must be behind the best so that, by Bennett's inequality, sums of the remaining
-/// terms make it good with probability 1e-6 at most. `variance`: of the sum of the remaining
+/// The gap of a view to the best view beyond which, by Bennett's inequality, the remaining terms
+/// close the gap with a probability of at most 1e-6. `variance`: of the sum of the remaining
 /// log-likelihood ratios; `largest`: their largest step. At least -ln 1e-6.
 double bail_out_gap(double variance, double largest);
 
-/// What a query needs beside the inverted index of the views.
+/// The data that a query uses in addition to the inverted index of the views.
 struct FabmapIndex {
   const WordIndex& lists;
   /// Per view: sum over its words of log P(0 | 0, L = 1) - log P(0 | 0, L = 0).
   std::vector<double> defaults;
-  std::vector<int32_t> fixed_defaults;  ///< the same in units of 2^-20
-  bool fits_fixed = true;               ///< whether all of them do, with room for a query
+  std::vector<int32_t> fixed_defaults;  ///< as defaults, in units of 2^-20
+  bool fits_fixed = true;               ///< whether all of them fit, with room for a query
   /// Sum over all words of log P(0 | 0, L = 0).
   double constant = 0;
 };
@@ -78,70 +78,72 @@ struct FabmapIndex {
 FabmapIndex make_fabmap_index(const FabmapModel& model, const ViewWords& views,
                               const WordIndex& lists);
 
-/// What a variant may use.
+/// The input of a variant.
 struct FabmapQuery {
   const FabmapModel& model;
   const ViewWords& views;
   const FabmapIndex& index;
-  std::span<const uint32_t> words;  ///< the observation: word ids, rising, each once
-  size_t known_views;               ///< only views below are asked about
+  std::span<const uint32_t> words;  ///< the observation: word ids, increasing, without duplicates
+  size_t known_views;               ///< only views below this index are scored
   int lut_digits = 6;               ///< decimal digits of the `lut` variant
-  /// Views that take no part, for their frames could not be decoded: no other view's likelihood
-  /// depends on them, and what is given for them means nothing. Rising.
+  /// Views to ignore because their frames could not be decoded: they do not affect other views, and
+  /// their own results are unspecified. Increasing.
   std::span<const size_t> unreadable = {};
 };
 
-/// A row of the table of variants: a way to compute the log-likelihoods of views.
+/// An entry of the table of variants: one way to compute the log-likelihoods of views.
 struct FabmapVariant {
   std::string_view name;
   std::string_view summary;
-  /// One log-likelihood for each known view. Same for any number of threads and any SIMD target.
+  /// One log-likelihood per known view. The same for any number of threads and any SIMD target.
   std::vector<double> (*log_likelihoods)(const FabmapQuery&);
-  bool is_by_view = true;  ///< a view's does not depend on the others
+  bool is_by_view = true;  ///< the value of a view does not depend on other views
 };
 
-/// All variants, in the order in which help lists them.
+/// All variants, in the order of the help text.
 std::span<const FabmapVariant> fabmap_variants();
-/// The variant of a name. Throws Error(usage), listing the names, for an unknown one.
+/// The variant with this name. Throws Error(usage), which lists the names, for an unknown name.
 const FabmapVariant& find_fabmap_variant(std::string_view name);
 
-/// The definition: every word of every view. The oracle. Sums run in the order of words.
+/// The definition: every word of every view. The reference implementation; sums run in the order of
+/// words.
 std::vector<double> fabmap1_log_likelihoods(const FabmapQuery& query);
 
-/// The same from a table of integers in units of 10^-digits: off by at most words / 2 units.
+/// As fabmap1, from a table of integers in units of 10^-digits: the error is at most words / 2
+/// units.
 std::vector<double> lut_log_likelihoods(const FabmapQuery& query);
 
-/// The inverted index; the same as fabmap1 within rounding (1e-9).
+/// Uses the inverted index; equals fabmap1 within rounding (1e-9).
 std::vector<double> fabmap2_log_likelihoods(const FabmapQuery& query);
 
-/// The inverted index with sums in units of 2^-20, whose order does not matter: off by at most
-/// (words the view shows + 1) / 2 units, under 1e-4 for a view of 200 words. Where
-/// a view's sum could leave +-2000, the sums of fabmap2 are given instead.
+/// Uses the inverted index with sums in units of 2^-20, which do not depend on the order: the error
+/// is at most (words the view shows + 1) / 2 units, under 1e-4 for a view of 200 words. Returns the
+/// sums of fabmap2 if the sum of a view could exceed +-2000.
 std::vector<double> fabmap2_fixed_log_likelihoods(const FabmapQuery& query);
 
-/// Fast bail-out: words by rising P(z_q | z_parent); a view that has fallen behind the best by more
-/// than the rest can make good (Bennett's bound, probability 1e-6) is dropped and gets
-/// best + ln 1e-6.
+/// Fast bail-out: evaluates words by increasing P(z_q | z_parent). A view whose gap to the best is
+/// too large for the remaining words to close (Bennett's bound, probability 1e-6) is dropped and
+/// gets best + ln 1e-6.
 std::vector<double> fbo_log_likelihoods(const FabmapQuery& query);
 
-/// The new place by mean field.
+/// The log-likelihood of the new place by mean field.
 double new_place_mean_field(const FabmapModel& model, std::span<const uint32_t> words);
 
-/// The new place as the average likelihood over given views (logarithm).
+/// The log-likelihood of the new place: the logarithm of the mean likelihood over views.
 double log_mean_exp(std::span<const double> log_values);
 
-/// What one word says for or against a view.
+/// The evidence of one word for or against a view.
 struct WordEvidence {
   uint32_t word = 0;
   bool in_frame = false;
   bool in_view = false;
-  /// log P(z_q | z_parent, view) - log P(z_q | z_parent, new place by mean field): above 0 speaks
-  /// for the view. Over all words they add up to the log-odds of the view against that new place.
+  /// log P(z_q | z_parent, view) - log P(z_q | z_parent, new place by mean field): positive values
+  /// favor the view. The sum over all words is the log-odds of the view against this new place.
   double log_odds = 0;
 };
 
-/// Every word of the model, those that speak for the view first; ties to the lower word. `frame`
-/// and `view`: word ids, rising, each once.
+/// All words of the model by decreasing log-odds; ties by lower word. `frame` and `view`: word ids,
+/// increasing, without duplicates.
 std::vector<WordEvidence> word_evidence(const FabmapModel& model, std::span<const uint32_t> frame,
                                         std::span<const uint32_t> view);
 

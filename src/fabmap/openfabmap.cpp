@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostWords = 100'000'000;
+constexpr size_t kMaxWords = 100'000'000;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
   throw Error(ErrorKind::data, fmt::format("{}: {}", path.string(), what));
@@ -27,7 +27,7 @@ constexpr size_t kMostWords = 100'000'000;
 cv::Mat read_openfabmap_vocabulary(const fs::path& path) {
   const NpyArray array(path);
   const auto values = array.values<float>(2);
-  if (values.empty() || array.shape()[0] > kMostWords) fail(path, "has no words, or too many");
+  if (values.empty() || array.shape()[0] > kMaxWords) fail(path, "has no words, or too many");
   const auto rows = static_cast<int>(array.shape()[0]);
   cv::Mat words(rows, static_cast<int>(array.shape()[1]), CV_32F);
   std::copy(values.begin(), values.end(), words.begin<float>());
@@ -85,8 +85,8 @@ FabmapDatabase import_openfabmap(const OpenFabmapFiles& files,
       database.vocabulary.cols != descriptor_length(settings.features.kind))
     throw Error(
         ErrorKind::usage,
-        fmt::format("{}: its words have {} dimensions, which {} does not; name the features "
-                    "it was made of with --features",
+        fmt::format("{}: its words have {} dimensions, which {} does not; select the matching "
+                    "features with --features",
                     files.vocabulary.string(), database.vocabulary.cols,
                     enum_name(settings.features.kind)));
   for (const WordSet& frame : read_openfabmap_frames(files.pretrain, database.tree.words()))

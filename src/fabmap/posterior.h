@@ -1,4 +1,4 @@
-// FAB-MAP's posterior over views and the new place, and what of it counts as a recognition.
+// FAB-MAP's posterior over views and the new place, and the runs of frames above t_p.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,10 @@
 
 namespace vpr {
 
-/// How likelihoods become probabilities.
+/// Settings of the conversion from likelihoods to probabilities.
 struct PosteriorSettings {
   double smoothing = 0.99;       ///< p becomes smoothing * p + (1 - smoothing) / (views + 1)
-  bool motion_model = false;     ///< neighbours of what was likely before are likely now
+  bool motion_model = false;     ///< neighbors of previously likely views get a higher prior
   double motion_bias = 0.5;      ///< b: 0 forward only, 1 backward only
   double new_place_prior = 0.9;  ///< with the motion model
 };
@@ -24,20 +24,20 @@ void visit_fields(PosteriorSettings& settings, Visitor&& visit) {
   visit("new_place_prior", settings.new_place_prior);
 }
 
-/// Posterior of the new place (first) and of each view, from log-likelihoods, normalised by
-/// log-sum-exp. `previous`: the posterior of the frame before, for the motion model; empty for the
-/// first frame. Prior of view i: (2 (1 - b) p[i-1] + p[i] + 2 b p[i+1]) / 3, where an end uses
-/// itself beyond the end; from two views on.
+/// Posterior of the new place (first) and of each view, from log-likelihoods, normalized by
+/// log-sum-exp. `previous`: the posterior of the previous frame, for the motion model; empty for
+/// the first frame. The prior of view i, for at least two views, is (2 (1 - b) p[i-1] + p[i] + 2 b
+/// p[i+1]) / 3, where the first and last view replace their missing neighbor.
 std::vector<double> fabmap_posterior(std::span<const double> log_likelihoods, double new_place,
                                      std::span<const double> previous,
                                      const PosteriorSettings& settings);
 
-/// Counts, view by view, in how many frames in a row up to this one the posterior was above t_p.
+/// For each view, counts the consecutive frames up to the current one with a posterior above t_p.
 struct ViewWindow {
   std::vector<uint32_t> run;
 
-  /// Takes a frame's posterior (new place first). An empty one (an unreadable frame, or a frame
-  /// without words) breaks every run.
+  /// Adds the posterior of a frame (new place first). An empty posterior (an unreadable frame, or a
+  /// frame without words) ends every run.
   void add(std::span<const double> posterior, double t_p, size_t views);
 };
 

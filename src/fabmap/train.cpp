@@ -19,8 +19,8 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kMostWords = 10'000'000;
-constexpr size_t kWarnedShare = 10;  // a tenth of the frames without features
+constexpr size_t kMaxWords = 10'000'000;
+constexpr size_t kWarnedShare = 10;  // warn from a tenth of the frames without features
 
 Unreadable on_unreadable(bool skip) { return skip ? Unreadable::skip : Unreadable::fail; }
 
@@ -28,13 +28,13 @@ cv::Mat no_descriptors(const FeatureSettings& settings) {
   return cv::Mat(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
 }
 
-// Descriptors by frame; `make` turns them into what is kept.
+// Results per frame; `make` converts descriptors to the result.
 template <class T, class Make>
 std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSettings& settings,
                                     bool skip_unreadable, const Monitor& monitor, FrameList& frames,
                                     Make&& make) {
   std::vector<T> kept(sequence.files.size());
-  std::mutex mutex;  // a video's length is not known before its end
+  std::mutex mutex;  // the length of a video is unknown before its end
   frames = for_each_frame(sequence, PixelFormat::grey, on_unreadable(skip_unreadable), monitor,
                           [&](size_t index, const cv::Mat& image) {
                             T made = make(find_features(image, settings).descriptors);
@@ -46,19 +46,21 @@ std::vector<T> for_each_descriptors(const Sequence& sequence, const FeatureSetti
   return kept;
 }
 
-// A frame without features matches nothing, or whatever shows little, and nothing else tells.
+// A frame without features matches nothing, or matches other frames with few features, without any
+// other sign.
 void warn_featureless(const std::string& frames_of, size_t featureless, size_t frames,
                       FeatureKind kind, const Monitor& monitor) {
   if (featureless * kWarnedShare < frames || featureless == 0) return;
-  warn(monitor, fmt::format("{}: {} of {} ({:.0f} %) have no {} feature, by which FAB-MAP "
-                            "knows a place; give larger pictures, or train with another kind of "
-                            "--features",
-                            frames_of, featureless, counted(frames, "frame"),
-                            100 * static_cast<double>(featureless) / static_cast<double>(frames),
-                            enum_name(kind)));
+  warn(monitor,
+       fmt::format("{}: {} of {} ({:.0f} %) have no {} features, so FAB-MAP "
+                   "cannot recognize them; use larger images, or train with another kind of "
+                   "--features",
+                   frames_of, featureless, counted(frames, "frame"),
+                   100 * static_cast<double>(featureless) / static_cast<double>(frames),
+                   enum_name(kind)));
 }
 
-// Of the frames that can be decoded: what can't says nothing of how often words are seen.
+// Descriptors of readable frames only: unreadable frames say nothing about the frequency of words.
 std::vector<cv::Mat> pretrain_descriptors(const std::vector<SequenceArgument>& pretrain,
                                           const FabmapTrainSettings& settings,
                                           const Monitor& monitor) {
@@ -85,9 +87,9 @@ cv::Mat stacked(const std::vector<cv::Mat>& parts, const FeatureSettings& settin
 
 void check_train_settings(const FabmapTrainSettings& settings) {
   check_feature_settings(settings.features);
-  if (settings.words < 2 || settings.words > kMostWords)
+  if (settings.words < 2 || settings.words > kMaxWords)
     throw Error(ErrorKind::usage,
-                fmt::format("words must be from 2 to {}, found {}", kMostWords, settings.words));
+                fmt::format("words must be from 2 to {}, found {}", kMaxWords, settings.words));
   if (settings.iterations < 1)
     throw Error(ErrorKind::usage, "iterations must be 1 or more, found 0");
 }
@@ -97,15 +99,15 @@ cv::Mat make_words(const std::vector<cv::Mat>& frames, const FabmapTrainSettings
   const cv::Mat descriptors = stacked(frames, settings.features);
   if (descriptors.empty() && !frames.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("none of the {} --pretrain frames has a {} feature to make words of; "
-                            "give larger pictures, or another kind of --features",
+                fmt::format("none of the {} --pretrain frames has a {} feature for the vocabulary; "
+                            "use larger images, or another kind of --features",
                             frames.size(), enum_name(settings.features.kind)));
   if (settings.clustering == Clustering::radius)
-    return radius_words(descriptors, settings.radius, kMostWords, monitor);
+    return radius_words(descriptors, settings.radius, kMaxWords, monitor);
   return kmeans_words(descriptors, {settings.words, settings.iterations, seed}, monitor);
 }
 
-// The vocabulary and the tree, from the features of the pretraining frames.
+// Trains the vocabulary and the tree on the features of the pretraining frames.
 void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descriptors,
                  const Monitor& monitor) {
   const FabmapTrainSettings& settings = database.settings;
@@ -117,7 +119,7 @@ void learn_words(FabmapDatabase& database, const std::vector<cv::Mat>& descripto
   const Vocabulary vocabulary = make_vocabulary(database.vocabulary);
   std::vector<WordSet> frames(descriptors.size());
   parallel_for(frames.size(), monitor, [&](size_t f) {
-    if (!descriptors[f].empty()) frames[f] = quantise(vocabulary, descriptors[f]);
+    if (!descriptors[f].empty()) frames[f] = quantize(vocabulary, descriptors[f]);
   });
   const auto words = static_cast<size_t>(database.vocabulary.rows);
   database.settings.words = words;
@@ -188,7 +190,7 @@ SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& dat
   SequenceWords words;
   words.frames = for_each_descriptors<WordSet>(
       sequence, database.settings.features, skip_unreadable, monitor, frames,
-      [&](const cv::Mat& descriptors) { return quantise(vocabulary, descriptors); });
+      [&](const cv::Mat& descriptors) { return quantize(vocabulary, descriptors); });
   words.names = std::move(frames.names);
   words.unreadable = std::move(frames.unreadable);
   words.replay = std::move(frames.replay);

@@ -1,4 +1,4 @@
-// FAB-MAP from frames: local features, vocabulary, Chow-Liu tree, words.
+// Training of FAB-MAP from frames: local features, vocabulary, Chow-Liu tree, words.
 #pragma once
 
 #include <optional>
@@ -12,46 +12,46 @@
 
 namespace vpr {
 
-/// Frames to train: a sequence, and whether it is one place.
+/// Frames to train: a sequence, and whether it is a single place.
 struct GroupArgument {
   std::string name;
   SequenceArgument sequence;
   bool is_place = false;
 };
 
-/// Words of every frame of a sequence.
+/// The words of every frame of a sequence.
 struct SequenceWords {
-  std::vector<WordSet> frames;  ///< empty for a frame without features, or an unreadable one
+  std::vector<WordSet> frames;  ///< empty for an unreadable frame or one without features
   std::vector<std::string> names;
   std::vector<size_t> unreadable;
-  std::optional<double> fps = {};     ///< frames a second, where known
-  std::optional<Replay> replay = {};  ///< where frames are those of a recording that is replayed
+  std::optional<double> fps = {};     ///< frames per second, if known
+  std::optional<Replay> replay = {};  ///< set if the frames are selected from a recording
 };
 
-/// The frames replayed by `warp`; as they are where that is empty. Throws as replay does.
+/// The frames resampled by `warp`, or unchanged if `warp` is empty. Throws as replay does.
 SequenceWords replayed(SequenceWords words, const std::string& warp, uint64_t seed);
 
-/// How many frames show no word, though they could be decoded.
+/// The number of readable frames without words.
 size_t featureless_frames(const SequenceWords& words);
 
-/// Of what frames show, as results have it of their query.
+/// The fingerprint of the query in results, computed from the words of its frames.
 std::string words_fingerprint(const SequenceWords& words);
 
-/// Local features of the pretraining frames become a vocabulary and a Chow-Liu tree; training
+/// Trains a vocabulary and a Chow-Liu tree on the features of the pretraining frames; training
 /// frames become views. Throws Error(usage) for settings out of range, pretraining frames without
-/// any feature, or more words than descriptors, and what for_each_frame throws. Warns where a tenth
-/// of the frames or more have no features.
+/// any feature, or more words than descriptors; also throws as for_each_frame does. Warns if at
+/// least a tenth of the frames have no features.
 FabmapDatabase train_fabmap(const std::vector<SequenceArgument>& pretrain,
                             const std::vector<GroupArgument>& train,
                             const FabmapTrainSettings& settings, uint64_t seed,
                             const Monitor& monitor);
 
-/// Frames become views of new groups; nothing that the database holds is described again.
+/// Adds frames as views of new groups, without describing the existing views again.
 void add_views(FabmapDatabase& database, const std::vector<GroupArgument>& groups,
                bool skip_unreadable, const Monitor& monitor);
 
-/// The words that a sequence shows, in the database's vocabulary. Warns where a tenth of its frames
-/// or more have no features.
+/// The words of a sequence in the database's vocabulary. Warns if at least a tenth of its frames
+/// have no features.
 SequenceWords describe_words(const Sequence& sequence, const FabmapDatabase& database,
                              bool skip_unreadable, const Monitor& monitor);
 

@@ -21,7 +21,7 @@ MatrixView<const float> view_of(const cv::Mat& mat) {
   return view;
 }
 
-NearestCentre nearest_binary_word(const cv::Mat& words, const uint8_t* descriptor) {
+NearestCenter nearest_binary_word(const cv::Mat& words, const uint8_t* descriptor) {
   uint32_t nearest = 0;
   uint32_t least = ~0U;
   for (int w = 0; w < words.rows; ++w) {
@@ -54,18 +54,18 @@ uint32_t hamming_bytes(const uint8_t* a, const uint8_t* b, size_t bytes) {
 Vocabulary make_vocabulary(const cv::Mat& words) {
   assert(words.rows > 0);
   Vocabulary vocabulary{words, {}};
-  if (words.type() == CV_32F) vocabulary.blocks = make_centre_blocks(view_of(words));
+  if (words.type() == CV_32F) vocabulary.blocks = make_center_blocks(view_of(words));
   return vocabulary;
 }
 
 void find_nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors,
-                        std::span<const uint32_t> rows, NearestCentre* nearest) {
+                        std::span<const uint32_t> rows, NearestCenter* nearest) {
   assert(descriptors.type() == vocabulary.words.type());
   assert(descriptors.cols == vocabulary.words.cols);
   if (descriptors.type() == CV_32F) {
     std::vector<const float*> points;
     for (const uint32_t row : rows) points.push_back(descriptors.ptr<float>(static_cast<int>(row)));
-    find_nearest_centres(vocabulary.blocks, points, nearest);
+    find_nearest_centers(vocabulary.blocks, points, nearest);
   } else {
     for (size_t i = 0; i < rows.size(); ++i)
       nearest[i] =
@@ -76,13 +76,13 @@ void find_nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors
 std::vector<uint32_t> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
   std::vector<uint32_t> words(static_cast<size_t>(descriptors.rows));
   std::iota(words.begin(), words.end(), 0U);
-  std::vector<NearestCentre> nearest(words.size());
+  std::vector<NearestCenter> nearest(words.size());
   find_nearest_words(vocabulary, descriptors, words, nearest.data());
-  for (size_t i = 0; i < words.size(); ++i) words[i] = nearest[i].centre;
+  for (size_t i = 0; i < words.size(); ++i) words[i] = nearest[i].center;
   return words;
 }
 
-WordSet quantise(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
+WordSet quantize(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
   WordSet words = nearest_words(vocabulary, descriptors);
   std::sort(words.begin(), words.end());
   words.erase(std::unique(words.begin(), words.end()), words.end());

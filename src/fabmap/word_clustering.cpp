@@ -34,52 +34,53 @@ std::vector<uint32_t> row_range(size_t begin, size_t end) {
   return rows;
 }
 
-// Whether a is nearer than b, by score; of equals the lower index is.
-bool nearer(const NearestCentre& a, const NearestCentre& b) {
-  return a.score < b.score || (a.score == b.score && a.centre < b.centre);
+// Whether a is nearer than b by score; the lower index wins a tie.
+bool nearer(const NearestCenter& a, const NearestCenter& b) {
+  return a.score < b.score || (a.score == b.score && a.center < b.center);
 }
 
-/// Points grouped by centre: members of c are points[offsets[c]] .. points[offsets[c + 1]], rising.
+/// Points grouped by center: the members of c are points[offsets[c]] .. points[offsets[c + 1]],
+/// increasing.
 struct Members {
   std::vector<size_t> offsets;
   std::vector<uint32_t> points;
 };
 
-Members group_members(const std::vector<NearestCentre>& assigned, size_t centres) {
+Members group_members(const std::vector<NearestCenter>& assigned, size_t centers) {
   Members members;
-  members.offsets.assign(centres + 1, 0);
-  for (const NearestCentre& own : assigned) ++members.offsets[own.centre + 1];
-  for (size_t c = 0; c < centres; ++c) members.offsets[c + 1] += members.offsets[c];
+  members.offsets.assign(centers + 1, 0);
+  for (const NearestCenter& own : assigned) ++members.offsets[own.center + 1];
+  for (size_t c = 0; c < centers; ++c) members.offsets[c + 1] += members.offsets[c];
   members.points.resize(assigned.size());
   std::vector<size_t> at(members.offsets.begin(), members.offsets.end() - 1);
   for (size_t i = 0; i < assigned.size(); ++i)
-    members.points[at[assigned[i].centre]++] = static_cast<uint32_t>(i);
+    members.points[at[assigned[i].center]++] = static_cast<uint32_t>(i);
   return members;
 }
 
 // The mean of floats, summed in index order in double.
-void mean_of(const cv::Mat& points, std::span<const uint32_t> members, cv::Mat centre) {
+void mean_of(const cv::Mat& points, std::span<const uint32_t> members, cv::Mat center) {
   std::vector<double> sums(static_cast<size_t>(points.cols), 0);
   for (const uint32_t i : members) {
     const auto* row = points.ptr<float>(static_cast<int>(i));
     for (size_t k = 0; k < sums.size(); ++k) sums[k] += static_cast<double>(row[k]);
   }
   for (size_t k = 0; k < sums.size(); ++k)
-    centre.at<float>(0, static_cast<int>(k)) =
+    center.at<float>(0, static_cast<int>(k)) =
         static_cast<float>(sums[k] / static_cast<double>(members.size()));
 }
 
-// The bit that more than half of the members have set; 0 on a tie.
-void majority_of(const cv::Mat& points, std::span<const uint32_t> members, cv::Mat centre) {
+// Each bit by majority of the members; 0 on a tie.
+void majority_of(const cv::Mat& points, std::span<const uint32_t> members, cv::Mat center) {
   std::vector<size_t> ones(static_cast<size_t>(points.cols) * 8, 0);
   for (const uint32_t i : members) {
     const uint8_t* row = points.ptr(static_cast<int>(i));
     for (size_t bit = 0; bit < ones.size(); ++bit) ones[bit] += row[bit / 8] >> bit % 8 & 1;
   }
-  centre.setTo(0);
+  center.setTo(0);
   for (size_t bit = 0; bit < ones.size(); ++bit)
     if (2 * ones[bit] > members.size())
-      centre.data[bit / 8] = static_cast<uint8_t>(centre.data[bit / 8] | 1 << bit % 8);
+      center.data[bit / 8] = static_cast<uint8_t>(center.data[bit / 8] | 1 << bit % 8);
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ double squared_distance(const cv::Mat& a, size_t i, const cv::Mat& b, size_t j) 
                          static_cast<size_t>(a.cols));
   const auto* x = a.ptr<float>(static_cast<int>(i));
   const auto* y = b.ptr<float>(static_cast<int>(j));
-  // Four sums in a fixed order, so that additions do not wait for each other.
+  // Four sums in a fixed order, so that the additions are independent.
   std::array<float, 4> sums{};
   int k = 0;
   for (; k + 4 <= a.cols; k += 4)
@@ -107,16 +108,16 @@ double squared_distance(const cv::Mat& a, size_t i, const cv::Mat& b, size_t j) 
   return static_cast<double>((sums[0] + sums[1]) + (sums[2] + sums[3]));
 }
 
-std::vector<char> move_centres(const cv::Mat& points, const std::vector<NearestCentre>& assigned,
-                               cv::Mat& centres, const Monitor& monitor) {
-  const auto count = static_cast<size_t>(centres.rows);
+std::vector<char> move_centers(const cv::Mat& points, const std::vector<NearestCenter>& assigned,
+                               cv::Mat& centers, const Monitor& monitor) {
+  const auto count = static_cast<size_t>(centers.rows);
   const Members members = group_members(assigned, count);
   std::vector<char> has_moved(count, 0);
   parallel_for(count, monitor, [&](size_t c) {
     const std::span<const uint32_t> own(members.points.data() + members.offsets[c],
                                         members.offsets[c + 1] - members.offsets[c]);
     if (own.empty()) return;
-    cv::Mat row = centres.row(static_cast<int>(c));
+    cv::Mat row = centers.row(static_cast<int>(c));
     const cv::Mat before = row.clone();
     points.type() == CV_32F ? mean_of(points, own, row) : majority_of(points, own, row);
     has_moved[c] = !std::equal(row.data, row.data + row.elemSize() * row.total(), before.data);
@@ -126,13 +127,14 @@ std::vector<char> move_centres(const cv::Mat& points, const std::vector<NearestC
 
 namespace {
 
-constexpr size_t kOversampleFrom = size_t{1} << 28;  // points x words from which k-means|| starts
+constexpr size_t kOversampleFrom = size_t{1} << 28;  // points x words from which k-means|| is used
 constexpr size_t kOversampleRounds = 5;
 
-// k-means++ over weighted points: each seed is drawn by weight x squared distance to the nearest
-// one. Proposals come from distances to all seeds but the latest few, and are accepted by the share
-// of the true distance in it: the same distribution, with one pass over the points for many seeds.
-// Where all that is left coincides with seeds, the first point that is no seed follows.
+// k-means++ over weighted points: each seed is drawn with probability proportional to weight x
+// squared distance to the nearest seed. Candidates are proposed by distances that ignore the latest
+// few seeds, and are accepted with the ratio of the true to the proposal distance: this yields the
+// same distribution with one pass over the points for many seeds. If all remaining points coincide
+// with seeds, the first point that is not a seed is used.
 class SeedSampler {
  public:
   SeedSampler(const cv::Mat& points, const std::vector<double>& weights, const Monitor& monitor)
@@ -157,7 +159,7 @@ class SeedSampler {
   }
 
  private:
-  static constexpr size_t kFreshSeeds = kCentreLanes;
+  static constexpr size_t kFreshSeeds = kCenterLanes;
   static constexpr size_t kRejections = 16;
 
   size_t first_free() const {
@@ -165,7 +167,7 @@ class SeedSampler {
   }
 
   size_t add(size_t seed) {
-    // The first seed is drawn by weight alone: there is no distance yet.
+    // The first seed is drawn by weight alone: there are no distances yet.
     distances_are_guesses_ = seeds_++ == 0;
     is_seed_[seed] = 1;
     fresh_.push_back(seed);
@@ -193,12 +195,12 @@ class SeedSampler {
       const Vocabulary fresh = make_vocabulary(rows_of(points_, fresh_));
       for_chunks(distances_.size(), monitor_, [&](size_t begin, size_t end) {
         const std::vector<uint32_t> rows = row_range(begin, end);
-        std::vector<NearestCentre> found(rows.size());
+        std::vector<NearestCenter> found(rows.size());
         find_nearest_words(fresh, points_, rows, found.data());
         for (size_t i = begin; i < end; ++i)
           distances_[i] =
               std::min(distances_[i],
-                       squared_distance(points_, i, points_, fresh_[found[i - begin].centre]));
+                       squared_distance(points_, i, points_, fresh_[found[i - begin].center]));
       });
     }
     fresh_.clear();
@@ -215,7 +217,7 @@ class SeedSampler {
   const cv::Mat& points_;
   const std::vector<double>& weights_;
   const Monitor& monitor_;
-  std::vector<double> distances_;  // squared, to the nearest seed that is not fresh
+  std::vector<double> distances_;  // squared distance to the nearest seed, without the fresh seeds
   std::vector<double> cumulative_;
   std::vector<char> is_seed_;
   std::vector<size_t> fresh_;
@@ -236,13 +238,14 @@ std::vector<size_t> plus_plus(const cv::Mat& points, const std::vector<double>& 
   return seeds;
 }
 
-// k-means||: rounds that each draw about count / 2 candidates independently by squared distance;
-// candidates are weighted by the points nearest to them, and thinned out by k-means++.
+// k-means||: each round draws about count / 2 candidates independently by squared distance.
+// Candidates are weighted by the number of points nearest to them, and reduced to seeds by
+// k-means++.
 cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& engine,
                           const Monitor& monitor) {
   const auto n = static_cast<size_t>(points.rows);
   std::vector<size_t> candidates = {uniform_below(engine, n)};
-  std::vector<NearestCentre> nearest(n, {std::numeric_limits<float>::infinity(), 0});
+  std::vector<NearestCenter> nearest(n, {std::numeric_limits<float>::infinity(), 0});
   std::vector<double> distances(n);
   size_t met = 0;
   const auto meet_candidates = [&] {
@@ -250,13 +253,13 @@ cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& eng
         rows_of(points, {candidates.begin() + static_cast<ptrdiff_t>(met), candidates.end()}));
     for_chunks(n, monitor, [&](size_t begin, size_t end) {
       const std::vector<uint32_t> rows = row_range(begin, end);
-      std::vector<NearestCentre> found(rows.size());
+      std::vector<NearestCenter> found(rows.size());
       find_nearest_words(fresh, points, rows, found.data());
       for (size_t i = 0; i < rows.size(); ++i) {
-        found[i].centre += static_cast<uint32_t>(met);
-        NearestCentre& own = nearest[begin + i];
+        found[i].center += static_cast<uint32_t>(met);
+        NearestCenter& own = nearest[begin + i];
         if (nearer(found[i], own)) own = found[i];
-        distances[begin + i] = squared_distance(points, begin + i, points, candidates[own.centre]);
+        distances[begin + i] = squared_distance(points, begin + i, points, candidates[own.center]);
       }
     });
     met = candidates.size();
@@ -274,7 +277,7 @@ cv::Mat oversampled_seeds(const cv::Mat& points, size_t count, RandomEngine& eng
   if (candidates.size() > met) meet_candidates();
   if (candidates.size() < count) return {};
   std::vector<double> weights(candidates.size(), 0);
-  for (const NearestCentre& own : nearest) weights[own.centre] += 1;
+  for (const NearestCenter& own : nearest) weights[own.center] += 1;
   const cv::Mat rows = rows_of(points, candidates);
   return rows_of(rows, plus_plus(rows, weights, count, engine, monitor));
 }
@@ -289,93 +292,93 @@ cv::Mat choose_seeds(const cv::Mat& points, size_t count, RandomEngine& engine,
   return rows_of(points, plus_plus(points, std::vector<double>(n, 1), count, engine, monitor));
 }
 
-/// Some of the centres, whose nearest one is named by its index among all.
-class CentreSubset {
+/// A subset of the centers; results refer to the index among all centers.
+class CenterSubset {
  public:
-  CentreSubset(const cv::Mat& centres, std::vector<size_t> indices) : indices_(std::move(indices)) {
-    if (!indices_.empty()) vocabulary_ = make_vocabulary(rows_of(centres, indices_));
+  CenterSubset(const cv::Mat& centers, std::vector<size_t> indices) : indices_(std::move(indices)) {
+    if (!indices_.empty()) vocabulary_ = make_vocabulary(rows_of(centers, indices_));
   }
   bool empty() const { return indices_.empty(); }
   void find_nearest(const cv::Mat& points, std::span<const uint32_t> rows,
-                    NearestCentre* nearest) const {
+                    NearestCenter* nearest) const {
     find_nearest_words(vocabulary_, points, rows, nearest);
     for (size_t i = 0; i < rows.size(); ++i)
-      nearest[i].centre = static_cast<uint32_t>(indices_[nearest[i].centre]);
+      nearest[i].center = static_cast<uint32_t>(indices_[nearest[i].center]);
   }
 
  private:
-  std::vector<size_t> indices_;  // rising, so that ties stay ties
+  std::vector<size_t> indices_;  // increasing, so that ties keep their order
   Vocabulary vocabulary_;
 };
 
-/// Which centres moved since points were assigned to them.
-struct MovedCentres {
+/// The centers that moved since the last assignment of points.
+struct MovedCenters {
   std::vector<char> has_moved;
-  CentreSubset moved;
-  CentreSubset stayed;
+  CenterSubset moved;
+  CenterSubset stayed;
 };
 
-MovedCentres split_centres(const cv::Mat& centres, const std::vector<char>& has_moved) {
+MovedCenters split_centers(const cv::Mat& centers, const std::vector<char>& has_moved) {
   std::vector<size_t> moved;
   std::vector<size_t> stayed;
   for (size_t c = 0; c < has_moved.size(); ++c) (has_moved[c] != 0 ? moved : stayed).push_back(c);
-  return {has_moved, {centres, std::move(moved)}, {centres, std::move(stayed)}};
+  return {has_moved, {centers, std::move(moved)}, {centers, std::move(stayed)}};
 }
 
-// Makes `nearest` right again after centres moved. A centre that stayed is as far as it was, so
-// not nearer than the point's own centre was: it is met only by points whose own centre moved, and
-// for which no moved one is nearer than that. Exact, for a score depends on point and centre alone.
-void reassign(const cv::Mat& points, const MovedCentres& centres,
-              std::vector<NearestCentre>& nearest, const Monitor& monitor) {
+// Updates `nearest` after centers moved. A center that did not move is no nearer than the point's
+// own center was, so it is compared only with points whose own center moved and for which no moved
+// center is at least as near. Exact, because a score depends only on point and center.
+void reassign(const cv::Mat& points, const MovedCenters& centers,
+              std::vector<NearestCenter>& nearest, const Monitor& monitor) {
   for_chunks(nearest.size(), monitor, [&](size_t begin, size_t end) {
     const std::vector<uint32_t> rows = row_range(begin, end);
-    std::vector<NearestCentre> found(rows.size());
-    centres.moved.find_nearest(points, rows, found.data());
+    std::vector<NearestCenter> found(rows.size());
+    centers.moved.find_nearest(points, rows, found.data());
     std::vector<uint32_t> open;
     for (size_t i = 0; i < rows.size(); ++i) {
-      NearestCentre& own = nearest[begin + i];
-      const bool stayed = centres.has_moved[own.centre] == 0;
+      NearestCenter& own = nearest[begin + i];
+      const bool stayed = centers.has_moved[own.center] == 0;
       if (!stayed && !(found[i].score < own.score)) open.push_back(rows[i]);
       if (!stayed || nearer(found[i], own)) own = found[i];
     }
-    if (open.empty() || centres.stayed.empty()) return;
+    if (open.empty() || centers.stayed.empty()) return;
     found.resize(open.size());
-    centres.stayed.find_nearest(points, open, found.data());
+    centers.stayed.find_nearest(points, open, found.data());
     for (size_t i = 0; i < open.size(); ++i)
       if (nearer(found[i], nearest[open[i]])) nearest[open[i]] = found[i];
   });
 }
 
-constexpr size_t kRowsAtOnce = 2048;  // that meet the centres so far together
+constexpr size_t kRowsAtOnce = 2048;  // rows that are compared together with the centers so far
 
 // In units of squared_distance.
 double squared_radius(const cv::Mat& points, double radius) {
   return points.type() == CV_8U ? radius : radius * radius;
 }
 
-// Squared distances of the rows [begin, end) to the centres so far.
-std::vector<double> distances_to(const cv::Mat& points, const std::vector<size_t>& centres,
+// Squared distances of the rows [begin, end) to the centers so far.
+std::vector<double> distances_to(const cv::Mat& points, const std::vector<size_t>& centers,
                                  size_t begin, size_t end, const Monitor& monitor) {
   std::vector<double> distances(end - begin, std::numeric_limits<double>::infinity());
-  if (centres.empty()) return distances;
-  const Vocabulary vocabulary = make_vocabulary(rows_of(points, centres));
+  if (centers.empty()) return distances;
+  const Vocabulary vocabulary = make_vocabulary(rows_of(points, centers));
   parallel_for(distances.size(), monitor, [&](size_t i) {
     const auto row = static_cast<uint32_t>(begin + i);
-    NearestCentre nearest;
+    NearestCenter nearest;
     find_nearest_words(vocabulary, points, {&row, 1}, &nearest);
-    distances[i] = squared_distance(points, row, points, centres[nearest.centre]);
+    distances[i] = squared_distance(points, row, points, centers[nearest.center]);
   });
   return distances;
 }
 
-cv::Mat centre_means(const cv::Mat& points, cv::Mat centres, const Monitor& monitor) {
-  const Vocabulary vocabulary = make_vocabulary(centres.clone());
-  std::vector<NearestCentre> nearest(static_cast<size_t>(points.rows));
+cv::Mat center_means(const cv::Mat& points, cv::Mat centers, const Monitor& monitor) {
+  const Vocabulary vocabulary = make_vocabulary(centers.clone());
+  std::vector<NearestCenter> nearest(static_cast<size_t>(points.rows));
   for_chunks(nearest.size(), monitor, [&](size_t begin, size_t end) {
     find_nearest_words(vocabulary, points, row_range(begin, end), nearest.data() + begin);
   });
-  move_centres(points, nearest, centres, monitor);
-  return centres;
+  move_centers(points, nearest, centers, monitor);
+  return centers;
 }
 
 }  // namespace
@@ -386,21 +389,21 @@ cv::Mat kmeans_words(const cv::Mat& descriptors, const KmeansSettings& settings,
   if (settings.words == 0 || settings.words > n)
     throw Error(
         ErrorKind::usage,
-        fmt::format("{} words can't be made of {} descriptors; give fewer --words, more --pretrain "
-                    "frames, larger pictures, or another kind of --features",
+        fmt::format("cannot make {} words from {} descriptors; use fewer --words, more --pretrain "
+                    "frames, larger images, or another kind of --features",
                     settings.words, n));
   RandomEngine engine(settings.seed);
-  cv::Mat centres = choose_seeds(descriptors, settings.words, engine, monitor);
-  std::vector<NearestCentre> nearest(n);
+  cv::Mat centers = choose_seeds(descriptors, settings.words, engine, monitor);
+  std::vector<NearestCenter> nearest(n);
   std::vector<char> has_moved(settings.words, 1);
   StepCounter counter(monitor, "cluster", settings.iterations);
   for (size_t step = 0; step < settings.iterations; ++step) {
-    reassign(descriptors, split_centres(centres, has_moved), nearest, monitor);
-    has_moved = move_centres(descriptors, nearest, centres, monitor);
+    reassign(descriptors, split_centers(centers, has_moved), nearest, monitor);
+    has_moved = move_centers(descriptors, nearest, centers, monitor);
     if (std::find(has_moved.begin(), has_moved.end(), 1) == has_moved.end()) break;
     counter.add();
   }
-  return centres;
+  return centers;
 }
 
 cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_words,
@@ -409,29 +412,29 @@ cv::Mat radius_words(const cv::Mat& descriptors, double radius, size_t most_word
     throw Error(ErrorKind::usage, fmt::format("the radius must be above 0, found {}", radius));
   if (descriptors.empty())
     throw Error(ErrorKind::usage,
-                "words can't be made of no descriptors; give more --pretrain "
+                "cannot make words without descriptors; use more --pretrain "
                 "frames");
   const auto n = static_cast<size_t>(descriptors.rows);
   const double limit = squared_radius(descriptors, radius);
-  std::vector<size_t> centres;
+  std::vector<size_t> centers;
   StepCounter counter(monitor, "cluster", n);
   for (size_t begin = 0; begin < n; begin += kRowsAtOnce) {
     const size_t end = std::min(n, begin + kRowsAtOnce);
-    const size_t known = centres.size();
-    const std::vector<double> distances = distances_to(descriptors, centres, begin, end, monitor);
+    const size_t known = centers.size();
+    const std::vector<double> distances = distances_to(descriptors, centers, begin, end, monitor);
     for (size_t i = begin; i < end; ++i) {
-      bool is_far = centres.empty() || distances[i - begin] > limit;
-      for (size_t c = known; is_far && c < centres.size(); ++c)
-        is_far = squared_distance(descriptors, i, descriptors, centres[c]) > limit;
-      if (is_far) centres.push_back(i);
+      bool is_far = centers.empty() || distances[i - begin] > limit;
+      for (size_t c = known; is_far && c < centers.size(); ++c)
+        is_far = squared_distance(descriptors, i, descriptors, centers[c]) > limit;
+      if (is_far) centers.push_back(i);
       counter.add();
     }
-    if (centres.size() > most_words)
+    if (centers.size() > most_words)
       throw Error(ErrorKind::usage,
-                  fmt::format("a radius of {} makes more than {} words; give a larger one", radius,
-                              most_words));
+                  fmt::format("a radius of {} makes more than {} words; use a larger radius",
+                              radius, most_words));
   }
-  return centre_means(descriptors, rows_of(descriptors, centres), monitor);
+  return center_means(descriptors, rows_of(descriptors, centers), monitor);
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// The words of many views as databases keep them, and for every word the views that show it.
+// The words of many views as stored in databases, and the inverted index from words to views.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,7 @@
 
 namespace vpr {
 
-/// Word sets of many views, one after the other: view v has words[offsets[v]] ..
-/// words[offsets[v+1]].
+/// Word sets of consecutive views: view v has words[offsets[v]] .. words[offsets[v+1]].
 struct ViewWords {
   std::vector<uint64_t> offsets = {0};
   std::vector<uint32_t> words;
@@ -26,21 +25,22 @@ struct ViewWords {
   }
 };
 
-/// Views in blocks of 65536, so that two bytes name one, and the sums of a block stay in a cache.
+/// Views are stored in blocks of 65536: two bytes identify a view within its block, and the sums of
+/// a block stay in a cache.
 inline constexpr size_t kIndexBlock = 65536;
 
-/// For every word the views that show it, by blocks of kIndexBlock views.
+/// For every word, the views that show it, in blocks of kIndexBlock views.
 struct WordIndex {
   size_t words = 0;
   size_t views = 0;
   std::vector<uint64_t> offsets = {0};  ///< blocks x words + 1, block by block
-  std::vector<uint16_t> lists;          ///< views within their block, rising
+  std::vector<uint16_t> lists;          ///< indices within the block, increasing
 
   size_t blocks() const { return (views + kIndexBlock - 1) / kIndexBlock; }
   size_t block_views(size_t block) const {
     return std::min(kIndexBlock, views - block * kIndexBlock);
   }
-  /// The views of a block that show a word, less block * kIndexBlock.
+  /// The views of a block that show a word, minus block * kIndexBlock.
   std::span<const uint16_t> list(size_t block, size_t word) const {
     const uint64_t* at = offsets.data() + block * words + word;
     return {lists.data() + at[0], static_cast<size_t>(at[1] - at[0])};
@@ -50,7 +50,7 @@ struct WordIndex {
 /// Every word of every view is below `words`.
 WordIndex make_word_index(const ViewWords& views, size_t words);
 
-/// Whether all offsets and lists can be followed without leaving the views.
+/// Whether all offsets and lists stay within the views.
 bool is_sound(const WordIndex& index);
 
 }  // namespace vpr

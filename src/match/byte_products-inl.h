@@ -1,12 +1,12 @@
-// Scalar products of bytes by AVX-512's VNNI: a part of cosine_kernels.cpp, inside its namespaces
-// and of its target AVX3_DL only. Included where it is used, so it has no guard.
+// Scalar products of bytes with AVX-512's VNNI: a part of cosine_kernels.cpp, inside its namespaces
+// and only for its target AVX3_DL. It is included once, so it has no guard.
 
 using Bytes = hn::Vec<hn::CappedTag<int8_t, 64>>;
 
 /// A query vector in bytes, for rows of bytes.
 struct ByteQuery {
   const int8_t* numbers = nullptr;
-  uint32_t surplus = 0;  ///< what 128 in every number of a row adds to the product
+  uint32_t surplus = 0;  ///< what adding 128 to every value of a row adds to the product
   double size = 0;
 };
 
@@ -15,13 +15,14 @@ HWY_INLINE Bytes LoadBytes(const int8_t* from, size_t left) {
   return left >= hn::Lanes(d) ? hn::LoadU(d, from) : hn::MaskedLoad(hn::FirstN(d, left), d, from);
 }
 
-// To each sum, four products of numbers without and with a sign: AVX-512's instruction, which this
-// target may use but Highway has no name for. Sums wrap.
+// Adds four products of unsigned and signed bytes to each sum: an AVX-512 instruction that this
+// target has but Highway does not expose. Sums wrap.
 HWY_INLINE void AddProducts(Sums& sums, Bytes without_sign, Bytes with_sign) {
   asm("vpdpbusd %2, %1, %0" : "+v"(sums.raw) : "v"(without_sign.raw), "v"(with_sign.raw));
 }
 
-// Rows are raised by 128 to have no sign; what that adds is taken away again, modulo 2^32.
+// Adds 128 to the rows to make them unsigned, and subtracts the surplus from the product, modulo
+// 2^32.
 template <size_t kQueries>
 HWY_INLINE void ByteProducts(const ByteQuery* HWY_RESTRICT queries, const int8_t* HWY_RESTRICT rows,
                              size_t length, int32_t* HWY_RESTRICT out) {

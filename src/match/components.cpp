@@ -12,20 +12,21 @@ namespace vpr {
 namespace {
 
 constexpr size_t kIterations = 8;
-constexpr double kCaution = 15;  // eigenvalues, in means of all, of which half is taken away
-constexpr double kWeightUnit = 1 << 20;  // weights are multiples of 1 / so much: sums are exact
+constexpr double kCaution = 15;          // eigenvalue, in means of all, of which half is subtracted
+constexpr double kWeightUnit = 1 << 20;  // weights are multiples of 1 / kWeightUnit: sums are exact
 constexpr int kMostLoading = 127;
-constexpr int kMostCommon = 4095;  // the sum of all such products fits 16 bits
+constexpr int kMostCommon = 4095;  // the sum of all these products fits 16 bits
 constexpr double kUnitsABit = 8;
-constexpr double kProductShift = 128;  // loading x weight / so much is in units
-constexpr double kLeastNorm = 1e-9;    // of the sum of eigenvalues: a component that is none
-constexpr size_t kPart = 4096;         // training frames that are worked on at once
+constexpr double kProductShift = 128;  // loading x weight / kProductShift is in units
+// relative to the sum of eigenvalues: smaller components do not exist
+constexpr double kLeastNorm = 1e-9;
+constexpr size_t kPart = 4096;  // training frames per task
 
-using Vectors = std::vector<ComponentValues>;  // one entry a landmark
+using Vectors = std::vector<ComponentValues>;  // one entry per landmark
 
 double rounded(double value) { return std::floor(value + 0.5); }
 
-// The views of every run of readable frames.
+// The keyframes of every run of readable frames.
 std::vector<size_t> choose_landmarks(std::span<const DescriptorSpan> train,
                                      double typical_distance) {
   std::vector<size_t> frames;
@@ -51,8 +52,8 @@ std::vector<DescriptorRow> all_rows(std::span<const DescriptorSpan> train) {
   return rows;
 }
 
-/// The landmarks' similarities, row by row: -1/2 times their distances, less the means of the row
-/// and of the column, plus the mean of all. `trace` is the sum of its eigenvalues.
+/// The landmarks' similarities, row by row: -1/2 times their distances, minus row and column means,
+/// plus the mean of all. `trace` is the sum of the eigenvalues.
 struct Similarities {
   size_t size = 0;
   std::vector<double> values;
@@ -90,7 +91,7 @@ Vectors multiply(const Similarities& matrix, const Vectors& vectors) {
     ComponentValues sum = {};
     const double* row = matrix.values.data() + a * matrix.size;
     for (size_t b = 0; b < matrix.size; ++b)
-      for (size_t k = 0; k < kMostComponents; ++k) sum[k] += row[b] * vectors[b][k];
+      for (size_t k = 0; k < kMaxComponents; ++k) sum[k] += row[b] * vectors[b][k];
     products[a] = sum;
   });
   return products;
@@ -102,9 +103,9 @@ double product(const Vectors& vectors, size_t j, size_t k) {
   return sum;
 }
 
-// Gram and Schmidt's method. A vector that has next to nothing left becomes 0.
+// Gram-Schmidt. A vector with almost nothing left becomes 0.
 void make_orthonormal(Vectors& vectors, double least_norm) {
-  for (size_t k = 0; k < kMostComponents; ++k) {
+  for (size_t k = 0; k < kMaxComponents; ++k) {
     for (size_t j = 0; j < k; ++j) {
       const double shared = product(vectors, j, k);
       for (ComponentValues& values : vectors) values[k] -= shared * values[j];
@@ -127,11 +128,11 @@ Vectors leading_vectors(const Similarities& matrix) {
   return vectors;
 }
 
-/// What makes loadings and factors of components: one entry a component.
+/// The values that determine loadings and factors: one entry per component.
 struct Scales {
   ComponentValues mean = {};        ///< of the landmarks' components
-  ComponentValues eigenvalue = {};  ///< 0: there is no such component
-  ComponentValues largest = {};     ///< loading of a landmark
+  ComponentValues eigenvalue = {};  ///< 0: the component does not exist
+  ComponentValues largest = {};     ///< largest loading of a landmark
 };
 
 double loading(const Scales& scales, size_t k, double component) {
@@ -144,7 +145,7 @@ Scales scales_of(const TrainComponents& components, const Similarities& matrix,
   const Vectors products = multiply(matrix, components.weights);
   Vectors of_landmarks;
   for (size_t l = 0; l < matrix.size; ++l) of_landmarks.push_back(project(components.rows()[l]));
-  for (size_t k = 0; k < kMostComponents; ++k) {
+  for (size_t k = 0; k < kMaxComponents; ++k) {
     scales.eigenvalue[k] = std::sqrt(product(products, k, k));
     for (const ComponentValues& values : of_landmarks) scales.mean[k] += values[k];
     scales.mean[k] /= static_cast<double>(matrix.size);
@@ -156,7 +157,7 @@ Scales scales_of(const TrainComponents& components, const Similarities& matrix,
 
 void set_factors(TrainComponents& components, const Scales& scales, const Similarities& matrix) {
   const double chance = kCaution * matrix.trace / static_cast<double>(matrix.size);
-  for (size_t k = 0; k < kMostComponents; ++k) {
+  for (size_t k = 0; k < kMaxComponents; ++k) {
     const double share = scales.eigenvalue[k] / (scales.eigenvalue[k] + chance);
     components.factor[k] =
         share * scales.largest[k] / kMostLoading * kProductShift / common_unit(components.shape);
@@ -169,7 +170,7 @@ void set_loadings(TrainComponents& components, const Scales& scales, const Proje
     const size_t last = std::min(rows.size(), (part + 1) * kPart);
     for (size_t i = part * kPart; i < last; ++i) {
       const ComponentValues values = project(rows[i]);
-      for (size_t k = 0; k < kMostComponents; ++k) {
+      for (size_t k = 0; k < kMaxComponents; ++k) {
         if (!(scales.largest[k] > 0)) continue;
         const double share = loading(scales, k, values[k]) / scales.largest[k];
         components.loadings[k][i] =
@@ -215,7 +216,7 @@ Projector make_projector(const TrainComponents& components) {
 CommonWeights common_weights(const TrainComponents& components, size_t count,
                              const ComponentValues& of_frame) {
   CommonWeights weights = {};
-  for (size_t k = 0; k < std::min(count, kMostComponents); ++k)
+  for (size_t k = 0; k < std::min(count, kMaxComponents); ++k)
     weights[k] = static_cast<int16_t>(
         std::clamp<double>(rounded(of_frame[k] * components.factor[k]), -kMostCommon, kMostCommon));
   return weights;
@@ -224,7 +225,7 @@ CommonWeights common_weights(const TrainComponents& components, size_t count,
 int common_sum(const TrainComponents& components, const CommonWeights& weights,
                size_t train_frame) {
   int sum = 0;
-  for (size_t k = 0; k < kMostComponents; ++k)
+  for (size_t k = 0; k < kMaxComponents; ++k)
     sum += common_product(components.loadings[k][train_frame], weights[k]);
   return sum;
 }

@@ -16,7 +16,7 @@ double norm_of(DescriptorRow row) {
   return norm_of_square(static_cast<double>(square_of<T>(row)));
 }
 
-// As the kernels do it.
+// Rounds like the kernels.
 uint32_t rounded(int64_t product, double norms) {
   const double cosine = norms > 0 ? static_cast<double>(product) / norms : 0;
   const double distance = (1 - cosine) * (kLargest / 2);
@@ -26,10 +26,10 @@ uint32_t rounded(int64_t product, double norms) {
 template <class T>
 struct Training : ProductTraining<T> {
   std::once_flag has_sum;
-  std::vector<double> unit_sum;  ///< of all readable frames, made when it is first asked for
+  std::vector<double> unit_sum;  ///< over all readable frames; computed on first use
 };
 
-// The vectors of all readable frames, each of length 1, added in their order.
+// The sum of the vectors of all readable frames, scaled to length 1, in their order.
 template <class T>
 std::vector<double> sum_of_units(std::span<const DescriptorSpan> sequences, size_t length) {
   std::vector<double> sum(length, 0);
@@ -93,7 +93,7 @@ Projector make_projector(const DescriptorRows& to, std::span<const ComponentValu
   sums->of_units.resize(to.shape.length);
   for (size_t i = 0; i < to.size(); ++i) {
     const double norm = norm_of<T>(to[i]);
-    for (size_t k = 0; k < kMostComponents; ++k) {
+    for (size_t k = 0; k < kMaxComponents; ++k) {
       sums->of_weights[k] += weights[i][k];
       for (size_t x = 0; norm > 0 && x < to.shape.length; ++x)
         sums->of_units[x][k] += weights[i][k] * (numbers<T>(to[i])[x] / norm);
@@ -103,9 +103,9 @@ Projector make_projector(const DescriptorRows& to, std::span<const ComponentValu
     const std::span<const T> vector = numbers<T>(row);
     ComponentValues values = {};
     for (size_t x = 0; x < vector.size(); ++x)
-      for (size_t k = 0; k < kMostComponents; ++k) values[k] += vector[x] * sums->of_units[x][k];
+      for (size_t k = 0; k < kMaxComponents; ++k) values[k] += vector[x] * sums->of_units[x][k];
     const double norm = norm_of<T>(row);
-    for (size_t k = 0; k < kMostComponents; ++k)
+    for (size_t k = 0; k < kMaxComponents; ++k)
       values[k] = (sums->of_weights[k] - (norm > 0 ? values[k] / norm : 0)) * (kLargest / 2);
     return values;
   };

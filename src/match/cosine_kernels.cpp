@@ -1,6 +1,6 @@
-// Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
+// Compiled once per SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
-// The settings above come first.
+// The settings above must come first.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -21,12 +21,12 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr size_t kPart = 64;     // rows whose products are kept at once
-constexpr size_t kTogether = 4;  // queries that meet rows in registers
-constexpr size_t kRows = 4;      // whose sums are made at once
+constexpr size_t kPart = 64;     // rows whose products are buffered
+constexpr size_t kTogether = 4;  // queries that share rows in registers
+constexpr size_t kRows = 4;      // rows whose sums are computed together
 static_assert(kPart % kCosineRows == 0 && kCosineRows % kRows == 0);
 
-#if HWY_TARGET == HWY_SCALAR  // one lane, in which no pairs are summed
+#if HWY_TARGET == HWY_SCALAR  // one lane, without sums of pairs
 
 template <class T>
 int32_t Product(const int16_t* a, const T* b, size_t length) {
@@ -60,7 +60,7 @@ HWY_INLINE Numbers Load(const int8_t* from) {
   return hn::PromoteTo(NumberTag(), hn::LoadU(ByteTag(), from));
 }
 
-#if HWY_HAVE_SCALABLE  // of lanes that no array can have the number of, each sum by itself
+#if HWY_HAVE_SCALABLE  // an unknown number of lanes, so each sum is computed separately
 
 HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* out) {
   const SumTag tag;
@@ -72,7 +72,7 @@ HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* out) {
 
 #else
 
-// Adds the upper half of the lanes to the lower, until four are left.
+// Adds the upper half of the lanes to the lower half until four are left.
 template <class Tag, class V>
 HWY_INLINE void StoreFolded(Tag tag, V sums, int32_t* out) {
   if constexpr (hn::MaxLanes(tag) <= 4) {
@@ -83,8 +83,8 @@ HWY_INLINE void StoreFolded(Tag tag, V sums, int32_t* out) {
   }
 }
 
-// The sums of the lanes of each of four vectors, of four lanes or more: they are turned while they
-// are added, in blocks of four lanes.
+// The sums of the lanes of each of four vectors with at least four lanes, transposed during the
+// additions in blocks of four lanes.
 HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* HWY_RESTRICT out) {
   const SumTag tag;
   const hn::RepartitionToWide<SumTag> wide;
@@ -97,8 +97,8 @@ HWY_INLINE void StoreTotals(Sums a, Sums b, Sums c, Sums d, int32_t* HWY_RESTRIC
 
 #endif
 
-// Four rows side by side have no order that processors see: each step, of kStep numbers a row, asks
-// for as many in the order of memory, four rows or 8192 bytes ahead.
+// Hardware prefetchers do not recognize four parallel rows: each step of kStep values per row
+// prefetches the same amount in the order of memory, four rows or 8192 bytes ahead.
 template <size_t kStep, class T>
 HWY_INLINE void FetchAhead(const T* HWY_RESTRICT rows, size_t i, size_t length) {
   const T* ahead = rows + std::max(4 * length, 8192 / sizeof(T)) + 4 * i;
@@ -106,7 +106,7 @@ HWY_INLINE void FetchAhead(const T* HWY_RESTRICT rows, size_t i, size_t length) 
   for (size_t r = 0; r < 4; ++r) hwy::Prefetch(ahead + r * kStep);
 }
 
-// One query against four rows, which are read once.
+// One query and four rows, which are read once.
 template <class T>
 HWY_INLINE void RowProducts(const ProductQuery& query, const T* HWY_RESTRICT rows, size_t length,
                             int32_t* HWY_RESTRICT out) {
@@ -125,7 +125,7 @@ HWY_INLINE void RowProducts(const ProductQuery& query, const T* HWY_RESTRICT row
               hn::Add(even[3], odd[3]), out);
 }
 
-// Some queries against four rows: a number that is loaded takes part in several products.
+// Several queries and four rows: each loaded value is used in several products.
 template <size_t kQueries, class T>
 HWY_INLINE void SomeProducts(const ProductQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
                              size_t length, int32_t* HWY_RESTRICT out) {
@@ -154,7 +154,7 @@ HWY_INLINE void SomeProducts(const ProductQuery* HWY_RESTRICT queries, const T* 
                 hn::Add(even[q][2], odd[q][2]), hn::Add(even[q][3], odd[q][3]), out + q * kPart);
 }
 
-// Sixteen sums fit the registers of AVX-512, eight those of the others.
+// Sixteen sums fit the registers of AVX-512, eight those of other targets.
 template <class T>
 HWY_INLINE void BlockProducts(const ProductQuery* HWY_RESTRICT queries, const T* HWY_RESTRICT rows,
                               size_t length, int32_t* HWY_RESTRICT out) {
@@ -172,8 +172,8 @@ HWY_INLINE void BlockProducts(const ProductQuery* HWY_RESTRICT queries, const T*
 #include "match/byte_products-inl.h"
 #endif
 
-// Each of the few operations is rounded as IEEE says: the same on every machine. A vector of zeros
-// is at right angles to all.
+// Each of the few operations is rounded according to IEEE 754: the same on every machine. A vector
+// of zeros is orthogonal to all others.
 void CosineDistances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT norms,
                      double query_norm, size_t count, uint16_t* HWY_RESTRICT out) {
   const hn::CappedTag<double, kCosineRows> d;
@@ -191,7 +191,7 @@ void CosineDistances(const int32_t* HWY_RESTRICT products, const double* HWY_RES
   }
 }
 
-// |a - b|^2 = |a|^2 + |b|^2 - 2 ab, of whole numbers below 2^33, which doubles hold.
+// |a - b|^2 = |a|^2 + |b|^2 - 2 ab, integers below 2^33, which double represents exactly.
 void PointDistances(const int32_t* HWY_RESTRICT products, const double* HWY_RESTRICT squares,
                     double query_square, size_t count, uint16_t* HWY_RESTRICT out) {
   const hn::CappedTag<double, kCosineRows> d;
@@ -206,7 +206,7 @@ void PointDistances(const int32_t* HWY_RESTRICT products, const double* HWY_REST
   }
 }
 
-/// What becomes of products, and of what stands beside each of the rows and the query.
+/// Converts products to distances, with the sizes of the rows and of the query.
 using Finish = void (*)(const int32_t* products, const double* sizes, double query_size,
                         size_t count, uint16_t* out);
 

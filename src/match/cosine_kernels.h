@@ -1,5 +1,5 @@
-// The inner loop of distances by scalar products, compiled once for every SIMD target and chosen at
-// run time.
+// The inner loop of distances by scalar products, compiled once per SIMD target and selected at run
+// time.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,18 @@
 
 namespace vpr {
 
-/// Vectors are padded with zeros to a multiple of so many numbers, and training vectors to a
-/// multiple of so many rows.
+/// Vectors are padded with zeros to a multiple of kCosineNumbers values, and training vectors to a
+/// multiple of kCosineRows rows.
 inline constexpr size_t kCosineNumbers = 32;
 inline constexpr size_t kCosineRows = 8;
 
-/// A query vector, padded, and its size: the length for cosines, its square for points.
+/// A padded query vector and its size: the length for cosines, the squared length for points.
 struct ProductQuery {
   const int16_t* numbers = nullptr;
   double size = 0;
 };
 
-/// Training vectors, padded, one after the other, and their sizes.
+/// Padded training vectors, one after the other, and their sizes.
 template <class T>
 struct ProductRows {
   const T* numbers = nullptr;
@@ -28,25 +28,24 @@ struct ProductRows {
   size_t length = 0;  ///< of a padded vector
 };
 
-/// Kernels for training vectors of 8- or of 16-bit numbers. All targets give the same integers.
+/// Kernels for training vectors of 8-bit or 16-bit integers. All targets give the same integers.
 template <class T>
 struct ProductKernels {
-  /// out[t * stride + i] = the distance of queries[t] to row i. Scalar products, and any part of
-  /// their sums, must stay below 2^31: vectors of up to 131071 numbers of 8 bits do, and those of
-  /// 16 bits whose squared length is 46340^2 at most.
+  /// out[t * stride + i] = the distance of queries[t] to row i. Scalar products and their partial
+  /// sums must stay below 2^31: vectors of up to 131071 8-bit values satisfy this, and vectors of
+  /// 16-bit values with a squared length of at most 46340^2.
   void (*tile)(std::span<const ProductQuery> queries, const ProductRows<T>& rows, uint16_t* out,
                size_t stride);
 };
 
-/// The kernels of cosine distances of the SIMD target in use (base/simd.h).
+/// The kernels of cosine distances for the current SIMD target (base/simd.h).
 template <class T>
 ProductKernels<T> select_cosine_kernels();
 template <>
 ProductKernels<int8_t> select_cosine_kernels();
 template <>
 ProductKernels<int16_t> select_cosine_kernels();
-/// Those of Euclidean distances: the root of the squared one, to the nearest, a half up, 65535 at
-/// most.
+/// The kernels of Euclidean distances: rounded to nearest, ties up, at most 65535.
 ProductKernels<int16_t> select_point_kernels();
 
 }  // namespace vpr

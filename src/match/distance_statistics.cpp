@@ -15,12 +15,12 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kColumns = 1024;  // training frames that are worked on at once
-constexpr size_t kRows = 64;       // sampled frames that meet them at once
+constexpr size_t kColumns = 1024;  // training frames per task
+constexpr size_t kRows = 64;       // sampled frames per tile
 constexpr uint64_t kMostSamples = 1'000'000;
 constexpr uint32_t kFewestDistances = 2;
 
-/// The neighbours [first, last) of a sampled frame, itself included.
+/// The neighbors [first, last) of a sampled frame, including itself.
 struct Neighbours {
   size_t first = 0;
   size_t last = 0;
@@ -32,7 +32,7 @@ struct Samples {
   std::vector<Neighbours> neighbours;
 };
 
-/// Of the distances of one training frame.
+/// Sums over the distances of one training frame.
 struct ColumnSums {
   uint32_t count = 0;
   uint64_t sum = 0;
@@ -71,8 +71,7 @@ Samples make_samples(std::span<const DescriptorSpan> train, const StatisticsSett
   return samples;
 }
 
-/// Sums of one tile of samples, in arrays of their own so that the compiler can take several
-/// columns at once.
+/// Sums of one tile of samples, in separate arrays so that the compiler can vectorize over columns.
 struct TileSums {
   std::array<uint32_t, kColumns> sum = {};
   std::array<uint32_t, kColumns> squares = {};
@@ -86,13 +85,13 @@ struct TileSums {
   }
 };
 
-// The squares of so many distances fit 32 bits; 64 for LDB.
+// The number of distances whose squares fit 32 bits; 64 for LDB.
 size_t rows_a_tile(const FrameDistances& distances) {
   const uint64_t square = std::max<uint64_t>(uint64_t{distances.largest} * distances.largest, 1);
   return std::clamp<uint64_t>(std::numeric_limits<uint32_t>::max() / square, 1, kRows);
 }
 
-// Training frames [first, first + count) against all samples.
+// Compares training frames [first, first + count) with all samples.
 void sum_columns(const FrameDistances& distances, const std::vector<Neighbours>& neighbours,
                  size_t first, size_t count, ColumnSums* sums) {
   std::vector<uint16_t> values(kRows * kColumns);

@@ -7,22 +7,22 @@
 
 namespace vpr {
 
-/// What is assumed of training data too short to tell, as a share of the largest distance: about
-/// what unrelated indoor frames give, 400 and 64 of LDB's 1386 bits.
+/// The typical distance assumed for too short training data, as a share of the largest distance:
+/// about the distance of unrelated indoor frames, 400 of LDB's 1386 bits.
 constexpr double unknown_distance(uint16_t largest) { return 400 * reference_bit(largest); }
-/// The standard deviation that goes with it.
+/// The corresponding standard deviation, 64 bits for LDB.
 constexpr double unknown_deviation(uint16_t largest) { return 64 * reference_bit(largest); }
 
-/// Bias and variance of every training frame, over its distances to the sampled readable frames
-/// that are not its neighbours. A frame with fewer than two of them has bias 0 and the mean
-/// variance of the others; where that is every frame, variance and typical distance are those
-/// unknown. Time O(frames * samples). Sums are integers: the same for any number of threads and any
+/// Bias and variance of every training frame over its distances to the sampled readable frames that
+/// are not its neighbors. A frame with fewer than two of them has bias 0 and the mean variance of
+/// the others; if there are no others, variance and typical distance are those assumed for unknown
+/// data. Time O(frames * samples). Sums are integers: the same for any number of threads and any
 /// SIMD target. Throws Error(usage) for settings out of range.
 TrainStatistics compute_statistics(std::span<const DescriptorSpan> train,
                                    const StatisticsSettings& settings, const Monitor& monitor);
 
-/// The frames that statistics compare with, rising: all readable ones if they are no more than
-/// settings.samples, else one, drawn, of each of as many equal stretches.
+/// The frames used as samples, increasing: all readable ones if there are at most settings.samples,
+/// otherwise one randomly chosen frame from each of settings.samples equal parts.
 std::vector<size_t> sampled_frames(std::span<const DescriptorSpan> train,
                                    const StatisticsSettings& settings);
 

@@ -19,14 +19,15 @@ namespace vpr {
 namespace {
 
 constexpr size_t kChunkFrames = 2048;       // descriptors of a chunk stay in the second-level cache
-constexpr size_t kFramesPerThread = 32768;  // below, a second thread costs more than it gives
+constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs more than it saves
 
-/// What is kept between frames: 8 bytes a train frame for sums, and either the ring (2 * (c_l + 1)
-/// bytes a train frame) or which the last c_l query frames were. Holds for one FrameDistances.
+/// The state between frames: 8 bytes per train frame for sums, and either the ring (2 * (c_l + 1)
+/// bytes per train frame) or the indices of the last c_l query frames. Valid for one
+/// FrameDistances.
 struct FastableState {
   size_t window_length = 0;
   size_t frames_seen = 0;
-  std::optional<size_t> least_lag;  ///< of a walk against itself (rows.h)
+  std::optional<size_t> least_lag;  ///< for a sequence against itself (rows.h)
   bool has_ring = false;
   std::vector<uint32_t> sums;  ///< of windows ending at each train frame and the last query frame
   std::vector<uint32_t> next_sums;
@@ -35,8 +36,8 @@ struct FastableState {
   std::vector<uint32_t> recent;  ///< without a ring: the f-th query frame at f mod window_length
 };
 
-/// Writes what enters the windows, for train frames [first, last) and the new query frame, to
-/// out[0] and on: as FrameDistances::tile says.
+/// Writes the distances that enter the windows, of train frames [first, last) and the new query
+/// frame, to out[0] and on, as FrameDistances::tile does.
 using RowSource = std::function<void(size_t first, size_t last, uint16_t* out)>;
 
 size_t padded(size_t frame_count) {
@@ -53,7 +54,7 @@ RowSource row_of(const FrameDistances& distances, uint32_t query) {
 void slide_frames(FastableState& state, const RowKernels& kernels, size_t first, size_t last,
                   const uint16_t* entering, const uint16_t* leaving) {
   if (first >= last) return;
-  if (first == 0) {  // nothing comes in from the left
+  if (first == 0) {  // no sum enters from the left
     state.next_sums[0] = entering[0];
     ++first;
     ++entering;
@@ -63,8 +64,8 @@ void slide_frames(FastableState& state, const RowKernels& kernels, size_t first,
                 last - first);
 }
 
-// The leaving term of window end i is the distance of train frame i - c_l to query frame f - c_l,
-// which the ring has kept; there is none where either index is negative.
+// The outgoing term of window end i is the distance of train frame i - c_l to query frame f - c_l,
+// which the ring has kept; there is none if either index is negative.
 void advance_with_ring(FastableState& state, const RowKernels& kernels, const RowSource& source,
                        size_t begin, size_t end) {
   const size_t rows = state.window_length + 1;
@@ -83,8 +84,8 @@ void advance_with_ring(FastableState& state, const RowKernels& kernels, const Ro
   }
 }
 
-// Without a ring the same pass over the descriptors gives both distances: those of the frame that
-// leaves are needed window_length train frames later, and wait in a delay line.
+// Without a ring, one pass over the descriptors computes both distances: those of the outgoing
+// frame are needed window_length train frames later, and wait in a delay line.
 void advance_without_ring(FastableState& state, const FrameDistances& distances,
                           const RowKernels& kernels, uint32_t frame, size_t begin, size_t end) {
   const size_t length = state.window_length;
@@ -96,7 +97,7 @@ void advance_without_ring(FastableState& state, const FrameDistances& distances,
   std::vector<uint16_t> entering(kChunkFrames);
   // delay[x] belongs to train frame delay_first + x.
   std::vector<uint16_t> delay(length + kStretchFrames + kChunkFrames, 0);
-  const size_t keep = length + kStretchFrames;  // entries kept in front of a chunk
+  const size_t keep = length + kStretchFrames;  // entries kept before a chunk
   if (history > 0) leaving_row(begin - history, begin, delay.data() + (keep - history));
   for (size_t first = begin; first < end; first += kChunkFrames) {
     const size_t last = std::min(first + kChunkFrames, end);
@@ -108,7 +109,7 @@ void advance_without_ring(FastableState& state, const FrameDistances& distances,
   }
 }
 
-// Long databases are shared between threads. `advance` takes train frames [begin, end).
+// Long databases are shared between threads. `advance` processes train frames [begin, end).
 template <class Advance>
 std::span<const uint32_t> advance_in_parts(FastableState& state, size_t frames,
                                            const Advance& advance) {
@@ -126,14 +127,14 @@ std::span<const uint32_t> advance_in_parts(FastableState& state, size_t frames,
   return state.sums;
 }
 
-// How many train frames the next query frame is compared with: of a walk against itself, those
-// that it, or a later frame along their diagonal, may match.
+// The number of train frames to compare with the next query frame: for a sequence against itself,
+// those that it, or a later frame on their diagonal, may match.
 size_t compared_frames(const FastableState& state) {
   if (!state.least_lag) return state.sums.size();
   return state.frames_seen < *state.least_lag ? 0 : state.frames_seen + 1 - *state.least_lag;
 }
 
-// Takes what has been started (FrameDistances::start_row).
+// Requires that the row has been started (FrameDistances::start_row).
 std::span<const uint32_t> advance_sums(FastableState& state, const RowKernels& kernels,
                                        const RowSource& source) {
   assert(state.has_ring);
@@ -153,7 +154,7 @@ std::span<const uint32_t> advance_started(FastableState& state, const FrameDista
   return sums;
 }
 
-// What entered another state's ring with the last query frame.
+// The distances that entered another state's ring with the last query frame.
 RowSource copy_of(const FastableState& state) {
   const size_t row = (state.frames_seen - 1) % (state.window_length + 1);
   return
@@ -167,13 +168,12 @@ size_t ring_bytes(const FastableState& state) {
 
 void check_scored_ring(const FrameDistances& distances, const MatchSettings& settings) {
   if (settings.window_length > kMaxScoredWindow)
-    throw Error(ErrorKind::usage,
-                fmt::format("standardized scores allow a c_l of {} at most, found {}",
-                            kMaxScoredWindow, settings.window_length));
+    throw Error(ErrorKind::usage, fmt::format("z-scores allow a c_l of at most {}, found {}",
+                                              kMaxScoredWindow, settings.window_length));
   if (!ring_fits(distances.train_frames, settings.window_length, settings.memory_limit))
     throw Error(ErrorKind::usage,
-                fmt::format("standardized scores of {} training frames at c_l {} need {} MiB of "
-                            "memory beside what other c_l take; raise --max-memory",
+                fmt::format("z-scores of {} training frames at c_l {} need {} MiB of memory in "
+                            "addition to other c_l; raise --max-memory",
                             distances.train_frames, settings.window_length,
                             (distances.train_frames * (settings.window_length + 1) >> 19) + 1));
 }
@@ -197,7 +197,7 @@ FastableState start_fastable(const FrameDistances& distances, const MatchSetting
   return state;
 }
 
-// Every length has sums of its own, and the rings share the memory.
+// Every length has its own sums, and the rings share the memory.
 std::vector<FastableState> start_lengths(const FrameDistances& distances,
                                          std::span<const size_t> window_lengths,
                                          MatchSettings settings) {

@@ -18,12 +18,12 @@ namespace vpr {
 
 namespace {
 
-constexpr size_t kChunkCells = 32768;  // shared between threads; sums are added chunk by chunk
+constexpr size_t kChunkCells = 32768;  // per task; sums are added chunk by chunk
 constexpr size_t kPartialSums = 8;
-constexpr double kWorstZ = 8;  // farther away counts as much
+constexpr double kWorstZ = 8;  // larger values are clamped
 constexpr uint32_t kMantissas = 1024;
-constexpr uint32_t kMantissaShift = 13;  // of a float's 23 bits, the upper 10 are looked up
-constexpr uint32_t kFraction = 256;      // units of logarithms in a unit of values
+constexpr uint32_t kMantissaShift = 13;  // the upper 10 of a float's 23 mantissa bits are looked up
+constexpr uint32_t kFraction = 256;      // units of logarithms per unit of values
 
 constexpr std::array<FilterRate, kRates> kFilterRates = {{
     {0.02, {1, 0, 0}},
@@ -59,8 +59,8 @@ std::vector<float> likelihood_table(const FilterSettings& settings) {
   return table;
 }
 
-// ln((1 + y) / (1 - y)) = 2 (y + y^3 / 3 + y^5 / 5 ...), by operations that all machines round
-// alike; |y| <= 1/3.
+// ln((1 + y) / (1 - y)) = 2 (y + y^3 / 3 + y^5 / 5 ...), by operations that every machine rounds
+// the same way; |y| <= 1/3.
 double natural_logarithm(double x) {
   const double y = (x - 1) / (x + 1);
   double power = y;
@@ -117,7 +117,7 @@ FilterStep next_step(const FilterState& state) {
   return step;
 }
 
-// Calls body(first, last) for cells that are shared between threads.
+// Calls body(first, last) for chunks of cells in several threads.
 template <class Body>
 void for_chunks(size_t cells, const Body& body) {
   const size_t chunks = (cells - kLongestStep + kChunkCells - 1) / kChunkCells;
@@ -153,7 +153,7 @@ uint16_t score_of(double distance, const ScoreScale& scale) {
 
 size_t end_of(const SeenView& view) { return view.first + view.distances.size(); }
 
-/// Cells [first, end) of all, which are of one run.
+/// Cells [first, end) of one run.
 struct Stretch {
   size_t first = 0;
   size_t end = 0;
@@ -168,7 +168,7 @@ Stretch around_path(const std::vector<const SeenView*>& views) {
   return stretch;
 }
 
-// `places`: of the whole map, for who is nowhere comes back to any of them.
+// `places`: of the whole map, because the off-map state can return to any of them.
 FilterCells cells_of(const Stretch& stretch, size_t places) {
   const size_t count = stretch.end - stretch.first;
   FilterCells cells;
@@ -179,7 +179,7 @@ FilterCells cells_of(const Stretch& stretch, size_t places) {
   return cells;
 }
 
-// Of the last view of the filter, whose cells are the stretch.
+// The margin for the last keyframe of a filter whose cells are `stretch`.
 uint32_t margin_near(const FilterState& filter, const Stretch& stretch, size_t best) {
   const size_t near = filter.settings.near_views;
   const size_t first = std::max(stretch.first, best - std::min(best, near));
@@ -253,7 +253,7 @@ void restart_filter(FilterState& state) {
   state.total = 1;
   const double everywhere = 0.5 / static_cast<double>(std::max<size_t>(state.cells.places, 1));
   for (size_t r = 0; r < kRates; ++r) {
-    // Changes of rate leave the priors as they are.
+    // Changes of the rate do not change the priors.
     const double each = everywhere * kFilterRates[r].prior;
     for (const CellRun& run : state.cells.runs)
       std::fill_n(state.before[r].begin() + static_cast<ptrdiff_t>(run.first), run.count,

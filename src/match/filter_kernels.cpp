@@ -1,6 +1,6 @@
-// Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
+// Compiled once per SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
-// The settings above come first.
+// The settings above must come first.
 #include "match/filter_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -15,7 +15,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A vector of so many cells: as many as a tag has lanes.
+// A vector with one cell per lane of the tag.
 template <class Tag>
 HWY_INLINE void StepCells(Tag d, const FilterStep& step, const float* likelihoods,
                           const ConstRateArrays& before, const RateArrays& after, float* masses,

@@ -6,27 +6,30 @@
 namespace vpr {
 
 struct FilterSettings {
-  /// A frame that differs from the last one kept by at least this share of the typical distance is
-  /// a view, in the query and in training sequences; the filter steps from view to view.
+  /// A frame that differs from the last keyframe by at least this share of the typical distance is
+  /// a keyframe, in the query and in training sequences; the filter steps from keyframe to
+  /// keyframe.
   double view_change = 0.15;
-  double sharpness = 0.5;     ///< log-likelihood that a deviation is worth
-  double unmatched = -0.5;    ///< the z that is as likely nowhere as at its training frame
-  double jump = 0.001;        ///< chance to be carried anywhere, per view
-  double enter = 0.01;        ///< chance to leave the map, per view
-  double leave = 0.05;        ///< chance to come back onto it, anywhere, per view
-  double rate_change = 0.05;  ///< chance to change the rate, per view
-  uint64_t near_views = 10;   ///< training views so close to the best one are not elsewhere
-  /// A path is trusted once it was the best one for so many views (the mean of those of the query
-  /// and those of the training sequence that it passed) and has had establish_margin and support;
-  /// or once its evidence was so large (PathTrack) and it has had establish_margin; and then, for
-  /// as long as it goes on, wherever it has establish_margin. One of twice as many views is trusted
-  /// once it has had kLongShare of both, and then at any margin.
+  double sharpness = 0.5;     ///< log-likelihood per deviation
+  double unmatched = -0.5;    ///< the z with equal likelihood off the map and at its training frame
+  double jump = 0.001;        ///< probability of a jump to any place, per keyframe
+  double enter = 0.01;        ///< probability to leave the map, per keyframe
+  double leave = 0.05;        ///< probability to return to any place of the map, per keyframe
+  double rate_change = 0.05;  ///< probability of another rate, per keyframe
+  uint64_t near_views = 10;   ///< exclusion zone around the best keyframe, in training keyframes
+  /// A track is confirmed once it was the best one for establish_views keyframes (the mean of those
+  /// of the query and those of the training sequence that it passed) and has had establish_margin
+  /// and support; or once its evidence reached establish_evidence (PathTrack) and it has had
+  /// establish_margin. While it continues, it is then accepted wherever it has establish_margin. A
+  /// track of twice as many keyframes is accepted once it has had kLongShare of both, and then at
+  /// any margin.
   uint64_t establish_views = 18;
   double establish_margin = 8;     ///< in deviations
   double establish_evidence = 16;  ///< in deviations
-  double support = 1.5;            ///< least mean of -z at the best places of 24 views
-  /// Least sum of the shares that its last views, weighted 1/2, 1/4, ..., have of a path's support
-  /// and the last one of its margin, less how much more the query changed than the training walk.
+  double support = 1.5;            ///< minimum mean of -z at the best places of 24 keyframes
+  /// Minimum sum of shares: the shares of a path's support that its last keyframes have, weighted
+  /// 1/2, 1/4, ..., and the last one's share of its margin, minus the excess of the query's change
+  /// over the training sequence's.
   double present_support = 1.1;
 };
 

@@ -10,7 +10,7 @@ namespace vpr {
 namespace {
 
 constexpr size_t kRecentViews = 16;
-constexpr size_t kFewViews = 6;  // fewer say nothing of the rate
+constexpr size_t kFewViews = 6;  // fewer keyframes do not determine the rate
 constexpr size_t kSupportViews = 24;
 constexpr size_t kMarginViews = 16;
 
@@ -34,7 +34,7 @@ BestPlace find_best(const PathTrack& track, const FilterState& state) {
 uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_t cell) {
   const size_t sequence = run_of(state.cells, cell).sequence;
   const size_t near = state.settings.near_views;
-  const size_t before = cell - std::min(cell, near);  // the first cell that is near
+  const size_t before = cell - std::min(cell, near);  // the first near cell
   uint32_t least = kNoValue;
   for (const CellRun& run : state.cells.runs) {
     const size_t end = run.first + run.count;
@@ -58,22 +58,22 @@ bool goes_on(const PathTrack& track, const FilterState& state, size_t cell) {
 
 int64_t in_scores(double deviations) { return std::llround(deviations * kScoreUnit); }
 
-// The mean of the last 24 views.
+// The mean of the last 24 keyframes.
 double usual_support(const PathTrack& track) {
   const auto views = static_cast<ptrdiff_t>(std::min(track.supports.size(), kSupportViews));
   const auto sum = std::accumulate(track.supports.end() - views, track.supports.end(), int64_t{0});
   return static_cast<double>(sum) / static_cast<double>(views);
 }
 
-// The mean of the views before it.
+// The mean of the earlier keyframes.
 double usual_margin(const PathTrack& track, uint32_t margin) {
   if (track.margins.empty()) return margin;
   const auto sum = std::accumulate(track.margins.begin(), track.margins.end(), uint64_t{0});
   return static_cast<double>(sum) / static_cast<double>(track.margins.size());
 }
 
-// Whoever is carried elsewhere loses support and margin that the path had, and what he sees changes
-// more than the training walk did. `excess`: by how much, in typical distances.
+// A kidnapped camera loses the support and margin of the path, and its images change more than the
+// training sequence. `excess`: this difference, in typical distances.
 bool is_present(const PathTrack& track, uint32_t margin, double excess, double least) {
   const double usual = usual_support(track);
   if (usual <= 0 || margin == 0) return false;
@@ -88,7 +88,7 @@ bool is_as_long(const PathTrack& track, size_t views) {
   return track.views + cell - std::min(cell, track.start) >= 2 * views;  // twice the length
 }
 
-// Places that look alike support a path, too, but less; the longer it is, the less will do.
+// Similar places support a path as well, but less; a longer path needs less.
 bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_t margin) {
   const auto has = [&](double share) {
     return margin >= in_scores(share * settings.establish_margin) &&
@@ -100,7 +100,7 @@ bool establishes(const PathTrack& track, const FilterSettings& settings, uint32_
          (is_as_long(track, 2 * settings.establish_views) && has(kLongShare));
 }
 
-// `margin` is what the place has, trusted or not.
+// `margin` is the margin of the place, confirmed or not.
 void judge(PathTrack& track, const FilterSettings& settings, uint32_t margin, double excess) {
   if (track.views == 1 || margin == 0 || track.support < 0) track.is_established = false;
   const bool is_now = is_present(track, margin, excess, settings.present_support);

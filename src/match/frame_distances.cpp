@@ -24,7 +24,7 @@ constexpr std::array<DistanceKind, 6> kKinds = {{
      hamming_projector,
      hamming_distances},
     {"cosine",
-     ElementType::whole_numbers,
+     ElementType::int8,
      {"units of cosine distance", 2.0 / 65535},
      largest_cosine,
      cosine_distance,
@@ -32,8 +32,8 @@ constexpr std::array<DistanceKind, 6> kKinds = {{
      plain_cosine_unrounded,
      cosine_projector,
      cosine_distances},
-    {"cosine of 16-bit numbers",
-     ElementType::wide_numbers,
+    {"cosine of 16-bit integers",
+     ElementType::int16,
      {"units of cosine distance", 2.0 / 65535},
      largest_cosine,
      wide_cosine_distance,
@@ -42,7 +42,7 @@ constexpr std::array<DistanceKind, 6> kKinds = {{
      wide_cosine_projector,
      wide_cosine_distances},
     {"euclidean",
-     ElementType::coordinates,
+     ElementType::points16,
      {"units of coordinates", 1},
      largest_point,
      point_distance,
@@ -51,8 +51,8 @@ constexpr std::array<DistanceKind, 6> kKinds = {{
      point_projector,
      point_distances},
     {"absolute differences",
-     ElementType::grey_levels,
-     {"256ths of a grey level", 1.0 / 256},
+     ElementType::gray_levels,
+     {"256ths of a gray level", 1.0 / 256},
      largest_grey,
      grey_distance,
      plain_grey,
@@ -86,7 +86,7 @@ uint64_t total_of_row(const FrameDistances& distances, size_t query) {
   return row_sum(distances, row);
 }
 
-// Summed over all pairs; below 2^64 for sets of less than 100 million frames of 1386 bits.
+// The sum over all pairs; below 2^64 for sets of less than 100 million frames of 1386 bits.
 uint64_t total_of_pairs(const FrameDistances& distances) {
   uint64_t sum = 0;
   for (const FrameRun& run : distances.query_runs)

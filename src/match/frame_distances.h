@@ -1,4 +1,4 @@
-// How far query frames are from training frames: whole numbers, whatever frames are described by.
+// Distances of query frames to training frames: integers, for descriptors of any kind.
 #pragma once
 
 #include <cstddef>
@@ -13,175 +13,170 @@
 
 namespace vpr {
 
-/// Stretches of training frames begin at multiples of this many frames, and are written in whole.
+/// Ranges of training frames begin at multiples of this number of frames, and are written in whole.
 inline constexpr size_t kStretchFrames = 8;
 
-/// What a distance of 1 is: its name after a number, and how much it is of what the method
-/// measures.
+/// The unit of distances: its name after a number, and its size in the units of the method.
 struct DistanceUnit {
   std::string_view name;  ///< "bits"
   double size = 1;        ///< 2/65535 of a cosine distance, 1/1024 of a deviation
 };
 
-/// What makes a score of a training frame's centred distance x: z = (x - mean) / deviation.
+/// The normalization of a training frame's centered distance x: z = (x - mean) / deviation.
 struct ScoreScale {
   double mean = 0;
   double deviation = 1;
 };
 
-/// Frame distances, from 0 to `largest`, between any frame of a query and any stretch of training
-/// frames; smaller is closer. They come tile by tile, with one indirect call a tile. Descriptors
-/// must outlive them. Makers fill all members; what decorates distances replaces those that it
-/// changes.
+/// Frame distances, from 0 to `largest`, between any frame of a query and any range of training
+/// frames; smaller is closer. Tiles are computed with one indirect call each. Descriptors must
+/// outlive them. Makers set all members; decorators replace those that they change.
 struct FrameDistances {
-  std::vector<DescriptorSpan> train;  ///< the training sequences, as given
+  std::vector<DescriptorSpan> train;  ///< the training sequences
   DescriptorSpan query;
   size_t train_frames = 0;  ///< of all sequences, one after the other
   size_t query_frames = 0;
-  std::vector<FrameRun> train_runs;  ///< where windows may lie, rising
+  std::vector<FrameRun> train_runs;  ///< runs in which windows may lie, increasing
   std::vector<FrameRun> query_runs;
   uint16_t largest = 0;
   DistanceUnit unit;
 
   /// Writes the distances of queries[t] to training frames [first, last) to out[t * stride] and on.
   /// `first` is a multiple of kStretchFrames; up to kStretchFrames - 1 more values may be written
-  /// behind each row, and `out` has room for them. May be called from several threads at once.
+  /// after each row, and `out` has room for them. Thread-safe.
   std::function<void(std::span<const uint32_t> queries, size_t first, size_t last, uint16_t* out,
                      size_t stride)>
       tile;
 
-  /// The sum of a query frame's distances to all readable training frames. Exact for bits; of
-  /// cosine distances and of pictures, rounded once. Not set where it takes as long as the row
-  /// (row_sum).
+  /// The sum of a query frame's distances to all readable training frames. Exact for bits; rounded
+  /// once for cosine distances and images. Not set if it takes as long as the row (row_sum).
   std::function<uint64_t(size_t query)> row_total;
-  size_t readable_frames = 0;  ///< how many those training frames are, whatever train_runs hold
+  size_t readable_frames = 0;  ///< number of readable training frames
 
-  /// Distances that depend on the frames before: called with a query frame before its row, whose
-  /// stretches are then asked for once each. Query frames come in order. Not set where any tile can
-  /// be asked for at any time.
+  /// Set for distances that depend on earlier frames: call it with a query frame before its row,
+  /// and then request each range of the row once. Query frames must come in order. Not set if any
+  /// tile can be computed at any time.
   std::function<void(size_t query)> start_row;
 
-  /// Of scores that are learned: what made those of the last row, and what would make them if the
-  /// training data, which learning starts from, had counted for little. Not set for distances.
+  /// For learned scores: the statistics of the last row, and those with a small weight of the
+  /// training data. Not set for distances.
   std::function<ScoreScale(size_t train_frame)> scale;
   std::function<ScoreScale(size_t train_frame)> learned_scale;
 
-  /// Of distances that come in order: that of unrelated training frames, before they were scored.
+  /// For distances in order: the distance of unrelated training frames before normalization.
   double typical_distance = 0;
 
-  /// Of a walk against itself: windows that end at a query frame match those that end before so
-  /// many training frames, which rise and never reach the frame itself. Empty: all.
+  /// For a sequence against itself: past[q] is the exclusive upper bound of the training frames
+  /// that query frame q may match. Non-decreasing, at most q. Empty: all frames.
   std::vector<uint32_t> past;
 
   /// The distances of another query to the same training frames, which are not prepared again. Not
-  /// set where they come in order.
+  /// set for distances in order.
   std::function<FrameDistances(const DescriptorSpan& query)> of_query;
 
   bool is_in_order() const { return static_cast<bool>(start_row); }
 };
 
-/// Sums over a few fixed descriptors of the distance to one, times weights.
+/// Weighted sums of the distances of a descriptor to fixed descriptors.
 using Projector = std::function<ComponentValues(DescriptorRow)>;
 
-/// A row of the table of distances: what two descriptors of an element type are compared by.
+/// An entry of the table of distances: the distance of two descriptors of an element type.
 struct DistanceKind {
   std::string_view name;
   ElementType element;
   DistanceUnit unit;
   uint16_t (*largest)(const DescriptorShape& shape);
-  uint32_t (*pair)(DescriptorRow a, DescriptorRow b);     ///< for few pairs; as the tiles say
-  uint32_t (*plain)(DescriptorRow a, DescriptorRow b);    ///< the oracle: as the method is stated
-  double (*unrounded)(DescriptorRow a, DescriptorRow b);  ///< the oracle's, before it is rounded
-  /// By what each element of a descriptor adds to the sums. `weights` has an entry a descriptor;
-  /// of multiples of 2^-20 sums of bits are exact, those of cosine distances are to the rounding of
-  /// doubles in a fixed order. The descriptors may end before the projector.
+  uint32_t (*pair)(DescriptorRow a, DescriptorRow b);   ///< for few pairs; equals the tiles
+  uint32_t (*plain)(DescriptorRow a, DescriptorRow b);  ///< the reference implementation
+  /// the reference implementation without rounding
+  double (*unrounded)(DescriptorRow a, DescriptorRow b);
+  /// Uses the contribution of each element of a descriptor to the sums. `weights` has one entry per
+  /// descriptor; for multiples of 2^-20, sums of bits are exact, and sums of cosine distances are
+  /// rounded as doubles in a fixed order. The projector may outlive the descriptors.
   Projector (*projector)(const DescriptorRows& to, std::span<const ComponentValues> weights);
   FrameDistances (*make)(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 };
 
-/// One row for every element type.
+/// One entry per element type.
 std::span<const DistanceKind> distance_kinds();
-/// The row of an element type, of which there is one.
 const DistanceKind& distance_of(ElementType element);
 
-/// The distances of a query to training sequences, by the kind of their descriptors, which is the
-/// same for all. Throws
-/// Error(data) for descriptors of different shapes, and for a length that the distance can't take.
+/// The distances of a query to training sequences, for the kind of their descriptors, which must be
+/// the same for all. Throws Error(data) for descriptors of different shapes, and for a length that
+/// the distance does not support.
 FrameDistances frame_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 
-/// Differing bits, for codes of up to 65472 bits; bits of the padding count like any other. Codes
-/// of 22 words (LDB) have a kernel of their own.
+/// Numbers of differing bits, for codes of up to 65472 bits; bits of the padding count as well.
+/// Codes of 22 words (LDB) have a separate kernel.
 FrameDistances hamming_distances(std::span<const DescriptorSpan> train,
                                  const DescriptorSpan& query);
-/// Differing bits of two codes of one length.
 uint32_t hamming_distance(DescriptorRow a, DescriptorRow b);
-/// The projector of Hamming distances: `weights` has one entry a row of `to`.
+/// The projector of Hamming distances: `weights` has one entry per row of `to`.
 Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// The bits of a shape, which has at most 65472.
+/// The bits of a shape, at most 65472.
 uint16_t largest_hamming(const DescriptorShape& shape);
 
-/// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to the nearest, a half up; of vectors of
-/// up to 131071 numbers. A vector of zeros is at right angles to all. Scalar products and squared
+/// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to nearest, ties up; for vectors of up to
+/// 131071 values. A vector of zeros is orthogonal to all others. Scalar products and squared
 /// lengths are exact integers, so that every machine gives the same numbers.
 FrameDistances cosine_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 /// The cosine distance of two vectors of one length, in units of 2/65535.
 uint32_t cosine_distance(DescriptorRow a, DescriptorRow b);
-/// The projector of cosine distances: `weights` has one entry a row of `to`.
+/// The projector of cosine distances: `weights` has one entry per row of `to`.
 Projector cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// The same for vectors of 16-bit numbers, whose squared length is kMostWideSquare at most
-/// (describe/imported.h): a longer one throws Error(data).
+/// As cosine_distances for vectors of 16-bit integers with a squared length of at most
+/// kMaxSquaredLength (describe/imported.h); throws Error(data) for a longer one.
 FrameDistances wide_cosine_distances(std::span<const DescriptorSpan> train,
                                      const DescriptorSpan& query);
 uint32_t wide_cosine_distance(DescriptorRow a, DescriptorRow b);
 Projector wide_cosine_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// 65535, whatever the shape.
+/// 65535 for any shape.
 uint16_t largest_cosine(const DescriptorShape& shape);
 
-/// |a - b| of two points, in the unit of their coordinates and rounded to the nearest, a half up;
-/// of points of up to 131071 coordinates that are at most kLongestPoint from the origin
+/// |a - b| of two points, in the unit of their coordinates and rounded to nearest, ties up; for
+/// points of up to 131071 coordinates that are at most kLongestPoint from the origin
 /// (describe/imported.h). Squares are exact. A row's total takes as long as the row.
 FrameDistances point_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 uint32_t point_distance(DescriptorRow a, DescriptorRow b);
 Projector point_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// Of opposite points, whatever the shape.
+/// The distance of opposite points, for any shape.
 uint16_t largest_point(const DescriptorShape& shape);
 
-/// The mean absolute difference of two pictures of one size, in 256ths of a grey level and rounded
-/// to the nearest, a half up.
+/// The mean absolute difference of two images of one size, in 256ths of a gray level and rounded to
+/// nearest, ties up.
 FrameDistances grey_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
 uint32_t grey_distance(DescriptorRow a, DescriptorRow b);
-/// Exact for pictures whose number of pixels is a power of two.
+/// Exact for images whose number of pixels is a power of two.
 Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
-/// 255 grey levels, whatever the shape.
+/// 255 gray levels, for any shape.
 uint16_t largest_grey(const DescriptorShape& shape);
 
-/// What makers of distances begin with: all members but those that give distances.
+/// The common start of makers of distances: all members except those that compute distances.
 FrameDistances frames_to_compare(std::span<const DescriptorSpan> train,
                                  const DescriptorSpan& query);
 
-/// The largest distance between descriptors of a shape.
 uint16_t largest_distance(const DescriptorShape& shape);
 
 /// The distance of two frames of one sequence.
 uint32_t frame_distance(const DescriptorRows& rows, size_t a, size_t b);
 
-/// The sum of a row's distances to readable training frames; `row` has one entry a training frame.
+/// The sum of a row's distances to readable training frames; `row` has one entry per training
+/// frame.
 uint64_t row_sum(const FrameDistances& distances, std::span<const uint16_t> row);
 
-/// Mean distance of a query frame to all readable training frames: their sum, divided once. 0 where
+/// Mean distance of a query frame to all readable training frames: their sum, divided once. 0 if
 /// there are none.
 double row_mean(const FrameDistances& distances, size_t query);
 
-/// Mean distance of a readable query frame to a readable training frame, over all pairs. 0 where
-/// either is empty.
+/// Mean distance over all pairs of readable query and training frames. 0 if there are none.
 double mean_distance_between(const FrameDistances& distances);
 
 /// Mean distance of two different readable frames of a sequence, over all pairs, from the distances
-/// of the sequence to itself. 0 of fewer than two.
+/// of the sequence to itself. 0 for fewer than two frames.
 double mean_distance_within(const FrameDistances& own);
 
-/// What was measured with LDB, whose largest distance is 1386 bits, as a share of another largest
-/// distance: so many of its units are one bit of LDB. Exactly 1 for LDB.
+/// Converts constants measured with LDB, whose largest distance is 1386 bits, to another largest
+/// distance: the size of one bit of LDB in its units. Exactly 1 for LDB.
 constexpr double reference_bit(uint16_t largest) { return largest / double{kLdbBits}; }
 
 }  // namespace vpr

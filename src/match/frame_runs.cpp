@@ -5,7 +5,7 @@
 namespace vpr {
 namespace {
 
-// Appends the stretches of a sequence between its unreadable frames.
+// Appends the runs of a sequence between its unreadable frames.
 void append_runs(std::vector<FrameRun>& runs, size_t first, size_t sequence,
                  const DescriptorSpan& span) {
   size_t start = 0;

@@ -1,4 +1,4 @@
-// The stretches of readable frames in which windows may lie.
+// The runs of readable frames that contain windows.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,10 @@
 
 namespace vpr {
 
-/// Readable frames in a row, of one sequence. Windows lie within a run and never cross its end: an
-/// unreadable frame, like the end of a sequence, ends a run.
+/// Consecutive readable frames of one sequence. Windows lie within a run and never cross its end:
+/// an unreadable frame and the end of a sequence end a run.
 struct FrameRun {
-  size_t first = 0;  ///< among all frames of the set
+  size_t first = 0;  ///< in all frames of the set
   size_t count = 0;
   size_t sequence = 0;
   size_t first_in_sequence = 0;
@@ -23,16 +23,16 @@ struct FrameRun {
   }
 };
 
-/// The stretches of one sequence between its unreadable frames.
+/// The runs of one sequence between its unreadable frames.
 std::vector<FrameRun> readable_runs(const DescriptorSpan& sequence);
 
-/// The same of several sequences, one after the other.
+/// The runs of several sequences, one after the other.
 std::vector<FrameRun> readable_runs(std::span<const DescriptorSpan> sequences);
 
-/// Frames of all sequences, with those that can't be read.
+/// The number of frames of all sequences, including unreadable ones.
 size_t count_frames(std::span<const DescriptorSpan> sequences);
 
-/// Windows of `window_length` frames in all runs; 0 where every run is shorter.
+/// The number of windows of `window_length` frames in all runs; 0 if every run is shorter.
 size_t count_windows(std::span<const FrameRun> runs, size_t window_length);
 
 /// Whether each of `frames` frames is in a run: 1 or 0.

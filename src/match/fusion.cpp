@@ -22,7 +22,7 @@ size_t neighbours_of(size_t frames, const StatisticsSettings& settings) {
                   static_cast<size_t>(settings.neighbour_share * static_cast<double>(frames)));
 }
 
-// By matched training frame; kNothing where it could not be decoded.
+// By matched training frame; kNothing for undecodable frames.
 std::vector<int32_t> likelihoods_of(const FusionBasis& basis, const WordSet& words) {
   const std::vector<int32_t> of_views = view_likelihoods(*basis.evidence, words);
   std::vector<int32_t> likelihoods;
@@ -32,7 +32,7 @@ std::vector<int32_t> likelihoods_of(const FusionBasis& basis, const WordSet& wor
   return likelihoods;
 }
 
-// A training frame and its neighbours.
+// Excludes a training frame and its neighbors.
 void leave_out(std::vector<int32_t>& likelihoods, const FusionBasis& basis, size_t own) {
   const std::vector<size_t>& frames = basis.evidence->of->frames;
   size_t sequence = 0;
@@ -48,7 +48,7 @@ void leave_out(std::vector<int32_t>& likelihoods, const FusionBasis& basis, size
   }
 }
 
-/// Of those that are known, in nats.
+/// Statistics of the known likelihoods, in nats.
 struct Spread {
   double mean = 0;
   double variance = 0;
@@ -70,7 +70,7 @@ Spread spread_of(std::span<const int32_t> behind) {
   return {mean, std::max(0.0, of_squares - mean * mean)};
 }
 
-// Which training frame a frame's words are of.
+// The training frame of a frame's words.
 std::optional<size_t> own_frame(const FusionBasis& basis, const WordSet& words) {
   const std::vector<WordSet>& trained = basis.evidence->of->words;
   const std::less<> before;
@@ -124,7 +124,7 @@ constexpr double kFirstFrames = 5;
 constexpr double kFirstRatio = 0.6;
 constexpr int kFrameBits = 40;
 
-/// Where a matched training frame is.
+/// The position of a matched training frame.
 struct Position {
   size_t walk = 0;
   size_t frame = 0;
@@ -143,7 +143,7 @@ bool are_near(size_t a, size_t b, std::span<const FusedWalk> walks) {
          std::max(a, b) - std::min(a, b) <= walks[first.walk].neighbours;
 }
 
-// That any training frame is near this one.
+// The probability that a random training frame is near this one.
 double chance(size_t frame, std::span<const FusedWalk> walks) {
   size_t all = 0;
   for (const FusedWalk& walk : walks) all += walk.frames;
@@ -151,7 +151,7 @@ double chance(size_t frame, std::span<const FusedWalk> walks) {
   return std::min(1.0, static_cast<double>(near) / static_cast<double>(all));
 }
 
-constexpr double kMostNats = 1e6;  // that fit
+constexpr double kMostNats = 1e6;  // maximum that fits
 
 int32_t in_units(double nats) {
   return static_cast<int32_t>(std::floor(std::clamp(nats, -kMostNats, kMostNats) * kNatUnit + 0.5));
@@ -268,7 +268,7 @@ std::vector<int32_t> view_likelihoods(const ViewEvidence& evidence, const WordSe
   const std::vector<double> nats =
       fabmap2_fixed_log_likelihoods({evidence.model, views, evidence.index, words, views.views()});
   std::vector<int32_t> likelihoods(nats.size());
-  // The first view's is a number like any other: what is added to all is taken away with it.
+  // The likelihood of the first view is arbitrary: a common constant cancels.
   std::transform(nats.begin(), nats.end(), likelihoods.begin(),
                  [&](double value) { return in_units(value - nats.front()); });
   return likelihoods;

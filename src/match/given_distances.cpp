@@ -20,12 +20,12 @@ namespace vpr {
 
 namespace {
 
-constexpr double kSteps = 65535;   // of a matrix that is rounded
-constexpr size_t kPiece = 512;     // values that are read at once
-constexpr size_t kScanned = 1024;  // lines of the file that one task looks at
+constexpr double kSteps = 65535;   // of a rounded matrix
+constexpr size_t kPiece = 512;     // values read at once
+constexpr size_t kScanned = 1024;  // lines of the file per task
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// What a pass over a part of the file finds.
+/// The result of a pass over a part of the file.
 struct Extent {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ GivenUnits units_of(const Extent& all, bool is_similarity, bool is_whole) {
   GivenUnits units{best, 1, is_whole && range <= kSteps, 0, is_similarity ? all.least : all.most};
   if (!units.is_exact && range / kSteps > 0) units.unit = range / kSteps;
   units.largest = static_cast<uint16_t>(
-      units.is_exact ? std::max(range, 1.0) : kSteps);  // of equal scores, too, there is one
+      units.is_exact ? std::max(range, 1.0) : kSteps);  // equal scores have a unit as well
   return units;
 }
 
@@ -53,7 +53,7 @@ uint16_t quantised(double score, const GivenUnits& units, bool is_similarity) {
       std::clamp(above / units.unit + 0.5, 0.0, static_cast<double>(units.largest)));
 }
 
-/// References that follow each other, for training frames that do.
+/// Consecutive references for consecutive training frames.
 struct Stretch {
   size_t first = 0;  ///< training frame
   size_t count = 0;
@@ -75,7 +75,7 @@ std::vector<Stretch> stretches_of(std::span<const DescriptorSpan> train) {
   return stretches;
 }
 
-// The same, of the frames that can be read.
+// The ranges of readable frames.
 std::vector<Stretch> readable_stretches(std::span<const DescriptorSpan> train) {
   std::vector<Stretch> readable;
   for (const DescriptorSpan& sequence : train)
@@ -86,7 +86,7 @@ std::vector<Stretch> readable_stretches(std::span<const DescriptorSpan> train) {
   return readable;
 }
 
-// Distances of a query frame to training frames [first, last).
+// Reads the distances of a query frame to training frames [first, last).
 void read_row(const GivenDistances& given, size_t query, const std::vector<Stretch>& stretches,
               size_t first, size_t last, uint16_t* out) {
   auto stretch = std::upper_bound(stretches.begin(), stretches.end(), first,
@@ -118,18 +118,18 @@ GivenDistances::GivenDistances(const std::filesystem::path& path, const ScoreFor
   scan(monitor);
 }
 
-// NaN also for an infinite score on the bad side.
+// NaN also for an infinite score at the worst end.
 double GivenDistances::score_of(double number) const {
   return std::isinf(number) && (number > 0) != is_similarity() ? kNone : number;
 }
 
-// Lines are what lies side by side in the file.
+// Lines are contiguous values in the file.
 void GivenDistances::scan(const Monitor& monitor) {
   const bool by_query = file_.is_query_major();
   const size_t lines = by_query ? queries() : references();
   const size_t length = by_query ? references() : queries();
   std::vector<Extent> extents(lines);
-  std::vector<std::atomic<uint8_t>> has_score(length);  // across lines
+  std::vector<std::atomic<uint8_t>> has_score(length);  // over all lines
   StepCounter counter(monitor, "scores", lines);
   parallel_for((lines + kScanned - 1) / kScanned, monitor, [&](size_t task) {
     std::vector<double> numbers(length);
@@ -162,13 +162,14 @@ void GivenDistances::scan(const Monitor& monitor) {
   if (all.least > all.most)
     throw Error(ErrorKind::data, fmt::format("{}: has no score", file_.name()));
   if (std::isinf(all.least) || std::isinf(all.most))
-    throw Error(ErrorKind::data,
-                fmt::format("{}: has an infinite {}, better than all others; say with --missing "
-                            "what is no score",
-                            file_.name(), is_similarity() ? "similarity" : "distance"));
+    throw Error(
+        ErrorKind::data,
+        fmt::format(
+            "{}: has an infinite {}, better than all others; use --missing to mark missing scores",
+            file_.name(), is_similarity() ? "similarity" : "distance"));
   if (std::isinf(all.most - all.least))
     throw Error(ErrorKind::data, fmt::format("{}: has scores from {} to {}, too far apart to be "
-                                             "compared; say with --missing what is no score",
+                                             "compared; use --missing to mark missing scores",
                                              file_.name(), all.least, all.most));
   units_ = units_of(all, is_similarity(), file_.is_whole());
 }
@@ -207,8 +208,8 @@ uint32_t frame_number(DescriptorRow row) {
 FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query) {
   if (!query.given)
     throw Error(ErrorKind::usage,
-                "of a matrix of scores, nothing is known of how far training frames are from each "
-                "other: give --t-r a number, or --margin and --margin-width");
+                "a matrix of scores has no distances between training frames: pass a number to "
+                "--t-r, or use --margin and --margin-width");
   FrameDistances distances = frames_to_compare(train, query);
   const GivenDistances* given = query.given;
   distances.largest = given->units().largest;

@@ -21,31 +21,31 @@ struct ScoreFormat {
 };
 
 /// Scores of queries x references: float16, float32, float64, bool, and integers of 8 to 64 bits,
-/// little-endian, in C or Fortran order. Memory-mapped; a score is read when it is asked for.
+/// little-endian, in C or Fortran order. Memory-mapped; scores are read on demand.
 class ScoreFile {
  public:
   ScoreFile() = default;
-  /// Throws Error(input) if the file can't be read, Error(data) if it is not such a matrix, or has
-  /// no values.
+  /// Throws Error(input) if the file cannot be read, Error(data) if it is not a matrix of these
+  /// types or has no values.
   ScoreFile(const std::filesystem::path& path, const ScoreFormat& format);
 
   const std::string& name() const { return name_; }
   const ScoreFormat& format() const { return format_; }
   size_t queries() const { return queries_; }
   size_t references() const { return references_; }
-  /// Whether the scores of one query lie side by side, or else those of one reference.
+  /// Whether the scores of one query are contiguous, rather than those of one reference.
   bool is_query_major() const { return is_query_major_; }
   /// Whether all scores are integers by their type.
   bool is_whole() const { return type_->is_whole; }
 
-  /// Writes the scores of one query to references [first, first + count); NaN where there is none.
-  /// May be called from several threads at once. Throws Error(data) for integers beyond 2^53, which
-  /// doubles do not tell apart.
+  /// Writes the scores of one query to references [first, first + count); NaN for missing scores.
+  /// Thread-safe. Throws Error(data) for integers beyond 2^53, which double cannot represent
+  /// exactly.
   void read_query(size_t query, size_t first, size_t count, double* scores) const;
-  /// The same for the scores of one reference to queries [first, first + count).
+  /// Writes the scores of one reference to queries [first, first + count), likewise.
   void read_reference(size_t reference, size_t first, size_t count, double* scores) const;
-  /// Releases the memory of queries [first, first + count), or of references where those lie side
-  /// by side.
+  /// Releases the memory of queries [first, first + count), or of references if those are
+  /// contiguous.
   void forget(size_t first, size_t count) const;
 
   /// The checksum of the whole file, as in provenance.
@@ -64,43 +64,41 @@ class ScoreFile {
   size_t references_ = 0;
 };
 
-/// What whole numbers stand for: the distance k is of the score best + k * unit, or, of
-/// similarities, best - k * unit, to the nearest.
+/// The meaning of integer distances: the distance k stands for the score best + k * unit or, for
+/// similarities, best - k * unit, rounded to nearest.
 struct GivenUnits {
   double best = 0;
   double unit = 1;
   bool is_exact = false;   ///< no score is rounded
-  uint16_t largest = 0;    ///< also where there is no score
+  uint16_t largest = 0;    ///< also the distance of missing scores
   double worst_score = 0;  ///< of the file
 };
 
 /// A matrix of scores of all pairs of query frames and references, memory-mapped; a block is read
-/// when its distances are asked for. Whole numbers whose range fits 16 bits keep their unit; others
-/// are rounded to 65535 steps from the best score to the worst, so that a distance is off by half a
-/// step at most. The best distance is 0, but that distances which are never negative keep their 0.
-/// Infinite scores on the bad side, like NaN, are none.
+/// when its distances are requested. Integers with a range of 16 bits keep their unit; other scores
+/// are rounded to 65535 steps from the best to the worst, so the error of a distance is at most
+/// half a step. The best distance is 0, but for non-negative distances 0 stays 0. Infinite scores
+/// at the worst end are missing, like NaN.
 class GivenDistances {
  public:
-  /// Reads the whole file once. Throws Error(input) if it can't be read; Error(data) if it is no
-  /// such matrix, has no score, or an infinite one that is better than all; and
-  /// Error(interrupted).
+  /// Reads the whole file once. Throws Error(input) if it cannot be read; Error(data) if it is not
+  /// a matrix of scores, has no score, or has an infinite best score; and Error(interrupted).
   GivenDistances(const std::filesystem::path& path, const ScoreFormat& format,
                  const Monitor& monitor);
 
   size_t queries() const { return file_.queries(); }
   size_t references() const { return file_.references(); }
   const GivenUnits& units() const { return units_; }
-  /// Queries, and references, without any score; rising.
+  /// Queries and references without any score; increasing.
   const std::vector<size_t>& empty_queries() const { return empty_queries_; }
   const std::vector<size_t>& empty_references() const { return empty_references_; }
 
-  /// Writes the distances of a query to references [first, first + count). May be called from
-  /// several threads at once; throws Error(data) as the constructor does for a file that changed.
+  /// Writes the distances of a query to references [first, first + count). Thread-safe. Throws
+  /// Error(data) as the constructor does if the file has changed.
   void read(size_t query, size_t first, size_t count, uint16_t* out) const;
-  /// One of them, by the definition of units: what read is compared with.
+  /// A single distance by the definition of units, as reference for read().
   uint32_t distance(size_t query, size_t reference) const;
 
-  /// The checksum of the file.
   std::string fingerprint(const Monitor& monitor) const { return file_.fingerprint(monitor); }
 
  private:
@@ -114,19 +112,19 @@ class GivenDistances {
   std::vector<size_t> empty_references_;
 };
 
-/// The number of a frame as its descriptor: what stands for a frame of which only distances are
-/// known. Numbers first, first + 1, ..., appended to `rows`.
+/// The number of a frame as its descriptor, for frames with precomputed distances only. Appends the
+/// numbers first, first + 1, ... to `rows`.
 void append_frame_numbers(std::vector<uint8_t>& rows, size_t first, size_t count);
-/// The number that a descriptor is.
+/// The number stored in a descriptor.
 uint32_t frame_number(DescriptorRow row);
 
-/// The distances that `query.given` holds, of the query frames to the references that descriptors
-/// are the numbers of. Throws Error(usage) where nothing is given: distances of training frames to
-/// each other are not known.
+/// The distances in `query.given`, of the query frames to the references whose numbers are the
+/// descriptors. Throws Error(usage) without precomputed distances: distances between training
+/// frames are unknown.
 FrameDistances given_distances(std::span<const DescriptorSpan> train, const DescriptorSpan& query);
-/// Of frames of one side nothing is known but whether they are the same: 0, or the largest.
+/// Distances within one side are unknown: 0 for a frame and itself, otherwise the largest distance.
 uint32_t number_distance(DescriptorRow a, DescriptorRow b);
-/// Nothing is known that frames could have in common.
+/// Always 0: frames with precomputed distances have no known components.
 Projector number_projector(const DescriptorRows& to, std::span<const ComponentValues> weights);
 uint16_t largest_given(const DescriptorShape& shape);
 

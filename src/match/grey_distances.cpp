@@ -15,30 +15,30 @@ namespace vpr {
 namespace {
 
 constexpr size_t kLevels = 256;
-constexpr uint64_t kUnits = 256;  // of a grey level
-constexpr size_t kPart = 64;      // training frames whose differences are kept at once
+constexpr uint64_t kUnits = 256;  // per gray level
+constexpr size_t kPart = 64;      // training frames whose differences are buffered
 
 size_t round_up(size_t value, size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-// The mean of so many pixels, to the nearest unit, a half up.
+// The mean over `pixels` pixels, rounded to the nearest unit, ties up.
 uint64_t rounded_mean(uint64_t sum, size_t pixels) {
   return (2 * kUnits * sum + pixels) / (2 * pixels);
 }
 
-/// What one pixel adds to a sum over descriptors, by its level.
+/// The contribution of one pixel to a sum over descriptors, by its level.
 template <class T>
 using OfLevel = std::array<T, kLevels>;
 
-// For each level v the sum over levels u of weights[u] |v - u|.
+// For each level v, the sum over levels u of weights[u] |v - u|.
 template <class T>
 OfLevel<T> differences_to(const OfLevel<T>& weights) {
   OfLevel<T> sums = {};
   for (size_t u = 1; u < kLevels; ++u) sums[0] += weights[u] * static_cast<T>(u);
   T below = {};
   T above = std::accumulate(weights.begin(), weights.end(), T{});
-  for (size_t v = 1; v < kLevels; ++v) {  // one level higher: nearer to what is above
+  for (size_t v = 1; v < kLevels; ++v) {  // one level higher: nearer to the higher levels
     below += weights[v - 1];
     above -= weights[v - 1];
     sums[v] = sums[v - 1] + below - above;
@@ -46,7 +46,7 @@ OfLevel<T> differences_to(const OfLevel<T>& weights) {
   return sums;
 }
 
-/// What distances of any query to the same training frames share. Pictures are padded.
+/// The common data of distances to the same training frames. Images are padded.
 struct Training {
   std::vector<DescriptorSpan> sequences;
   GreyKernels kernels;
@@ -54,8 +54,8 @@ struct Training {
   size_t padded_length = 0;
   std::vector<uint8_t> rows;
   std::once_flag has_totals;
-  std::vector<OfLevel<int64_t>>
-      totals;  ///< of all readable frames by pixel, made when first asked for
+  /// Over all readable frames, by pixel; computed on first use.
+  std::vector<OfLevel<int64_t>> totals;
 };
 
 std::vector<uint8_t> padded(const DescriptorRows& rows, size_t padded_length) {
@@ -130,12 +130,12 @@ uint32_t grey_distance(DescriptorRow a, DescriptorRow b) {
   return static_cast<uint32_t>(rounded_mean(sum, a.size()));
 }
 
-// Weights are multiples of 2^-20, so that their sums are exact in any order.
+// Weights are multiples of 2^-20, so their sums are exact in any order.
 Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValues> weights) {
   const size_t length = to.shape.length;
   const auto sums = std::make_shared<std::vector<OfLevel<ComponentValues>>>(length);
   for (size_t x = 0; x < length; ++x) {
-    for (size_t k = 0; k < kMostComponents; ++k) {
+    for (size_t k = 0; k < kMaxComponents; ++k) {
       OfLevel<double> of_level = {};
       for (size_t i = 0; i < to.size(); ++i) of_level[to[i][x]] += weights[i][k];
       of_level = differences_to(of_level);
@@ -145,7 +145,7 @@ Projector grey_projector(const DescriptorRows& to, std::span<const ComponentValu
   return [sums, length](DescriptorRow row) {
     ComponentValues values = {};
     for (size_t x = 0; x < length; ++x)
-      for (size_t k = 0; k < kMostComponents; ++k) values[k] += (*sums)[x][row[x]][k];
+      for (size_t k = 0; k < kMaxComponents; ++k) values[k] += (*sums)[x][row[x]][k];
     for (double& value : values) value *= static_cast<double>(kUnits) / static_cast<double>(length);
     return values;
   };

@@ -1,6 +1,6 @@
-// Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
+// Compiled once per SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
-// The settings above come first.
+// The settings above must come first.
 #include <cstdlib>
 
 #include "match/grey_kernels.h"
@@ -17,7 +17,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_TARGET == HWY_SCALAR  // one lane, which has no bytes
+#if HWY_TARGET == HWY_SCALAR  // one lane, without bytes
 
 uint32_t Differences(const uint8_t* a, const uint8_t* b, size_t length) {
   uint32_t sum = 0;
@@ -42,7 +42,7 @@ HWY_INLINE uint32_t Differences(const uint8_t* HWY_RESTRICT a, const uint8_t* HW
 
 #endif
 
-// A row stays in the nearest cache while the query frames pass.
+// A row stays in the nearest cache for all query frames.
 void Tile(std::span<const uint8_t* const> queries, const uint8_t* rows, size_t row_count,
           size_t length, uint32_t* out) {
   for (size_t i = 0; i < row_count; ++i)

@@ -20,12 +20,12 @@ namespace {
 
 constexpr size_t kWordBytes = sizeof(uint64_t);
 constexpr size_t kFewWords = 2 * kLdbBytes / kWordBytes;  // two LDB codes need no allocation
-constexpr size_t kMostWords = kMostBits / 64;
+constexpr size_t kMostWords = kMaxBits / 64;
 
-/// How many frames have each bit.
+/// The number of frames that have each bit set.
 struct BitCounts {
   size_t frames = 0;
-  std::vector<uint32_t> ones;  ///< frames that have the bit, for every bit of a row, with padding
+  std::vector<uint32_t> ones;  ///< by bit of a row, with padding
   int64_t total = 0;           ///< their sum
 };
 
@@ -72,7 +72,8 @@ class BitCounter {
   size_t pending_ = 0;
 };
 
-// Readable frames of all sequences, whose rows have `row_bytes` bytes. Fewer than 2^32 frames.
+// Counts the readable frames of all sequences, whose rows have `row_bytes` bytes. Fewer than 2^32
+// frames.
 BitCounts count_bits(std::span<const DescriptorSpan> sequences, size_t row_bytes) {
   BitCounter counter(row_bytes);
   for (const DescriptorSpan& sequence : sequences)
@@ -81,9 +82,9 @@ BitCounts count_bits(std::span<const DescriptorSpan> sequences, size_t row_bytes
   return counter.result();
 }
 
-// The sum of the distances of a code to the frames that were counted.
+// The sum of the distances of a code to the counted frames.
 uint64_t distance_sum(const BitCounts& counts, DescriptorRow code) {
-  // A bit that is not set differs from the codes that have it, one that is set from all others.
+  // A clear bit differs from the codes in which it is set, a set bit from all others.
   int64_t sum = counts.total;
   const auto frames = static_cast<int64_t>(counts.frames);
   for (size_t byte = 0; byte < code.size(); byte += sizeof(uint64_t)) {
@@ -96,15 +97,15 @@ uint64_t distance_sum(const BitCounts& counts, DescriptorRow code) {
   return static_cast<uint64_t>(sum);
 }
 
-/// What distances of any query to the same training frames share. `lanes` are these frames in the
-/// layout of the kernels, `words` a block, padded with zero codes to whole blocks.
+/// The common data of distances to the same training frames. `lanes` are these frames in the layout
+/// of the kernels, `words` per block, padded with zero codes to whole blocks.
 struct Training {
   std::vector<DescriptorSpan> sequences;
   size_t words = 0;
   HammingKernels kernels;
   std::vector<LaneWords> lanes;
   std::once_flag has_counts;
-  BitCounts counts;  ///< of all readable frames, made when they are first asked for
+  BitCounts counts;  ///< over all readable frames; computed on first use
 };
 
 std::vector<LaneWords> make_lanes(const Training& training) {
@@ -194,11 +195,11 @@ uint32_t hamming_distance(DescriptorRow a, DescriptorRow b) {
   return static_cast<uint32_t>(distance);
 }
 
-// A bit that is not set differs from the descriptors that have it, one that is set from the others.
+// A clear bit differs from the descriptors in which it is set, a set bit from the others.
 Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentValues> weights) {
   struct Sums {
-    ComponentValues of_none = {};              ///< of a descriptor without a bit
-    std::vector<ComponentValues> more_of_bit;  ///< what each bit adds
+    ComponentValues of_none = {};              ///< of a descriptor without a set bit
+    std::vector<ComponentValues> more_of_bit;  ///< the contribution of each bit
   };
   const auto sums = std::make_shared<Sums>();
   sums->more_of_bit.resize(8 * to.shape.row_bytes());
@@ -206,7 +207,7 @@ Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentV
     const DescriptorRow row = to[i];
     for (size_t bit = 0; bit < sums->more_of_bit.size(); ++bit) {
       const bool is_set = (row[bit / 8] >> bit % 8 & 1) != 0;
-      for (size_t k = 0; k < kMostComponents; ++k) {
+      for (size_t k = 0; k < kMaxComponents; ++k) {
         sums->more_of_bit[bit][k] += is_set ? -weights[i][k] : weights[i][k];
         if (is_set) sums->of_none[k] += weights[i][k];
       }
@@ -220,7 +221,7 @@ Projector hamming_projector(const DescriptorRows& to, std::span<const ComponentV
       for (; bits != 0; bits &= bits - 1) {
         const ComponentValues& more =
             sums->more_of_bit[8 * byte + static_cast<size_t>(std::countr_zero(bits))];
-        for (size_t k = 0; k < kMostComponents; ++k) values[k] += more[k];
+        for (size_t k = 0; k < kMaxComponents; ++k) values[k] += more[k];
       }
     }
     return values;
@@ -231,8 +232,9 @@ FrameDistances hamming_distances(std::span<const DescriptorSpan> train,
                                  const DescriptorSpan& query) {
   const size_t row_bytes = query.rows.shape.row_bytes();
   if (row_bytes > kMostWords * kWordBytes)
-    throw Error(ErrorKind::data, fmt::format("codes of {} bits: Hamming distances take {} at most",
-                                             query.rows.shape.length, 8 * kMostWords * kWordBytes));
+    throw Error(ErrorKind::data,
+                fmt::format("codes of {} bits: the maximum for Hamming distances is {}",
+                            query.rows.shape.length, 8 * kMostWords * kWordBytes));
   const auto training = std::make_shared<Training>();
   training->sequences.assign(train.begin(), train.end());
   training->words = row_bytes / kWordBytes;

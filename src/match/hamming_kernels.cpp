@@ -1,6 +1,6 @@
-// Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
+// Compiled once per SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
-// The settings above come first.
+// The settings above must come first.
 #include <cstring>
 
 #include "describe/ldb.h"
@@ -23,7 +23,7 @@ using Words = hn::Vec<WordTag>;
 using DistanceTag = hn::Rebind<uint16_t, WordTag>;
 
 constexpr size_t kLdbWords = kLdbBytes / 8;
-constexpr size_t kLanes = hn::MaxLanes(WordTag());  // frames a vector: 8, 4, 2 or 1
+constexpr size_t kLanes = hn::MaxLanes(WordTag());  // frames per vector: 8, 4, 2 or 1
 static_assert(kStretchFrames % kLanes == 0);
 
 // The sums of bits of three words a, b, c are carry bits of weight 2 and parity bits of weight 1.
@@ -36,13 +36,13 @@ HWY_INLINE Words Carry(Words p, Words q, Words r) {
 #endif
 }
 
-#if HWY_TARGET == HWY_SCALAR  // one lane, which has no bytes
+#if HWY_TARGET == HWY_SCALAR  // one lane, without bytes
 
 HWY_INLINE Words CountBits(Words v) { return hn::PopulationCount(v); }
 HWY_INLINE Words SumBytes(Words v) { return v; }
 HWY_INLINE Words AddCounts(Words a, Words b) { return hn::Add(a, b); }
 
-#else  // bits are counted in bytes: a sum of 176 at most fits in one
+#else  // counts bits in bytes: a sum of at most 176 fits one byte
 
 using ByteTag = hn::Repartition<uint8_t, WordTag>;
 
@@ -57,8 +57,8 @@ HWY_INLINE Words AddCounts(Words a, Words b) {
 #endif
 
 // Distances of `kLanes` frames, from prefix parities. The exclusive or of two codes' prefix
-// parities is the prefix parity of the differing bits, so that a full adder over two more words
-// costs one operation (Carry), and 12 population counts do the work of 22.
+// parities is the prefix parity of the differing bits, so a full adder over two more words costs
+// one operation (Carry), and 12 population counts do the work of 22.
 HWY_INLINE Words Distances(const Words* HWY_RESTRICT frames, const uint64_t* HWY_RESTRICT query) {
   const WordTag d;
   Words parity = hn::Zero(d);
@@ -93,7 +93,7 @@ void EncodeParities(const uint8_t* code, size_t, uint64_t* words) {
   for (size_t w = 1; w < kLdbWords; ++w) words[w] ^= words[w - 1];
 }
 
-// One query frame, fewer than 22 vectors live: each word is used as it is loaded.
+// One query frame, with fewer than 22 live vectors: each word is used when it is loaded.
 void LdbRow(const uint64_t* query, const LaneWords* blocks, size_t block_count, uint16_t* out) {
   for (size_t b = 0; b < block_count; ++b) {
     for (size_t part = 0; part < kStretchFrames / kLanes; ++part) {
@@ -104,7 +104,7 @@ void LdbRow(const uint64_t* query, const LaneWords* blocks, size_t block_count, 
   }
 }
 
-// The block stays in registers while the query frames pass.
+// The block stays in registers for all query frames.
 void LdbTile(const uint64_t* queries, size_t query_count, size_t, const LaneWords* blocks,
              size_t block_count, uint16_t* out, size_t out_stride) {
   if (query_count == 1) return LdbRow(queries, blocks, block_count, out);

@@ -18,7 +18,7 @@ constexpr uint64_t kMostTables = 256;
 constexpr uint64_t kMostKeyBits = 28;
 constexpr uint64_t kMostProbeLevel = 4;
 
-/// Differing bits of two windows, by OpenCV's kernel for the processor it runs on.
+/// The differing bits of two windows, by OpenCV's kernel for this processor.
 struct WindowHamming {
   using ElementType = unsigned char;
   using ResultType = int;
@@ -31,7 +31,7 @@ struct WindowHamming {
   }
 };
 
-/// Takes whatever the buckets hold, several times where several tables do.
+/// Collects the contents of buckets, with duplicates from several tables.
 class Collector : public cvflann::ResultSet<int> {
  public:
   bool full() const override { return false; }
@@ -52,7 +52,7 @@ void check(const LshSettings& settings) {
   require("probe_level", settings.probe_level, 0, kMostProbeLevel);
 }
 
-// About one window in eight buckets: log2 of the windows, and three.
+// About one window in eight buckets: log2 of the number of windows, plus three.
 uint64_t key_bits(const LshSettings& settings, size_t windows) {
   if (settings.key_bits != 0) return settings.key_bits;
   return std::clamp<uint64_t>(std::bit_width(windows) + 2, 4, kMostKeyBits);
@@ -64,7 +64,7 @@ struct LshIndex::Tables {
   FrameRun run;
   cvflann::LshIndex<WindowHamming> index;
 
-  // OpenCV takes no const data, and changes none.
+  // OpenCV expects non-const data, but does not change it.
   Tables(const FrameRun& frames, const DescriptorRows& rows, size_t window_length,
          const LshSettings& settings)
       : run(frames),
@@ -116,8 +116,7 @@ void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
                const Monitor& monitor, const RowConsumer& consume) {
   const DescriptorRows& query = distances.query.rows;
   if (query.shape.element != ElementType::bits || distances.is_in_order())
-    throw Error(ErrorKind::usage,
-                "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
+    throw Error(ErrorKind::usage, "lsh needs raw distances of binary descriptors; use fastable");
   const size_t length = settings.window_length;
   const LshIndex index(distances.train, length, settings.lsh, settings.seed, monitor);
   StepCounter counter(monitor, "match", distances.query_frames);

@@ -1,5 +1,4 @@
-// Multi-probe locality-sensitive hashing of windows, as ABLE-M searches long sequences:
-// approximate.
+// Multi-probe locality-sensitive hashing of windows, as in ABLE-M for long sequences: approximate.
 #pragma once
 
 #include <memory>
@@ -12,8 +11,7 @@ namespace vpr {
 
 /// The name of the method and its line in help texts.
 inline constexpr std::string_view kLshMethod = "lsh";
-inline constexpr std::string_view kLshSummary =
-    "hashing, approximate: near windows only, and not all of them";
+inline constexpr std::string_view kLshSummary = "approximate hashing: some of the near windows";
 
 /// A training window that shares a bucket with a query window.
 struct LshCandidate {
@@ -24,27 +22,26 @@ struct LshCandidate {
   bool operator==(const LshCandidate&) const = default;
 };
 
-/// Hash tables over all windows of a database. Nothing is copied: the windows of a sequence are
-/// rows of its codes that overlap, c_l codes wide and one code apart. (The tables are OpenCV's.)
+/// Hash tables over all windows of a database, without copies: the windows of a sequence are
+/// overlapping rows of its codes, c_l codes wide and one code apart. (The tables are OpenCV's.)
 class LshIndex {
  public:
-  /// The codes must outlive the index. The same seed gives the same tables for any number of
+  /// The codes must outlive the index. The same seed yields the same tables for any number of
   /// threads. Throws Error(usage) for settings out of range.
   LshIndex(std::span<const DescriptorSpan> train, size_t window_length, const LshSettings& settings,
            uint64_t seed, const Monitor& monitor);
   ~LshIndex();
 
-  /// By sequence, then window; each once. `window`: c_l codes that lie one after the
-  /// other. May be called from several threads.
+  /// By sequence, then window, without duplicates. `window`: c_l contiguous codes. Thread-safe.
   std::vector<LshCandidate> find(const uint8_t* window) const;
 
  private:
   struct Tables;
-  std::vector<std::unique_ptr<Tables>> tables_;  // one a run
+  std::vector<std::unique_ptr<Tables>> tables_;  // one per run
 };
 
-/// Rows hold only the windows that were found; the others do not arrive. Throws Error(usage) for
-/// anything but plain Hamming distances of bits.
+/// Rows hold only the windows that were found. Throws Error(usage) for anything but plain Hamming
+/// distances of bits.
 void match_lsh(const FrameDistances& distances, const MatchSettings& settings,
                const Monitor& monitor, const RowConsumer& consume);
 

@@ -25,7 +25,7 @@ void window_sums(const FrameDistances& distances, const RowKernels& kernels, siz
   const size_t last = first + sums.size();
   std::vector<uint16_t> row;
   for (size_t back = 0; back < window_length; ++back) {
-    // Frames before the first one belong to no window: whole_row leaves those sums out.
+    // No window contains frames before the first one: whole_row omits these sums.
     const size_t from = std::max(first, back);
     if (from >= last) break;
     const size_t begin = (from - back) / kStretchFrames * kStretchFrames;
@@ -61,13 +61,13 @@ WindowStage openable_stage(const FrameDistances& distances, std::span<const size
 }
 
 constexpr std::array<SequenceMethod, 4> kMethods = {{
-    {"fastable", "distances re-used from row to row, the whole query at once", true, true, false,
+    {"fastable", "reuses distances between rows, for the whole query at once", true, true, false,
      true, fastable_stage},
-    {"fastable-online", "the same, one query frame after the other as on a phone", true, true,
+    {"fastable-online", "as fastable, one query frame after the other as on a phone", true, true,
      false, false, fastable_stage},
-    {"openable", "every window distance by its definition (slow)", false, false, false, false,
+    {"openable", "every window distance by definition (slow)", false, false, false, false,
      openable_stage},
-    {"filter", "a path through frames at any pace, believed once it was followed for a while", true,
+    {"filter", "tracks a path at any speed; accepts matches once the track is confirmed", true,
      false, true, false, filter_stage},
 }};
 
@@ -75,7 +75,8 @@ const SequenceMethod& method_of(const MatchSettings& settings) {
   return settings.method == nullptr ? kMethods[0] : *settings.method;
 }
 
-// Pieces come in any order, and from several threads: nobody may ask for whole rows.
+// Pieces arrive in any order and from several threads, so this requires that no sink needs whole
+// rows.
 bool can_use_strips(const FrameDistances& distances, const MatchSettings& settings,
                     std::span<const Pass> passes) {
   return method_of(settings).has_strips && settings.rates.empty() && !distances.is_in_order() &&

@@ -11,26 +11,27 @@
 namespace vpr {
 namespace {
 
-/// A query that is filtered as it comes. Holds for one FrameDistances, of standardized scores.
+/// A query filtered frame by frame. Valid for one FrameDistances, of z-scores.
 struct FilteredQuery {
   FilterState filter;
   PathTrack track;
   SecondLook look;
   std::vector<uint16_t> scores;  ///< of the last frame to all training frames
   std::vector<uint32_t> row;     ///< of the last frame: values of all training frames
-  std::vector<uint8_t> view;     ///< descriptor of the last frame that was one; empty after a gap
+  std::vector<uint8_t> view;     ///< descriptor of the last keyframe; empty after a gap
 };
 
-constexpr size_t kFramesPerThread = 32768;  // below, a second thread costs more than it gives
+constexpr size_t kFramesPerThread = 32768;  // below this, a second thread costs more than it saves
 
-// The scores of frames that are no view are computed, too: something may be learned from them.
+// Also computes the scores of frames that are not keyframes, because statistics may be updated.
 void find_scores(FilteredQuery& query, const FrameDistances& distances, size_t frame) {
   const auto asked = static_cast<uint32_t>(frame);
   distances.start_row(frame);
   const size_t frames = distances.train_frames;
   const size_t parts = std::clamp<size_t>(frames / kFramesPerThread, 1, thread_count());
   const size_t part =
-      (frames / parts + kStretchFrames) / kStretchFrames * kStretchFrames;  // covers all in parts
+      // covers all frames in `parts` parts
+      (frames / parts + kStretchFrames) / kStretchFrames * kStretchFrames;
   const auto find = [&](size_t p) {
     const size_t first = std::min(p * part, frames);
     const size_t last = std::min(first + part, frames);
@@ -40,7 +41,7 @@ void find_scores(FilteredQuery& query, const FrameDistances& distances, size_t f
   parallel_for(parts, Monitor{}, find);
 }
 
-// Since the last view.
+// The change since the last keyframe.
 double change_since(const FilteredQuery& query, const FrameDistances& distances, size_t frame) {
   const DescriptorRows& rows = distances.query.rows;
   return query.view.empty() ? 0 : distance_of(rows.shape.element).pair(query.view, rows[frame]);
@@ -50,7 +51,7 @@ double in_typical(double change, double typical_distance) {
   return typical_distance > 0 ? change / typical_distance : 0;
 }
 
-// Of the training walk, between two places of a sequence.
+// The change of the training sequence between two places of a sequence.
 double walked_change(const FilterCells& cells, const FrameDistances& distances, size_t from,
                      size_t to) {
   const auto index = static_cast<size_t>(&run_of(cells, to) - cells.runs.data());
@@ -88,7 +89,7 @@ void write_views(FilteredQuery& query) {
   }
 }
 
-// Of the best view, one frame is better than the others.
+// One frame of the best keyframe is better than the others.
 void write_best(FilteredQuery& query, const PathFrame& path) {
   const FilterCells& cells = query.filter.cells;
   const uint32_t value = query.filter.values[path.cell];
@@ -118,7 +119,7 @@ void forget_frames(FilteredQuery& query) {
   query.view.clear();
 }
 
-// Takes the next readable query frame, and writes its row. There must be a place.
+// Adds the next readable query frame and writes its row. There must be a place.
 PathReport take_frame(FilteredQuery& query, const FrameDistances& distances,
                       const QueryFrame& frame) {
   if (frame.in_a_row == 1) forget_frames(query);

@@ -1,4 +1,4 @@
-// The method `filter`: rows of what the filter over places and rates believes.
+// The method `filter`: rows of values of the filter over places and rates.
 #pragma once
 
 #include <span>
@@ -8,13 +8,13 @@
 namespace vpr {
 
 /// Every readable query frame has a row, of windows of one frame, with its report: for every
-/// training frame the value of its view (FilterState), smaller values being likelier; the frame
-/// where the query is within the best view (path_at) has that value, and the others of that view
-/// one more. The value of an unreadable training frame means nothing. A frame that shows no new
-/// view has the row of the last one but for that. The filter starts anew after an unreadable frame.
-/// Takes standardized scores only, and no window length but 1. Throws Error(usage) for settings out
-/// of range. Memory: 68 bytes per training view, and 6 per training frame. Long databases are
-/// shared between threads.
+/// training frame the value of its keyframe (FilterState), where smaller is likelier; the frame at
+/// the query's position within the best keyframe (path_at) has this value, and the other frames of
+/// this keyframe one more. The value of an unreadable training frame is unspecified. A frame that
+/// is not a keyframe repeats the last row except for this position. The filter restarts after an
+/// unreadable frame. Supports only z-scores and a window length of 1. Throws Error(usage) for
+/// settings out of range. Memory: 68 bytes per training keyframe, and 6 per training frame. Long
+/// databases are shared between threads.
 WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings);
 

@@ -15,10 +15,11 @@ namespace vpr {
 namespace {
 
 constexpr size_t kChunkFrames = 2048;    // descriptors of a chunk stay in the second-level cache
-constexpr size_t kChunksPerThread = 16;  // below, a second thread costs more than it gives
+constexpr size_t kChunksPerThread = 16;  // below this, a second thread costs more than it saves
 constexpr size_t kPadding = kStretchFrames;
 
-/// Columns that have learned as many views: those up to `end`, behind the ones before.
+/// Columns that have learned the same number of keyframes: those up to `end` after the previous
+/// entry.
 struct EqualWeights {
   size_t end = 0;
   double weight = 0;
@@ -32,23 +33,23 @@ struct PastState {
   std::vector<uint8_t> readable;
   std::vector<float> mean;      ///< of columns
   std::vector<float> variance;  ///< of columns
-  std::vector<float> offsets;   ///< of rows that were readable and had a past
+  std::vector<float> offsets;   ///< of readable rows with a past
   std::vector<uint16_t> row;
   std::vector<uint16_t> scores;
   std::vector<EqualWeights> weights;
   ViewQueue views;
-  size_t started = 0;  ///< columns whose start is fixed
+  size_t started = 0;  ///< columns with fixed initial values
   size_t frame = 0;
-  size_t rows = 0;  ///< that were readable and had a past
+  size_t rows = 0;  ///< readable ones with a past
   double sum_of_means = 0;
   uint64_t pairs = 0;
-  double squares = 0;  ///< of x, of all pairs
+  double squares = 0;  ///< of x, over all pairs
   float least_variance = 0;
   float most_variance = 0;
   double unknown_variance = 0;
 };
 
-// Hands on [first, last) of each chunk of `count` frames.
+// Calls `work` with the range [first, last) of each chunk of `count` frames.
 template <class Work>
 void for_each_chunk(size_t count, const Work& work) {
   const size_t chunks = (count + kChunkFrames - 1) / kChunkFrames;
@@ -59,7 +60,7 @@ void for_each_chunk(size_t count, const Work& work) {
   for (size_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
 }
 
-// The distances of a frame to the first `count` ones.
+// Computes the distances of a frame to the first `count` frames.
 void compare(PastState& state, size_t frame, size_t count) {
   const auto query = static_cast<uint32_t>(frame);
   for_each_chunk(count, [&](size_t first, size_t last) {
@@ -87,7 +88,8 @@ RowSums sum_past(const PastState& state, size_t past) {
   return sums;
 }
 
-// What a row says of all: r, R and V; its offset; and where its frame starts as a column.
+// Adds a row to the statistics: r, R and V, its offset, and the initial values of its frame as a
+// column.
 void take_row(PastState& state, size_t frame, const RowSums& sums) {
   if (state.readable[frame] == 0 || sums.frames == 0) return;
   const double row_mean = static_cast<double>(sums.sum) / static_cast<double>(sums.frames);
@@ -108,8 +110,8 @@ double variance_so_far(const PastState& state) {
                      : (start * state.unknown_variance + state.squares) / weight;
 }
 
-// The columns that were the view's past have learned one more; those whose weights have become the
-// same are one.
+// The columns in the keyframe's past have learned one more keyframe; merges entries with equal
+// weights.
 void raise_weights(PastState& state, size_t past) {
   std::vector<EqualWeights>& weights = state.weights;
   if (weights.empty() || weights.back().end < past)
@@ -191,9 +193,10 @@ std::shared_ptr<PastState> start_past(FrameDistances distances,
 
 void check_past_settings(const StandardizationSettings& settings) {
   if (settings.components != 0 && settings.components != StandardizationSettings{}.components)
-    throw Error(ErrorKind::usage,
-                "standardization.components are those of a whole training walk, which a walk "
-                "against itself (--loop) does not know yet; leave them out");
+    throw Error(
+        ErrorKind::usage,
+        "standardization.components are components of a whole training sequence, which a sequence "
+        "against itself (--loop) does not have yet; remove them");
 }
 
 FrameDistances standardized_past(FrameDistances distances,

@@ -23,14 +23,14 @@ constexpr std::array<uint8_t, 256> bit_counts() {
 
 constexpr std::array<uint8_t, 256> kBitCounts = bit_counts();
 
-// Bytes as the numbers that they are in two's complement.
+// Bytes as two's complement integers.
 std::vector<int64_t> signed_values(DescriptorRow row) {
   std::vector<int64_t> values;
   for (const uint8_t byte : row) values.push_back(byte < 128 ? byte : byte - 256);
   return values;
 }
 
-// The same of pairs of bytes, the lower first.
+// Pairs of bytes as little-endian two's complement integers.
 std::vector<int64_t> wide_values(DescriptorRow row) {
   std::vector<int64_t> values;
   for (size_t i = 0; i < row.size(); i += 2) {
@@ -83,7 +83,7 @@ CommonWeights plain_common(const DescriptorRows& query, size_t frame, const Scor
   ComponentValues values = {};
   for (size_t l = 0; l < components.landmarks.size(); ++l) {
     const double distance = unrounded(components.rows()[l], query[frame]);
-    for (size_t k = 0; k < kMostComponents; ++k) values[k] += components.weights[l][k] * distance;
+    for (size_t k = 0; k < kMaxComponents; ++k) values[k] += components.weights[l][k] * distance;
   }
   return common_weights(components, basis.settings.components, values);
 }
@@ -91,7 +91,7 @@ CommonWeights plain_common(const DescriptorRows& query, size_t frame, const Scor
 std::vector<std::optional<size_t>> plain_schedule(const DescriptorSpan& query,
                                                   const ScoreBasis& basis) {
   std::vector<std::optional<size_t>> learned(query.rows.size());
-  std::vector<size_t> views;  // every new one, rising
+  std::vector<size_t> views;  // all keyframes, increasing
   const double least_change = basis.settings.view_change * basis.typical_distance;
   const size_t lag = basis.settings.lag_views;
   for (size_t j = 0; j < query.rows.size(); ++j) {
@@ -111,7 +111,7 @@ std::vector<std::optional<size_t>> plain_schedule(const DescriptorSpan& query,
   return learned;
 }
 
-/// Weighted sums of the centred distances of one training frame.
+/// Weighted sums of the centered distances of one training frame.
 struct Sums {
   double weight = 0;
   double first = 0;

@@ -48,7 +48,7 @@ Projector point_projector(const DescriptorRows& to, std::span<const ComponentVal
     ComponentValues values = {};
     for (size_t i = 0; i < all.size(); ++i) {
       const double distance = exact_distance(all[i], row);
-      for (size_t k = 0; k < kMostComponents; ++k) values[k] += points->weights[i][k] * distance;
+      for (size_t k = 0; k < kMaxComponents; ++k) values[k] += points->weights[i][k] * distance;
     }
     return values;
   };

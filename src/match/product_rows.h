@@ -1,5 +1,5 @@
-// Vectors of whole numbers, padded as the kernels of scalar products take them, and what stands
-// beside each: what distances by scalar products share.
+// Vectors of integers, padded for the kernels of scalar products, with their sizes: the common part
+// of distances by scalar products.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace vpr {
 
-/// A descriptor's numbers. T is their type, of 8 or of 16 bits.
+/// The values of a descriptor. T is their type, of 8 or 16 bits.
 template <class T>
 std::span<const T> numbers(DescriptorRow row) {
   return {reinterpret_cast<const T*>(row.data()), row.size() / sizeof(T)};
@@ -41,33 +41,32 @@ inline size_t round_up(size_t value, size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-/// What distances of any query to the same training frames share. Vectors are padded as the kernels
-/// take them.
+/// The common data of distances to the same training frames. Vectors are padded for the kernels.
 template <class T>
 struct ProductTraining {
   std::vector<DescriptorSpan> sequences;
   ProductKernels<T> kernels;
-  double (*size)(double square) = nullptr;  ///< what kernels take beside a vector
+  double (*size)(double square) = nullptr;  ///< the size of a vector for the kernels
   size_t length = 0;
   size_t padded_length = 0;
-  AlignedVector<T> rows;  ///< begin at a cache line
+  AlignedVector<T> rows;  ///< aligned to a cache line
   std::vector<double> sizes;
 };
 
-/// A query and the sizes of its vectors.
+/// A query with the sizes of its vectors.
 struct SizedQuery {
   DescriptorRows rows;
   std::vector<double> sizes;
 };
 
-/// Throws Error(data) where the product of two such vectors might not fit 32 bits: no program of
-/// ours wrote them.
+/// Throws Error(data) if the product of two vectors may exceed 32 bits, which our programs never
+/// write.
 template <class T>
 void append_sizes(std::vector<double>& sizes, const DescriptorRows& rows,
                   double (*size)(double square)) {
   for (size_t i = 0; i < rows.size(); ++i) {
     const int64_t square = square_of<T>(rows[i]);
-    if (sizeof(T) > 1 && square > kMostWideSquare)
+    if (sizeof(T) > 1 && square > kMaxSquaredLength)
       throw Error(ErrorKind::data, fmt::format("the vector of frame {} is longer than 46340", i));
     sizes.push_back(size(static_cast<double>(square)));
   }
@@ -97,9 +96,10 @@ template <class T>
 void start_training(ProductTraining<T>& training, std::span<const DescriptorSpan> train,
                     size_t length, const ProductKernels<T>& kernels,
                     double (*size)(double square)) {
-  if (length > kMostNumbers)
-    throw Error(ErrorKind::data, fmt::format("vectors of {} numbers: distances take {} at most",
-                                             length, kMostNumbers));
+  if (length > kMaxNumbers)
+    throw Error(
+        ErrorKind::data,
+        fmt::format("vectors of {} values: the maximum for distances is {}", length, kMaxNumbers));
   training.sequences.assign(train.begin(), train.end());
   training.kernels = kernels;
   training.size = size;
@@ -118,7 +118,7 @@ void start_training(ProductTraining<T>& training, std::span<const DescriptorSpan
   training.sizes.resize(frames, 0);
 }
 
-/// A query's distances to these training frames, but for row_total and of_query.
+/// A query's distances to these training frames, except row_total and of_query.
 template <class T, class Training>
 FrameDistances product_distances(const std::shared_ptr<Training>& training,
                                  const DescriptorSpan& of) {

@@ -17,14 +17,14 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kPartFrames = 16384;  // that a thread takes at once
+constexpr size_t kPartFrames = 16384;  // training frames per task
 
 size_t padded(size_t frames) {
   return (frames + kStretchFrames - 1) / kStretchFrames * kStretchFrames;
 }
 
-/// Rows in a ring, each with zeros in front, for what lies before the first training frame; rows
-/// before the first are zeros, too.
+/// Rows in a ring, each with leading zeros for positions before the first training frame; rows
+/// before the first one are zeros as well.
 template <class T>
 struct Ring {
   size_t rows = 0;
@@ -34,7 +34,7 @@ struct Ring {
 
   Ring(size_t row_count, size_t zeros, size_t frames)
       : rows(row_count), front(zeros), stride(zeros + padded(frames)), values(rows * stride, 0) {}
-  /// Of row `row`, as far back as the ring goes, `shift` training frames before frame `first`.
+  /// Row `row`, if the ring still has it, `shift` training frames before frame `first`.
   T* at(size_t row, size_t first, size_t shift = 0) {
     assert(shift <= front);
     return values.data() + row % rows * stride + front + first - shift;
@@ -44,7 +44,7 @@ struct Ring {
 struct RateSums {
   Rate rate;
   size_t span = 0;
-  Ring<uint32_t> sums;  ///< of windows that end at the last q query frames, and the one that comes
+  Ring<uint32_t> sums;  ///< of windows that end at the last q query frames, and at the next one
 };
 
 struct RatesState {
@@ -101,12 +101,13 @@ RatesState start_length(const FrameDistances& distances, size_t length,
   return state;
 }
 
-// S(j, i) for training frames [first, last) from S(j - q, i - p), what enters and what leaves.
+// S(j, i) for training frames [first, last) from S(j - q, i - p) and the incoming and outgoing
+// terms.
 void slide_rate(RatesState& state, RateSums& of, const RowKernels& kernels, size_t frame,
                 size_t first, size_t last) {
   const size_t q = of.rate.query;
   const size_t length = state.window_length;
-  // Rows before the first are those that no frame has reached yet: never a negative index.
+  // Rows before the first one are those that no frame has reached yet: the index is never negative.
   const size_t now = frame + state.distances.rows;
   const size_t sum_now = frame + of.sums.rows;
   const uint32_t* before = of.sums.at(sum_now - q, first, of.rate.train);
@@ -126,7 +127,7 @@ void for_each_part(size_t frames, const Body& body) {
   });
 }
 
-// Windows of all lengths take the same distances, which are computed once.
+// Windows of all lengths use the same distances, which are computed once.
 void take_distances(std::span<RatesState> states, const FrameDistances& distances,
                     const QueryFrame& frame) {
   const auto query = static_cast<uint32_t>(frame.row);
@@ -148,14 +149,14 @@ void advance(RatesState& state, const RowKernels& kernels, size_t frame) {
   });
 }
 
-// Where the windows of a run end that at least one rate has.
+// The first end of a window in a run, for any rate.
 size_t first_end(const RatesState& state, const FrameRun& run) {
   size_t least = std::numeric_limits<size_t>::max();
   for (const RateSums& rate : state.rates) least = std::min(least, rate.span);
   return run.first + std::max(state.window_length, least) - 1;
 }
 
-// The cells of a run; none where it is too short.
+// The cells of a run, or nullopt if it is too short.
 std::optional<ScoreRow> row_of_run(RatesState& state, const FrameRun& run, size_t frame) {
   const size_t begin = first_end(state, run);
   const size_t end = run.first + run.count;
@@ -192,10 +193,11 @@ Rate parse_rate(const std::string& text) {
   const uint32_t train = parse_side(whole.substr(0, slash));
   const uint32_t query = slash == std::string::npos ? 1 : parse_side(whole.substr(slash + 1));
   if (train == 0 || query == 0)
-    throw Error(ErrorKind::usage,
-                fmt::format("a rate is training frames for query frames, as in 3/2 or 2, each from "
-                            "1 to {}; found \"{}\"",
-                            kMostRateFrames, text));
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("a rate is the ratio of training to query frames, such as 3/2 or 2, each from "
+                    "1 to {}; found \"{}\"",
+                    kMostRateFrames, text));
   const uint32_t common = std::gcd(train, query);
   return {train / common, query / common};
 }
@@ -205,11 +207,11 @@ std::vector<Rate> parse_rates(std::span<const std::string> texts) {
   for (const std::string& text : texts) {
     const Rate rate = parse_rate(text);
     if (std::find(rates.begin(), rates.end(), rate) != rates.end())
-      throw Error(ErrorKind::usage, fmt::format("the rate {} is given twice", text));
+      throw Error(ErrorKind::usage, fmt::format("the rate {} is listed twice", text));
     rates.push_back(rate);
   }
   if (rates.size() > kMostRates)
-    throw Error(ErrorKind::usage, fmt::format("give at most {} rates", kMostRates));
+    throw Error(ErrorKind::usage, fmt::format("use at most {} rates", kMostRates));
   return rates;
 }
 

@@ -1,5 +1,4 @@
-// The inner loops over rows of distances, compiled once for every SIMD target and chosen at run
-// time.
+// The inner loops over rows of distances, compiled once per SIMD target and selected at run time.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +24,7 @@ struct RowKernels {
   size_t (*find_below)(const uint32_t* values, size_t begin, size_t count, uint32_t limit);
 };
 
-/// The kernels of the SIMD target in use (base/simd.h).
+/// The kernels for the current SIMD target (base/simd.h).
 RowKernels select_kernels();
 
 }  // namespace vpr

@@ -5,7 +5,7 @@
 namespace vpr {
 namespace {
 
-// The first run that ends behind `frame`.
+// The first run that ends after `frame`.
 std::vector<FrameRun>::const_iterator run_from(const std::vector<FrameRun>& runs, size_t frame) {
   return std::partition_point(runs.begin(), runs.end(),
                               [&](const FrameRun& run) { return run.first + run.count <= frame; });

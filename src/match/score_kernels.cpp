@@ -1,6 +1,6 @@
-// Compiled several times, once for each SIMD target: see Highway's foreach_target.h.
+// Compiled once per SIMD target: see Highway's foreach_target.h.
 #include "base/highway.h"
-// The settings above come first.
+// The settings above must come first.
 #include "match/score_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -24,7 +24,7 @@ using DistanceTag = hn::Rebind<uint16_t, FloatTag>;
 
 constexpr float kLargest = 65535;
 
-// A half is added before the fraction is cut off: rounding to nearest, whatever the target's mode.
+// Adds a half before truncation: rounding to nearest, for any rounding mode of the target.
 constexpr float kBiasAndHalf = kScoreBias + 0.5F;
 
 #if HWY_TARGET == HWY_SCALAR
@@ -36,20 +36,20 @@ using HalfTag = hn::Half<ShortTag>;
 #endif
 using ByteTag = hn::Rebind<int8_t, ShortTag>;
 
-// A distance less what the row has in common with others: the offset and, if kCommon, the part of
-// the components. It is a copy, so that the compiler keeps it in registers.
+// A distance minus the common part of the row: the offset and, if kCommon, the components. It is a
+// copy, so that the compiler keeps it in registers.
 template <bool kCommon>
 struct Row {
   const uint16_t* distances;
   float offset;
   CommonPart common;
 
-  // The sums of common_product, of twice as many training frames as there are lanes: products of a
-  // loading times 256 in fixed point with 15 bits behind the point.
+  // The sums of common_product for twice as many training frames as there are lanes: products of a
+  // loading times 256, in fixed point with 15 fractional bits.
   HWY_INLINE hn::Vec<ShortTag> Sums(size_t i) const {
     const ShortTag d;
     auto sum = hn::Zero(d);
-    for (size_t k = 0; k < kMostComponents; ++k) {
+    for (size_t k = 0; k < kMaxComponents; ++k) {
       const auto loading = hn::PromoteTo(d, hn::LoadU(ByteTag(), common.loadings[k] + i));
       sum = hn::Add(sum,
                     hn::MulFixedPoint15(hn::ShiftLeft<8>(loading), hn::Set(d, common.weights[k])));
@@ -69,14 +69,14 @@ struct Row {
     return hn::Sub(centred, hn::Mul(whole, hn::Set(d, common.unit)));
   }
 
-  // Calls body(i, row less what is common) for as many training frames as there are lanes at once;
-  // gives how many of `count` that were.
+  // Calls body(i, row minus the common part) for one vector of training frames at a time; returns
+  // the number of frames processed, at most `count`.
   template <class Body>
   HWY_INLINE size_t ForLanes([[maybe_unused]] size_t count,
                              [[maybe_unused]] const Body& body) const {
     [[maybe_unused]] const size_t lanes = hn::Lanes(FloatTag());
     size_t i = 0;
-#if HWY_TARGET != HWY_SCALAR  // where One does it all
+#if HWY_TARGET != HWY_SCALAR  // One processes all frames there
     for (; i + 2 * lanes <= count; i += 2 * lanes) {
       if constexpr (kCommon) {
         const auto sums = Sums(i);
@@ -95,7 +95,7 @@ struct Row {
     const float centred = static_cast<float>(distances[i]) - offset;
     if constexpr (!kCommon) return centred;
     int sum = 0;
-    for (size_t k = 0; k < kMostComponents; ++k)
+    for (size_t k = 0; k < kMaxComponents; ++k)
       sum += common_product(common.loadings[k][i], common.weights[k]);
     return centred - static_cast<float>(sum) * common.unit;
   }

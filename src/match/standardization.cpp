@@ -36,7 +36,7 @@ void check_standardization(const StandardizationSettings& settings) {
           "from 1 to 1386 bits", settings.deviation_floor);
   require(settings.view_change >= 0 && settings.view_change <= 10, "view_change", "from 0 to 10",
           settings.view_change);
-  require(settings.components <= kMostComponents, "components", "from 0 to 6",
+  require(settings.components <= kMaxComponents, "components", "from 0 to 6",
           static_cast<double>(settings.components));
   require(settings.lag_views >= 1 && settings.lag_views <= kMostLag, "lag_views", "from 1 to 10000",
           static_cast<double>(settings.lag_views));
@@ -48,7 +48,7 @@ ScoreBasis make_score_basis(const StandardizationSettings& settings, bool offlin
   basis.components = statistics.components.value_or(no_components(statistics.bias.size()));
   ComponentValues of_bias = {};
   for (size_t l = 0; l < basis.components.landmarks.size(); ++l)
-    for (size_t k = 0; k < kMostComponents; ++k)
+    for (size_t k = 0; k < kMaxComponents; ++k)
       of_bias[k] += settings.start_bias * statistics.bias[basis.components.landmarks[l]] *
                     basis.components.weights[l][k];
   const CommonWeights weights = common_weights(basis.components, settings.components, of_bias);
@@ -74,7 +74,7 @@ ScoreBasis basis_of(const ScoreBasis& all, std::span<const DescriptorSpan> seque
     const auto end = first + static_cast<ptrdiff_t>(sequences[s].rows.size());
     if (keep[s] != 0) {
       basis.mean.insert(basis.mean.end(), all.mean.begin() + first, all.mean.begin() + end);
-      for (size_t k = 0; k < kMostComponents; ++k) {
+      for (size_t k = 0; k < kMaxComponents; ++k) {
         const std::vector<int8_t>& from = all.components.loadings[k];
         std::vector<int8_t>& to = basis.components.loadings[k];
         to.insert(to.end(), from.begin() + first, from.begin() + end);

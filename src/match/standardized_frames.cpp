@@ -46,17 +46,18 @@ void find_terms(StandardizedState& state, size_t frame) {
                                   state.project(state.distances.query.rows[frame]));
 }
 
-// What a query frame has in common with the training frames from `first` on.
+// The common part of a query frame and the training frames from `first` on.
 CommonPart common_part(const StandardizedState& state, size_t frame, size_t first) {
   if (!state.project) return {};
   CommonPart common{
       {}, state.terms[frame].common, static_cast<float>(common_unit(state.components.shape))};
-  for (size_t k = 0; k < kMostComponents; ++k)
+  for (size_t k = 0; k < kMaxComponents; ++k)
     common.loadings[k] = state.components.loadings[k].data() + first;
   return common;
 }
 
-// The weights of what was known and of the new view, and the share of the new one in the sum.
+// The weights of the previous statistics and of the new keyframe, and the share of the new one in
+// the sum.
 void plan_update(StandardizedState& state, size_t view) {
   state.weight = state.forgetting * state.weight + 1;
   state.start_weight *= state.forgetting;
@@ -97,7 +98,7 @@ void learn_query(StandardizedState& state, const Monitor& monitor) {
   state.update.reset();
 }
 
-// A view has been pushed; the row of the one that is learned, if any, becomes its.
+// A keyframe has been added; reuses the row of the learned one, if any.
 void keep_row(StandardizedState& state) {
   if (state.rows.size() < state.views.pending.size())
     state.rows.emplace_back(state.distances.train_frames);
@@ -105,7 +106,7 @@ void keep_row(StandardizedState& state) {
     std::rotate(state.rows.begin(), state.rows.begin() + 1, state.rows.end());
 }
 
-// Decides what is learned before the frame is scored.
+// Determines what is learned before the frame is scored.
 void begin_frame(StandardizedState& state, size_t frame) {
   state.frame = frame;
   state.row.clear();
@@ -119,7 +120,7 @@ void begin_frame(StandardizedState& state, size_t frame) {
   if (state.keeps_row) keep_row(state);
 }
 
-// Writes the distances of the frame, and learns these training frames' share of the update.
+// Writes the distances of the frame, and applies the update to these training frames.
 void learn_and_compare(StandardizedState& state, size_t first, size_t count, Distances& distances) {
   const std::array<uint32_t, 2> queries = {
       static_cast<uint32_t>(state.frame),
@@ -146,7 +147,7 @@ ScoreScale scale_of(const StandardizedState& state, size_t frame) {
   return {state.mean[frame], deviation_of(state, state.variance[frame])};
 }
 
-// Of the sums of all that is known, the start's part is replaced by one of little weight.
+// Replaces the initial part of the accumulated sums by one with a small weight.
 ScoreScale learned_scale(const StandardizedState& state, size_t frame) {
   const double start = state.start_mean[frame];
   const double start_square = state.start_variance + start * start;

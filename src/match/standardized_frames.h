@@ -1,4 +1,4 @@
-// Standardized frame distances: of one query frame after the other, z instead of distances.
+// Z-scores of frame distances, one query frame after the other.
 #pragma once
 
 #include <memory>
@@ -13,66 +13,65 @@
 
 namespace vpr {
 
-/// The rows of distances of so many pending views are kept until they are learned, 2 bytes a
-/// training frame each; with a longer lag they are computed again.
+/// The maximum number of pending keyframes whose rows of distances are kept until they are learned,
+/// 2 bytes per training frame each; with a longer lag they are recomputed.
 inline constexpr size_t kMostKeptRows = 8;
 
-/// What is taken from the distances of a query frame.
+/// The terms subtracted from the distances of a query frame.
 struct FrameTerms {
-  float offset = 0;  ///< the mean over the training frames; the typical distance where rows keep it
+  float offset = 0;           ///< mean over the training frames, or the typical distance
   CommonWeights common = {};  ///< of the training frames' components
 };
 
-/// What is known of every training frame's centred distances: 12 bytes a frame, and the rows that
-/// are kept.
+/// Statistics of every training frame's centered distances: 12 bytes per frame, and the kept rows.
 struct StandardizedState {
-  FrameDistances distances;  ///< that are standardized
+  FrameDistances distances;  ///< the input distances
   StandardizationSettings settings;
   bool offline = false;
   double typical_distance = 0;
   std::vector<float> mean;
   std::vector<float> variance;
-  double weight = 0;              ///< of both, in views
-  std::vector<float> start_mean;  ///< both before anything was learned
+  double weight = 0;              ///< of both, in keyframes
+  std::vector<float> start_mean;  ///< both before any learning
   float start_variance = 0;
-  double start_weight = 0;  ///< what is left of it, in views
-  double light_weight = 0;  ///< of one that counts for little, and is not forgotten
+  double start_weight = 0;  ///< the remaining initial weight, in keyframes
+  double light_weight = 0;  ///< a small initial weight without forgetting
   double forgetting = 1;
   ViewQueue views;
   std::vector<uint8_t> readable;  ///< per query frame
   TrainComponents components;
-  Projector project;              ///< not set: no component is taken away
-  std::vector<FrameTerms> terms;  ///< per query frame, of those that began
+  Projector project;              ///< not set: no component is subtracted
+  std::vector<FrameTerms> terms;  ///< per query frame, of those begun
   ScoreKernels kernels;
   float least_variance = 0;
   float most_variance = 0;
 
-  /// A view whose distances are learned together with the next pass over the training frames.
+  /// A keyframe whose distances are learned in the next pass over the training frames.
   struct ViewUpdate {
     size_t view = 0;
     float gain = 0;
   };
   std::optional<ViewUpdate> update;
-  /// Of the pending views, where they are kept. That of the frame, the last one, still has the
-  /// distances of the view that is learned, stretch by stretch, until its own come.
+  /// Rows of the pending keyframes, if kept. The row of the current frame, the last one, holds the
+  /// distances of the learned keyframe until its own replace them, range by range.
   std::vector<std::vector<uint16_t>> rows;
   bool keeps_row = false;  ///< whether the frame's distances are kept
   size_t frame = 0;
-  std::vector<uint16_t> row;  ///< the frame's distances, where their sum takes as long as the row
+  std::vector<uint16_t> row;  ///< the frame's distances, if row_total is not set
 };
 
-/// A query that begins. The views of one whose basis is offline are all learned here, and none
-/// later. Throws Error(interrupted) once the user wants to stop.
+/// Begins a query. With an offline basis, learns all keyframes here and none later. Throws
+/// Error(interrupted) once the user wants to stop.
 std::shared_ptr<StandardizedState> start_standardized(FrameDistances distances,
                                                       const ScoreBasis& basis,
                                                       const Monitor& monitor);
 
-/// The frame distances of that query: scores (score_kernels.h), which come in order, for what a
-/// frame teaches is known to later ones. start_row decides what is learned before a frame is
-/// scored; a frame that can't be read is no view. Copies share the state.
+/// The query's frame distances as scores (score_kernels.h), in order, because later frames use
+/// statistics of earlier ones. start_row determines what is learned before a frame is scored; an
+/// unreadable frame is not a keyframe. Copies share the state.
 FrameDistances standardized(const std::shared_ptr<StandardizedState>& state);
 
-/// Both, where the state is nobody else's business, and what FAB-MAP says taken from them.
+/// Convenience: starts the state, normalizes, and fuses with FAB-MAP.
 FrameDistances standardized(FrameDistances distances, const ScoreBasis& basis,
                             const Monitor& monitor);
 

@@ -11,7 +11,7 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kTileQueries = 64;          // query frames that meet a block in registers
+constexpr size_t kTileQueries = 64;          // query frames that share a block in registers
 constexpr size_t kStripRingBytes = 1 << 20;  // a strip's ring stays in the second-level cache
 constexpr size_t kMinStripWidth = 256;
 constexpr size_t kMaxStripWidth = 2048;
@@ -44,8 +44,8 @@ StripLayout plan_strips(size_t diagonals, const MatchSettings& settings, size_t 
   return layout;
 }
 
-// How many there are from that of the last query frame and the first train frame on: of a walk
-// against itself, those that lie in the past.
+// The number of diagonals from the one of the last query frame and the first train frame on: for a
+// sequence against itself, those that lie in the past.
 size_t count_diagonals(const FrameDistances& distances) {
   const auto lag = least_lag(distances);
   return lag ? distances.query_frames - *lag : distances.train_frames + distances.query_frames - 1;
@@ -63,7 +63,7 @@ struct Tile {
   }
 };
 
-// Train frames [train_first, train_last) against query frames [query_first, query_last).
+// Compares train frames [train_first, train_last) with query frames [query_first, query_last).
 void fill_tile(Tile& tile, const FrameDistances& distances, size_t query_first, size_t query_last,
                size_t train_first, size_t train_last) {
   std::array<uint32_t, kTileQueries> queries;
@@ -77,8 +77,8 @@ void fill_tile(Tile& tile, const FrameDistances& distances, size_t query_first, 
                  tile.values.data(), tile.stride);
 }
 
-/// Works through one strip, tile after tile, for windows of several lengths at once: they share the
-/// distances that enter. Rows outside the matrix count as distance 0.
+/// Processes one strip, tile by tile, for windows of several lengths at once, which share the
+/// incoming distances. Rows outside the matrix count as distance 0.
 class StripMatcher {
  public:
   StripMatcher(const FrameDistances& distances, std::span<const size_t> window_lengths,
@@ -122,7 +122,7 @@ class StripMatcher {
     return static_cast<size_t>(std::clamp<ptrdiff_t>(end, 0, ptrdiff_t(distances_.train_frames)));
   }
 
-  // Without a ring: the distances of the frames that leave, computed a second time.
+  // Without a ring: recomputes the outgoing distances.
   void fill_leaving(Tile& leaving, size_t length, size_t query, size_t end) const {
     if (end <= length) return;
     const size_t first = query < length ? 0 : query - length;
@@ -152,11 +152,11 @@ class StripMatcher {
     if (!ring_.empty()) std::copy(entering, entering + (to - from), ring_row(query) + lane);
   }
 
-  // Distances that entered at a query frame f, or longest_ before: the row of f mod longest_. Rows
-  // that nothing has entered yet are 0.
+  // The incoming distances of query frame f, or of the frame longest_ before: the row of f mod
+  // longest_. Rows without incoming distances are 0.
   uint16_t* ring_row(size_t query) { return ring_.data() + query % longest_ * strip_.width; }
 
-  // The leaving pair of (train frame i, query frame f) is (i - c_l, f - c_l), if there is one.
+  // The outgoing pair of (train frame i, query frame f) is (i - c_l, f - c_l), if it exists.
   void slide_without_ring(size_t l, size_t query, size_t from, size_t to, const uint16_t* entering,
                           uint32_t* sums) const {
     const size_t length = lengths_[l];

@@ -24,7 +24,7 @@ GroundTruth truth_of(const JudgedBy& by, GroundTruthScope scope, const Monitor& 
 std::vector<double> way_of(const JudgedBy& by, const GroundTruthScope& scope,
                            const Monitor& monitor) {
   if (by.poses.empty()) return {};
-  return read_travelled(by.poses, scope.query_frames, monitor, scope.replay);
+  return read_traveled(by.poses, scope.query_frames, monitor, scope.replay);
 }
 
 /// A query frame and the training frame that it is recognized as.

@@ -52,7 +52,7 @@ struct Evaluation {
 };
 
 /// A result, with the matrix that was saved with it, if there is one. Throws what
-/// read_ground_truth, read_travelled, judge and order_by throw.
+/// read_ground_truth, read_traveled, judge and order_by throw.
 Evaluation evaluate_result(Result result, std::optional<ScoreMatrix> matrix, const JudgedBy& by,
                            const Monitor& monitor);
 

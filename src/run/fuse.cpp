@@ -123,7 +123,7 @@ DescriptorSet describe_both(const Sequence& sequence, const SequenceDatabase& da
 }
 
 void WordCollector::operator()(size_t index, const cv::Mat& grey) {
-  WordSet words = quantise(vocabulary_, find_features(grey, features_).descriptors);
+  WordSet words = quantize(vocabulary_, find_features(grey, features_).descriptors);
   const std::lock_guard lock(mutex_);
   if (index >= words_.size()) words_.resize(index + 1);
   words_[index] = std::move(words);

@@ -14,7 +14,7 @@ DescriptorSet describe_walk(const Sequence& walk, const SequenceQuerySettings& s
   const std::string& name = settings.descriptor.empty() ? usual : settings.descriptor;
   SequenceDatabase described;
   described.descriptors.kind = &descriptor_kind(name);
-  if (described.descriptors.kind->shape.element == ElementType::coordinates)
+  if (described.descriptors.kind->shape.element == ElementType::points16)
     described.descriptors.unit = coordinate_unit(name, {&walk, 1}, monitor);
   return describe_frames(walk, described, settings.skip_unreadable, monitor);
 }

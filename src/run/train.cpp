@@ -75,7 +75,7 @@ void warn_of_near_frames(const SequenceDatabase& database, const Monitor& monito
   constexpr double kShare = 0.01;
   const ElementType element = database.descriptors.shape().element;
   if (!database.descriptors.kind->is_imported ||
-      (element != ElementType::whole_numbers && element != ElementType::wide_numbers))
+      (element != ElementType::int8 && element != ElementType::int16))
     return;
   const DistanceKind& distance = distance_of(element);
   size_t near = 0;
@@ -167,7 +167,7 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
   SequenceDatabase database;
   database.descriptors.kind = &descriptor_kind(settings.descriptor_kind);
   database.descriptor = settings.descriptor;
-  if (database.descriptors.kind->shape.element == ElementType::coordinates)
+  if (database.descriptors.kind->shape.element == ElementType::points16)
     database.descriptors.unit =
         coordinate_unit(settings.descriptor_kind, opened(sequences), monitor);
   append_sequences(database, sequences, settings.skip_unreadable, monitor);

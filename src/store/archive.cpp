@@ -14,11 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The manifest's last key. Its value covers every byte in front of this text.
+// The manifest's last key. Its value is the checksum of every byte before this text.
 constexpr std::string_view kChecksumStart = ",\n  \"checksum\": \"";
 constexpr std::string_view kChecksumEnd = "\"\n}\n";
 
-// Nothing if the text does not end in the checksum of what is in front of it.
+// Whether the text ends in the checksum of the preceding bytes.
 bool is_intact(std::string_view text) {
   const size_t start = text.rfind(kChecksumStart);
   if (start == std::string_view::npos) return false;
@@ -74,13 +74,13 @@ Archive::Archive(fs::path path) : path_(std::move(path)) {
   const fs::path file_name = path_ / kManifestName;
   if (!fs::exists(file_name, error))
     throw Error(ErrorKind::data,
-                fmt::format("{}: is not a database (a folder with {}, made by vpr-train)",
+                fmt::format("{}: is not a database (a folder with {}, written by vpr-train)",
                             path_.string(), kManifestName));
   const MappedFile file(file_name);
   const auto json = parse_json(file.text());
   if (!json) fail("it is not valid JSON");
   require_schema(*json, "database", file_name.string(), ErrorKind::data);
-  if (!is_intact(file.text())) fail("its checksum does not fit its text");
+  if (!is_intact(file.text())) fail("its checksum does not match its text");
   manifest_ = *json;
 }
 
@@ -105,9 +105,10 @@ void Archive::verify(const std::string& name, std::span<const std::byte> bytes) 
                                              "truncated or damaged, train it again",
                                              path_.string(), name, size, bytes.size()));
   if (checksum(bytes) != manifest_text(*this, entry, "checksum"))
-    throw Error(ErrorKind::data, fmt::format("{}/{}: its checksum is not the manifest's; the file "
-                                             "is damaged, train it again",
-                                             path_.string(), name));
+    throw Error(ErrorKind::data,
+                fmt::format("{}/{}: its checksum differs from the manifest; the file "
+                            "is damaged, train it again",
+                            path_.string(), name));
 }
 
 NpyArray Archive::array(const std::string& name) const {
@@ -125,21 +126,21 @@ std::string Archive::text(const std::string& name) const {
 size_t manifest_count(const Archive& archive, const Json& object, const std::string& key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number_unsigned())
-    archive.fail(fmt::format("\"{}\" is no number", key));
+    archive.fail(fmt::format("\"{}\" is not a number", key));
   return found->get<size_t>();
 }
 
 std::string manifest_text(const Archive& archive, const Json& object, const std::string& key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_string())
-    archive.fail(fmt::format("\"{}\" is no text", key));
+    archive.fail(fmt::format("\"{}\" is not a string", key));
   return found->get<std::string>();
 }
 
 const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_array())
-    archive.fail(fmt::format("\"{}\" is no list", key));
+    archive.fail(fmt::format("\"{}\" is not a list", key));
   return *found;
 }
 
@@ -148,7 +149,7 @@ DatabaseFamily database_family(const std::filesystem::path& path) {
   const std::string name = method_name(archive);
   if (const auto family = enum_value<DatabaseFamily>(name)) return *family;
   throw Error(ErrorKind::data,
-              fmt::format("{}: is a database for {}, which is not known", archive.name(), name));
+              fmt::format("{}: is a database for {}, which is unknown", archive.name(), name));
 }
 
 void require_family(const Archive& archive, DatabaseFamily family) {

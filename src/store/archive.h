@@ -1,4 +1,4 @@
-// The folder NAME.vprdb that every kind of database is: manifest.json and checksummed files.
+// The folder NAME.vprdb, which holds any kind of database: manifest.json and checksummed files.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@
 
 namespace vpr {
 
-/// The file of a database folder that lists all others.
+/// The file of a database folder that lists all other files.
 inline constexpr std::string_view kManifestName = "manifest.json";
 
-/// Whether a folder is a database, of any kind or version, and holds nothing else.
+/// Whether a folder holds a database of any kind or version and nothing else.
 bool is_database_folder(const std::filesystem::path& folder);
 
-/// The text of a manifest, whose last key becomes "checksum" (of the text before it).
+/// The text of a manifest, with the checksum of the preceding text as its last key.
 std::string sealed_manifest(const Json& manifest);
 
 /// Writes files into an output, then the manifest.
@@ -50,8 +50,8 @@ class ArchiveWriter {
   Json files_ = Json::object();
 };
 
-/// An opened folder whose manifest is intact. Throws Error(input) if it is missing, Error(data),
-/// naming the file, if it is damaged, of another kind or of another version.
+/// An opened folder with an intact manifest. Throws Error(input) if it is missing; Error(data) with
+/// the name of the file if it is damaged, of another kind or of another version.
 class Archive {
  public:
   explicit Archive(std::filesystem::path path);
@@ -61,10 +61,9 @@ class Archive {
   /// Changes with every bit of content.
   std::string fingerprint() const;
 
-  /// Whether the manifest lists this file.
   bool has(const std::string& name) const;
 
-  /// Memory-mapped; size and checksum are those of the manifest, or Error(data) is thrown.
+  /// Memory-mapped. Throws Error(data) if size or checksum differ from the manifest.
   NpyArray array(const std::string& name) const;
   std::string text(const std::string& name) const;
 
@@ -78,22 +77,22 @@ class Archive {
   Json manifest_;
 };
 
-/// A non-negative whole number of a manifest; throws Error(data) through `archive` if it is none.
+/// A non-negative integer of a manifest. Throws Error(data) through `archive` for other values.
 size_t manifest_count(const Archive& archive, const Json& object, const std::string& key);
-/// A text of a manifest; throws like that.
+/// A string of a manifest; throws as manifest_count does.
 std::string manifest_text(const Archive& archive, const Json& object, const std::string& key);
-/// A list of a manifest; throws like that.
+/// A list of a manifest; throws as manifest_count does.
 const Json& manifest_list(const Archive& archive, const Json& object, const std::string& key);
 
-/// What a database is for: the family of methods that it serves.
+/// The family of methods that a database serves.
 enum class DatabaseFamily { sequences, fabmap };
-/// As manifests and vpr-train name them.
+/// The names in manifests and of vpr-train.
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<DatabaseFamily> = {"fastable",
                                                                                "fabmap"};
 
-/// Reads the manifest only. Throws Error(input) if it is missing, Error(data) if it is damaged, or
-/// of a family that is not known.
+/// Reads only the manifest. Throws Error(input) if it is missing, Error(data) if it is damaged or
+/// names an unknown family.
 DatabaseFamily database_family(const std::filesystem::path& path);
 
 /// Throws Error(data) unless the database is of this family.

@@ -19,7 +19,8 @@ namespace {
 
 constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
-constexpr const char* kKeptFile = "kept.npy";  // of thinned sequences, the recording's frames
+// frame indices in the recordings of thinned sequences
+constexpr const char* kKeptFile = "kept.npy";
 constexpr const char* kStatisticsFile = "statistics.npy";
 
 Json sequence_to_json(const TrainSequence& sequence) {
@@ -34,26 +35,25 @@ Json sequence_to_json(const TrainSequence& sequence) {
   return json;
 }
 
-// No distance of descriptors as they are stored is larger.
+// Upper bound of the distances of stored descriptors.
 double most_distance(const DescriptorShape& shape) {
   constexpr size_t kMost = 65535;
   return static_cast<double>(
       shape.element == ElementType::bits ? std::min(8 * shape.row_bytes(), kMost) : kMost);
 }
 
-// A number of a manifest above 0, or from 0 on, up to `most`.
+// A number of a manifest, at most `most`, and above 0 or at least 0.
 double read_number(const Archive& archive, const Json& json, const std::string& key,
                    double most = std::numeric_limits<double>::max(), bool may_be_zero = false) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_number())
-    archive.fail(fmt::format("\"{}\" is no number", key));
+    archive.fail(fmt::format("\"{}\" is not a number", key));
   const auto number = found->get<double>();
   if (!(number >= 0 && number <= most) || (number == 0 && !may_be_zero))
     archive.fail(fmt::format("\"{}\" is out of range", key));
   return number;
 }
 
-// A mean frame distance.
 double read_typical_distance(const Archive& archive, const Json& json,
                              const DescriptorShape& shape) {
   return read_number(archive, json, "typical_distance", most_distance(shape), true);
@@ -81,7 +81,7 @@ Json thresholds_to_json(const ThresholdTable& table) {
       {"c_l", table.window_length}, {"safety_factor", table.safety_factor}, {"closest", closest}};
 }
 
-// One name a line, in the order of the codes.
+// One name per line, in the order of the codes.
 std::string frame_lines(const SequenceDatabase& database) {
   std::string text;
   for (const TrainSequence& sequence : database.sequences) {
@@ -96,7 +96,7 @@ std::string frame_lines(const SequenceDatabase& database) {
 std::vector<size_t> read_unreadable(const Archive& archive, const Json& json, size_t frame_count) {
   std::vector<size_t> frames;
   for (const Json& item : manifest_list(archive, json, "unreadable")) {
-    if (!item.is_number_unsigned()) archive.fail("an unreadable frame is no number");
+    if (!item.is_number_unsigned()) archive.fail("an unreadable frame is not a number");
     const auto frame = item.get<size_t>();
     if (frame >= frame_count || (!frames.empty() && frame <= frames.back()))
       archive.fail("its unreadable frames are out of range or order");
@@ -123,7 +123,7 @@ void read_kept(const Archive& archive, std::vector<TrainSequence>& sequences) {
   for (size_t s = 0; s < sequences.size(); ++s) {
     if (!is_thinned(list[s])) continue;
     const Json& json = list[s]["thinned"];
-    if (!json.is_object()) archive.fail("\"thinned\" is no object");
+    if (!json.is_object()) archive.fail("\"thinned\" is not an object");
     const size_t frames = sequences[s].frame_count();
     if (frames > rows.size() - next) archive.fail("kept.npy does not fit its sequences");
     auto kept = kept_frames(rows.subspan(next, frames), manifest_count(archive, json, "frames"),
@@ -143,7 +143,7 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
   for (const Json& json : manifest_list(archive, archive.manifest(), "sequences")) {
     const size_t count = manifest_count(archive, json, "frames");
     if (count == 0 || count > frame_names.size() - first)
-      archive.fail("its numbers of frames do not fit frames.txt");
+      archive.fail("its frame counts do not match frames.txt");
     TrainSequence& sequence = sequences.emplace_back();
     sequence.name = manifest_text(archive, json, "name");
     for (size_t s = 0; s + 1 < sequences.size(); ++s)
@@ -157,7 +157,7 @@ std::vector<TrainSequence> read_sequences(const Archive& archive,
     first += count;
   }
   if (sequences.empty() || first != frame_names.size())
-    archive.fail("its numbers of frames do not fit frames.txt");
+    archive.fail("its frame counts do not match frames.txt");
   read_kept(archive, sequences);
   return sequences;
 }
@@ -201,7 +201,7 @@ std::vector<std::pair<size_t, size_t>> read_shared_places(const Archive& archive
   for (const Json& item : manifest_list(archive, archive.manifest(), "shared_places")) {
     if (!item.is_array() || item.size() != 2 || !item[0].is_number_unsigned() ||
         !item[1].is_number_unsigned())
-      archive.fail("its \"shared_places\" are no pairs of sequences");
+      archive.fail("its \"shared_places\" are not pairs of sequences");
     const std::pair pair(item[0].get<size_t>(), item[1].get<size_t>());
     if (pair.first >= pair.second || pair.second >= sequences ||
         (!pairs.empty() && pair <= pairs.back()))
@@ -215,13 +215,14 @@ const DescriptorKind& read_kind(const Archive& archive) {
   const std::string name = manifest_text(archive, archive.manifest(), "descriptor");
   const DescriptorKind* kind = find_descriptor_kind(name);
   if (kind == nullptr)
-    throw Error(ErrorKind::data,
-                fmt::format("{}: its frames are described by {}, which this version does not know",
-                            archive.name(), name));
+    throw Error(
+        ErrorKind::data,
+        fmt::format("{}: its frames are described by {}, which this version does not support",
+                    archive.name(), name));
   return *kind;
 }
 
-// Of descriptors that say how long they are.
+// The length in the manifest, for kinds with a length per database.
 size_t read_length(const Archive& archive, const DescriptorKind& kind) {
   if (kind.shape.length != 0) return kind.shape.length;
   const size_t length = manifest_count(archive, archive.manifest(), "length");
@@ -235,7 +236,7 @@ NpyArray read_codes(const Archive& archive, size_t frame_count, const Descriptor
   codes.values<uint8_t>(2);
   if (codes.shape()[0] != frame_count || codes.shape()[1] != shape.row_bytes())
     archive.fail(
-        fmt::format("codes.npy does not have one row of {} bytes a frame", shape.row_bytes()));
+        fmt::format("codes.npy does not have one row of {} bytes per frame", shape.row_bytes()));
   return codes;
 }
 
@@ -245,7 +246,7 @@ Json statistics_to_json(const TrainStatistics& statistics) {
   return json;
 }
 
-// Bias and variance of every frame, side by side.
+// Bias and variance of every frame, interleaved.
 std::vector<float> statistics_rows(const TrainStatistics& statistics) {
   std::vector<float> values;
   for (size_t i = 0; i < statistics.bias.size(); ++i)
@@ -266,11 +267,11 @@ TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
   const NpyArray rows = archive.array(kStatisticsFile);
   const auto values = rows.values<float>(2);
   if (rows.shape()[0] != frame_count || rows.shape()[1] != 2)
-    archive.fail("statistics.npy does not have one row of 2 numbers a frame");
+    archive.fail("statistics.npy does not have one row of 2 values per frame");
   const auto most = static_cast<float>(most_distance(shape));
   for (size_t i = 0; i < values.size(); i += 2) {
     if (!(std::abs(values[i]) <= most) || !(values[i + 1] >= 0 && values[i + 1] <= most * most))
-      archive.fail("statistics.npy holds a number out of range");
+      archive.fail("statistics.npy holds a value out of range");
     statistics.bias.push_back(values[i]);
     statistics.variance.push_back(values[i + 1]);
   }
@@ -289,11 +290,11 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const DescriptorShape shape{kind.shape.element, read_length(archive, kind)};
   const std::string names = archive.text(kFramesFile);
   auto frame_names = split(names, '\n');
-  if (frame_names.back().empty()) frame_names.pop_back();  // behind the end of the last line
+  if (frame_names.back().empty()) frame_names.pop_back();  // after the end of the last line
   database.sequences = read_sequences(archive, frame_names, shape);
   database.thresholds = read_thresholds(archive, database.sequences);
   const size_t frames = frame_names.size();
-  const bool has_unit = shape.element == ElementType::coordinates;
+  const bool has_unit = shape.element == ElementType::points16;
   database.descriptors = {&kind,
                           {},
                           read_codes(archive, frames, shape),
@@ -318,7 +319,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
                    {"method", enum_name(DatabaseFamily::sequences)},
                    {"descriptor", database.descriptors.kind->name}};
   if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
-  if (rows.shape.element == ElementType::coordinates) manifest["unit"] = database.descriptors.unit;
+  if (rows.shape.element == ElementType::points16) manifest["unit"] = database.descriptors.unit;
   manifest["settings"] = value_to_json(database.descriptor);
   manifest["sequences"] = Json::array();
   for (const TrainSequence& sequence : database.sequences)

@@ -1,4 +1,4 @@
-// What is learned from the distances of training frames: bias and variance of each frame, and the
+// Statistics of the distances between training frames: bias and variance of each frame, and the
 // leading principal components.
 #pragma once
 
@@ -12,26 +12,26 @@
 
 namespace vpr {
 
-inline constexpr size_t kMostComponents = 6;
+inline constexpr size_t kMaxComponents = 6;
 
-/// One number a component; 0 for those that there are not.
-using ComponentValues = std::array<double, kMostComponents>;
+/// One value per component; 0 for missing components.
+using ComponentValues = std::array<double, kMaxComponents>;
 
-/// Found on a few training frames, the landmarks, which lie evenly among all views. The
-/// component k of any descriptor is the sum of its distances to the landmarks, times their weights.
+/// Estimated on a few training frames, the landmarks, which are spread evenly over all keyframes.
+/// Component k of a descriptor is the weighted sum of its distances to the landmarks.
 struct TrainComponents {
   DescriptorShape shape;
-  std::vector<size_t> landmarks;  ///< among all training frames, rising
+  std::vector<size_t> landmarks;  ///< indices of training frames, increasing
   std::vector<uint8_t> bytes;     ///< the landmarks' descriptors
-  /// One entry a landmark: unit vectors at right angles to each other, the strongest component
-  /// first, rounded to multiples of 2^-20.
+  /// One entry per landmark: orthogonal unit vectors, the strongest component first, rounded to
+  /// multiples of 2^-20.
   std::vector<ComponentValues> weights;
-  /// A component of a frame, times this, is how much of it is taken from the frame's distances; in
-  /// the units of CommonPart::weights.
+  /// Multiplier from a component of a frame to the amount subtracted from the distances of the
+  /// frame, in the units of CommonPart::weights.
   ComponentValues factor = {};
-  /// How much a training frame shows of a component, from -127 to 127: a component, then a training
-  /// frame.
-  std::array<std::vector<int8_t>, kMostComponents> loadings;
+  /// The loading of each training frame on each component, from -127 to 127, by component, then by
+  /// training frame.
+  std::array<std::vector<int8_t>, kMaxComponents> loadings;
 
   bool operator==(const TrainComponents&) const = default;
   DescriptorRows rows() const { return {shape, bytes}; }
@@ -39,14 +39,14 @@ struct TrainComponents {
 
 struct FusedViews;
 
-/// Which training frames each training frame is compared with.
+/// The training frames that each training frame is compared with.
 struct StatisticsSettings {
-  /// Frames of the same sequence up to max(neighbour_frames, neighbour_share * its frames) away
-  /// show nearly the same place, and are left out.
+  /// Frames of the same sequence up to max(neighbour_frames, neighbour_share * number of frames)
+  /// away show nearly the same place and are excluded.
   uint64_t neighbour_frames = 5;
   double neighbour_share = 0.02;
-  uint64_t samples = 10'000;  ///< training frames to compare with; all where there are fewer
-  uint64_t seed = 1;          ///< of their choice
+  uint64_t samples = 10'000;  ///< training frames to compare with; at most all of them
+  uint64_t seed = 1;          ///< for choosing them
 
   bool operator==(const StatisticsSettings&) const = default;
 };
@@ -59,19 +59,19 @@ void visit_fields(StatisticsSettings& settings, Visitor&& visit) {
   visit("seed", settings.seed);
 }
 
-/// How far each training frame is from the rest of the training data: the start of standardized
-/// scores. One entry a training frame of the database, in the order of its codes.
+/// Distance statistics of each training frame to the rest of the training data: the initial values
+/// of z-scores. One entry per training frame of the database, in the order of its codes.
 struct TrainStatistics {
   StatisticsSettings settings;
-  /// Mean frame distance of training frames that are no neighbours.
+  /// Mean distance of training frames that are not neighbors.
   double typical_distance = 0;
-  /// A frame's own mean distance less the typical one: below 0 for a hub, a frame that is close to
-  /// everything.
+  /// The mean distance of a frame minus the typical one: negative for a hub, a frame that is close
+  /// to everything.
   std::vector<float> bias;
   std::vector<float> variance;  ///< of its distances
-  /// Found when a score asks for them, and not stored.
+  /// Computed on demand and not stored.
   std::optional<TrainComponents> components = std::nullopt;
-  /// What FAB-MAP knows of the frames, where scores are to be fused with it; not stored.
+  /// FAB-MAP's data for these frames, if scores are fused with it; not stored.
   std::shared_ptr<const FusedViews> fused = nullptr;
 
   bool operator==(const TrainStatistics&) const = default;

@@ -12,15 +12,15 @@
 namespace vpr {
 namespace {
 
-constexpr int kMargin = 24;         // rendered around the picture, for the roll of the camera
-constexpr double kNearestM = 0.25;  // of a wall
+constexpr int kMargin = 24;         // rendered around the image, for the roll of the camera
+constexpr double kNearestM = 0.25;  // minimum distance to a wall
 
-// How many metres of wall a pixel covers sideways.
-double metres_per_pixel(const Canvas& canvas, const Wall& wall, const Column& column) {
+// Meters of wall per pixel in horizontal direction.
+double meters_per_pixel(const Canvas& canvas, const Wall& wall, const Column& column) {
   const Point way = wall_direction(wall.side);
   const Point normal{-way.y, way.x};
-  const double towards = normal.x * column.ray.x + normal.y * column.ray.y;
-  const double turn = (normal.x * canvas.right.x + normal.y * canvas.right.y) / towards;
+  const double toward = normal.x * column.ray.x + normal.y * column.ray.y;
+  const double turn = (normal.x * canvas.right.x + normal.y * canvas.right.y) / toward;
   const double dx = canvas.right.x - turn * column.ray.x, dy = canvas.right.y - turn * column.ray.y;
   return std::abs(dx * way.x + dy * way.y) * column.depth / canvas.focal;
 }
@@ -28,16 +28,18 @@ double metres_per_pixel(const Canvas& canvas, const Wall& wall, const Column& co
 void cast_to_wall(const Canvas& canvas, const Scene& scene, const WallHit& hit, Column& column) {
   const auto index = static_cast<size_t>(hit.wall);
   column.depth = std::max(hit.distance, kNearestM);
-  column.texels = column.depth / canvas.focal * kTexelsPerMetre;
+  column.texels = column.depth / canvas.focal * kTexelsPerMeter;
   const Texture& texture = scene.walls[index];
-  filter_strip(texture, choose_level(texture, column.texels), hit.along_m * kTexelsPerMetre,
-               metres_per_pixel(canvas, scene.plan.walls[index], column) * kTexelsPerMetre,
+  filter_strip(texture, choose_level(texture, column.texels), hit.along_m * kTexelsPerMeter,
+               meters_per_pixel(canvas, scene.plan.walls[index], column) * kTexelsPerMeter,
                column.strip);
 }
 
-// What glass reflects: the wall that the ray meets next, as far away as both ways together.
+// The reflection in glass: the next wall that the reflected ray hits, at the depth of both paths
+// together.
 void cast_mirrored(const Canvas& canvas, const Scene& scene, const WallHit& hit, Column& column) {
-  constexpr double kBefore = 0.999;  // of the way to the glass, so that one starts in the room
+  // share of the way to the glass, so that the reflected ray starts inside the room
+  constexpr double kBefore = 0.999;
   const Side side = scene.plan.walls[static_cast<size_t>(hit.wall)].side;
   const bool is_sideways = side == Side::right || side == Side::left;
   const Point back{is_sideways ? -column.ray.x : column.ray.x,
@@ -48,8 +50,8 @@ void cast_mirrored(const Canvas& canvas, const Scene& scene, const WallHit& hit,
   if (!next) return;
   column.mirrored_depth = hit.distance + next->distance;
   const Texture& texture = scene.walls[static_cast<size_t>(next->wall)];
-  const double texels = column.mirrored_depth / canvas.focal * kTexelsPerMetre;
-  filter_strip(texture, choose_level(texture, texels), next->along_m * kTexelsPerMetre, texels,
+  const double texels = column.mirrored_depth / canvas.focal * kTexelsPerMeter;
+  filter_strip(texture, choose_level(texture, texels), next->along_m * kTexelsPerMeter, texels,
                column.mirrored);
 }
 
@@ -64,7 +66,7 @@ void cast_through_glass(const Canvas& canvas, const Scene& scene, const WallHit&
   if (scene.reflections > 0) cast_mirrored(canvas, scene, hit, column);
 }
 
-constexpr double kMeanBrightness = 112;  // what the automatic exposure aims at
+constexpr double kMeanBrightness = 112;  // target of the automatic exposure
 constexpr double kDaylightBrightness = 1.5;
 
 double brightness(const Texel& texel, const Conditions& conditions) {
@@ -73,11 +75,11 @@ double brightness(const Texel& texel, const Conditions& conditions) {
          (day * conditions.daylight * kDaylightBrightness + (1 - day) * conditions.lamps);
 }
 
-constexpr int kMostBlur = 31;
+constexpr int kMaxBlur = 31;
 constexpr size_t kNoiseValues = size_t{1} << 16;
 constexpr int kNoiseUnit = 64;  // one standard deviation
 
-// Sums of twelve uniform numbers: near enough to normal ones, and the same everywhere.
+// Sums of twelve uniform numbers: nearly normal, and the same on every machine.
 const std::array<int16_t, kNoiseValues>& noise_values() {
   static const auto kValues = [] {
     std::array<int16_t, kNoiseValues> values;
@@ -131,7 +133,7 @@ cv::Mat upright(const Canvas& canvas, const Camera& camera, double roll_deg) {
   const double c = std::cos(roll_deg * kRadians), s = std::sin(roll_deg * kRadians);
   const double middle_x = canvas.columns() / 2.0, middle_y = canvas.rows() / 2.0;
   const double x0 = camera.width / 2.0, y0 = camera.height / 2.0;
-  // From a pixel of the picture to (row, column) of the picture before, which lies on its side.
+  // Maps a pixel of the image to (row, column) of the transposed canvas.
   const cv::Matx23d map(s, c, middle_y - s * x0 - c * y0, c, -s, middle_x - c * x0 + s * y0);
   cv::Mat picture;
   cv::warpAffine(canvas.turned, picture, map, {camera.width, camera.height},
@@ -172,8 +174,8 @@ Light make_light(double brightness, const Conditions& conditions, double drift) 
 }
 
 void blur_by_turning(cv::Mat& picture, double sideways, double upwards) {
-  const auto odd = [](double pixels) {  // so that nothing is shifted
-    const double way = std::min<double>(kMostBlur, std::abs(pixels));
+  const auto odd = [](double pixels) {  // an odd size shifts nothing
+    const double way = std::min<double>(kMaxBlur, std::abs(pixels));
     return 2 * static_cast<int>(std::lround((way - 1) / 2)) + 1;
   };
   const cv::Size size(std::max(1, odd(sideways)), std::max(1, odd(upwards)));
@@ -186,7 +188,7 @@ void add_noise(cv::Mat& picture, double deviation, RandomEngine& engine) {
   const size_t bytes = static_cast<size_t>(picture.cols) * 3;
   for (int y = 0; y < picture.rows; ++y) {
     uint8_t* row = picture.ptr<uint8_t>(y);
-    size_t from = engine();  // another stretch of the values for each row
+    size_t from = engine();  // each row uses another part of the values
     for (size_t i = 0; i < bytes; ++i) {
       const int noise = values[(from + i) % kNoiseValues] * factor / (256 * kNoiseUnit);
       row[i] = cv::saturate_cast<uint8_t>(row[i] + noise);

@@ -1,5 +1,5 @@
-// A camera on the floor plan: a ray for each column of its picture and the strip of wall that the
-// ray hits; automatic exposure; and what the sensor adds.
+// A camera on the floor plan: it casts one ray per image column to a strip of wall, with automatic
+// exposure, blur and sensor noise.
 #pragma once
 
 #include <algorithm>
@@ -16,29 +16,30 @@
 
 namespace vpr {
 
-/// A pinhole camera: the size of its pictures and its focal length, all in pixels.
+/// A pinhole camera: image size and focal length in pixels.
 struct Camera {
   int width = 640;
   int height = 480;
   double focal_px = 493;
 };
 
-/// The camera of all walks of a world: `view_deg` is the angle that its pictures are wide.
+/// The camera of all sequences of a world. World::view_deg is the horizontal angle of view.
 Camera make_camera(const World& world);
 
-inline constexpr double kRadians = std::numbers::pi / 180;  ///< in a degree
+inline constexpr double kRadians = std::numbers::pi / 180;  ///< per degree
 
 /// A pixel of a Texture.
 using Texel = cv::Vec4b;
 
-/// The picture before roll and noise, one row a column of pixels, from the top down.
+/// The image before roll and noise, transposed: each row is one column of pixels from top to
+/// bottom.
 struct Canvas {
   cv::Mat turned;  ///< CV_8UC3: blue, green, red
   double focal;    ///< pixels
-  double horizon;  ///< row of the eye's height
-  double eye;      ///< metres above the floor
+  double horizon;  ///< row of the horizon
+  double eye;      ///< meters above the floor
   Point position;
-  Point forward;  ///< of length 1, on the floor, as `right`
+  Point forward;  ///< unit vector on the floor, as is `right`
   Point right;
 
   int columns() const { return turned.rows; }
@@ -46,45 +47,45 @@ struct Canvas {
   double tangent(int column) const { return (column + 0.5 - columns() / 2.0) / focal; }
 };
 
-/// What one column of pixels sees of the wall in front of it.
+/// The wall that one column of pixels shows.
 struct Column {
   Point ray;                    ///< length 1 along the camera's axis, so that distances are depths
-  double depth = 0;             ///< metres, along the camera's axis
-  double texels = 0;            ///< of the wall's level 0 in a pixel, upwards
-  std::vector<Texel> strip;     ///< of the wall, from its top down
-  std::vector<Texel> outside;   ///< of the panorama behind glass, from its top down; or empty
-  std::vector<Texel> mirrored;  ///< of the wall that glass reflects; or empty
-  double mirrored_depth = 0;    ///< metres, along the camera's axis
+  double depth = 0;             ///< meters, along the camera's axis
+  double texels = 0;            ///< vertical texels of the wall's level 0 per pixel
+  std::vector<Texel> strip;     ///< of the wall, from top to bottom
+  std::vector<Texel> outside;   ///< of the panorama outside the glass, from top to bottom; or empty
+  std::vector<Texel> mirrored;  ///< of the wall reflected in the glass; or empty
+  double mirrored_depth = 0;    ///< meters, along the camera's axis
 };
 
-/// An empty canvas for a camera in a pose. It is a margin larger than the picture on every side,
-/// for the camera's roll. Pitches beyond 40 degrees count as 40.
+/// An empty canvas for a camera pose, with a margin on every side for the camera's roll. Pitch is
+/// limited to 40 degrees.
 Canvas make_canvas(const Camera& camera, const CameraPose& pose);
 
-/// Every `every`th column of a canvas, from left to right. Its position must be in an open cell of
+/// Every `every`th column of a canvas, from left to right. The camera must be in an open cell of
 /// the plan.
 std::vector<Column> cast_columns(const Canvas& canvas, const Scene& scene, int every = 1);
 
-/// The canvas turned upright by the camera's roll (degrees, clockwise), cut to the picture's size.
+/// The canvas as an upright image, rotated by the camera's roll (degrees, clockwise) and cropped.
 cv::Mat upright(const Canvas& canvas, const Camera& camera, double roll_deg);
 
-/// Factors of 256 by which lamp-lit and daylit texels are multiplied: blue, green, red.
+/// Factors in units of 1/256 for texels lit by lamps and by daylight: blue, green, red.
 struct Light {
   std::array<int, 3> lamps{};
   std::array<int, 3> day{};
 };
 
-inline constexpr int kMeteredColumns = 16;  ///< every so manieth column of a picture is metered
+inline constexpr int kMeteredColumns = 16;  ///< one of this many columns of an image is metered
 
-/// How bright a canvas is, in grey values before exposure, by some of its columns.
+/// The mean brightness of a canvas in gray values before exposure, estimated from some columns.
 double metered_brightness(const Canvas& canvas, const std::vector<const Column*>& columns,
                           const Conditions& conditions);
 
-/// The light under automatic exposure that was metered to `brightness`, and aims at a mean grey
-/// value. `drift` is a factor of that exposure.
+/// The light under automatic exposure for a metered `brightness`; the target is a fixed mean gray
+/// value. `drift` is a factor on the exposure.
 Light make_light(double brightness, const Conditions& conditions, double drift);
 
-/// Turns a texel (blue, green, red, daylight share of 255) into the grey values of a pixel.
+/// Converts a texel (blue, green, red, daylight share of 255) to the gray values of a pixel.
 inline void shine(const std::array<int, 4>& texel, const Light& light, std::array<int, 3>& out) {
   for (size_t c = 0; c < 3; ++c) {
     const int factor = light.lamps[c] + ((light.day[c] - light.lamps[c]) * texel[3] >> 8);
@@ -92,12 +93,12 @@ inline void shine(const std::array<int, 4>& texel, const Light& light, std::arra
   }
 }
 
-inline constexpr double kShutterS = 1.0 / 50;  ///< where no other time is stated
+inline constexpr double kShutterS = 1.0 / 50;  ///< the default
 
-/// Blurs by the way that the picture moves while the shutter is open, in pixels.
+/// Motion blur for the movement of the image during the exposure, in pixels.
 void blur_by_turning(cv::Mat& picture, double sideways, double upwards);
 
-/// Adds normal noise of a standard deviation in grey values to every channel of every pixel.
+/// Adds normal noise with this standard deviation in gray values to every channel of every pixel.
 void add_noise(cv::Mat& picture, double deviation, RandomEngine& engine);
 
 }  // namespace vpr

@@ -13,23 +13,23 @@ namespace vpr {
 namespace {
 
 constexpr double kReachM = 14;
-constexpr double kInFrontM = 0.3;         // of the glass
-constexpr double kShareOfWindows = 0.35;  // of a wall that has some
+constexpr double kInFrontM = 0.3;         // distance from the glass
+constexpr double kShareOfWindows = 0.35;  // of a wall with windows
 constexpr double kAmbientLight = 0.38;
 constexpr double kLampReachM = 8;
-constexpr double kLightStepM = 0.25;  // of baked light
+constexpr double kLightStepM = 0.25;  // resolution of the baked light
 
-// How much daylight falls on a point, where 1 is what lamps give.
+// The daylight at a point, in units of the light of lamps.
 double daylight_at(const FloorPlan& plan, const std::vector<DaylightSource>& sources, Point point) {
   double light = 0;
   for (const DaylightSource& source : sources) {
     const double dx = point.x - source.at.x, dy = point.y - source.at.y;
     const double square = dx * dx + dy * dy;
     if (square > kReachM * kReachM) continue;
-    const double towards = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
-                           std::sqrt(square + kInFrontM * kInFrontM);
-    if (towards > 0 && can_see(plan, point, source.at))
-      light += source.strength * std::min(1.0, towards) / (1 + square);
+    const double toward = (dx * source.inward.x + dy * source.inward.y + kInFrontM) /
+                          std::sqrt(square + kInFrontM * kInFrontM);
+    if (toward > 0 && can_see(plan, point, source.at))
+      light += source.strength * std::min(1.0, toward) / (1 + square);
   }
   return light;
 }
@@ -38,8 +38,8 @@ bool is_outer(const FloorPlan& plan, const Wall& wall) {
   const Point way = wall_direction(wall.side);
   const Point out{-way.y, way.x};
   Point p{wall.start.x + way.x * wall.length_m / 2, wall.start.y + way.y * wall.length_m / 2};
-  for (double metres = 0.25; metres < 500; metres += kPlanCellM)
-    if (plan.is_open({p.x + out.x * metres, p.y + out.y * metres})) return false;
+  for (double meters = 0.25; meters < 500; meters += kPlanCellM)
+    if (plan.is_open({p.x + out.x * meters, p.y + out.y * meters})) return false;
   return true;
 }
 
@@ -57,19 +57,20 @@ uint8_t daylight_share(float daylight, float light) {
   return static_cast<uint8_t>(std::min<double>(kGlassDaylight - 1, 255 * daylight / light));
 }
 
-Baked bake_along(const Setting& setting, const Wall& wall, int texels) {
+BakedLight bake_along(const FloorDay& floor_day, const Wall& wall, int texels) {
   const Point way = wall_direction(wall.side);
   const int steps = std::max(2, static_cast<int>(wall.length_m / kLightStepM));
-  const bool daylit = !setting.daylight.empty();
+  const bool daylit = !floor_day.daylight.empty();
   cv::Mat light(1, steps, CV_32F), daylight(1, steps, CV_32F, cv::Scalar(0));
   for (int i = 0; i < steps; ++i) {
-    const double metres = (i + 0.5) * wall.length_m / steps;
-    const double corner = std::min(metres, wall.length_m - metres);
-    const Point p{wall.start.x + way.x * metres + way.y * 0.05,
-                  wall.start.y + way.y * metres - way.x * 0.05};
-    double all = light_at(setting.plan, p);
+    const double meters = (i + 0.5) * wall.length_m / steps;
+    const double corner = std::min(meters, wall.length_m - meters);
+    const Point p{wall.start.x + way.x * meters + way.y * 0.05,
+                  wall.start.y + way.y * meters - way.x * 0.05};
+    double all = light_at(floor_day.plan, p);
     if (daylit) {
-      daylight.at<float>(0, i) = static_cast<float>(daylight_at(setting.plan, setting.daylight, p));
+      daylight.at<float>(0, i) =
+          static_cast<float>(daylight_at(floor_day.plan, floor_day.daylight, p));
       all += daylight.at<float>(0, i);
     }
     light.at<float>(0, i) = static_cast<float>(all * (1 - 0.25 * std::exp(-corner / 0.3)));
@@ -108,8 +109,8 @@ std::vector<DaylightSource> daylight_sources(const World& world, const FloorName
   return sources;
 }
 
-void light_wall(const Setting& setting, const Wall& wall, cv::Mat& picture) {
-  const Baked along = bake_along(setting, wall, picture.cols);
+void light_wall(const FloorDay& floor_day, const Wall& wall, cv::Mat& picture) {
+  const BakedLight along = bake_along(floor_day, wall, picture.cols);
   for (int y = 0; y < picture.rows; ++y) {
     const double height = 1 - static_cast<double>(y) / picture.rows;
     const double vertical = 0.74 + 0.32 * height - 0.2 * std::exp(-height / 0.04);
@@ -124,8 +125,8 @@ void light_wall(const Setting& setting, const Wall& wall, cv::Mat& picture) {
   }
 }
 
-Baked light_map(const Setting& setting, const Monitor& monitor) {
-  const FloorPlan& plan = setting.plan;
+BakedLight light_map(const FloorDay& floor_day, const Monitor& monitor) {
+  const FloorPlan& plan = floor_day.plan;
   cv::Mat map(plan.rows * 2, plan.columns * 2, CV_32F, cv::Scalar(kAmbientLight));
   cv::Mat daylight(map.size(), CV_32F, cv::Scalar(0));
   parallel_for(static_cast<size_t>(map.rows), monitor, [&](size_t row) {
@@ -134,15 +135,15 @@ Baked light_map(const Setting& setting, const Monitor& monitor) {
       const Point p{plan.origin.x + (x + 0.5) * kLightStepM,
                     plan.origin.y + (y + 0.5) * kLightStepM};
       if (!plan.is_open(p)) continue;
-      const double day = daylight_at(plan, setting.daylight, p);
+      const double day = daylight_at(plan, floor_day.daylight, p);
       daylight.at<float>(y, x) = static_cast<float>(day);
       map.at<float>(y, x) = static_cast<float>(light_at(plan, p) + day);
     }
   });
-  return {map, setting.daylight.empty() ? cv::Mat() : daylight};
+  return {map, floor_day.daylight.empty() ? cv::Mat() : daylight};
 }
 
-void shade(cv::Mat& picture, const Baked& baked, double factor) {
+void shade(cv::Mat& picture, const BakedLight& baked, double factor) {
   cv::Mat light, daylight;
   cv::resize(baked.light, light, picture.size(), 0, 0, cv::INTER_LINEAR);
   if (!baked.daylight.empty())

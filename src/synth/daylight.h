@@ -1,5 +1,4 @@
-// Light that is painted into surfaces: of lamps, and daylight that falls into rooms through glass
-// fronts and windows.
+// Light baked into surfaces: lamps, and daylight through glass fronts and windows.
 #pragma once
 
 #include <string>
@@ -12,22 +11,22 @@
 
 namespace vpr {
 
-/// A metre of glass, seen from the room.
+/// One meter of glass, seen from the room.
 struct DaylightSource {
   Point at;
-  Point inward;  ///< of length 1
+  Point inward;  ///< unit vector
   double strength = 1;
 };
 
-/// Whether windows are put into a wall: into some of those with nothing but the outside behind.
+/// Whether a wall has windows: some of the walls that face the outside do.
 bool has_windows(const World& world, const FloorNames& names, const FloorPlan& plan, size_t wall);
 
-/// All glass of a floor, by variety.window_light; nothing with that at 0.
+/// All glass of a floor, scaled by variety.window_light; empty if that is 0.
 std::vector<DaylightSource> daylight_sources(const World& world, const FloorNames& names,
                                              const FloorPlan& plan);
 
-/// What is painted: a floor on a day.
-struct Setting {
+/// A floor on one day, as input of the painting functions.
+struct FloorDay {
   const World& world;
   size_t floor;
   const Floor& planned;  ///< the floor that has the plan
@@ -38,20 +37,20 @@ struct Setting {
   uint64_t day;
 };
 
-/// What shines on the texels of a surface, and how much of it is daylight.
-struct Baked {
+/// The light on the texels of a surface, and its daylight share.
+struct BakedLight {
   cv::Mat light;     ///< CV_32F
-  cv::Mat daylight;  ///< CV_32F, empty where no daylight falls in
+  cv::Mat daylight;  ///< CV_32F, empty without daylight
 };
 
-/// Paints lamps and daylight into a wall's picture, darker corners, and less light near the floor.
-/// Windows shine by themselves.
-void light_wall(const Setting& setting, const Wall& wall, cv::Mat& picture);
+/// Applies lamps and daylight to the image of a wall, with darker corners and less light near the
+/// floor. Windows are light sources themselves.
+void light_wall(const FloorDay& floor_day, const Wall& wall, cv::Mat& picture);
 
-/// The light of a floor's plan, in steps of a quarter of a metre.
-Baked light_map(const Setting& setting, const Monitor& monitor);
+/// The light on a floor plan, with a resolution of a quarter of a meter.
+BakedLight light_map(const FloorDay& floor_day, const Monitor& monitor);
 
-/// Paints light into the picture of a floor or ceiling, `factor` of what falls on it.
-void shade(cv::Mat& picture, const Baked& baked, double factor);
+/// Applies light, scaled by `factor`, to the image of a floor or ceiling.
+void shade(cv::Mat& picture, const BakedLight& baked, double factor);
 
 }  // namespace vpr

@@ -17,7 +17,7 @@ struct Step {
 
 constexpr std::array<Step, 4> kSteps = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
-int cell(double metres) { return static_cast<int>(std::lround(metres / kPlanCellM)); }
+int cell(double meters) { return static_cast<int>(std::lround(meters / kPlanCellM)); }
 
 size_t cell_index(const FloorPlan& plan, int column, int row) {
   return static_cast<size_t>(row) * static_cast<size_t>(plan.columns) + static_cast<size_t>(column);
@@ -28,7 +28,7 @@ uint8_t open_at(const FloorPlan& plan, int column, int row) {
   return inside ? plan.open[cell_index(plan, column, row)] : 0;
 }
 
-// One solid cell all around, so that rays always end.
+// A border of solid cells, so that every ray ends.
 void lay_grid(const Floor& floor, FloorPlan& plan) {
   double left = std::numeric_limits<double>::max(), bottom = left, right = -left, top = -left;
   for (const Room& room : floor.rooms) {
@@ -74,7 +74,7 @@ bool is_glass(const Floor& floor, Point middle) {
   });
 }
 
-// The corner at which a face begins for who looks at it from the open cell.
+// The left corner of a face, seen from the open cell.
 Point face_start(const FloorPlan& plan, int column, int row, Side side) {
   const Point corner{plan.origin.x + column * kPlanCellM, plan.origin.y + row * kPlanCellM};
   switch (side) {
@@ -101,7 +101,7 @@ bool face_is_glass(const Floor& floor, const FloorPlan& plan, int column, int ro
   return is_glass(floor, {start.x + way.x * kPlanCellM / 2, start.y + way.y * kPlanCellM / 2});
 }
 
-// Follows the wall to the right from a face that no wall has yet and that starts one.
+// Follows the wall to the right, from a face without a wall that is the beginning of one.
 void trace_wall(const Floor& floor, FloorPlan& plan, int column, int row, Side side) {
   const Point way = wall_direction(side);
   const auto dc = static_cast<int>(way.x), dr = static_cast<int>(way.y);
@@ -195,7 +195,7 @@ FloorPlan make_floor_plan(const Floor& floor) {
   return plan;
 }
 
-// From cell to cell along the ray (Amanatides & Woo 1987).
+// Steps from cell to cell along the ray (Amanatides & Woo 1987).
 std::optional<WallHit> cast_ray(const FloorPlan& plan, Point from, Point direction) {
   if (!plan.is_open(from)) return std::nullopt;
   const double x = (from.x - plan.origin.x) / kPlanCellM, y = (from.y - plan.origin.y) / kPlanCellM;

@@ -17,21 +17,21 @@ constexpr double kDaylight = 255;
 void paint_sheet(WallBrush& brush, double x, double bottom, double width, double height) {
   RandomEngine& chance_of = brush.detail;
   const double red = between(chance_of, 205, 250), green = between(chance_of, 215, 250);
-  brush.fill(x, bottom, width, height, colour(between(chance_of, 205, 245), green, red));
+  brush.fill(x, bottom, width, height, color(between(chance_of, 205, 245), green, red));
   const double picture_height = chance(chance_of, 0.5) ? height * between(chance_of, 0.2, 0.5) : 0;
   if (picture_height > 0)
     brush.fill(x + width * 0.1, bottom + height * 0.92 - picture_height, width * 0.8,
-               picture_height, any_colour(chance_of, 40, 230));
+               picture_height, any_color(chance_of, 40, 230));
   brush.write(x + width * 0.1, bottom + height * 0.06, width * 0.8, height * 0.82 - picture_height,
-              0.035, any_colour(chance_of, 10, 90));
+              0.035, any_color(chance_of, 10, 90));
 }
 
 void paint_board(WallBrush& brush, double x, double width) {
   const double bottom = between(brush.style, 0.95, 1.1), height = between(brush.style, 0.85, 1.05);
-  const std::array<cv::Scalar, 3> cloths = {colour(70, 125, 165), colour(120, 80, 50),
-                                            colour(85, 110, 70)};
+  const std::array<cv::Scalar, 3> cloths = {color(70, 125, 165), color(120, 80, 50),
+                                            color(85, 110, 70)};
   brush.fill_framed(x, bottom, width, height, cloths[uniform_below(brush.style, cloths.size())],
-                    colour(110, 120, 125), 0.035);
+                    color(110, 120, 125), 0.035);
   const int columns = std::max(1, static_cast<int>(width / 0.3));
   for (int column = 0; column < columns; ++column)
     for (int row = 0; row < 2; ++row) {
@@ -44,63 +44,62 @@ void paint_board(WallBrush& brush, double x, double width) {
 
 void paint_poster(WallBrush& brush, double x, double width) {
   const double height = width * 1.35, bottom = between(brush.style, 0.8, 1.1);
-  const cv::Scalar ground = any_colour(brush.detail, 60, 235);
-  brush.fill_framed(x, bottom, width, height, ground, colour(40, 40, 45), 0.02);
+  const cv::Scalar ground = any_color(brush.detail, 60, 235);
+  brush.fill_framed(x, bottom, width, height, ground, color(40, 40, 45), 0.02);
   const int blots = static_cast<int>(between(brush.detail, 3, 8));
   for (int i = 0; i < blots; ++i) {
     const cv::Rect inside = brush.area(x + 0.1, bottom + 0.12, width - 0.2, height * 0.6);
     const int down = static_cast<int>(between(brush.detail, 0, inside.height));
     const int across = static_cast<int>(between(brush.detail, 0, inside.width));
-    const cv::Point centre(inside.x + across, inside.y + down);
+    const cv::Point center(inside.x + across, inside.y + down);
     const int radius = wall_texels(between(brush.detail, 0.03, 0.12));
     if (chance(brush.detail, 0.5)) {
-      cv::circle(brush.picture, centre, radius, any_colour(brush.detail, 20, 250), cv::FILLED,
+      cv::circle(brush.picture, center, radius, any_color(brush.detail, 20, 250), cv::FILLED,
                  cv::LINE_AA);
     } else {
       cv::rectangle(brush.picture,
-                    cv::Rect(centre.x - radius, centre.y - radius / 2, 2 * radius, radius),
-                    any_colour(brush.detail, 20, 250), cv::FILLED);
+                    cv::Rect(center.x - radius, center.y - radius / 2, 2 * radius, radius),
+                    any_color(brush.detail, 20, 250), cv::FILLED);
     }
   }
-  const cv::Scalar ink = ground[1] > 140 ? colour(20, 20, 30) : colour(240, 245, 245);
+  const cv::Scalar ink = ground[1] > 140 ? color(20, 20, 30) : color(240, 245, 245);
   brush.write(x + 0.07, bottom + height * 0.8, width - 0.14, height * 0.15, 0.11, ink);
   brush.write(x + 0.07, bottom + 0.05, width - 0.14, height * 0.14, 0.04, ink);
 }
 
 constexpr double kDoorWidthM = 0.95, kDoorHeightM = 2.05;
 
-// What one sees through a door that stands open: a room, dark or lit.
+// The view through an open door: a dark or lit room.
 void open_door(WallBrush& brush, double x) {
   RandomEngine& day = brush.day;
   const double tone = chance(day, 0.5) ? between(day, 20, 60) : between(day, 150, 235);
-  brush.fill(x, 0, kDoorWidthM, kDoorHeightM, colour(tone * 0.95, tone, tone));
-  brush.fill(x, 0, kDoorWidthM, between(day, 0.3, 0.6),
-             colour(tone * 0.5, tone * 0.55, tone * 0.6));
+  brush.fill(x, 0, kDoorWidthM, kDoorHeightM, color(tone * 0.95, tone, tone));
+  brush.fill(x, 0, kDoorWidthM, between(day, 0.3, 0.6), color(tone * 0.5, tone * 0.55, tone * 0.6));
   const double left = between(day, 0.05, 0.4), width = between(day, 0.2, 0.45);
-  const cv::Scalar thing = any_colour(day, 20, 240);
+  const cv::Scalar thing = any_color(day, 20, 240);
   const double height = between(day, 0.4, 0.9);
   brush.fill(x + left, between(day, 0.3, 1.1), width, height, thing);
-  const cv::Scalar leaf = any_colour(day, 70, 150);  // its edge, turned inwards
+  const cv::Scalar leaf = any_color(day, 70, 150);  // its edge, which points into the room
   brush.fill(chance(day, 0.5) ? x : x + kDoorWidthM - 0.14, 0, 0.14, kDoorHeightM, leaf);
 }
 
-// What somebody left at the wall: boxes, chairs, bins, trolleys.
+// Objects left at the wall: boxes, chairs, bins, trolleys.
 void leave_things(WallBrush& brush) {
   const auto things = 1 + uniform_below(brush.day, 2);
   for (uint64_t i = 0; i < things; ++i) {
     const double x = between(brush.day, 0, 1.2), width = between(brush.day, 0.35, 0.8);
     const double height = between(brush.day, 0.4, 1.4), legs = between(brush.day, 0, 0.3);
-    const cv::Scalar paint = any_colour(brush.day, 30, 220);
+    const cv::Scalar paint = any_color(brush.day, 30, 220);
     brush.fill_framed(x, legs, width, height - legs, paint, darker(paint, 0.5), 0.03);
     for (const double leg : {0.03, width - 0.07})
-      brush.fill(x + leg, 0, 0.04, legs, colour(45, 45, 48));
+      brush.fill(x + leg, 0, 0.04, legs, color(45, 45, 48));
   }
 }
 
 void paint_door(WallBrush& brush, double x) {
   constexpr double kWidth = kDoorWidthM, kHeight = kDoorHeightM;
-  const std::array<cv::Scalar, 4> woods = {colour(75, 115, 160), colour(60, 85, 115),
-                                           colour(165, 170, 172), colour(125, 95, 70)};
+  const std::array<cv::Scalar, 4> woods = {color(75, 115, 160), color(60, 85, 115),
+                                           color(165, 170, 172), color(125, 95, 70)};
   const cv::Scalar& wood = woods[uniform_below(brush.style, woods.size())];
   brush.fill_framed(x - 0.07, 0, kWidth + 0.14, kHeight + 0.07, wood, darker(wood, 0.55), 0.06);
   brush.fill(x, 0, kWidth, kHeight, wood);
@@ -111,46 +110,46 @@ void paint_door(WallBrush& brush, double x) {
     cv::line(leaf, {at, 0}, {at, leaf.rows}, darker(wood, between(brush.detail, 0.85, 1.06)));
   }
   if (chance(brush.style, 0.4))
-    brush.fill_framed(x + 0.3, 1.25, 0.35, 0.6, colour(120, 110, 95), darker(wood, 0.7), 0.03);
+    brush.fill_framed(x + 0.3, 1.25, 0.35, 0.6, color(120, 110, 95), darker(wood, 0.7), 0.03);
   brush.fill(x + 0.02, 0, kWidth - 0.04, 0.2, darker(wood, 0.75));
   const double handle = chance(brush.style, 0.5) ? x + 0.07 : x + kWidth - 0.19;
-  brush.fill(handle, 0.98, 0.12, 0.025, colour(200, 200, 200));
-  brush.fill(handle + 0.04, 0.9, 0.04, 0.18, colour(140, 145, 145));
+  brush.fill(handle, 0.98, 0.12, 0.025, color(200, 200, 200));
+  brush.fill(handle + 0.04, 0.9, 0.04, 0.18, color(140, 145, 145));
   const double sign = x + kWidth + 0.12;
-  brush.fill_framed(sign, 1.5, 0.26, 0.2, colour(230, 235, 235), colour(120, 100, 60), 0.012);
+  brush.fill_framed(sign, 1.5, 0.26, 0.2, color(230, 235, 235), color(120, 100, 60), 0.012);
   brush.put_text(sign + 0.03, 1.6, 0.06, fmt::format("{}", 100 + uniform_below(brush.detail, 300)),
-                 colour(30, 30, 30), 1);
-  brush.write(sign + 0.03, 1.52, 0.2, 0.06, 0.025, colour(60, 60, 60));
+                 color(30, 30, 30), 1);
+  brush.write(sign + 0.03, 1.52, 0.2, 0.06, 0.025, color(60, 60, 60));
   if (chance(brush.detail, 0.3)) paint_sheet(brush, x + 0.3, 1.3, 0.21, 0.3);
   if (brush.is_changed && chance(brush.day, 0.7)) open_door(brush, x);
 }
 
 void paint_lockers(WallBrush& brush, double x, double width) {
-  const cv::Scalar steel = any_colour(brush.style, 90, 180);
+  const cv::Scalar steel = any_color(brush.style, 90, 180);
   const double each = 0.36;
   brush.fill_framed(x, 0.08, width, 1.8, darker(steel, 0.8), darker(steel, 0.5), 0.015);
   for (double left = x + 0.02; left + each <= x + width; left += each) {
     brush.fill(left, 0.1, each - 0.02, 1.75, steel);
     for (int slit = 0; slit < 5; ++slit)
       brush.fill(left + 0.08, 1.55 + slit * 0.04, 0.18, 0.012, darker(steel, 0.45));
-    brush.fill(left + 0.26, 1.0, 0.03, 0.08, colour(50, 50, 50));
+    brush.fill(left + 0.26, 1.0, 0.03, 0.08, color(50, 50, 50));
     brush.put_text(left + 0.09, 1.42, 0.05, fmt::format("{}", uniform_below(brush.detail, 400)),
-                   colour(235, 235, 235), 1);
+                   color(235, 235, 235), 1);
     if (!chance(brush.detail, 0.25)) continue;
-    const cv::Scalar sticker = any_colour(brush.detail, 40, 250);
+    const cv::Scalar sticker = any_color(brush.detail, 40, 250);
     const double bottom = between(brush.detail, 0.4, 1.2);
     brush.fill(left + between(brush.detail, 0.03, 0.2), bottom, 0.1, 0.08, sticker);
   }
 }
 
 void paint_radiator(WallBrush& brush, double x, double width) {
-  const cv::Scalar white = colour(205, 212, 215);
+  const cv::Scalar white = color(205, 212, 215);
   brush.fill_framed(x, 0.12, width, 0.6, white, darker(white, 0.8), 0.015);
   for (double left = x + 0.03; left < x + width - 0.04; left += 0.06)
     brush.fill(left, 0.15, 0.022, 0.54, darker(white, 0.62));
 }
 
-// What is outside: sky, houses or trees, ground; in daylight.
+// The view outside in daylight: sky, houses or trees, ground.
 void paint_view(WallBrush& brush, double x, double bottom, double width, double height) {
   const auto shine = [](double b, double g, double r) { return cv::Scalar(b, g, r, kDaylight); };
   brush.fill(x, bottom, width, height, shine(250, 240, 225));
@@ -178,55 +177,55 @@ void paint_view(WallBrush& brush, double x, double bottom, double width, double 
 
 void paint_window(WallBrush& brush, double x, double width) {
   constexpr double kBottom = 0.95, kHeight = 1.45;
-  const cv::Scalar frame = colour(190, 195, 200);
+  const cv::Scalar frame = color(190, 195, 200);
   brush.fill_framed(x, kBottom, width, kHeight, frame, darker(frame, 0.7), 0.02);
   const double pane = (width - 0.18) / 2;
   for (int i = 0; i < 2; ++i)
     paint_view(brush, x + 0.06 + i * (pane + 0.06), kBottom + 0.06, pane, kHeight - 0.12);
-  brush.fill(x - 0.06, kBottom - 0.05, width + 0.12, 0.05, colour(215, 220, 222));
+  brush.fill(x - 0.06, kBottom - 0.05, width + 0.12, 0.05, color(215, 220, 222));
   paint_radiator(brush, x + 0.1, width - 0.2);
 }
 
 void paint_extinguisher(WallBrush& brush, double x) {
-  brush.fill_framed(x, 1.65, 0.2, 0.2, colour(40, 40, 200), colour(230, 230, 230), 0.012);
+  brush.fill_framed(x, 1.65, 0.2, 0.2, color(40, 40, 200), color(230, 230, 230), 0.012);
   const cv::Rect body = brush.area(x + 0.02, 0.75, 0.16, 0.5);
-  cv::rectangle(brush.picture, body, colour(35, 30, 190), cv::FILLED);
+  cv::rectangle(brush.picture, body, color(35, 30, 190), cv::FILLED);
   cv::rectangle(brush.picture,
                 cv::Rect(body.x + body.width / 4, body.y, body.width / 5, body.height),
-                colour(120, 120, 240), cv::FILLED);
-  brush.fill(x + 0.06, 1.25, 0.08, 0.07, colour(25, 25, 25));
-  brush.write(x + 0.04, 0.9, 0.12, 0.14, 0.03, colour(235, 235, 235));
+                color(120, 120, 240), cv::FILLED);
+  brush.fill(x + 0.06, 1.25, 0.08, 0.07, color(25, 25, 25));
+  brush.write(x + 0.04, 0.9, 0.12, 0.14, 0.03, color(235, 235, 235));
 }
 
 void paint_exit_sign(WallBrush& brush, double x) {
-  brush.fill_framed(x, 2.3, 0.42, 0.21, colour(80, 150, 30), colour(225, 230, 225), 0.012);
+  brush.fill_framed(x, 2.3, 0.42, 0.21, color(80, 150, 30), color(225, 230, 225), 0.012);
   const cv::Rect sign = brush.area(x, 2.3, 0.42, 0.21);
   const int y = sign.y + sign.height / 2;
   cv::arrowedLine(brush.picture, {sign.x + sign.width / 5, y}, {sign.x + sign.width * 4 / 5, y},
-                  colour(240, 245, 240), 5, cv::LINE_AA);
+                  color(240, 245, 240), 5, cv::LINE_AA);
 }
 
 void paint_bench(WallBrush& brush, double x, double width) {
-  const cv::Scalar wood = any_colour(brush.style, 50, 130);
+  const cv::Scalar wood = any_color(brush.style, 50, 130);
   brush.fill(x, 0.4, width, 0.07, wood);
   brush.fill(x + 0.02, 0.34, width - 0.04, 0.06, darker(wood, 0.5));
   for (const double leg : {0.08, width - 0.14})
-    brush.fill(x + leg, 0, 0.06, 0.35, colour(40, 40, 42));
+    brush.fill(x + leg, 0, 0.06, 0.35, color(40, 40, 42));
 }
 
-// A cable duct, sockets, switches and scratches: what is on any wall.
+// Fittings of every wall: a cable duct, sockets, switches and scratches.
 void paint_fittings(WallBrush& brush) {
-  const cv::Scalar duct = colour(185, 190, 192);
+  const cv::Scalar duct = color(185, 190, 192);
   brush.fill(0, 2.55, kSlotM, 0.06, duct);
   brush.fill(0, 2.545, kSlotM, 0.008, darker(duct, 0.5));
   for (int i = 0; i < 2; ++i)
     brush.fill_framed(between(brush.detail, 0.05, 1.8), i == 0 ? 0.3 : 1.1, 0.09, 0.09,
-                      colour(225, 228, 228), colour(140, 142, 142), 0.01);
+                      color(225, 228, 228), color(140, 142, 142), 0.01);
   for (int i = 0; i < 4; ++i) {
     const double shade = between(brush.detail, 60, 130);
     const double length = between(brush.detail, 0.02, 0.2),
                  bottom = between(brush.detail, 0.1, 1.3);
-    brush.fill(between(brush.detail, 0, 1.9), bottom, length, 0.012, colour(shade, shade, shade));
+    brush.fill(between(brush.detail, 0, 1.9), bottom, length, 0.012, color(shade, shade, shade));
   }
 }
 
@@ -262,9 +261,9 @@ void furnish_slot(WallBrush& brush, bool is_hall, bool has_windows) {
 }
 
 void paint_glass_front(WallBrush& brush) {
-  const double width = static_cast<double>(brush.picture.cols) / kTexelsPerMetre;
+  const double width = static_cast<double>(brush.picture.cols) / kTexelsPerMeter;
   paint_view(brush, 0, 0, width, kRoomHeightM);
-  const cv::Scalar metal = colour(70, 72, 75);
+  const cv::Scalar metal = color(70, 72, 75);
   for (double x = 0; x < width + 0.05; x += 1.25)
     brush.fill(x - 0.035, 0, 0.07, kRoomHeightM, metal);
   for (const double z : {0.0, 0.9, 2.2, kRoomHeightM - 0.08}) brush.fill(0, z, width, 0.06, metal);

@@ -1,16 +1,16 @@
-// What stands and hangs on the walls: doors, boards, posters, lockers, radiators, windows.
+// Objects on the walls: doors, boards, posters, lockers, radiators, windows.
 #pragma once
 
 #include "synth/surfaces.h"
 
 namespace vpr {
 
-inline constexpr double kSlotM = 2;  ///< walls are furnished slot by slot
+inline constexpr double kSlotM = 2;  ///< width of the slots in which walls are furnished
 
-/// One slot of a wall. In halls there are fewer doors and larger boards.
+/// Furnishes one slot of a wall. Halls have fewer doors and larger boards.
 void furnish_slot(WallBrush& brush, bool is_hall, bool has_windows);
 
-/// The frames of a glass front, and what one sees through it, over the whole picture.
+/// Paints the frames of a glass front and the view through it over the whole image.
 void paint_glass_front(WallBrush& brush);
 
 }  // namespace vpr

@@ -42,7 +42,7 @@ struct Wardrobe {
   }
 };
 
-// In centimetres: x from the middle, y from the ground.
+// In centimeters: x from the middle, y from the ground.
 class Figurine {
  public:
   explicit Figurine(cv::Mat& picture, double height) : picture_(picture), height_(height) {}
@@ -58,7 +58,7 @@ class Figurine {
   }
 
  private:
-  static int pixels(double cm) { return static_cast<int>(std::lround(cm / 100 * kTexelsPerMetre)); }
+  static int pixels(double cm) { return static_cast<int>(std::lround(cm / 100 * kTexelsPerMeter)); }
   cv::Point at(double x, double y) const {
     return {picture_.cols / 2 + pixels(x), picture_.rows - 1 - pixels(y * height_)};
   }
@@ -67,8 +67,8 @@ class Figurine {
 };
 
 cv::Mat draw_person(const Wardrobe& clothes, double stride_cm) {
-  cv::Mat picture(static_cast<int>(kFigureHeightM * kTexelsPerMetre),
-                  static_cast<int>(kFigureWidthM * kTexelsPerMetre), CV_8UC4, cv::Scalar(0));
+  cv::Mat picture(static_cast<int>(kFigureHeightM * kTexelsPerMeter),
+                  static_cast<int>(kFigureWidthM * kTexelsPerMeter), CV_8UC4, cv::Scalar(0));
   Figurine figure(picture, clothes.height);
   for (const double leg : {-1.0, 1.0}) {
     const double foot = leg * (9 + stride_cm * 0.3), lift = leg * stride_cm > 0 ? stride_cm / 4 : 0;
@@ -87,7 +87,7 @@ cv::Mat draw_person(const Wardrobe& clothes, double stride_cm) {
   figure.block(-5, 145, 5, 155, clothes.skin);
   figure.oval(0, 164, 10, 13, clothes.skin);
   figure.oval(0, 169, 11, 10, clothes.hair);
-  // What is drawn covers; edges get their softness from the levels.
+  // Drawn pixels cover completely; the mipmap levels soften the edges.
   for (int y = 0; y < picture.rows; ++y)
     for (int x = 0; x < picture.cols; ++x) {
       auto& texel = picture.at<cv::Vec4b>(y, x);
@@ -124,7 +124,7 @@ Crowd::Crowd(const World& world, const Walk& walk, const FloorPlan& plan,
   add_ahead(engine, poses, walk.ahead);
 }
 
-// Everyone meets the camera at some time of the walk: most come towards it, some overtake it.
+// Everyone passes the camera at some time of the walk: most come toward it, some overtake it.
 void Crowd::add_passers_by(RandomEngine& engine, const std::vector<CameraPose>& poses,
                            size_t groups) {
   for (size_t group = 0; group < groups; ++group) {
@@ -158,7 +158,7 @@ void Crowd::add_standing(RandomEngine& engine, size_t groups) {
   }
 }
 
-// They step in front of the camera a few metres ahead of it.
+// They cross the path a few meters ahead of the camera.
 void Crowd::add_crossing(RandomEngine& engine, const std::vector<CameraPose>& poses,
                          size_t groups) {
   for (size_t group = 0; group < groups; ++group) {
@@ -174,7 +174,7 @@ void Crowd::add_crossing(RandomEngine& engine, const std::vector<CameraPose>& po
   }
 }
 
-// They walk where the camera goes, a few metres ahead of it, for a while.
+// They walk a few meters ahead of the camera for a while.
 void Crowd::add_ahead(RandomEngine& engine, const std::vector<CameraPose>& poses, size_t groups) {
   for (size_t group = 0; group < groups; ++group) {
     const double from = poses[uniform_below(engine, poses.size())].time_s;
@@ -193,7 +193,7 @@ double Crowd::camera_way(double time_s) const {
   return camera_ways_[std::min(frame, camera_ways_.size() - 1)];
 }
 
-// Where a member is at a time; beyond the path if it is not there.
+// The position of a member at this time; beyond the path if the member is not visible.
 Crowd::Member Crowd::moved(const Member& member, double time_s) const {
   constexpr double kNowhere = -1;
   Member now = member;

@@ -10,13 +10,12 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kMostFrames = 100'000;
+constexpr size_t kMaxFrames = 100'000;
 
 void check_frames(const Walk& walk, double frames) {
-  if (frames > static_cast<double>(kMostFrames))
-    throw Error(ErrorKind::usage,
-                fmt::format("the walk {} would have {} frames; at most {} are possible", walk.name,
-                            frames, kMostFrames));
+  if (frames > static_cast<double>(kMaxFrames))
+    throw Error(ErrorKind::usage, fmt::format("the walk {} would have {} frames; the maximum is {}",
+                                              walk.name, frames, kMaxFrames));
 }
 
 size_t frame_count(const World& world, const Walk& walk, double length_m) {
@@ -29,8 +28,8 @@ size_t frame_count(const World& world, const Walk& walk, double length_m) {
 [[noreturn]] void refuse_missed(const Walk& walk, std::string_view what, double at_m,
                                 double length_m) {
   throw Error(ErrorKind::usage,
-              fmt::format("the walk {} has a {} {} m, where it does not come by: its path is "
-                          "{:.2f} m long, and stops and cuts are met in their order",
+              fmt::format("the walk {} has a {} {} m, which it does not reach: its path is "
+                          "{:.2f} m long, and it passes stops and cuts in their order",
                           walk.name, what, at_m, length_m));
 }
 
@@ -41,7 +40,7 @@ double speed_at(const Walk& walk, double way_m) {
   return speed;
 }
 
-// Where the stretch ends that is walked up to the next cut.
+// The end of the part of the path before the next cut.
 double leg_end(const Walk& walk, size_t cut, double length_m) {
   return cut == walk.cuts.size() ? length_m : std::min(length_m, walk.cuts[cut].at_m);
 }
@@ -61,7 +60,7 @@ std::vector<Progress> uneven_progress(const World& world, const Walk& walk, doub
   size_t stop = 0;
   size_t cut = 0;
   for (;;) {
-    // Carried before the step that would leave the leg, as often as cuts follow each other.
+    // Cuts before a step leaves this part; several cuts may follow each other.
     for (; cut < walk.cuts.size() && now.way_m >= walk.cuts[cut].at_m; ++cut) {
       now.way_m = walk.cuts[cut].to_m + (now.way_m - walk.cuts[cut].at_m);
       now.follows_cut = !frames.empty();

@@ -22,7 +22,7 @@
 namespace vpr {
 namespace {
 
-// The camera of one view of a place: it stands still.
+// The pose of a stationary camera for one view of a place.
 CameraPose view_pose(const WorldPlace& place, size_t view) {
   CameraPose pose;
   pose.position = {place.x, place.y};
@@ -42,8 +42,9 @@ std::string poses_csv(const RecordedWalk& recorded) {
   return csv;
 }
 
-/// Metres from a place, if the camera is on its floor and looks as one of its views does.
-std::optional<double> metres_to_place(const World& world, const std::string& floor,
+/// The distance to a place, if the camera is on its floor and has a similar heading as one of its
+/// views.
+std::optional<double> meters_to_place(const World& world, const std::string& floor,
                                       const CameraPose& pose, const WorldPlace& place) {
   const bool looks_alike =
       std::any_of(place.headings.begin(), place.headings.end(), [&](double heading) {
@@ -53,10 +54,10 @@ std::optional<double> metres_to_place(const World& world, const std::string& flo
   return distance(pose.position, {place.x, place.y});
 }
 
-// Nothing for different places.
-std::optional<std::string_view> label(double metres, double same_m, double ignore_m) {
-  if (metres <= same_m) return "same";
-  if (metres <= ignore_m) return "ignore";
+// Nullopt for different places.
+std::optional<std::string_view> label(double meters, double same_m, double ignore_m) {
+  if (meters <= same_m) return "same";
+  if (meters <= ignore_m) return "ignore";
   return std::nullopt;
 }
 
@@ -82,10 +83,10 @@ std::string place_truth_csv(const World& world, const RecordedWalk& query) {
   std::string csv = "query,reference,label\n";
   for (size_t q = 0; q < query.poses.size(); ++q)
     for (size_t p = 0; p < world.places.size(); ++p) {
-      const auto metres =
-          metres_to_place(world, query.walk->floor, query.poses[q], world.places[p]);
+      const auto meters =
+          meters_to_place(world, query.walk->floor, query.poses[q], world.places[p]);
       const auto found =
-          metres ? label(*metres, world.place_radius_m, world.place_ignore_m) : std::nullopt;
+          meters ? label(*meters, world.place_radius_m, world.place_ignore_m) : std::nullopt;
       if (found) csv += fmt::format("{},{},{}\n", q, p, *found);
     }
   return csv;
@@ -120,8 +121,8 @@ std::vector<std::string> pretraining_ranges(const World& world, const RecordedWa
   for (size_t first = 0; first < frames;) {
     const auto shows_any = [&](size_t i) {
       return std::any_of(world.places.begin(), world.places.end(), [&](const WorldPlace& place) {
-        const auto metres = metres_to_place(world, recorded.walk->floor, recorded.poses[i], place);
-        return metres && *metres <= std::max(world.place_radius_m, world.place_ignore_m);
+        const auto meters = meters_to_place(world, recorded.walk->floor, recorded.poses[i], place);
+        return meters && *meters <= std::max(world.place_radius_m, world.place_ignore_m);
       });
     };
     size_t last = first;
@@ -181,7 +182,7 @@ void write_frame(const World& world, const cv::Mat& picture, const fs::path& pat
   write_part(path, {std::as_bytes(std::span(bytes))});
 }
 
-/// What all frames of a recording share.
+/// The common inputs of all frames of a recording.
 struct Studio {
   const World& world;
   Camera camera;
@@ -223,7 +224,7 @@ void render_views(const Studio& studio, const Scene& scene, const WorldPlace& pl
   }
 }
 
-// The days on which a floor is seen; views of places are of day 0.
+// The days on which a floor is recorded; views of places belong to day 0.
 std::set<uint64_t> days_of(const World& world, const std::string& floor) {
   std::set<uint64_t> days;
   for (const Walk& walk : world.walks)
@@ -233,7 +234,7 @@ std::set<uint64_t> days_of(const World& world, const std::string& floor) {
   return days;
 }
 
-// One floor and day after the other, so that no more than one is painted and in memory.
+// Renders one day of a floor after the other, so that only one is in memory.
 void render_floor(const Studio& studio, size_t floor, const std::vector<RecordedWalk>& walks,
                   const fs::path& folder) {
   const World& world = studio.world;
@@ -249,7 +250,7 @@ void render_floor(const Studio& studio, size_t floor, const std::vector<Recorded
   }
 }
 
-// Whether a folder holds frames, and at most the one other file.
+// Whether a folder holds only frames and `other`.
 bool holds_frames(const fs::path& folder, std::string_view other = "") {
   return holds_only_files(folder, [&](const std::string& name) {
     return name.ends_with(".jpg") || name.ends_with(".png") || name == other;
@@ -286,7 +287,7 @@ std::vector<RecordedWalk> record_walks(const World& world) {
   for (const WorldPlace& place : world.places)
     if (!plans[floor_index(world, place.floor)].is_open({place.x, place.y}))
       throw Error(ErrorKind::usage,
-                  fmt::format("the place {} stands in a wall at x {}, y {}; move it", place.name,
+                  fmt::format("the place {} is inside a wall at x {}, y {}; move it", place.name,
                               place.x, place.y));
   return walks;
 }

@@ -1,4 +1,4 @@
-// A rendered world: its frames, poses, ground truth, and the data set that names it all.
+// A rendered world: its frames, poses, ground truth, and a data set file that lists them.
 #pragma once
 
 #include <filesystem>
@@ -13,33 +13,33 @@
 
 namespace vpr {
 
-/// A walk and the camera's pose of each of its frames.
+/// A walk with the camera pose of each frame.
 struct RecordedWalk {
   const Walk* walk = nullptr;  ///< of the world
   std::vector<CameraPose> poses;
 };
 
 /// The poses of all walks, in the order of the world. Throws Error(usage) if a walk or a view of a
-/// place stands in a wall.
+/// place is inside a wall.
 std::vector<RecordedWalk> record_walks(const World& world);
 
-/// Names and texts of all files beside the frames' folders:
-/// - training and query frames show the same place if they are on one floor, at most same_place_m
-///   apart and look the same way within same_heading_deg; they are ignored up to ignore_m;
-/// - a query frame shows a place if it is within place_radius_m and looks as one of its views does
-///   within same_heading_deg; it is ignored up to place_ignore_m;
-/// - stretches of pretraining walks that would show a place, or be ignored, are left out.
-/// Walls are not asked: places on two sides of a thin one count as near.
+/// Names and contents of all files other than frames:
+/// - a training and a query frame show the same place if they are on one floor, at most
+///   same_place_m apart, and their headings differ by at most same_heading_deg; the pair is ignored
+///   up to ignore_m;
+/// - a query frame shows a place if it is within place_radius_m and its heading differs from that
+///   of a view by at most same_heading_deg; it is ignored up to place_ignore_m;
+/// - parts of pretraining walks that would show a place, or be ignored, are omitted.
+/// Walls are not considered: places on two sides of a thin wall count as near.
 std::vector<std::pair<std::string, std::string>> recording_texts(
     const World& world, const std::vector<RecordedWalk>& walks);
 
-/// How much was rendered.
 struct RecordingSize {
   size_t frames = 0;  ///< of walks
   size_t views = 0;   ///< of places
 };
 
-/// What was rendered (vpr.world-info/1).
+/// The report about a rendered world (vpr.world-info/1).
 Json recording_json(const World& world, const RecordingSize& size);
 
 /// Renders a world into an existing folder:
@@ -48,12 +48,12 @@ Json recording_json(const World& world, const RecordingSize& size);
 ///   plan.csv                            floor,x0,y0,x1,y1,kind of every wall
 ///   WALK.ground_truth.csv, WALK.places.csv  of every query, against training frames and places
 ///   dataset.json                        all of it as vpr.dataset/1
-/// Returns what was rendered. Byte-identical for a world, on any number of threads. Throws
-/// Error(usage) if a walk or a view stands in a wall, Error(output) if a file can't be written.
+/// Returns the number of images. Byte-identical for a world, with any number of threads. Throws
+/// Error(usage) if a walk or a view is inside a wall, Error(output) if a file cannot be written.
 RecordingSize write_recording(const World& world, const std::filesystem::path& folder,
                               const Monitor& monitor);
 
-/// Whether a folder holds what write_recording writes, and nothing else.
+/// Whether a folder holds only files that write_recording writes.
 bool is_recording_folder(const std::filesystem::path& folder);
 
 }  // namespace vpr

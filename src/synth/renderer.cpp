@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNearestFigureM = 0.5;
 
-/// One row of floor or ceiling: everything on it is equally deep.
+/// One image row of floor or ceiling: all its pixels have the same depth.
 struct PlaneRow {
   double depth = 0;
   size_t level = 0;
@@ -39,7 +39,7 @@ std::array<int, 4> sample_strip(const std::vector<Texel>& strip, double from_top
 std::array<int, 4> sample_plane(const Texture& texture, const FloorPlan& plan, size_t level,
                                 Point point) {
   const cv::Mat& image = texture.levels[level];
-  const double scale = static_cast<double>(kPlanTexelsPerMetre >> level);
+  const double scale = static_cast<double>(kPlanTexelsPerMeter >> level);
   const double x = std::clamp((point.x - plan.origin.x) * scale - 0.5, 0.0, image.cols - 1.001);
   const double y = std::clamp((point.y - plan.origin.y) * scale - 0.5, 0.0, image.rows - 1.001);
   const int column = static_cast<int>(x), row = static_cast<int>(y);
@@ -55,15 +55,15 @@ std::array<int, 4> sample_plane(const Texture& texture, const FloorPlan& plan, s
 
 std::vector<PlaneRow> make_plane_rows(const Canvas& canvas, double height, const Texture& texture) {
   std::vector<PlaneRow> rows(static_cast<size_t>(canvas.rows()));
-  constexpr size_t kMostHalvings = 5;
+  constexpr size_t kMaxHalvings = 5;
   for (int y = 0; y < canvas.rows(); ++y) {
     const double below = std::max(0.05, std::abs(y + 0.5 - canvas.horizon));
     PlaneRow& row = rows[static_cast<size_t>(y)];
     row.depth = height * canvas.focal / below;
-    // A pixel covers more of the floor along the view than across it: in between.
+    // A pixel covers more of the floor along the view than across it: use the geometric mean.
     const double across = row.depth / canvas.focal, along = row.depth / below;
-    row.level = std::min(kMostHalvings,
-                         choose_level(texture, std::sqrt(across * along) * kPlanTexelsPerMetre));
+    row.level = std::min(kMaxHalvings,
+                         choose_level(texture, std::sqrt(across * along) * kPlanTexelsPerMeter));
   }
   return rows;
 }
@@ -78,7 +78,7 @@ Point on_plane(const Canvas& canvas, const Column& column, double depth) {
   return {canvas.position.x + depth * column.ray.x, canvas.position.y + depth * column.ray.y};
 }
 
-// What a polished floor reflects at a row: the wall upside down, and the ceiling nearer by.
+// The reflection of a polished floor at a row: the wall upside down, and the ceiling.
 std::array<int, 4> reflection(const Canvas& canvas, const Scene& scene, const Planes& planes,
                               const Column& column, int y, double strip_texels_per_m) {
   const double height = (y + 0.5 - canvas.horizon) * column.depth / canvas.focal - canvas.eye;
@@ -88,12 +88,12 @@ std::array<int, 4> reflection(const Canvas& canvas, const Scene& scene, const Pl
   return sample_plane(scene.ceiling, scene.plan, row.level, on_plane(canvas, column, row.depth));
 }
 
-// Half see-through texels (a frame's edge) let half of it through.
+// Half-transparent texels (at the edge of a frame) transmit half of the light.
 int glass_share(const std::array<int, 4>& texel) {  // of 256
   return std::clamp((texel[3] - kGlassDaylight) * 256 / (255 - kGlassDaylight), 0, 256);
 }
 
-// What lies behind the glass of a wall, and what the glass reflects.
+// Adds the view through the glass of a wall and the reflection in it.
 void shine_glass(const Canvas& canvas, const Scene& scene, const Column& column, double middle,
                  const Light& light, std::array<int, 4> texel, std::array<int, 3>& pixel) {
   const int share = glass_share(texel);
@@ -120,10 +120,10 @@ void shine_glass(const Canvas& canvas, const Scene& scene, const Column& column,
 
 void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes,
                   const Column& column, const Light& light, uint8_t* out) {
-  const double metres_per_row = column.depth / canvas.focal;
+  const double meters_per_row = column.depth / canvas.focal;
   const double strip_texels_per_m = static_cast<double>(column.strip.size()) / kRoomHeightM;
-  const double top = canvas.horizon - (kRoomHeightM - canvas.eye) / metres_per_row;
-  const double bottom = canvas.horizon + canvas.eye / metres_per_row;
+  const double top = canvas.horizon - (kRoomHeightM - canvas.eye) / meters_per_row;
+  const double bottom = canvas.horizon + canvas.eye / meters_per_row;
   std::array<int, 3> pixel;
   for (int y = 0; y < canvas.rows(); ++y, out += 3) {
     const double middle = y + 0.5;
@@ -135,7 +135,7 @@ void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes
             light, pixel);
     } else if (middle < bottom) {
       const auto texel =
-          sample_strip(column.strip, (middle - top) * metres_per_row * strip_texels_per_m);
+          sample_strip(column.strip, (middle - top) * meters_per_row * strip_texels_per_m);
       if (column.outside.empty() && column.mirrored.empty()) {
         shine(texel, light, pixel);
       } else {
@@ -156,28 +156,28 @@ void paint_column(const Canvas& canvas, const Scene& scene, const Planes& planes
   }
 }
 
-// A person is a flat picture that turns to the camera, where no wall is nearer.
+// A person is a flat image that faces the camera, hidden by nearer walls.
 void paint_figure(Canvas& canvas, const std::vector<Column>& columns, const Texture& texture,
                   Point position, const Light& light) {
   const double dx = position.x - canvas.position.x, dy = position.y - canvas.position.y;
   const double depth = dx * canvas.forward.x + dy * canvas.forward.y;
   if (depth < kNearestFigureM) return;
   const double scale = canvas.focal / depth;
-  const double centre =
+  const double center =
       canvas.columns() / 2.0 + (dx * canvas.right.x + dy * canvas.right.y) * scale;
-  const double left = centre - kFigureWidthM / 2 * scale;
+  const double left = center - kFigureWidthM / 2 * scale;
   const double top = canvas.horizon - (kFigureHeightM - canvas.eye) * scale;
   const int first = std::clamp(static_cast<int>(std::ceil(left)), 0, canvas.columns());
   const int last = std::clamp(static_cast<int>(left + kFigureWidthM * scale), 0, canvas.columns());
   const int top_row = std::clamp(static_cast<int>(std::ceil(top)), 0, canvas.rows());
   const int bottom_row =
       std::clamp(static_cast<int>(top + kFigureHeightM * scale), 0, canvas.rows());
-  const size_t level = choose_level(texture, kTexelsPerMetre / scale);
+  const size_t level = choose_level(texture, kTexelsPerMeter / scale);
   std::vector<Texel> strip;
   for (int x = first; x < last; ++x) {
     if (columns[static_cast<size_t>(x)].depth < depth) continue;
-    filter_strip(texture, level, (x + 0.5 - left) / scale * kTexelsPerMetre,
-                 kTexelsPerMetre / scale, strip);
+    filter_strip(texture, level, (x + 0.5 - left) / scale * kTexelsPerMeter,
+                 kTexelsPerMeter / scale, strip);
     const double texels_per_row = static_cast<double>(strip.size()) / kFigureHeightM / scale;
     for (int y = top_row; y < bottom_row; ++y) {
       auto texel = sample_strip(strip, (y + 0.5 - top) * texels_per_row);
@@ -187,7 +187,8 @@ void paint_figure(Canvas& canvas, const std::vector<Column>& columns, const Text
       std::array<int, 3> pixel;
       shine(texel, light, pixel);
       auto& below = canvas.turned.at<cv::Vec3b>(x, y);
-      // Colours were averaged with the empty (black) texels around: they bring their share.
+      // Colors were averaged with the surrounding empty (black) texels, so they are already
+      // weighted.
       for (int c = 0; c < 3; ++c)
         below[c] = cv::saturate_cast<uint8_t>(pixel[static_cast<size_t>(c)] +
                                               below[c] * (255 - cover) / 255);

@@ -1,5 +1,5 @@
-// From a scene and a camera pose to a picture: a ray for each column of the picture, over the floor
-// plan, then the strip of wall that it hits, and floor and ceiling above and below.
+// Renders a scene from a camera pose: one ray per image column hits the floor plan; the column
+// shows the strip of wall there, with floor and ceiling below and above.
 #pragma once
 
 #include <vector>
@@ -15,18 +15,18 @@ class Mat;
 
 namespace vpr {
 
-/// What there is to see at one moment.
+/// The visible world at one moment.
 struct View {
   const Scene& scene;
   const std::vector<Looks>& cast;
   std::vector<Figure> figures;
   CameraPose pose;
   Conditions conditions;
-  std::vector<CameraPose> metered;  ///< what the automatic exposure follows; empty: `pose` alone
+  std::vector<CameraPose> metered;  ///< input of the automatic exposure; empty: only `pose`
 };
 
-/// BGR, 8 bits, with automatic exposure, motion blur and sensor noise. The noise is drawn from
-/// `noise_engine`; all else depends on the view alone. The camera must stand in an open cell.
+/// BGR, 8 bits, with automatic exposure, motion blur and sensor noise. `noise_engine` draws the
+/// noise; everything else depends only on the view. The camera must be in an open cell.
 cv::Mat render(const Camera& camera, const View& view, RandomEngine noise_engine);
 
 }  // namespace vpr

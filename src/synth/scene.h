@@ -1,5 +1,5 @@
-// What a floor looks like on a day: painted walls, flooring and ceiling, and the panorama outside
-// its windows.
+// The appearance of a floor on one day: painted walls, flooring and ceiling, and the panorama
+// outside its windows.
 #pragma once
 
 #include <vector>
@@ -11,31 +11,30 @@
 
 namespace vpr {
 
-/// From this daylight share of a wall's texel on, what is outside shows through it.
+/// Texels of a wall with at least this daylight share are transparent.
 inline constexpr int kGlassDaylight = 200;
 
-/// What is far away outside the windows, without parallax: sky, houses, trees and ground around a
-/// building, in daylight: as a wall's texture, whose strips go once around by azimuth and are as
-/// high as tangents of elevation from 1 to -1.
+/// The distant surroundings of a building in daylight, without parallax: sky, houses, trees and
+/// ground. It has the layout of a wall's texture: strips go once around by azimuth, and cover
+/// tangents of elevation from 1 to -1.
 Texture make_panorama(uint64_t seed);
 
 /// The strip of a panorama in a direction (any length > 0), for pixels `pixel_rad` wide.
 void panorama_strip(const Texture& panorama, Point direction, double pixel_rad,
                     std::vector<cv::Vec4b>& strip);
 
-/// What one floor looks like.
 struct Scene {
   FloorPlan plan;
   std::vector<Texture> walls;  ///< as plan.walls
-  Texture floor;               ///< kPlanTexelsPerMetre from plan.origin, rows upwards
+  Texture floor;               ///< kPlanTexelsPerMeter from plan.origin, rows upwards
   Texture ceiling;
   Texture outside;         ///< a panorama; empty with far_view 0
   double far_view = 0;     ///< as in BuildingVariety
   double reflections = 0;  ///< as in BuildingVariety
 };
 
-/// A floor as it is on a day; depends on the world, the floor's index and the day alone. Walls are
-/// painted in parallel.
+/// A floor on one day; depends only on the world, the floor's index and the day. Walls are painted
+/// in parallel.
 Scene make_scene(const World& world, size_t floor, const Monitor& monitor, uint64_t day = 0);
 
 }  // namespace vpr

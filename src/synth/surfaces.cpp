@@ -18,7 +18,7 @@ std::string letters(RandomEngine& engine, size_t count) {
   return text;
 }
 
-// Smooth random values up to `most`, a new one every `texels`.
+// Smooth random values up to `most`, with one independent value every `texels`.
 cv::Mat smooth_field(cv::Size size, int texels, double most, RandomEngine& engine) {
   cv::Mat small(size.height / texels + 2, size.width / texels + 2, CV_32F);
   for (int y = 0; y < small.rows; ++y)
@@ -58,13 +58,14 @@ size_t choose_level(const Texture& texture, double texels) {
   return level;
 }
 
-void filter_strip(const Texture& texture, size_t level, double centre, double width,
+void filter_strip(const Texture& texture, size_t level, double center, double width,
                   std::vector<cv::Vec4b>& strip) {
-  constexpr double kMostTexels = 24;  // a wall seen almost from its edge: one pixel, a few strips
+  // limit for a wall seen almost edge-on: one pixel, a few strips
+  constexpr double kMaxTexels = 24;
   const cv::Mat& image = texture.levels[level];
   const double scale = static_cast<double>(image.rows) / texture.levels[0].rows;
-  const double extent = std::clamp(width * scale, 1.0, kMostTexels);
-  const double low = std::clamp(centre * scale - extent / 2, -1e6, 1e6);
+  const double extent = std::clamp(width * scale, 1.0, kMaxTexels);
+  const double low = std::clamp(center * scale - extent / 2, -1e6, 1e6);
   const int first = static_cast<int>(std::floor(low));
   const int last = static_cast<int>(std::ceil(low + extent)) - 1;
   const auto pixels = static_cast<size_t>(image.cols);
@@ -85,7 +86,7 @@ void filter_strip(const Texture& texture, size_t level, double centre, double wi
     bytes[i] = static_cast<uint8_t>((sums[i] * factor + (1u << 23)) >> 24);
 }
 
-int wall_texels(double metres) { return static_cast<int>(std::lround(metres * kTexelsPerMetre)); }
+int wall_texels(double meters) { return static_cast<int>(std::lround(meters * kTexelsPerMeter)); }
 
 bool chance(RandomEngine& engine, double probability) { return uniform_unit(engine) < probability; }
 
@@ -93,11 +94,11 @@ double between(RandomEngine& engine, double low, double high) {
   return low + (high - low) * uniform_unit(engine);
 }
 
-cv::Scalar colour(double blue, double green, double red) { return {blue, green, red, 0}; }
+cv::Scalar color(double blue, double green, double red) { return {blue, green, red, 0}; }
 
-cv::Scalar any_colour(RandomEngine& engine, double low, double high) {
+cv::Scalar any_color(RandomEngine& engine, double low, double high) {
   const double blue = between(engine, low, high), green = between(engine, low, high);
-  return colour(blue, green, between(engine, low, high));
+  return color(blue, green, between(engine, low, high));
 }
 
 cv::Scalar darker(const cv::Scalar& c, double factor) {
@@ -153,9 +154,9 @@ Finish building_finish(const World& world, const FloorNames& names) {
   const double tone = between(engine, 165, 205) + between(own, -12, 12);
   Finish finish;
   const double warm = tone * between(engine, 0.98, 1.05);
-  finish.plaster = colour(tone * between(engine, 0.86, 0.98), tone, warm);
+  finish.plaster = color(tone * between(engine, 0.86, 0.98), tone, warm);
   const double red = between(engine, 95, 150), green = between(engine, 100, 150);
-  finish.dado = colour(between(engine, 90, 150), green, red);
+  finish.dado = color(between(engine, 90, 150), green, red);
   finish.dado_m = between(engine, 0.9, 1.2);
   finish.brick_halls = uniform_unit(own) < 0.5;
   return finish;
@@ -200,13 +201,13 @@ size_t room_at(const Floor& floor, Point point) {
 
 void lay_bricks(WallBrush& brush, double length_m) {
   constexpr double kBrick = 0.25, kCourse = 0.083, kJoint = 0.012;
-  brush.fill(0, 0, length_m, kRoomHeightM, colour(140, 150, 155));
+  brush.fill(0, 0, length_m, kRoomHeightM, color(140, 150, 155));
   int course = 0;
   for (double z = 0; z < kRoomHeightM; z += kCourse, ++course)
     for (double x = course % 2 == 0 ? 0 : -kBrick / 2; x < length_m; x += kBrick) {
       const double shade = between(brush.detail, 0.8, 1.15);
       brush.fill(x, z, kBrick - kJoint, kCourse - kJoint,
-                 colour(62 * shade, 78 * shade, 140 * shade));
+                 color(62 * shade, 78 * shade, 140 * shade));
     }
 }
 
@@ -214,7 +215,7 @@ void plaster(WallBrush& brush, const Finish& finish, double from_m, double to_m)
   brush.fill(from_m, 0, to_m - from_m, kRoomHeightM, finish.plaster);
   if (finish.dado_m == 0) return;
   brush.fill(from_m, 0, to_m - from_m, finish.dado_m, finish.dado);
-  brush.fill(from_m, finish.dado_m, to_m - from_m, 0.03, colour(70, 75, 80));
+  brush.fill(from_m, finish.dado_m, to_m - from_m, 0.03, color(70, 75, 80));
 }
 
 void roughen(cv::Mat& picture, RandomEngine& engine, int fine, double coarse) {
@@ -243,7 +244,7 @@ void wear_wall(WallBrush& brush, double length_m, double wear, RandomEngine& eng
         uint8_t& value = picture.at<cv::Vec4b>(y, x)[c];
         value = cv::saturate_cast<uint8_t>(value * (1 + fading.at<float>(y, x)));
       }
-  for (int i = 0; i < static_cast<int>(length_m * wear * 0.7); ++i) {  // mended
+  for (int i = 0; i < static_cast<int>(length_m * wear * 0.7); ++i) {  // repairs
     const double x = between(engine, 0, length_m), z = between(engine, 0.1, 2.4);
     const double height = between(engine, 0.2, 0.9), width = between(engine, 0.3, 1.2);
     const cv::Rect patch =
@@ -255,7 +256,7 @@ void wear_wall(WallBrush& brush, double length_m, double wear, RandomEngine& eng
   for (int i = 0; i < static_cast<int>(length_m * wear * 6); ++i) {  // scuffs
     const double shade = between(engine, 35, 110), z = between(engine, 0.1, 1.1);
     const double height = between(engine, 0.008, 0.03), width = between(engine, 0.03, 0.4);
-    brush.fill(between(engine, 0, length_m), z, width, height, colour(shade, shade, shade));
+    brush.fill(between(engine, 0, length_m), z, width, height, color(shade, shade, shade));
   }
 }
 

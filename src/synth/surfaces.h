@@ -1,5 +1,5 @@
-// Painted surfaces: textures and how they are looked up without flicker from near and far, the
-// brush for walls, and paint, bricks, tiles and wear.
+// Painted surfaces: textures with filtered look-up, the brush for walls, and paint, bricks, tiles
+// and wear.
 #pragma once
 
 #include <cstdint>
@@ -13,56 +13,56 @@
 
 namespace vpr {
 
-inline constexpr int kTexelsPerMetre = 128;     ///< of walls and people, on level 0
-inline constexpr int kPlanTexelsPerMetre = 64;  ///< of floors and ceilings, on level 0
+inline constexpr int kTexelsPerMeter = 128;     ///< of walls and people, on level 0
+inline constexpr int kPlanTexelsPerMeter = 64;  ///< of floors and ceilings, on level 0
 
-/// Levels of halved size. Pixels are blue, green, red and a fourth value: of walls, how much
-/// daylight comes through (255: all of it, no lamp light); of people, how much they cover.
+/// Levels of halved size (a mipmap). Pixels are blue, green, red and a fourth value: for walls, the
+/// transmitted daylight (255: only daylight, no lamp light); for people, the coverage.
 ///
-/// Walls and people are stored turned: a row is one vertical strip, from the top down, so that what
-/// a column of the picture needs lies together. Floors and ceilings are as on the plan.
+/// Walls and people are stored transposed: a row is one vertical strip from top to bottom, so that
+/// the pixels for one image column are contiguous. Floors and ceilings have the orientation of the
+/// plan.
 struct Texture {
   std::vector<cv::Mat> levels;
 };
 
-/// Halves until a side is a texel long.
+/// Halves the size until one side is a single texel.
 Texture make_texture(const cv::Mat& level_0);
 
-/// Turns a picture as people see it into a wall's strips.
+/// Transposes an upright image to the strips of a wall.
 Texture make_wall_texture(const cv::Mat& picture);
 
-/// The level at which a texel is about as large as a pixel, where one pixel covers `texels` of
-/// level 0.
+/// The level whose texels are about as large as a pixel, if one pixel covers `texels` of level 0.
 size_t choose_level(const Texture& texture, double texels);
 
-/// One vertical strip: the mean over `width` texels around `centre` (both of level 0, the width at
-/// least one of the chosen level's), clamped at the ends. `strip` gets as many pixels as a row of
-/// the level has.
-void filter_strip(const Texture& texture, size_t level, double centre, double width,
+/// One vertical strip: the mean over `width` texels around `center` (both in texels of level 0, the
+/// width at least one texel of the chosen level), clamped at the ends. `strip` has as many pixels
+/// as a row of the level.
+void filter_strip(const Texture& texture, size_t level, double center, double width,
                   std::vector<cv::Vec4b>& strip);
 
-/// Paints onto the picture of a wall, in metres from its left end and from the floor.
+/// Paints onto the image of a wall, in meters from its left end and from the floor.
 ///
-/// Two sources of chance: `style` says what stands where and in which colour, and is the same for
-/// walls that resemble each other; `detail` is the writing, sheets and scratches, which never are.
+/// It has two random engines: `style` chooses objects, positions and colors, and is the same for
+/// similar walls; `detail` draws text, sheets and scratches, which always differ.
 struct WallBrush {
   cv::Mat& picture;  ///< 8 bits, blue, green, red, daylight; top row at kRoomHeightM
   RandomEngine style;
   RandomEngine detail;
   double left_m = 0;        ///< of the slot to furnish
-  bool is_bare = false;     ///< nothing hangs or stands in the slot but doors and windows
-  bool is_changed = false;  ///< the slot is otherwise on this day, in what `day` draws
+  bool is_bare = false;     ///< the slot has only doors and windows
+  bool is_changed = false;  ///< the objects drawn with `day` differ on this day
   RandomEngine day{};
 
-  /// Where an area is in the picture. It may reach over the ends of the wall.
+  /// The pixels of an area, which may extend beyond the ends of the wall.
   cv::Rect area(double x, double bottom, double width, double height) const;
-  /// Fills an area, as far as it is on the wall; an empty one is left out.
-  void fill(double x, double bottom, double width, double height, const cv::Scalar& colour);
-  /// A frame around a filled area, with a shadow below and to its right, so that things do not look
-  /// painted on.
+  /// Fills the visible part of an area, if any.
+  void fill(double x, double bottom, double width, double height, const cv::Scalar& color);
+  /// A framed area with a shadow below and to its right, which makes objects look
+  /// three-dimensional.
   void fill_framed(double x, double bottom, double width, double height, const cv::Scalar& inside,
                    const cv::Scalar& frame, double frame_m);
-  /// One line of text, whose capitals are `height` metres high.
+  /// One line of text; its capitals are `height` meters high.
   void put_text(double x, double bottom, double height, const std::string& text,
                 const cv::Scalar& ink, int thickness);
   /// Lines of letters that fill the area, `line_m` apart.
@@ -70,35 +70,35 @@ struct WallBrush {
              const cv::Scalar& ink);
 };
 
-/// Metres on a wall as texels of its level 0, rounded.
-int wall_texels(double metres);
+/// Meters on a wall as texels of its level 0, rounded.
+int wall_texels(double meters);
 
-/// True with a probability.
+/// True with this probability.
 bool chance(RandomEngine& engine, double probability);
 
 /// Uniform in [low, high).
 double between(RandomEngine& engine, double low, double high);
 
-/// A colour of daylight share 0.
-cv::Scalar colour(double blue, double green, double red);
+/// A color of daylight share 0.
+cv::Scalar color(double blue, double green, double red);
 
-/// A colour of daylight share 0, with each channel uniform in [low, high).
-cv::Scalar any_colour(RandomEngine& engine, double low, double high);
+/// A color of daylight share 0, with each channel uniform in [low, high).
+cv::Scalar any_color(RandomEngine& engine, double low, double high);
 
-/// A colour with each channel multiplied by a factor, which may exceed 1.
-cv::Scalar darker(const cv::Scalar& colour, double factor);
+/// A color with each channel multiplied by a factor, which may exceed 1.
+cv::Scalar darker(const cv::Scalar& color, double factor);
 
-/// Names of the two floors that matter: the own one, and the one whose plan it has.
+/// Names of a floor and of the floor whose plan it uses.
 struct FloorNames {
   std::string own;
   std::string plan;
 };
 
-/// How walls, floor and ceiling look.
+/// The finish of walls, floor and ceiling.
 struct Finish {
   cv::Scalar plaster;
   cv::Scalar dado;    ///< the lower part of a wall
-  double dado_m = 0;  ///< up to this height; 0: none
+  double dado_m = 0;  ///< height of the dado; 0: none
   bool brick_halls = false;
   double flooring = 1;  ///< factor of the flooring's brightness
   double flooring_tile_m = 0.6;
@@ -108,28 +108,28 @@ struct Finish {
   double lamps = 1;         ///< factor of the lamps' brightness
 };
 
-/// What a floor has throughout.
+/// The common finish of a floor.
 Finish building_finish(const World& world, const FloorNames& names);
 
-/// What one room of a floor has; with variety.finishes at 0 the building's.
+/// The finish of one room; the common finish if variety.finishes is 0.
 Finish room_finish(const World& world, const FloorNames& names, size_t room);
 
-/// The room at a point, halls before corridors; the first if there is none.
+/// The room at a point, halls before corridors; the first room if there is none.
 size_t room_at(const Floor& floor, Point point);
 
-/// Bricks over the whole picture of a wall.
+/// Paints bricks over the whole image of a wall.
 void lay_bricks(WallBrush& brush, double length_m);
 
-/// Plaster and dado between two points of a wall, in metres from its left end.
+/// Paints plaster and dado between two points of a wall, in meters from its left end.
 void plaster(WallBrush& brush, const Finish& finish, double from_m, double to_m);
 
-/// Speckle and stains: `fine` grey values from texel to texel, `coarse` over decimetres.
+/// Adds speckle and stains: `fine` gray values per texel, `coarse` over decimeters.
 void roughen(cv::Mat& picture, RandomEngine& engine, int fine, double coarse);
 
-/// Faded and mended paint, and scuffs near the floor; `wear` from 0 (nothing) to 1.
+/// Adds faded and repaired paint, and scuffs near the floor; `wear` from 0 (none) to 1.
 void wear_wall(WallBrush& brush, double length_m, double wear, RandomEngine& engine);
 
-/// Tiles over a part of a plan's picture, with sides of `texels`.
+/// Paints tiles over a part of the image of a plan, with sides of `texels`.
 void lay_tiles(cv::Mat& picture, const cv::Rect& part, int texels, RandomEngine& engine,
                const cv::Scalar& base, double spread, const cv::Scalar& joint);
 

@@ -13,7 +13,7 @@
 namespace vpr {
 namespace {
 
-constexpr double kCornerM = 0.9;  // where a turn begins before a corner
+constexpr double kCornerM = 0.9;  // distance from a corner at which a turn begins
 constexpr int kCornerPoints = 12;
 constexpr double kLookAheadM = 0.7;
 constexpr double kTurn = 2 * std::numbers::pi;
@@ -22,7 +22,7 @@ Point between_points(Point a, Point b, double t) {
   return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
-// A slow, smooth variation between about -1 and 1: two waves that never repeat together.
+// A slow, smooth variation between about -1 and 1: the sum of two waves without a common period.
 struct Wander {
   double first_phase;
   double second_phase;
@@ -107,7 +107,6 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   const Jolt jolt_up(world.seed, walk.name + "/up", walk.jolt_deg);
   const Jolt jolt_aside(world.seed, walk.name + "/aside", walk.jolt_deg / 2);
   const Path path(walk.path);
-  // Faster here, slower there.
   const auto variation = [&](double time_s) { return walk.unevenness * pace.at(time_s, 11); };
   const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
   const std::vector<Progress> frames = progress(world, walk, path.length_m(), variation);

@@ -1,4 +1,4 @@
-// How a person walks along a path and holds a phone: where the camera is and looks, frame by frame.
+// A person who walks along a path with a phone: position and orientation of the camera per frame.
 #pragma once
 
 #include <array>
@@ -11,47 +11,47 @@
 
 namespace vpr {
 
-/// A path with rounded corners, by the way walked.
+/// A path with rounded corners, parametrized by the distance walked.
 class Path {
  public:
   explicit Path(const std::vector<std::vector<double>>& corners);
   double length_m() const { return way_.back(); }
   /// Clamped to the ends.
   Point at(double way_m) const;
-  /// Degrees; where one looks who walks there, a little ahead.
+  /// The heading of a person who walks there and looks slightly ahead, in degrees.
   double heading_at(double way_m) const;
 
  private:
   std::vector<Point> points_;
-  std::vector<double> way_;  // metres from the start, as points_
+  std::vector<double> way_;  // meters from the start, one entry per point
 };
 
-/// Where a camera is, and which way it looks.
 struct CameraPose {
   double time_s = 0;
   double way_m = 0;  ///< along the path
   Point position;
   double heading_deg = 0;  ///< 0 to 360
   double height_m = kEyeHeightM;
-  double pitch_deg = 0;      ///< up
+  double pitch_deg = 0;      ///< upward
   double roll_deg = 0;       ///< clockwise
-  double turn_deg_s = 0;     ///< for motion blur, as is
-  double nod_deg_s = 0;      ///< how fast the pitch changes
+  double turn_deg_s = 0;     ///< for motion blur, as is nod_deg_s
+  double nod_deg_s = 0;      ///< rate of change of the pitch
   double light_drift = 1;    ///< of the automatic exposure
-  bool follows_cut = false;  ///< the recording was cut just before
+  bool follows_cut = false;  ///< the recording was cut just before this frame
 };
 
-/// The poses of a walk's frames: path, speed with natural variation, sway of body and hand.
-/// A path of one corner is a person who stands there and looks along x. Throws Error(usage), naming
-/// the point, if the walk runs into a wall, or has too many frames.
+/// The poses of a walk's frames: path, speed with natural variation, sway of body and hand. A path
+/// with a single corner is a person who stands there and looks along x. Throws Error(usage), with
+/// the point, if the walk runs into a wall or has too many frames.
 std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const FloorPlan& plan);
 
-/// A pose as somebody holds the phone who is called `name`: higher or lower, askew, by
+/// The pose with the holding style of the person `name`: height and tilt of the phone, by
 /// variety.hands.
 CameraPose held_by(const World& world, const std::string& name, CameraPose pose);
 
-/// The poses that an automatic exposure follows at one of a walk's frames, that one the last: as
-/// many before it as its lag takes, back to a cut. None where it follows that frame alone.
+/// The poses that determine the automatic exposure at one frame of a walk: this frame and the
+/// frames before it within the exposure lag, back to the last cut. Empty if only the frame itself
+/// determines it.
 std::vector<CameraPose> metered_poses(const World& world, const Walk& walk,
                                       const std::vector<CameraPose>& poses, size_t frame);
 
@@ -60,7 +60,7 @@ double heading_difference(double a_deg, double b_deg);
 
 inline constexpr double kStepsPerS = 1.8;
 
-/// How somebody holds the phone on one walk, beside the sway that all walks have.
+/// The holding style on one walk, in addition to the sway of all walks.
 struct Hold {
   double height_m = 0;
   double pitch_deg = 0;
@@ -69,17 +69,17 @@ struct Hold {
   double aside_m = 0;
   double sway = 1;  ///< factor
 
-  /// By variety.hands; level at 0.
+  /// Scaled by variety.hands; level if that is 0.
   Hold(const World& world, const std::string& name);
 };
 
-/// An angle, and how fast it changes.
+/// An angle and its rate of change.
 struct Swing {
   double angle_deg = 0;
   double rate_deg_s = 0;
 };
 
-/// How a hand trembles in one direction.
+/// The tremor of a hand in one direction.
 class Tremor {
  public:
   Tremor(RandomEngine& engine, double most_deg);
@@ -90,15 +90,15 @@ class Tremor {
   std::array<double, 2> phases_{};
 };
 
-/// How a step jolts what is carried: a damped vibration from the heel's strike on, of another
-/// strength, 0.3 to 1.7, at every step.
+/// The jolt of the camera at a step: a damped vibration that starts when the heel strikes, with a
+/// random strength from 0.3 to 1.7 per step.
 class Jolt {
  public:
-  /// `name` is that of the walk and of the direction; `most_deg` how far a step of strength 1 would
-  /// swing the camera if nothing damped it.
+  /// `name` is the name of the walk and of the direction; `most_deg` is the amplitude of a step of
+  /// strength 1 without damping.
   Jolt(uint64_t seed, std::string name, double most_deg)
       : seed_(seed), name_(std::move(name)), most_deg_(most_deg) {}
-  /// After so many steps; the part behind the point is time since the last one struck.
+  /// After this number of steps; the fraction is the time since the last step.
   Swing at(double steps) const;
 
  private:

@@ -17,12 +17,12 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kNameLetters =
     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
-constexpr double kMostMetres = 500;     // of a coordinate
-constexpr double kMostPlanM2 = 20'000;  // painted at 64 x 64 texels a square metre
-constexpr size_t kMostLetters = 100;
-constexpr uint64_t kMostFrames = 100'000;
+constexpr double kMaxMeters = 500;     // maximum of a coordinate
+constexpr double kMaxPlanM2 = 20'000;  // painted at 64 x 64 texels per square meter
+constexpr size_t kMaxLetters = 100;
+constexpr uint64_t kMaxFrames = 100'000;
 
-// Collects what to complain about: one world, named in every message.
+// Checks values; its messages name the world.
 class Checker {
  public:
   explicit Checker(std::string where) : where_(std::move(where)) {}
@@ -34,16 +34,16 @@ class Checker {
     require(value >= low && value <= high, fmt::format("{} must be {} to {}", name, low, high));
   }
   void on_grid(double value, std::string_view name) const {
-    in_range(value, -kMostMetres, kMostMetres, name);
+    in_range(value, -kMaxMeters, kMaxMeters, name);
     require(std::abs(std::remainder(value, kPlanCellM)) < 1e-9,
             fmt::format("{} must be a multiple of {} m", name, kPlanCellM));
   }
   void names(std::set<std::string>& seen, const std::string& name, std::string_view what) const {
     require(!name.empty() && name.find_first_not_of(kNameLetters) == std::string::npos,
             fmt::format("the name of a {} must be of letters, digits, - and _", what));
-    require(name.size() <= kMostLetters,
-            fmt::format("the name of a {} must have at most {} letters", what, kMostLetters));
-    require(seen.insert(name).second, fmt::format("the name {} is given twice", name));
+    require(name.size() <= kMaxLetters,
+            fmt::format("the name of a {} must have at most {} letters", what, kMaxLetters));
+    require(seen.insert(name).second, fmt::format("the name {} is used twice", name));
   }
 
  private:
@@ -51,17 +51,17 @@ class Checker {
 };
 
 void check_extent(const Floor& floor, const Checker& check) {
-  double left = kMostMetres, bottom = kMostMetres, right = -kMostMetres, top = -kMostMetres;
+  double left = kMaxMeters, bottom = kMaxMeters, right = -kMaxMeters, top = -kMaxMeters;
   for (const Room& room : floor.rooms) {
     left = std::min(left, room.x);
     bottom = std::min(bottom, room.y);
     right = std::max(right, room.x + room.width);
     top = std::max(top, room.y + room.depth);
   }
-  check.require((right - left) * (top - bottom) <= kMostPlanM2 && right - left <= kMostMetres &&
-                    top - bottom <= kMostMetres,
-                fmt::format("the floor {} is {} m x {} m; at most {} square metres are possible",
-                            floor.name, right - left, top - bottom, kMostPlanM2));
+  check.require((right - left) * (top - bottom) <= kMaxPlanM2 && right - left <= kMaxMeters &&
+                    top - bottom <= kMaxMeters,
+                fmt::format("the floor {} is {} m x {} m; the maximum is {} square meters",
+                            floor.name, right - left, top - bottom, kMaxPlanM2));
 }
 
 void check_floor(const World& world, size_t index, const Checker& check) {
@@ -72,11 +72,11 @@ void check_floor(const World& world, size_t index, const Checker& check) {
     const auto twin = std::find_if(world.floors.begin(), end,
                                    [&](const Floor& other) { return other.name == floor.like; });
     check.require(twin != end && twin->like.empty(),
-                  fmt::format("the floor {} is like {}, which is no floor with rooms before it",
+                  fmt::format("the floor {} is like {}, which is not an earlier floor with rooms",
                               floor.name, floor.like));
-    check.require(
-        floor.rooms.empty() && floor.pillars.empty() && floor.glass.empty(),
-        fmt::format("the floor {} is like {}: it has no rooms of its own", floor.name, floor.like));
+    check.require(floor.rooms.empty() && floor.pillars.empty() && floor.glass.empty(),
+                  fmt::format("the floor {} is like {}: it must not have its own rooms", floor.name,
+                              floor.like));
     return;
   }
   check.require(!floor.rooms.empty(), fmt::format("the floor {} has no rooms", floor.name));
@@ -87,7 +87,7 @@ void check_floor(const World& world, size_t index, const Checker& check) {
     check.on_grid(room.depth, "depth of a room");
     check.require(room.width > 0 && room.depth > 0, "a room must be wider and deeper than 0");
     check.require(room.lamp_spacing_m == 0 ||
-                      (room.lamp_spacing_m >= 0.5 && room.lamp_spacing_m <= kMostMetres),
+                      (room.lamp_spacing_m >= 0.5 && room.lamp_spacing_m <= kMaxMeters),
                   "lamp_spacing_m of a room must be 0, or 0.5 to 500");
   }
   check_extent(floor, check);
@@ -99,19 +99,19 @@ void check_floor(const World& world, size_t index, const Checker& check) {
   for (const Pillar& pillar : floor.pillars) {
     check.on_grid(pillar.x, "x of a pillar");
     check.on_grid(pillar.y, "y of a pillar");
-    check.require(in_rooms(pillar.x, pillar.y), "a pillar stands outside all rooms");
+    check.require(in_rooms(pillar.x, pillar.y), "a pillar is outside all rooms");
   }
   for (const GlassFront& glass : floor.glass)
     for (const double value : {glass.from_x, glass.from_y, glass.to_x, glass.to_y})
-      check.in_range(value, -kMostMetres, kMostMetres, "a coordinate of a glass front");
+      check.in_range(value, -kMaxMeters, kMaxMeters, "a coordinate of a glass front");
 }
 
-// Whether a walk comes by its stops and cuts is seen when it is walked.
+// Whether a walk reaches its stops and cuts is checked when it is simulated.
 void check_progress(const Walk& walk, const Checker& check) {
-  constexpr double kMostWayM = 100'000;
-  constexpr double kMostStopS = 3600;
+  constexpr double kMaxWayM = 100'000;
+  constexpr double kMaxStopS = 3600;
   const auto way = [&](double value, std::string_view name) {
-    check.in_range(value, 0, kMostWayM, name);
+    check.in_range(value, 0, kMaxWayM, name);
   };
   for (size_t i = 0; i < walk.paces.size(); ++i) {
     way(walk.paces[i].from_m, "from_m of a pace");
@@ -122,16 +122,17 @@ void check_progress(const Walk& walk, const Checker& check) {
   }
   for (const WalkStop& stop : walk.stops) {
     way(stop.at_m, "at_m of a stop");
-    check.in_range(stop.seconds, 0, kMostStopS, "seconds of a stop");
+    check.in_range(stop.seconds, 0, kMaxStopS, "seconds of a stop");
   }
   for (const WalkCut& cut : walk.cuts) {
     way(cut.at_m, "at_m of a cut");
     way(cut.to_m, "to_m of a cut");
   }
-  check.require(walk.frames == 0 || !is_uneven(walk),
-                fmt::format("the walk {} has as many frames as its paces, stops and cuts give; "
-                            "leave out frames",
-                            walk.name));
+  check.require(
+      walk.frames == 0 || !is_uneven(walk),
+      fmt::format("the paces, stops and cuts of the walk {} determine its number of frames; "
+                  "remove frames",
+                  walk.name));
 }
 
 void check_walk(const World& world, const Walk& walk, const Checker& check) {
@@ -139,9 +140,9 @@ void check_walk(const World& world, const Walk& walk, const Checker& check) {
   check.require(!walk.path.empty(), fmt::format("the walk {} has no path", walk.name));
   for (const auto& corner : walk.path) {
     check.require(corner.size() == 2, "a corner of a path must be [x, y]");
-    for (const double value : corner) check.in_range(value, -kMostMetres, kMostMetres, "a corner");
+    for (const double value : corner) check.in_range(value, -kMaxMeters, kMaxMeters, "a corner");
   }
-  check.require(walk.frames <= kMostFrames, fmt::format("frames must be at most {}", kMostFrames));
+  check.require(walk.frames <= kMaxFrames, fmt::format("frames must be at most {}", kMaxFrames));
   check.in_range(walk.speed_m_s, 0.05, 100, "speed_m_s");
   check_progress(walk, check);
   check.in_range(walk.unevenness, 0, 0.8, "unevenness");
@@ -177,11 +178,11 @@ void check_world(const World& world, const Checker& check) {
   check.in_range(world.view_deg, 20, 120, "view_deg");
   check.in_range(world.resemblance, 0, 1, "resemblance");
   check_variety(world.variety, check);
-  check.in_range(world.same_place_m, 0, kMostMetres, "same_place_m");
+  check.in_range(world.same_place_m, 0, kMaxMeters, "same_place_m");
   check.in_range(world.same_heading_deg, 0, 180, "same_heading_deg");
-  check.in_range(world.ignore_m, 0, kMostMetres, "ignore_m");
-  check.in_range(world.place_radius_m, 0, kMostMetres, "place_radius_m");
-  check.in_range(world.place_ignore_m, 0, kMostMetres, "place_ignore_m");
+  check.in_range(world.ignore_m, 0, kMaxMeters, "ignore_m");
+  check.in_range(world.place_radius_m, 0, kMaxMeters, "place_radius_m");
+  check.in_range(world.place_ignore_m, 0, kMaxMeters, "place_ignore_m");
   check.require(!world.walks.empty(), "walks must not be empty");
   std::set<std::string> names;
   for (size_t i = 0; i < world.floors.size(); ++i) {
@@ -199,7 +200,7 @@ void check_world(const World& world, const Checker& check) {
     floor_index(world, place.floor);
     check.require(!place.headings.empty(), fmt::format("the place {} has no headings", place.name));
     for (const double value : {place.x, place.y})
-      check.in_range(value, -kMostMetres, kMostMetres, "a coordinate of a place");
+      check.in_range(value, -kMaxMeters, kMaxMeters, "a coordinate of a place");
     for (const double heading : place.headings) check.in_range(heading, -360, 360, "a heading");
   }
 }

@@ -1,6 +1,6 @@
-// What vpr-synth renders: buildings as floor plans, and walks through them (vpr.world/1).
+// The input of vpr-synth: buildings as floor plans, and walks through them (vpr.world/1).
 //
-// Metres. x goes right and y up on the plan; headings are in degrees, anticlockwise from x.
+// Meters. x is to the right and y up on the plan; headings are in degrees, counterclockwise from x.
 #pragma once
 
 #include <array>
@@ -14,17 +14,17 @@
 
 namespace vpr {
 
-/// What makes the parts of a building differ, and one day or walk from another. Each setting is off
-/// at 0, and then nothing that is drawn by chance changes.
+/// Variation between parts of a building, days and walks. A setting of 0 is off and changes no
+/// other random number.
 struct BuildingVariety {
   double finishes = 0;      ///< 0 to 1: paint, flooring, ceiling and lamps differ between rooms
-  double bareness = 0;      ///< 0 to 1: share of walls with nothing but doors, windows and fittings
-  double wear = 0;          ///< 0 to 1: stains, scuffs, faded and mended paint
-  double window_light = 0;  ///< 0 to 10: daylight that falls in through windows and glass fronts
-  double far_view = 0;      ///< 0 to 1: how much of what is outside is far away, beyond parallax
+  double bareness = 0;      ///< 0 to 1: share of walls with only doors, windows and fittings
+  double wear = 0;          ///< 0 to 1: stains, scuffs, faded and repaired paint
+  double window_light = 0;  ///< 0 to 10: daylight through windows and glass fronts
+  double far_view = 0;      ///< 0 to 1: share of the outside that is too far away for parallax
   double reflections = 0;   ///< 0 to 1: share of light that glass reflects
-  double changes = 0;       ///< 0 to 1: share of places at walls that are otherwise on another day
-  double hands = 0;         ///< 0 to 3: how differently a phone is held from walk to walk
+  double changes = 0;       ///< 0 to 1: share of objects at walls that differ between days
+  double hands = 0;         ///< 0 to 3: variation between walks in how the phone is held
 };
 
 template <class Visitor>
@@ -39,21 +39,22 @@ void visit_fields(BuildingVariety& variety, Visitor&& visit) {
   visit("hands", variety.hands);
 }
 
-/// What frames of a walk are for.
+/// The purpose of a walk's frames.
 enum class WalkUse { train, query, pretrain };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<WalkUse> = {"train", "query",
                                                                         "pretrain"};
 
-/// Light, and how well the camera does.
+/// Light and camera quality.
 struct Conditions {
-  double lamps = 1;           ///< artificial light; 1: all lamps on
-  double daylight = 1;        ///< 0: night, 1: noon
-  double warmth = 0;          ///< white balance, -1 (blue) to 1 (yellow)
-  double exposure = 1;        ///< factor on what the automatic exposure chooses
-  double noise = 3;           ///< sensor noise, standard deviation in grey values
-  double shutter_s = 0;       ///< blurs all turns for so long; 0: turns sideways alone, for 1/50 s
-  double exposure_lag_s = 0;  ///< the automatic exposure follows what was seen so long before
+  double lamps = 1;     ///< artificial light; 1: all lamps on
+  double daylight = 1;  ///< 0: night, 1: noon
+  double warmth = 0;    ///< white balance, -1 (blue) to 1 (yellow)
+  double exposure = 1;  ///< factor on the automatic exposure
+  double noise = 3;     ///< sensor noise, standard deviation in gray values
+  /// exposure time that blurs all rotations; 0: blur only horizontal ones, for 1/50 s
+  double shutter_s = 0;
+  double exposure_lag_s = 0;  ///< delay of the automatic exposure
 };
 
 template <class Visitor>
@@ -67,9 +68,9 @@ void visit_fields(Conditions& conditions, Visitor&& visit) {
   visit("exposure_lag_s", conditions.exposure_lag_s);
 }
 
-/// From this point of the path on, the walk has this speed, until the next one.
+/// The speed of a walk from this point of the path to the next WalkPace.
 struct WalkPace {
-  double from_m = 0;  ///< along the path, as it is walked
+  double from_m = 0;  ///< distance walked along the path
   double speed_m_s = 1.2;
 };
 
@@ -79,7 +80,7 @@ void visit_fields(WalkPace& pace, Visitor&& visit) {
   visit("speed_m_s", pace.speed_m_s);
 }
 
-/// Where the walker stands for a while.
+/// A point at which the person stands for a while.
 struct WalkStop {
   double at_m = 0;  ///< along the path
   double seconds = 5;
@@ -91,7 +92,7 @@ void visit_fields(WalkStop& stop, Visitor&& visit) {
   visit("seconds", stop.seconds);
 }
 
-/// Where the recording is cut and goes on elsewhere: further on, or back.
+/// A point at which the recording is cut and continues elsewhere, further on or back.
 struct WalkCut {
   double at_m = 0;  ///< along the path; 0: the walk begins at to_m
   double to_m = 0;
@@ -103,26 +104,26 @@ void visit_fields(WalkCut& cut, Visitor&& visit) {
   visit("to_m", cut.to_m);
 }
 
-/// A path that somebody walks along with a phone.
+/// A path that a person walks along with a phone.
 struct Walk {
   std::string name;
   WalkUse use = WalkUse::train;
   std::string floor;
-  std::vector<std::vector<double>> path;  ///< corners [x, y]; the walk rounds them
-  uint64_t frames = 0;                    ///< 0: as many as the speed gives
-  double speed_m_s = 1.2;                 ///< mean; follows from `frames` where that is given
-  std::vector<WalkPace> paces;            ///< by from_m; in front of the first, speed_m_s
-  std::vector<WalkStop> stops;            ///< in the order in which they are met, as are
-  std::vector<WalkCut> cuts;              ///< cuts; with any of the three, `frames` is 0
-  double unevenness = 0.15;               ///< most that the speed varies by, as a share of it
+  std::vector<std::vector<double>> path;  ///< corners [x, y], which the walk rounds
+  uint64_t frames = 0;                    ///< 0: determined by the speed
+  double speed_m_s = 1.2;                 ///< mean; determined by `frames` if that is set
+  std::vector<WalkPace> paces;            ///< by from_m; before the first one, speed_m_s applies
+  std::vector<WalkStop> stops;            ///< in the order of the walk
+  std::vector<WalkCut> cuts;              ///< as stops; with paces, stops or cuts, `frames` is 0
+  double unevenness = 0.15;               ///< maximum relative variation of the speed
   double shake = 1;                       ///< factor on the sway and turns of a hand-held phone
-  double tremor_deg = 0;                  ///< how far the hand trembles, several times a second
-  double jolt_deg = 0;                    ///< how far each step jolts the camera, for a moment
-  uint64_t passers_by = 0;                ///< groups of one to three people that walk by
-  uint64_t standing = 0;                  ///< groups of one to four that stand at the walls
-  uint64_t crossing = 0;                  ///< groups that cross the way in front of the camera
-  uint64_t ahead = 0;                     ///< groups that walk ahead of it for a while
-  uint64_t day = 0;                       ///< walks of one day find things as they are that day
+  double tremor_deg = 0;    ///< amplitude of the hand's tremor, several times per second
+  double jolt_deg = 0;      ///< amplitude of the camera's jolt at each step
+  uint64_t passers_by = 0;  ///< groups of one to three people who walk past
+  uint64_t standing = 0;    ///< groups of one to four people who stand at the walls
+  uint64_t crossing = 0;    ///< groups that cross the path in front of the camera
+  uint64_t ahead = 0;       ///< groups that walk ahead of the camera for a while
+  uint64_t day = 0;         ///< all walks of one day share its changes
   Conditions conditions;
 };
 
@@ -149,19 +150,19 @@ void visit_fields(Walk& walk, Visitor&& visit) {
   visit("conditions", walk.conditions);
 }
 
-/// Halls are wider, brighter and furnished otherwise than corridors.
+/// Halls are wider and brighter than corridors and have other furnishings.
 enum class RoomKind { corridor, hall };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<RoomKind> = {"corridor", "hall"};
 
-/// A rectangle that one can walk in. Where rooms touch or overlap there is no wall between them.
+/// A walkable rectangle. There is no wall between rooms that touch or overlap.
 struct Room {
   RoomKind kind = RoomKind::corridor;
-  double x = 0;               ///< left, a multiple of kPlanCellM like the next three
+  double x = 0;               ///< left; a multiple of kPlanCellM, as are the next three
   double y = 0;               ///< bottom
   double width = 0;           ///< to the right
-  double depth = 0;           ///< upwards
-  double lamp_spacing_m = 0;  ///< about as far apart are its lamps; 0: 3 m, in halls 4 m
+  double depth = 0;           ///< upward
+  double lamp_spacing_m = 0;  ///< approximate distance between lamps; 0: 3 m, in halls 4 m
 };
 
 template <class Visitor>
@@ -186,7 +187,7 @@ void visit_fields(Pillar& pillar, Visitor&& visit) {
   visit("y", pillar.y);
 }
 
-/// Walls along this line are glass fronts with daylight behind them.
+/// Walls along this line are glass fronts with daylight outside.
 struct GlassFront {
   double from_x = 0;
   double from_y = 0;
@@ -202,12 +203,12 @@ void visit_fields(GlassFront& glass, Visitor&& visit) {
   visit("to_y", glass.to_y);
 }
 
-/// One floor of a building. With `like`, its plan is another floor's, and so is as much of its
-/// furnishing as `resemblance` says.
+/// One floor of a building. With `like`, it uses the plan of another floor and a share of
+/// `resemblance` of its furnishing.
 struct Floor {
   std::string name;
   std::string like;
-  double resemblance = 0.8;  ///< with `like`: share of things that stand at the same place there
+  double resemblance = 0.8;  ///< with `like`: share of equal objects
   std::vector<Room> rooms;
   std::vector<Pillar> pillars;
   std::vector<GlassFront> glass;
@@ -223,7 +224,7 @@ void visit_fields(Floor& floor, Visitor&& visit) {
   visit("glass", floor.glass);
 }
 
-/// A place of FAB-MAP: one view in each heading.
+/// A place of FAB-MAP: one view per heading.
 struct WorldPlace {
   std::string name;
   std::string floor;
@@ -241,12 +242,11 @@ void visit_fields(WorldPlace& place, Visitor&& visit) {
   visit("headings", place.headings);
 }
 
-/// The files that frames become.
 enum class FrameFormat { jpg, png };
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<FrameFormat> = {"jpg", "png"};
 
-/// All that a recording is rendered from.
+/// The complete input of a recording.
 struct World {
   std::string name;
   uint64_t seed = 1;
@@ -255,13 +255,14 @@ struct World {
   uint64_t image_height = 480;
   double view_deg = 66;  ///< horizontal angle of view
   FrameFormat format = FrameFormat::jpg;
-  double resemblance = 0.5;      ///< share of things that stand alike in all corridors
+  double resemblance = 0.5;      ///< share of equal objects in all corridors
   BuildingVariety variety;       ///< what makes parts of a building, days and walks differ
-  double same_place_m = 1.5;     ///< frames at most so far apart show the same place, ...
-  double same_heading_deg = 40;  ///< ... if they look the same way
-  double ignore_m = 3;           ///< up to here they count as neither the same nor different
-  double place_radius_m = 2.5;   ///< a frame so near to a place, looking as a view does, shows it
-  double place_ignore_m = 5;     ///< up to here it counts as neither showing it nor not
+  double same_place_m = 1.5;     ///< frames within this distance show the same place, ...
+  double same_heading_deg = 40;  ///< ... if their headings differ by at most this angle
+  double ignore_m = 3;           ///< up to this distance, pairs are ignored
+  /// a frame within this distance of a place, with the heading of a view, shows it
+  double place_radius_m = 2.5;
+  double place_ignore_m = 5;  ///< up to this distance, it is ignored
   std::vector<Floor> floors;
   std::vector<WorldPlace> places;
   std::vector<Walk> walks;
@@ -288,20 +289,20 @@ void visit_fields(World& world, Visitor&& visit) {
   visit("walks", world.walks);
 }
 
-/// The grid of floor plans, in metres.
+/// The cell size of floor plans, in meters.
 inline constexpr double kPlanCellM = 0.5;
-/// From floor to ceiling, in metres.
+/// From floor to ceiling, in meters.
 inline constexpr double kRoomHeightM = 2.9;
-inline constexpr double kEyeHeightM = 1.45;  ///< of the phone
+inline constexpr double kEyeHeightM = 1.45;  ///< height of the phone
 
-/// Reads a world. Throws Error(input) if it can't be read, Error(usage) if it is no world or a
+/// Reads a world. Throws Error(input) if it cannot be read, Error(usage) if it is not a world or a
 /// value is out of range.
 World read_world(const std::filesystem::path& path);
 
-/// The index of a floor; it exists in a world that was read.
+/// The index of a floor, which exists in every world that was read.
 size_t floor_index(const World& world, const std::string& name);
 
-/// The floor whose plan this one has: itself, or the one it is like.
+/// The floor whose plan this one uses: itself or the one it is like.
 const Floor& plan_floor(const World& world, size_t floor);
 
 }  // namespace vpr

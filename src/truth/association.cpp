@@ -25,14 +25,14 @@ Pose between(const Trajectory& trajectory, size_t before, size_t after, int64_t 
   return pose;
 }
 
-// The lower of two; `values` is not empty.
+// The lower of the two middle values for an even count; `values` is not empty.
 int64_t median(std::vector<int64_t> values) {
   const auto middle = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-/// From each frame to its nearest pose, the median of the absolute differences.
+/// The median absolute difference between a frame and its nearest pose.
 int64_t median_difference(const Trajectory& trajectory, std::span<const int64_t> frame_times,
                           int64_t offset_ns) {
   std::vector<int64_t> differences;
@@ -44,7 +44,8 @@ int64_t median_difference(const Trajectory& trajectory, std::span<const int64_t>
   return median(std::move(differences));
 }
 
-/// What to do about missing poses: a frame between two is at most half their distance from one.
+/// Advice about missing poses. A frame between two poses is at most half their distance from one of
+/// them.
 std::string remedy(const Trajectory& trajectory, const AssociationRules& rules,
                    int64_t difference) {
   std::vector<int64_t> gaps;
@@ -66,7 +67,7 @@ void report_missing(const Trajectory& trajectory, std::span<const int64_t> frame
                     const AssociationRules& rules, const std::string& frames, size_t missing,
                     const Monitor& monitor) {
   const std::string ranges =
-      fmt::format("they are of {}, and {} is of {}", range_of(frame_times, rules.offset_ns),
+      fmt::format("they cover {}, but {} covers {}", range_of(frame_times, rules.offset_ns),
                   trajectory.name, range_of(trajectory.times_ns, 0));
   const int64_t difference = median_difference(trajectory, frame_times, rules.offset_ns);
   if (missing == frame_times.size())
@@ -76,17 +77,16 @@ void report_missing(const Trajectory& trajectory, std::span<const int64_t> frame
                     "difference to the nearest pose is {} s. {}",
                     frames, time_text(rules.max_difference_ns), ranges, time_text(difference),
                     remedy(trajectory, rules, difference)));
-  warn(monitor,
-       fmt::format("{}: {} of {} have no pose within {} s and are not judged: {}; the median "
-                   "difference to the nearest pose is {} s. {}",
-                   frames, missing, counted(frame_times.size(), "frame"),
-                   time_text(rules.max_difference_ns), ranges, time_text(difference),
-                   remedy(trajectory, rules, difference)));
+  warn(monitor, fmt::format("{}: {} of {} have no pose within {} s and are ignored: {}; the median "
+                            "difference to the nearest pose is {} s. {}",
+                            frames, missing, counted(frame_times.size(), "frame"),
+                            time_text(rules.max_difference_ns), ranges, time_text(difference),
+                            remedy(trajectory, rules, difference)));
 }
 
-constexpr double kMostSeconds = 4e9;
+constexpr double kMaxSeconds = 4e9;
 
-/// What the options say of one side.
+/// The options of one side.
 struct SideTimes {
   const char* prefix = "";
   const char* offset_flag = "";
@@ -103,10 +103,10 @@ SideTimes times_of(const GroundTruthOptions& options, PoseSide side) {
 }
 
 int64_t nanoseconds(double seconds, const char* flag) {
-  if (!(std::abs(seconds) <= kMostSeconds))
+  if (!(std::abs(seconds) <= kMaxSeconds))
     throw Error(ErrorKind::usage,
                 fmt::format("{} must be at most {:g} seconds either way, found {:g}", flag,
-                            kMostSeconds, seconds));
+                            kMaxSeconds, seconds));
   return std::llround(seconds * double{kSecond});
 }
 
@@ -124,20 +124,19 @@ AssociationRules rules_of(const GroundTruthOptions& options, const SideTimes& si
 void add_pose_times(Trajectory& trajectory, const SideTimes& side) {
   if (!side.poses.empty()) {
     if (!trajectory.times_ns.empty())
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: has times of its own; leave out --{}-pose-times",
-                              trajectory.name, side.prefix));
+      throw Error(ErrorKind::usage, fmt::format("{}: has its own times; remove --{}-pose-times",
+                                                trajectory.name, side.prefix));
     add_times(trajectory, side.poses);
   }
   if (trajectory.times_ns.empty() && !trajectory.poses.empty())
-    throw Error(ErrorKind::usage, fmt::format("{}: has no times; give those of its poses with "
+    throw Error(ErrorKind::usage, fmt::format("{}: has no times; pass those of its poses with "
                                               "--{}-pose-times",
                                               trajectory.name, side.prefix));
   require_rising_times(trajectory);
 }
 
-// Poses without a position, of which GPS has some; the others keep their times.
-void leave_out_unknown(Trajectory& trajectory) {
+// Removes poses without a position, which GPS files may have, together with their times.
+void remove_unknown(Trajectory& trajectory) {
   size_t kept = 0;
   for (size_t i = 0; i < trajectory.poses.size(); ++i) {
     if (!trajectory.poses[i]) continue;
@@ -147,7 +146,7 @@ void leave_out_unknown(Trajectory& trajectory) {
   }
   trajectory.poses.resize(kept);
   trajectory.times_ns.resize(kept);
-  trajectory.lines.clear();  // of poses that are no more
+  trajectory.lines.clear();  // lines of removed poses are no longer valid
 }
 
 }  // namespace
@@ -156,7 +155,7 @@ Poses poses_at(const Trajectory& trajectory, std::span<const int64_t> frame_time
                const AssociationRules& rules) {
   const auto& times = trajectory.times_ns;
   Poses poses;
-  size_t after = 0;  // the first pose that is not before the frame
+  size_t after = 0;  // the first pose at or after the frame
   for (const int64_t frame_time : frame_times) {
     const int64_t time = frame_time + rules.offset_ns;
     while (after < times.size() && times[after] < time) ++after;
@@ -204,14 +203,15 @@ Poses poses_of_side(const GroundTruthOptions& options, PoseSide side, Trajectory
   const SideTimes times = times_of(options, side);
   if (times.frames.empty()) {
     if (!times.poses.empty() || times.offset_s)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: pose i is that of frame i, unless --{}-times says when frames "
-                              "were taken; then poses have times",
-                              trajectory.name, times.prefix));
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("{}: pose i belongs to frame i, unless --{}-times has the times of frames; "
+                      "then poses need times as well",
+                      trajectory.name, times.prefix));
     return std::move(trajectory.poses);
   }
   add_pose_times(trajectory, times);
-  leave_out_unknown(trajectory);
+  remove_unknown(trajectory);
   return associate(trajectory, read_frame_times(times.frames, monitor),
                    rules_of(options, times, usual_difference_s), times.frames.string(), monitor);
 }

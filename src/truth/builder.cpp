@@ -14,13 +14,13 @@ namespace vpr {
 
 namespace {
 
-constexpr size_t kMostExamples = 5;
-/// 16 bytes each. A matrix of 10 000 x 10 000 has a few runs a row, unless it is noise.
-constexpr size_t kMostRuns = size_t{1} << 24;
+constexpr size_t kMaxExamples = 5;
+/// 16 bytes each. A matrix of 10 000 x 10 000 has a few runs per row, unless it is noise.
+constexpr size_t kMaxRuns = size_t{1} << 24;
 
-constexpr size_t kMostGrownSequences = 10000;
-/// Query frames times training sequences, where the file alone says how many there are.
-constexpr size_t kMostGrownRows = size_t{1} << 25;
+constexpr size_t kMaxGrownSequences = 10000;
+/// Query frames times training sequences, if only the file states their numbers.
+constexpr size_t kMaxGrownRows = size_t{1} << 25;
 
 bool stands_before(const GroundTruth::Pair& a, const GroundTruth::Pair& b) {
   return std::tie(a.sequence, a.first, a.label, a.further) <
@@ -58,7 +58,7 @@ size_t GroundTruthBuilder::only_searched(std::string_view what) const {
   }
   if (searched == 1) return index;
   throw Error(ErrorKind::usage,
-              fmt::format("{} needs exactly one training sequence, and the result has {}; use "
+              fmt::format("{} needs exactly one training sequence, but the result has {}; use "
                           "pairs with a sequence column, or vpr-query --only-sequence",
                           what, searched));
 }
@@ -66,7 +66,7 @@ size_t GroundTruthBuilder::only_searched(std::string_view what) const {
 size_t GroundTruthBuilder::find_sequence(const std::string& name) {
   for (size_t s = 0; s < scope_.sequences.size(); ++s)
     if (scope_.sequences[s].name == name) return s;
-  if (query_.grows && scope_.sequences.size() < kMostGrownSequences) {  // nobody said which
+  if (query_.grows && scope_.sequences.size() < kMaxGrownSequences) {  // their number is unknown
     const bool is_first = scope_.sequences.size() == 1 && scope_.sequences.front().name.empty();
     if (is_first) {
       scope_.sequences.front().name = name;
@@ -80,20 +80,20 @@ size_t GroundTruthBuilder::find_sequence(const std::string& name) {
 }
 
 void GroundTruthBuilder::require_query_frames(size_t frames) {
-  if (query_.grows && frames > kMostGrownFrames)
+  if (query_.grows && frames > kMaxGrownFrames)
     fail(fmt::format("is for {} query frames, which is too many", frames));
   if (!query_.grows && query_.frames != frames)
-    fail(fmt::format("is for {} query frames, and there are {}", frames, query_.frames));
+    fail(fmt::format("is for {} query frames, but there are {}", frames, query_.frames));
   query_ = {frames, false};
   pairs_.resize(frames);
 }
 
 void GroundTruthBuilder::require_train_frames(size_t sequence, size_t frames) {
   FrameCount& side = train_[sequence];
-  if (side.grows && frames > kMostGrownFrames)
+  if (side.grows && frames > kMaxGrownFrames)
     fail(fmt::format("is for {} training frames, which is too many", frames));
   if (!side.grows && side.frames != frames)
-    fail(fmt::format("is for {} training frames, and there are {}", frames, side.frames));
+    fail(fmt::format("is for {} training frames, but there are {}", frames, side.frames));
   side = {frames, false};
 }
 
@@ -101,14 +101,14 @@ void GroundTruthBuilder::note(FindingKind kind, uint64_t count, const std::strin
   if (inconsistent_ == InconsistentPairs::refuse && kind != FindingKind::duplicate) fail(what);
   GroundTruthFinding& finding = findings_[static_cast<size_t>(kind)];
   finding.count += count;
-  if (finding.examples.size() < kMostExamples)
+  if (finding.examples.size() < kMaxExamples)
     finding.examples.push_back(
         location_.unit.empty() ? what
                                : fmt::format("{} {}: {}", location_.unit, location_.number, what));
 }
 
-void GroundTruthBuilder::note_out_of_range(std::string_view what, std::string_view text,
-                                           const FrameCount& side) {
+void GroundTruthBuilder::report_out_of_range(std::string_view what, std::string_view text,
+                                             const FrameCount& side) {
   const std::string there = side.grows         ? ""
                             : side.frames == 0 ? "; there are no frames"
                             : side.frames == 1 ? "; there is 1 frame (0)"
@@ -122,12 +122,12 @@ void GroundTruthBuilder::note_out_of_range(std::string_view what, std::string_vi
 
 bool GroundTruthBuilder::accept(size_t index, FrameCount& side, std::string_view what) {
   if (index < side.frames) return true;
-  if (side.grows && index < kMostGrownFrames) {
+  if (side.grows && index < kMaxGrownFrames) {
     side.frames = index + 1;
     return true;
   }
-  if (side.grows) fail(fmt::format("{} {} is too large; give the numbers of frames", what, index));
-  note_out_of_range(what, std::to_string(index), side);
+  if (side.grows) fail(fmt::format("{} {} is too large; pass the numbers of frames", what, index));
+  report_out_of_range(what, std::to_string(index), side);
   return false;
 }
 
@@ -142,9 +142,9 @@ void GroundTruthBuilder::append(size_t query, const GroundTruth::Pair& pair) {
       return;
     }
   }
-  if (++runs_ > kMostRuns)
+  if (++runs_ > kMaxRuns)
     fail(fmt::format("labels more than {} runs of frames. Use fewer frames, or check the format",
-                     kMostRuns));
+                     kMaxRuns));
   pairs.push_back(pair);
 }
 
@@ -163,9 +163,10 @@ void GroundTruthBuilder::add_beyond_end(size_t query, size_t sequence, size_t re
   append(query, {static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
 }
 
-// Kept runs lie side by side; those that `pair`, which begins behind none of them, says again.
-void GroundTruthBuilder::note_overlaps(size_t query, std::span<const GroundTruth::Pair> kept,
-                                       const GroundTruth::Pair& pair) {
+// The kept runs are contiguous; reports those that `pair`, which begins before all of their ends,
+// repeats.
+void GroundTruthBuilder::report_overlaps(size_t query, std::span<const GroundTruth::Pair> kept,
+                                         const GroundTruth::Pair& pair) {
   size_t k = kept.size();
   while (k > 0 && kept[k - 1].sequence == pair.sequence && kept[k - 1].last() >= pair.first) --k;
   for (; k < kept.size() && kept[k].first <= pair.last(); ++k) {
@@ -174,7 +175,7 @@ void GroundTruthBuilder::note_overlaps(size_t query, std::span<const GroundTruth
     const bool agree = pair.label == kept[k].label;
     note(agree ? FindingKind::duplicate : FindingKind::contradiction, last - first + 1,
          fmt::format("the pair of query {} and reference {} is {}", query, first,
-                     agree ? "given more than once" : "labelled both same and ignore"));
+                     agree ? "listed more than once" : "labeled both same and ignore"));
   }
 }
 
@@ -188,7 +189,7 @@ void GroundTruthBuilder::join(size_t query) {
     if (kept > 0 && pairs[kept - 1].sequence == pair.sequence) {
       GroundTruth::Pair& back = pairs[kept - 1];
       if (pair.first <= back.last()) {
-        note_overlaps(query, std::span(pairs).first(kept), pair);
+        report_overlaps(query, std::span(pairs).first(kept), pair);
         if (pair.last() <= back.last()) continue;
         pair.further = pair.last() - back.last() - 1;
         pair.first = back.last() + 1;
@@ -208,9 +209,9 @@ InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
   at({}, 0);
   const bool grows = query_.grows ||
                      std::ranges::any_of(train_, [](const FrameCount& side) { return side.grows; });
-  if (grows && train_.size() > kMostGrownRows / std::max<size_t>(query_.frames, 1))
+  if (grows && train_.size() > kMaxGrownRows / std::max<size_t>(query_.frames, 1))
     fail(
-        fmt::format("names {} query frames and {} training sequences, which is too many. Give the "
+        fmt::format("names {} query frames and {} training sequences, which is too many. Pass the "
                     "sequences with --query and --train",
                     query_.frames, train_.size()));
   for (size_t query = 0; query < pairs_.size(); ++query) {
@@ -237,7 +238,7 @@ size_t only_written_sequence(const InspectedGroundTruth& ground_truth, std::stri
   }
   if (searched == 1) return index;
   throw Error(ErrorKind::usage,
-              fmt::format("the format {} holds one training sequence, and there are {}; use pairs",
+              fmt::format("the format {} holds one training sequence, but there are {}; use pairs",
                           format, searched));
 }
 

@@ -16,8 +16,9 @@ namespace vpr {
 
 namespace {
 
-constexpr size_t kMostExamples = 5;
-constexpr uint64_t kMostCompared = uint64_t{1} << 26;  // pairs whose other direction is looked up
+constexpr size_t kMaxExamples = 5;
+// maximum number of pairs for the check of symmetry
+constexpr uint64_t kMaxCompared = uint64_t{1} << 26;
 
 const GroundTruthFinding& finding(const InspectedGroundTruth& ground_truth, FindingKind kind) {
   return ground_truth.findings[static_cast<size_t>(kind)];
@@ -30,15 +31,15 @@ void count_one_sided(GroundTruthSummary& summary, const GroundTruth& truth,
     for (size_t reference = run.first; reference <= run.last; ++reference) {
       if (truth.label(reference, 0, query) == PlaceLabel::same) continue;
       ++*summary.one_sided;
-      if (summary.one_sided_examples.size() < kMostExamples)
+      if (summary.one_sided_examples.size() < kMaxExamples)
         summary.one_sided_examples.push_back(fmt::format(
-            "query {} and reference {} are the same place, query {} and reference {} are not",
+            "query {} and reference {} are the same place, but query {} and reference {} are not",
             query, reference, reference, query));
     }
   }
 }
 
-// Frames in any of the runs, which are sorted.
+// The number of frames in the union of the runs; sorts them.
 uint64_t covered_frames(std::vector<LabelRun>& runs) {
   std::ranges::sort(runs, {}, &LabelRun::first);
   uint64_t covered = 0;
@@ -53,7 +54,7 @@ uint64_t covered_frames(std::vector<LabelRun>& runs) {
 
 }  // namespace
 
-GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Monitor& monitor) {
+GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Monitor& monitor) {
   const GroundTruth& truth = ground_truth.truth;
   const auto& sequences = ground_truth.scope.sequences;
   GroundTruthSummary summary;
@@ -81,7 +82,7 @@ GroundTruthSummary summarise(const InspectedGroundTruth& ground_truth, const Mon
     summary.references_without_match += sequences[s].frames - covered_frames(matched[s]);
   }
   if (sequences.size() == 1 && sequences[0].frames == truth.pairs.size() &&
-      summary.same <= kMostCompared) {
+      summary.same <= kMaxCompared) {
     summary.one_sided = 0;
     for (size_t query = 0; query < truth.pairs.size(); ++query) {
       check_stop(monitor);

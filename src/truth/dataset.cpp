@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One object of the file: takes keys out, and complains about those that nobody took.
+/// Reads one object of the file: consumes keys, and reports those that remain.
 class ObjectReader {
  public:
   ObjectReader(const Json& json, std::string where) : json_(json), where_(std::move(where)) {
@@ -67,7 +67,7 @@ SequenceArgument sequence_argument(const Json& json, const fs::path& folder,
   return parse_sequence_argument(path.string());
 }
 
-// Relative to the description; empty where the key is missing.
+// Relative to the description; empty if the key is missing.
 fs::path optional_path(ObjectReader& reader, const std::string& key, const fs::path& folder) {
   if (reader.find(key) == nullptr) return {};
   return folder / reader.text(key);
@@ -108,7 +108,7 @@ void check_names(const std::vector<std::string>& names, const std::string& where
   for (const std::string& name : names) {
     if (name.empty()) throw Error(ErrorKind::usage, fmt::format("{}: a name is empty", where));
     if (!seen.insert(name).second)
-      throw Error(ErrorKind::usage, fmt::format("{}: the name \"{}\" is given twice", where, name));
+      throw Error(ErrorKind::usage, fmt::format("{}: the name \"{}\" is used twice", where, name));
   }
 }
 

@@ -1,4 +1,4 @@
-// Data set descriptions (vpr.dataset/1): which sequences belong together, and their ground truth.
+// Data set descriptions (vpr.dataset/1): their sequences, places and ground truth.
 #pragma once
 
 #include <array>
@@ -12,48 +12,49 @@
 
 namespace vpr {
 
-/// A sequence of a data set, and what results call it.
+/// A sequence of a data set and its name in results.
 struct NamedSequence {
   std::string name;
   SequenceArgument sequence;
-  std::filesystem::path poses = {};  ///< CSV frame,x,y[,heading]; empty: not known
+  std::filesystem::path poses = {};  ///< CSV frame,x,y[,heading]; empty: unknown
 };
 
-/// Which index of a ground truth matrix counts query frames: its rows or its columns. `automatic`:
-/// what its shape and its kind say.
+/// Whether the rows or the columns of a ground truth matrix are query frames. `automatic`:
+/// determined by the shape and the kind of the matrix.
 enum class MatrixRows { automatic, query, reference };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<MatrixRows> = {"auto", "query",
                                                                            "reference"};
 
-/// What some formats of ground truth need beside a path and a tolerance.
+/// Options that some formats of ground truth need in addition to path and tolerance.
 struct GroundTruthOptions {
   std::filesystem::path reference = {};  ///< poses and file names: the training side
-  std::filesystem::path soft = {};       ///< matrices: pairs to ignore where the matrix has 0
-  /// Poses and file names: the same place within so many metres, bounds included. Poses need it;
-  /// nothing with file names: the benchmark's 25.
+  std::filesystem::path soft = {};       ///< matrices: pairs to ignore if the matrix has 0
+  /// Poses and file names: maximum distance of the same place in meters, inclusive. Required for
+  /// poses; nullopt with file names: 25, as in the benchmark.
   std::optional<double> radius_m = {};
-  std::optional<double> angle_deg = {};  ///< and with headings that differ by at most so much
-  /// Aligned: query frame i is training frame `reference_step` i, rounded. Nothing: 1.
+  std::optional<double> angle_deg = {};  ///< maximum difference of their headings, inclusive
+  /// Aligned: query frame i is training frame `reference_step` * i, rounded. Nullopt: 1.
   std::optional<double> reference_step = {};
   MatrixRows matrix_rows = MatrixRows::automatic;
-  /// Trajectories: the times of query and training frames, a list, a folder of images that are
-  /// named by their times, or a video; empty: pose i is that of frame i.
+  /// Trajectories: the times of query and training frames: a list, a folder of images with times as
+  /// names, or a video; empty: pose i belongs to frame i.
   std::filesystem::path query_times = {};
   std::filesystem::path reference_times = {};
-  std::filesystem::path query_pose_times = {};  ///< of trajectories whose files have no times
+  std::filesystem::path query_pose_times = {};  ///< for trajectory files without times
   std::filesystem::path reference_pose_times = {};
-  std::filesystem::path query_images = {};  ///< GPS: folders or lists that names in a CSV are of
+  /// GPS: folders or lists with the images named in a CSV
+  std::filesystem::path query_images = {};
   std::filesystem::path reference_images = {};
-  /// Seconds from a frame to its nearest pose at most. Nothing: 0.02, of GPS 1.
+  /// Maximum distance of a frame to its nearest pose in seconds. Nullopt: 0.02, or 1 for GPS.
   std::optional<double> max_difference_s = {};
-  std::optional<double> offset_s = {};            ///< is added to the query's times
-  std::optional<double> reference_offset_s = {};  ///< is added to those of the training frames
+  std::optional<double> offset_s = {};            ///< added to the times of the query
+  std::optional<double> reference_offset_s = {};  ///< added to the times of the training frames
 
   bool operator==(const GroundTruthOptions&) const = default;
 };
 
-/// The options that are files, by their names in data set descriptions.
+/// The options that are files, with their keys in data set descriptions.
 template <class Visitor>
 void visit_paths(GroundTruthOptions& options, Visitor&& visit) {
   visit("reference", options.reference);
@@ -66,7 +67,7 @@ void visit_paths(GroundTruthOptions& options, Visitor&& visit) {
   visit("reference_images", options.reference_images);
 }
 
-/// The names under which the others stand there.
+/// The other options, with their keys in data set descriptions.
 template <class Visitor>
 void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
   visit("radius_m", options.radius_m);
@@ -78,9 +79,9 @@ void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
   visit("reference_offset_s", options.reference_offset_s);
 }
 
-/// Where a ground truth stands and how it is read.
+/// The path and the format of a ground truth, with its options.
 struct GroundTruthArgument {
-  std::string format;  ///< a word ("aligned"), or the name of a format; empty: found by content
+  std::string format;  ///< a word ("aligned") or the name of a format; empty: detected by content
   std::filesystem::path path = {};
   int tolerance_frames = 0;
   GroundTruthOptions options = {};
@@ -89,33 +90,33 @@ struct GroundTruthArgument {
 /// A query of a data set and its ground truths.
 struct DatasetQuery {
   NamedSequence sequence;
-  std::optional<GroundTruthArgument> sequence_ground_truth;  ///< query frame against train frames
-  std::optional<GroundTruthArgument> place_ground_truth;     ///< query frame against places
+  std::optional<GroundTruthArgument> sequence_ground_truth;  ///< for training frames
+  std::optional<GroundTruthArgument> place_ground_truth;     ///< for places
 };
 
-/// A place of FAB-MAP: its views.
+/// A place of FAB-MAP with its views.
 struct DatasetPlace {
   std::string name;
   std::vector<SequenceArgument> views;
 };
 
-/// A data set description.
 struct Dataset {
   std::string name;
-  double frames_per_second = 0;  ///< 0: not stated
+  double frames_per_second = 0;  ///< 0: unknown
   std::vector<SequenceArgument> pretrain;
   std::vector<NamedSequence> train;
   std::vector<DatasetPlace> places;
   std::vector<DatasetQuery> queries;
   std::filesystem::path plan;         ///< CSV x0,y0,x1,y1[,floor] of the walls; empty: none
-  std::filesystem::path place_poses;  ///< CSV place,x,y[,heading,floor]; empty: not known
+  std::filesystem::path place_poses;  ///< CSV place,x,y[,heading,floor]; empty: unknown
 };
 
-/// Paths in the file are relative to it. Throws Error(input) if it can't be read, Error(usage) if
-/// it is not such a description; unknown keys are errors that name the nearest.
+/// Paths in the file are relative to its folder. Throws Error(input) if it cannot be read,
+/// Error(usage) if it is not a data set description or has an unknown key, with the nearest known
+/// one.
 Dataset read_dataset(const std::filesystem::path& path);
 
-/// The query called `name`, or the only one. Throws Error(usage) naming the queries there are.
+/// The query with this name, or the only one. Throws Error(usage), which lists the queries.
 const DatasetQuery& select_query(const Dataset& dataset, const std::optional<std::string>& name);
 
 }  // namespace vpr

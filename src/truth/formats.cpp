@@ -25,7 +25,7 @@ bool has_path(const GroundTruthFormat& format) {
   return std::find(format.options.begin(), format.options.end(), "path") != format.options.end();
 }
 
-// Of the formats that use an option.
+// The names of all formats that use an option.
 std::string format_names_of(std::string_view option) {
   std::vector<std::string_view> names;
   for (const GroundTruthFormat& format : ground_truth_formats())
@@ -34,9 +34,9 @@ std::string format_names_of(std::string_view option) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// What an option that has no effect belongs to.
+// The formats that use an option, for errors about options without effect.
 std::string use_of(std::string_view option) {
-  if (option == "range") return "; turn it into pairs, which take one (vpr-eval convert)";
+  if (option == "range") return "; convert it to pairs, which accept one (vpr-eval convert)";
   return fmt::format("; {} belongs to {}", option, format_names_of(option));
 }
 
@@ -62,9 +62,9 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
   static const std::vector<std::string_view> kTimedOptions = {"path",     "range",     "reference",
                                                               "radius_m", "angle_deg", "times"};
   static const std::vector<GroundTruthFormat> kFormats = {
-      {"aligned", "frame i is frame i", {"reference_step"}, nullptr, read_aligned},
+      {"aligned", "query frame i is training frame i", {"reference_step"}, nullptr, read_aligned},
       {"anchors",
-       "CSV query,reference of a few frames, linear between them",
+       "CSV query,reference of a few frames, with linear interpolation",
        {"path", "range", "reference", "radius_m", "times"},
        is_anchors_csv,
        read_anchors},
@@ -84,9 +84,9 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        {"path", "range", "reference", "radius_m", "angle_deg", "times", "images"},
        is_gps,
        read_gps},
-      {"utm", "images called @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
+      {"utm", "images named @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
       {"matrix",
-       "0/1 matrix, .npy or .npz, with a soft one to ignore",
+       "0/1 matrix, .npy or .npz, optionally with a soft matrix to ignore",
        {"path", "soft", "matrix_rows"},
        is_matrix_file,
        read_matrix_file,
@@ -116,16 +116,16 @@ const GroundTruthFormat& find_format(std::string_view name) {
   return find_named(ground_truth_formats(), "ground truth format", name);
 }
 
-const GroundTruthFormat& recognise_format(const std::filesystem::path& path) {
+const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
   const StartedFile opened = open_start(path);
   const FileStart& start = opened.start;
   for (const GroundTruthFormat& format : ground_truth_formats())
-    if (format.recognise != nullptr && format.recognise(start)) return format;
+    if (format.recognize != nullptr && format.recognize(start)) return format;
   refuse_unconverted(start.path, start.bytes);
   if (start.path.extension() == ".csv") return find_format("pairs");
   throw Error(ErrorKind::usage,
-              fmt::format("{}: is no ground truth of a format that can be told from its content; "
-                          "give --ground-truth-format, one of {}",
+              fmt::format("{}: the format of this ground truth cannot be detected; "
+                          "pass --ground-truth-format, one of {}",
                           path.string(), format_names(has_path)));
 }
 

@@ -1,4 +1,4 @@
-// The formats of ground truth: what they are called, how they are recognised, read and written.
+// The table of ground truth formats with their names, detection, readers and writers.
 #pragma once
 
 #include <filesystem>
@@ -15,59 +15,60 @@ namespace vpr {
 
 class GroundTruthBuilder;
 
-/// What a format may be recognised by.
+/// The beginning of a file, by which its format is detected.
 struct FileStart {
   std::filesystem::path path;
   bool is_folder = false;
-  std::string_view bytes;       ///< the file's first 64 KiB
-  std::string_view first_line;  ///< that is neither empty nor a comment (#), without its end
+  std::string_view bytes;  ///< the file's first 64 KiB
+  /// the first line that is neither empty nor a comment (#), without its end
+  std::string_view first_line;
 };
 
-/// An open file (of a folder only its name), and its start.
+/// An open file (for a folder only its name) with its beginning.
 struct StartedFile {
   MappedFile file;
   FileStart start;
 };
 
-/// `path` may end in a range. Throws Error(input) if the file can't be read.
+/// `path` may end in a range. Throws Error(input) if the file cannot be read.
 StartedFile open_start(const std::filesystem::path& path);
 
-/// A row of the table of formats.
+/// An entry of the table of formats.
 struct GroundTruthFormat {
   std::string_view name;
   std::string_view summary;  ///< for help texts
-  /// Which of "path", "range" (of frames, behind the path), "reference", "soft", "radius_m",
-  /// "angle_deg", "reference_step", "matrix_rows" it uses; "times": all that say when frames and
-  /// poses are of; "images": those that a list's names are of.
+  /// The options that it uses: "path", "range" (of frames, after the path), "reference", "soft",
+  /// "radius_m", "angle_deg", "reference_step", "matrix_rows"; "times": all options with times of
+  /// frames and poses; "images": the images named in a list.
   std::vector<std::string_view> options;
-  bool (*recognise)(const FileStart& start);         ///< null: by its name only
-  std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol in words
-  /// Null: can't be written. Throws Error(usage) for several training sequences, if it can't name
-  /// them, and Error(output).
+  bool (*recognize)(const FileStart& start);         ///< null: selected only by its name
+  std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol as text
+  /// Null: cannot be written. Throws Error(usage) if the format cannot name several training
+  /// sequences, and Error(output).
   void (*write)(const InspectedGroundTruth& truth, Output& file, const Monitor& monitor) = nullptr;
-  std::string_view ignores_in = {};  ///< extension of files that hold ignored pairs; empty: all
+  /// extension of the files that can hold ignored pairs; empty: all
+  std::string_view ignores_in = {};
 };
 
-/// All formats, in the order in which content is recognised and help lists them.
+/// All formats, in the order of detection and help.
 std::span<const GroundTruthFormat> ground_truth_formats();
 
-/// "pairs, aligned, ...": the names of those for which `wanted` is true.
+/// "pairs, aligned, ...": the names of the formats for which `wanted` is true.
 std::string format_names(bool (*wanted)(const GroundTruthFormat& format));
-/// Names and summaries, a line each, for help texts.
+/// Names and summaries for help texts, one format per line.
 std::string format_summaries();
-/// The names of all formats.
 std::vector<std::string> format_names();
 
-/// The format of a name. Throws Error(usage), naming the nearest, if there is none.
+/// The format with this name. Throws Error(usage) with the nearest name if there is none.
 const GroundTruthFormat& find_format(std::string_view name);
 
-/// The format of a file by its content. Throws Error(input) if the file can't be read, Error(usage)
-/// if it is of no format that can be told; a .csv file that is none is taken for pairs, whose
-/// reader says what is wrong.
-const GroundTruthFormat& recognise_format(const std::filesystem::path& path);
+/// Detects the format of a file by its content. Throws Error(input) if the file cannot be read,
+/// Error(usage) if no format matches. A .csv file that matches no format is treated as pairs, whose
+/// reader reports the error.
+const GroundTruthFormat& detect_format(const std::filesystem::path& path);
 
-/// Checks what an argument gives. Throws Error(usage) if the format lacks its path, or an option is
-/// given that it does not use.
+/// Checks the options of an argument. Throws Error(usage) if the path is missing although the
+/// format needs it, or if an option is set that the format does not use.
 void require_options(const GroundTruthFormat& format, const GroundTruthArgument& argument);
 
 }  // namespace vpr

@@ -22,7 +22,7 @@
 namespace vpr {
 namespace {
 
-/// WGS84: half the equator's diameter in metres, and how much less it is to the poles.
+/// WGS84: semi-major axis in meters, and flattening.
 constexpr double kSemiMajorAxis = 6378137;
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
@@ -46,7 +46,7 @@ double degrees(const FileLocation& location, const char* what, std::string_view 
   if (!value)
     location.fail(
         fmt::format("the {} \"{}\" is not a number in degrees (leave both empty where "
-                    "there was no fix)",
+                    "there is no fix)",
                     what, text));
   return *value;
 }
@@ -64,7 +64,7 @@ Geographic parse_place(const FileLocation& location, std::string_view latitude,
   return place;
 }
 
-/// Of the columns of a header; empty where there is none.
+/// Names of the columns in the header; empty if missing.
 struct RowNames {
   std::string image;
   std::string time;
@@ -84,7 +84,7 @@ std::optional<Pose> read_pose(const NamedRows& rows, const GpsColumns& columns) 
   return pose;
 }
 
-/// A time as a number or a date, in the unit of the first.
+/// Times as numbers or dates, all in the unit of the first one.
 class TimeColumn {
  public:
   int64_t read(const NamedRows& rows, const std::string& column) {
@@ -102,13 +102,13 @@ std::map<std::string, size_t> frames_by_name(const std::filesystem::path& images
   const Sequence sequence = open_sequence(parse_sequence_argument(images.string()));
   if (sequence.kind != SequenceKind::images)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: is no folder or list of images, whose names a CSV of GPS fixes "
-                            "could have",
+                fmt::format("{}: is not a folder or list of images, whose names a CSV of GPS fixes "
+                            "can use",
                             images.string()));
   std::map<std::string, size_t> frames;
   for (const auto& file : sequence.files)
     if (!frames.emplace(file.filename().string(), frames.size()).second)
-      throw Error(ErrorKind::data, fmt::format("{}: has two images called {}", images.string(),
+      throw Error(ErrorKind::data, fmt::format("{}: has two images named {}", images.string(),
                                                file.filename().string()));
   return frames;
 }
@@ -123,7 +123,7 @@ void read_by_name(NamedRows& rows, const GpsColumns& columns, const std::string&
     const std::string name = std::filesystem::path(rows.text(name_column)).filename().string();
     const auto frame = frames.find(name);
     if (frame == frames.end()) rows.fail(fmt::format("{} has no image {}", images.string(), name));
-    if (is_named[frame->second]) rows.fail(fmt::format("the image {} is given twice", name));
+    if (is_named[frame->second]) rows.fail(fmt::format("the image {} is listed twice", name));
     is_named[frame->second] = true;
     found.poses[frame->second] = read_pose(rows, columns);
   }
@@ -142,17 +142,17 @@ void read_in_order(NamedRows& rows, const GpsColumns& columns, const std::string
   }
 }
 
-/// Seconds. Receivers have one fix a second, so that a frame is half a second from the nearest, or
-/// a second where one was lost.
+/// In seconds. Receivers report one fix per second, so a frame is at most half a second from the
+/// nearest fix, or one second if a fix is missing.
 constexpr double kUsualDifference = 1;
 
-// Throws if the path is of something else, with what to do about it.
+// Throws for other kinds of files, with advice.
 void require_gps_csv(const std::filesystem::path& path) {
   const StartedFile opened = open_start(path);
   const FileStart& start = opened.start;
   if (start.is_folder)
     throw Error(ErrorKind::usage,
-                fmt::format("{} is a folder: write the GPS positions of its images to a CSV with "
+                fmt::format("{} is a folder. Write the GPS positions of its images to a CSV with "
                             "scripts/convert/exif.py",
                             path.string()));
   if (is_gps(start)) return;
@@ -167,9 +167,9 @@ void check_fixes(const GroundTruthBuilder& builder, const std::filesystem::path&
   const auto missing = static_cast<size_t>(
       std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return !pose; }));
   if (missing == poses.size())
-    throw Error(ErrorKind::data, fmt::format("{}: has no fix of any frame", path.string()));
+    throw Error(ErrorKind::data, fmt::format("{}: has no fix for any frame", path.string()));
   if (missing * 2 > poses.size())
-    builder.warn_user(fmt::format("{}: {} of {} have no fix, and are not judged", path.string(),
+    builder.warn_user(fmt::format("{}: {} of {} have no fix and are ignored", path.string(),
                                   missing, counted(poses.size(), "frame")));
 }
 
@@ -183,7 +183,7 @@ Poses read_side(const GroundTruthBuilder& builder, PoseSide side, const FrameCou
   Poses poses = poses_of_side(builder.argument().options, side, read_fixes(path, images, frames),
                               builder.monitor(), kUsualDifference);
   const bool is_by_time = !(is_query ? options.query_times : options.reference_times).empty();
-  if (!is_by_time) check_fixes(builder, path, poses);  // by time it has been said
+  if (!is_by_time) check_fixes(builder, path, poses);  // by time, poses_of_side has warned already
   return poses;
 }
 
@@ -193,7 +193,7 @@ std::array<double, 3> earth_position(const Geographic& place) {
   const double latitude = place.latitude_deg * std::numbers::pi / 180;
   const double longitude = std::remainder(place.longitude_deg, 360.0) * std::numbers::pi / 180;
   const double sine = std::sin(latitude);
-  // From the axis of the earth to the point, along its plumb line.
+  // The distance from the earth's axis along the normal of the ellipsoid.
   const double normal = kSemiMajorAxis / std::sqrt(1 - kEccentricity2 * sine * sine);
   const double from_axis = normal * std::cos(latitude);
   return {from_axis * std::cos(longitude), from_axis * std::sin(longitude),
@@ -202,10 +202,10 @@ std::array<double, 3> earth_position(const Geographic& place) {
 
 LocalPlane::LocalPlane(const std::array<double, 3>& origin) : origin_(origin) {
   const double from_axis = std::sqrt(origin[0] * origin[0] + origin[1] * origin[1]);
-  // East of a pole is where it is of the points 0 E beside it.
+  // At a pole, east is the direction of east at points of longitude 0 nearby.
   const double cosine = from_axis > 0 ? origin[0] / from_axis : 1;
   const double sine = from_axis > 0 ? origin[1] / from_axis : 0;
-  // The plumb line stands on the ellipsoid.
+  // The normal of the ellipsoid.
   const double rise = origin[2] / (1 - kEccentricity2);
   const double length = std::sqrt(from_axis * from_axis + rise * rise);
   const double level = from_axis / length;
@@ -248,7 +248,7 @@ Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::
   if (!columns) rows.fail("its header has no columns lat and lon");
   if (rows.has("frame")) {
     if (rows.has("x") && rows.has("y"))
-      rows.fail("has positions in metres (x, y) beside latitudes; leave out the columns x and y");
+      rows.fail("has positions in meters (x, y) and latitudes; remove the columns x and y");
     return read_csv_trajectory(path, frames);
   }
   const RowNames names{first_of(rows, {"image", "name", "file", "filename"}),
@@ -257,15 +257,15 @@ Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::
   found.name = path.string();
   found.is_on_earth = true;
   if (!images.empty() && names.image.empty())
-    rows.fail("has no column image, whose names could be those of images");
+    rows.fail("has no column image with the names of images");
   if (images.empty() && !names.image.empty() && names.time.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has fixes by names of images; say of which, as in "
+                fmt::format("{}: has fixes by names of images; pass the images, as in "
                             "--query-images FOLDER (--reference-images for the training side)",
                             path.string()));
   if (!images.empty() && !source.range.is_all())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: its lines are found by the names of images; give "
+                fmt::format("{}: its lines are selected by the names of images; add "
                             "the range to {}",
                             path.string(), images.string()));
   if (!images.empty())
@@ -280,7 +280,7 @@ std::string read_gps(GroundTruthBuilder& builder) {
   const size_t sequence = builder.only_searched(argument.path.string());
   if (argument.options.reference.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has the fixes of the query; give those of the training sequence, "
+                fmt::format("{}: has the fixes of the query; pass those of the training sequence, "
                             "as in --ground-truth-reference FIXES",
                             argument.path.string()));
   builder.at_file(argument.path);

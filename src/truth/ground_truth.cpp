@@ -23,7 +23,7 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
   const GroundTruthPreset* preset = find_preset(argument.format);
   if (preset != nullptr) argument = preset_argument(*preset, argument, scope);
   const GroundTruthFormat& format =
-      argument.format.empty() ? recognise_format(argument.path) : find_format(argument.format);
+      argument.format.empty() ? detect_format(argument.path) : find_format(argument.format);
   require_options(format, argument);
   GroundTruthBuilder builder(argument, scope, inconsistent, monitor);
   const std::string protocol = format.read(builder);
@@ -39,7 +39,7 @@ const Replay* first_kept(const GroundTruthScope& scope) {
   return nullptr;
 }
 
-// What the files know of: whole recordings.
+// The scope of the files: whole recordings.
 GroundTruthScope recorded_scope(GroundTruthScope scope) {
   if (scope.replay) scope.query_frames = scope.replay->recorded_frames;
   scope.replay.reset();
@@ -50,7 +50,7 @@ GroundTruthScope recorded_scope(GroundTruthScope scope) {
   return scope;
 }
 
-// The labels of each frame of the recording become those of all frames that show it again.
+// Copies the labels of each recorded frame to all frames that repeat it.
 InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruthScope& scope,
                           InconsistentPairs inconsistent, const Monitor& monitor) {
   InspectedGroundTruth result =
@@ -69,7 +69,7 @@ InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruth
   return result;
 }
 
-// A word that is one or two slips of the hand away from a known one, and no file.
+// Refuses an argument that is not a file but differs from a known word by one or two typing errors.
 void refuse_mistyped_word(const std::string& text) {
   std::vector<std::string> words = names_of(ground_truth_presets());
   words.insert(words.begin(), "aligned");
@@ -77,12 +77,12 @@ void refuse_mistyped_word(const std::string& text) {
   std::error_code error;
   if (edit_distance(text, best) <= 2 && !std::filesystem::exists(text, error))
     throw Error(ErrorKind::usage,
-                fmt::format("the ground truth {} is neither a file nor a word that stands for one; "
+                fmt::format("the ground truth {} is neither a file nor a known name; "
                             "did you mean {}?",
                             text, best));
 }
 
-// Behind what is there, or as its end.
+// Appends a run, or extends the last one.
 void append(std::vector<LabelRun>& runs, const LabelRun& run) {
   if (!runs.empty() && runs.back().label == run.label && run.first <= runs.back().last + 1)
     runs.back().last = std::max(runs.back().last, run.last);
@@ -90,7 +90,7 @@ void append(std::vector<LabelRun>& runs, const LabelRun& run) {
     runs.push_back(run);
 }
 
-// Runs of one label, each `reach` frames longer at both ends, cut off at the sequence's.
+// Runs of one label, extended by `reach` frames at both ends within the sequence.
 std::vector<LabelRun> widened_runs(std::span<const GroundTruth::Pair> pairs, size_t frames,
                                    PlaceLabel label, int64_t reach) {
   std::vector<LabelRun> runs;
@@ -106,7 +106,7 @@ std::vector<LabelRun> widened_runs(std::span<const GroundTruth::Pair> pairs, siz
 
 using Pair = GroundTruth::Pair;
 
-// The kept frame nearest to a run of which none is kept, and behind which `next` is the first.
+// The selected frame nearest to a run without selected frames; `next` is the first one after it.
 uint32_t nearest_kept(const std::vector<uint32_t>& sources, const LabelRun& run, size_t next) {
   if (next == sources.size()) return static_cast<uint32_t>(next - 1);
   if (next == 0) return 0;
@@ -114,7 +114,7 @@ uint32_t nearest_kept(const std::vector<uint32_t>& sources, const LabelRun& run,
   return static_cast<uint32_t>(is_before ? next - 1 : next);
 }
 
-// The runs of a recording's frames among those that are kept of it.
+// Converts the runs of a recording to its selected frames.
 void add_kept(std::vector<Pair>& row, uint32_t sequence, const std::vector<LabelRun>& runs,
               const std::vector<uint32_t>& sources) {
   for (const LabelRun& run : runs) {
@@ -128,7 +128,7 @@ void add_kept(std::vector<Pair>& row, uint32_t sequence, const std::vector<Label
   }
 }
 
-// Sorted, no frame twice, and same where it is both.
+// Sorted and without duplicates; a frame with both labels is `same`.
 std::vector<Pair> without_overlaps(std::vector<Pair> row, size_t sequence_frames) {
   GroundTruth one;
   std::sort(row.begin(), row.end());
@@ -153,8 +153,8 @@ std::span<const GroundTruth::Pair> GroundTruth::pairs_of(size_t query, size_t se
 PlaceLabel GroundTruth::label(size_t query, size_t sequence, size_t reference) const {
   const auto& row = pairs[query];
   const auto wanted = static_cast<int64_t>(reference);
-  // Runs are sorted and don't overlap: those that the tolerance reaches stand side by side, in
-  // front of the first that begins behind it.
+  // Runs are sorted and disjoint: those within the tolerance are contiguous, before the first one
+  // that begins after it.
   auto run = std::upper_bound(row.begin(), row.end(), wanted + tolerance_frames,
                               [&](int64_t last_reached, const Pair& pair) {
                                 return pair.sequence != sequence ? sequence < pair.sequence
@@ -217,7 +217,7 @@ std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t 
   const auto same = widened_runs(pairs, frames, PlaceLabel::same, truth.tolerance_frames);
   std::vector<LabelRun> runs;
   auto next = same.begin();
-  size_t free = 0;  // behind the runs that are there already, which win
+  size_t free = 0;  // after the existing runs, which take precedence
   for (const LabelRun& ignored : widened_runs(pairs, frames, PlaceLabel::ignore, 0)) {
     for (; next != same.end() && next->first <= ignored.last; ++next) {
       const size_t first = std::max(ignored.first, free);

@@ -1,4 +1,5 @@
-// Which query frame shows the same place as which training frame: same, different, or ignore.
+// Ground truth: whether a query frame and a training frame show the same place: same, different, or
+// ignore.
 #pragma once
 
 #include <cstdint>
@@ -16,43 +17,43 @@
 
 namespace vpr {
 
-/// What a pair of frames shows: another place, the same one, or what is not to be judged.
+/// The label of a pair of frames: another place, the same place, or a pair to ignore.
 enum class PlaceLabel { different, same, ignore };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"different", "same",
                                                                            "ignore"};
 
-/// A number of frames that only the ground truth itself can tell.
+/// A number of frames that only the ground truth itself states.
 inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();
-/// Upper bound on a number of frames that only a file states, against one large index in a broken
+/// Upper bound of a number of frames that only a file states, against one large index in a damaged
 /// file.
-inline constexpr size_t kMostGrownFrames = size_t{1} << 22;
+inline constexpr size_t kMaxGrownFrames = size_t{1} << 22;
 
-/// Reads the names of the frames of a sequence; null: they are not known.
+/// Reads the names of the frames of a sequence; null: unknown.
 using NameReader = std::function<std::vector<std::string>()>;
 
-/// What indices mean: the training sequences of a result, in its order, and its query.
+/// The meaning of indices: the training sequences of a result, in its order, and its query.
 struct GroundTruthScope {
   struct TrainSequence {
     std::string name;
     size_t frames = 0;
-    bool searched = true;  ///< pairs of a sequence that was not searched are left out
-    /// Where its frames are kept ones of a recording: the files know the recording's frames.
+    bool searched = true;  ///< false: its pairs are skipped
+    /// Set if its frames are selected from a recording: files refer to frames of the recording.
     std::optional<Replay> kept = {};
     NameReader names = {};
   };
   size_t query_frames = 0;
   std::vector<TrainSequence> sequences;
-  /// Where the query is a recording that is replayed: the files know the recording's frames, labels
-  /// are of the replay's.
+  /// Set if the query is resampled from a recording: files refer to frames of the recording, labels
+  /// to frames of the query.
   std::optional<Replay> replay = {};
   NameReader query_names = {};
 };
 
-/// Three-valued, by frames (not windows).
+/// Labels by frame (not by window).
 struct GroundTruth {
-  /// The frames first .. first + further of a training sequence, labelled alike: a matrix of 10^8
-  /// pairs is a few runs a row.
+  /// The frames first .. first + further of a training sequence, with one label: a matrix of 10^8
+  /// pairs has a few runs per row.
   struct Pair {
     uint32_t sequence = 0;
     uint32_t first = 0;
@@ -63,24 +64,23 @@ struct GroundTruth {
     // NOLINTNEXTLINE(modernize-use-nullptr): its literal 0 is the comparison's own
     auto operator<=>(const Pair&) const = default;
   };
-  /// Per query frame: sorted, no reference twice.
+  /// Per query frame: sorted, each reference at most once.
   std::vector<std::vector<Pair>> pairs;
   int64_t tolerance_frames = 0;
-  std::string protocol;  ///< in words, for reports
-  bool is_known = true;  ///< false: nothing is judged
+  std::string protocol;  ///< a description for reports
+  bool is_known = true;  ///< false: no match is evaluated
 
-  /// The pairs of a query frame with the frames of one training sequence.
   std::span<const Pair> pairs_of(size_t query, size_t sequence) const;
-  /// Same, if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label
-  /// of an `ignore` pair that is exactly this one; otherwise different.
+  /// `same` if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label
+  /// of an `ignore` pair with exactly this reference; otherwise `different`.
   PlaceLabel label(size_t query, size_t sequence, size_t reference) const;
-  /// The same for all references 0 .. labels.size() - 1 at once.
+  /// The labels of all references 0 .. labels.size() - 1.
   void label_row(size_t query, size_t sequence, std::span<PlaceLabel> labels) const;
   /// Whether any frame of the searched sequences shows the query frame's place.
   bool has_match(size_t query) const;
 };
 
-/// A run of references with one label, tolerance applied.
+/// A run of references with one label, with the tolerance applied.
 struct LabelRun {
   size_t first = 0;
   size_t last = 0;
@@ -88,57 +88,57 @@ struct LabelRun {
 };
 
 /// The runs of one query that are not `different`, in order, among the first `frames` references of
-/// a sequence. Time linear in the query's pairs of that sequence.
+/// a sequence. Time linear in the query's pairs with that sequence.
 std::vector<LabelRun> label_runs(const GroundTruth& truth, size_t query, size_t sequence,
                                  size_t frames);
 
-/// Labels of the recordings' frames become those of the frames that `scope` keeps of them; of
-/// sequences that keep all, they stay. The tolerance is applied, and 0 afterwards. A stretch of
-/// frames at the query's place of which none is kept is that of the kept frame nearest to it, the
-/// earlier of two, so that a query frame does not lose its place; of frames to ignore, those that
-/// are kept are ignored.
+/// Converts labels of the recordings' frames to the frames that `scope` selects; sequences without
+/// a selection do not change. Applies the tolerance, which is 0 afterwards. If no frame of a run of
+/// the same place is selected, the label moves to the selected frame nearest to the run, the
+/// earlier one on a tie, so that a query frame keeps its place. Among frames to ignore, the
+/// selected ones are ignored.
 void keep_frames(GroundTruth& truth, const GroundTruthScope& scope);
 
-/// The ground truth where nothing is known: every pair is labelled ignore.
+/// A ground truth without any knowledge: every pair is labeled ignore.
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope);
 
-/// What is odd about a ground truth.
+/// The kinds of inconsistencies in a ground truth.
 enum class FindingKind { out_of_range, contradiction, duplicate };
 template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<FindingKind> = {
     "out_of_range", "contradiction", "duplicate"};
 
-/// How often something odd was found.
+/// The number of inconsistencies of one kind.
 struct GroundTruthFinding {
   uint64_t count = 0;                 ///< pairs
-  std::vector<std::string> examples;  ///< the first of them, in words
+  std::vector<std::string> examples;  ///< descriptions of the first of them
 };
 
-/// A ground truth together with what is odd about its file.
+/// A ground truth with the inconsistencies of its file.
 struct InspectedGroundTruth {
-  GroundTruth truth;       ///< without what is out of range; of two labels, the first stays
+  GroundTruth truth;  ///< without pairs out of range; the first of two contradicting labels is kept
   GroundTruthScope scope;  ///< with the numbers of frames that were unknown
   std::string format;
   std::array<GroundTruthFinding, 3> findings;  ///< by FindingKind
 };
 
-/// Reads what `argument` names; the formats are the rows of truth/formats.h.
-/// Throws Error(usage) where several sequences were searched and the format can't tell them apart,
-/// or where the format is unknown or lacks an option; Error(input) if a file can't be read;
-/// Error(data), naming file and line, if it is damaged, an index is out of range or a pair has both
-/// labels. A pair that is listed twice counts once.
-/// Warns of what is odd but no damage: a radius that calls nearly everything the same.
+/// Reads the ground truth of `argument`; truth/formats.h has the table of formats. Throws
+/// Error(usage) if several sequences were searched and the format cannot distinguish them, or if
+/// the format is unknown or lacks an option; Error(input) if a file cannot be read; Error(data),
+/// with file and line, if it is damaged, an index is out of range or a pair has both labels.
+/// Duplicate pairs count once. Warns of suspicious but valid input, such as a radius that makes
+/// nearly all pairs the same place.
 GroundTruth read_ground_truth(const GroundTruthArgument& argument, const GroundTruthScope& scope,
                               const Monitor& monitor = {});
 
-/// The same, but indices that are out of range and pairs with both labels are counted, not thrown;
-/// and numbers of frames may be kUnknownFrames: they become those of the file, or one more than its
-/// largest index.
+/// As read_ground_truth, but counts indices out of range and pairs with both labels instead of
+/// throwing. Numbers of frames may be kUnknownFrames: they become those of the file, or its largest
+/// index plus one.
 InspectedGroundTruth inspect_ground_truth(const GroundTruthArgument& argument,
                                           const GroundTruthScope& scope,
                                           const Monitor& monitor = {});
 
-/// `text` as --ground-truth takes it: a word (aligned, or the name of a preset), or a path.
+/// Parses an argument of --ground-truth: a word (aligned, or the name of a preset) or a path.
 GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tolerance_frames);
 
 }  // namespace vpr

@@ -28,9 +28,9 @@ namespace {
 
 constexpr std::string_view kHard = "GThard.npy";
 constexpr std::string_view kSoft = "GTsoft.npy";
-constexpr uint64_t kMostValues = 10'000'000'000;
-constexpr uint64_t kMostArchiveValues = uint64_t{1} << 31;  // they are in memory
-// With a first file, or none at all.
+constexpr uint64_t kMaxValues = 10'000'000'000;
+constexpr uint64_t kMaxArchiveValues = uint64_t{1} << 31;  // the values are in memory
+// With a first file, or an empty archive.
 bool is_zip(std::string_view bytes) {
   return bytes.starts_with("PK\x03\x04") || bytes.starts_with("PK\x05\x06");
 }
@@ -41,7 +41,7 @@ std::optional<size_t> find_name(const ZipFile& archive, std::string_view name) {
   return static_cast<size_t>(found - archive.names().begin());
 }
 
-// Values 0 and 1 of a row; the index of the first that is another.
+// Converts the values 0 and 1 of a row. Returns the index of the first other value.
 template <class T>
 size_t take_bits(std::span<const std::byte> bytes, std::span<uint8_t> values) {
   for (size_t i = 0; i < values.size(); ++i) {
@@ -69,22 +69,22 @@ const BitType* find_type(std::string_view name) {
   return nullptr;
 }
 
-/// Matrix rows as they stand in the file: of a Fortran-ordered matrix, its columns.
+/// Reads a matrix row by row in the order of the file: columns for a Fortran-ordered matrix.
 class NpyStream {
  public:
-  /// A .npy file of its own. Throws Error(input) or Error(data).
+  /// A separate .npy file. Throws Error(input) or Error(data).
   explicit NpyStream(const std::filesystem::path& path);
-  /// A file of an archive, which must live as long.
+  /// A file of an archive, which must outlive this object.
   NpyStream(ZipFile& archive, size_t index, const std::string& where);
 
   size_t rows() const { return rows_; }
   size_t cols() const { return cols_; }
-  /// The first index of the matrix counts columns here.
+  /// Whether the rows in the file are columns of the matrix.
   bool is_transposed() const { return header_.is_column_major; }
-  /// Writes the next row's values, 0 or 1. Throws Error(data) for another value, or where the file
+  /// Writes the values of the next row, 0 or 1. Throws Error(data) for other values or if the file
   /// ends early.
   void next_row(std::span<uint8_t> values);
-  /// Throws Error(data) if more bytes follow.
+  /// Throws Error(data) if there are more bytes.
   void require_end();
 
  private:
@@ -147,7 +147,7 @@ void NpyStream::open() {
   }
   const auto header = parse_npy_header(start);
   if (!header || find_type(header->type) == nullptr || header->shape.size() != 2)
-    location_.fail("is no matrix of bool, integers or floats, little-endian (.npy)");
+    location_.fail("is not a little-endian matrix of bool, integers or floats (.npy)");
   header_ = *header;
   rows_ = header_.shape[header_.is_column_major ? 1 : 0];
   cols_ = header_.shape[header_.is_column_major ? 0 : 1];
@@ -159,13 +159,14 @@ void NpyStream::next_row(std::span<uint8_t> values) {
   location_.at("row", row_number_++);
   const size_t good = find_type(header_.type)->take(row_, values);
   if (good < values.size())
-    location_.fail(fmt::format("column {} is neither 0 nor 1; is it a ground truth?", good));
+    location_.fail(
+        fmt::format("column {} is neither 0 nor 1; check that it is a ground truth", good));
 }
 
 void NpyStream::require_end() {
   std::byte more{};
   location_.at({}, 0);
-  if (fill_({&more, 1}) != 0) location_.fail("is longer than its shape says");
+  if (fill_({&more, 1}) != 0) location_.fail("is longer than its shape");
 }
 
 void require_same_shape(const GroundTruthBuilder& builder, const NpyStream& hard,
@@ -175,8 +176,8 @@ void require_same_shape(const GroundTruthBuilder& builder, const NpyStream& hard
     builder.fail("the soft matrix has another shape or order than the hard one");
 }
 
-// Whether the rows are query frames: as the argument's matrix_rows says; else `usually`, unless
-// only the other way fits the numbers of frames. Throws Error(data) if the shape does not fit.
+// Whether the rows are query frames: as the argument's matrix_rows states; otherwise `usually`,
+// unless only the transposed shape fits the numbers of frames. Throws Error(data) if neither fits.
 bool require_matrix_shape(GroundTruthBuilder& builder, size_t sequence, size_t rows, size_t cols,
                           bool usually) {
   const FrameCount& query = builder.query();
@@ -191,14 +192,14 @@ bool require_matrix_shape(GroundTruthBuilder& builder, size_t sequence, size_t r
   if (given != MatrixRows::automatic) rows_are_query = given == MatrixRows::query;
   if (!(rows_are_query ? fits_query : fits_reference))
     builder.fail(
-        fmt::format("is a matrix of {} x {}, and there are {} query and {} training frames", rows,
+        fmt::format("is a matrix of {} x {}, but there are {} query and {} training frames", rows,
                     cols, query.frames, train.frames));
   builder.require_query_frames(rows_are_query ? rows : cols);
   builder.require_train_frames(sequence, rows_are_query ? cols : rows);
   return rows_are_query;
 }
 
-// `usually_query`: rows of such a file are query frames, if nothing else is said.
+// `usually_query`: whether the rows of this kind of file are query frames by default.
 std::string read_streams(GroundTruthBuilder& builder, NpyStream& hard, NpyStream* soft,
                          bool usually_query) {
   const size_t sequence = builder.only_searched(builder.argument().path.string());
@@ -227,7 +228,7 @@ std::string read_streams(GroundTruthBuilder& builder, NpyStream& hard, NpyStream
   return fmt::format("matrix of {} x {}, rows are {} frames{}; within {} of a 1",
                      flip ? hard.cols() : hard.rows(), flip ? hard.rows() : hard.cols(),
                      rows_are_query ? "query" : "training",
-                     soft == nullptr ? "" : "; what only the soft matrix has is ignored",
+                     soft == nullptr ? "" : "; pairs only in the soft matrix are ignored",
                      counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame"));
 }
 
@@ -240,8 +241,8 @@ std::string read_archive(GroundTruthBuilder& builder) {
   if (!builder.argument().options.soft.empty())
     throw Error(
         ErrorKind::usage,
-        fmt::format("{}: a .npz file holds its soft matrix itself, as GTsoft", path.string()));
-  if (archive.names().empty()) builder.fail("is an archive without any matrix");
+        fmt::format("{}: a .npz file contains its soft matrix, named GTsoft", path.string()));
+  if (archive.names().empty()) builder.fail("is an archive without a matrix");
   const auto hard = find_name(archive, kHard);
   const auto soft = find_name(archive, kSoft);
   if (!hard && archive.names().size() == 1) {
@@ -257,7 +258,7 @@ std::string read_archive(GroundTruthBuilder& builder) {
   return read_streams(builder, hard_stream, &soft_stream, false);
 }
 
-// One matrix whose rows are training frames, in the bytes of a .npy file.
+// Writes one matrix with training frames as rows, in the format of a .npy file.
 ZipContent reference_rows(std::string_view name, const std::vector<std::vector<uint8_t>>& columns,
                           size_t references, uint8_t least_label) {
   struct State {
@@ -334,7 +335,7 @@ void write_matrix_file(const InspectedGroundTruth& ground_truth, Output& file,
   const GroundTruth& truth = ground_truth.truth;
   const bool is_archive = file.path().extension() == ".npz";
   require_writable(uint64_t{truth.pairs.size()} * frames,
-                   is_archive ? kMostArchiveValues : kMostValues, "values of a matrix");
+                   is_archive ? kMaxArchiveValues : kMaxValues, "values of a matrix");
   if (is_archive) return write_archive(truth, sequence, frames, file, monitor);
   file.write(npy_header("|b1", {truth.pairs.size(), frames}));
   for (size_t query = 0; query < truth.pairs.size(); ++query) {

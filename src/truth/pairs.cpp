@@ -24,9 +24,9 @@ namespace vpr {
 
 namespace {
 
-constexpr uint64_t kMostLines = uint64_t{1} << 30;
+constexpr uint64_t kMaxLines = uint64_t{1} << 30;
 
-/// Column numbers of a pairs file.
+/// Column indices of a pairs file.
 struct PairColumns {
   size_t count = 0;
   bool has_sequence = false;
@@ -49,7 +49,7 @@ PairColumns read_header(const std::vector<CsvRow>& rows, const GroundTruthBuilde
   builder.fail("expected the header query,reference[,label] or query,sequence,reference[,label]");
 }
 
-/// One side of a pair. `names` is filled when the first name is met.
+/// One side of a pair. `names` is read when the first name occurs.
 struct PairSide {
   std::string_view what;
   const FrameCount& frames;
@@ -61,13 +61,13 @@ size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const 
   if (!side.reader)
     builder.fail(
         fmt::format("{} \"{}\" is not a frame number. To use file names with vpr-eval, "
-                    "give the sequences: --query and --train",
+                    "pass the sequences: --query and --train",
                     side.what, text));
   if (!side.names) side.names.emplace(side.reader());
   const size_t count = side.names->count().value_or(0);
   if (!side.frames.grows && count != side.frames.frames)
     builder.fail(
-        fmt::format("{} \"{}\" is one of {}, and the result has {}. Use the sequence that "
+        fmt::format("{} \"{}\" is one of {}, but the result has {}. Use the sequence that "
                     "was evaluated",
                     side.what, text, counted(count, "name"), counted(side.frames.frames, "frame")));
   const auto frame = side.names->find(text);
@@ -78,13 +78,14 @@ size_t find_name(const GroundTruthBuilder& builder, const PairSide& side, const 
   return *frame;
 }
 
-// Nothing if the frame is out of range, which is noted, or outside `range`, which names ignore.
+// Nullopt if the frame is out of range, which is reported, or outside `range`, which applies to
+// numbers only.
 std::optional<size_t> read_frame(GroundTruthBuilder& builder, const std::string& text,
                                  const PairSide& side, const FrameRange& range) {
   const auto frame = parse_frame(text);
   if (!frame) return find_name(builder, side, text);
   if (frame->in_range) return frame_in_range(range, frame->value);
-  builder.note_out_of_range(side.what, text, side.frames);
+  builder.report_out_of_range(side.what, text, side.frames);
   return std::nullopt;
 }
 
@@ -100,7 +101,7 @@ PlaceLabel read_label(const GroundTruthBuilder& builder, const std::string& text
   builder.fail(fmt::format("label \"{}\" is neither same nor ignore", text));
 }
 
-// Whether the row's query frame is one of the range.
+// Whether the row's query frame is in the range.
 bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const CsvRow& row,
               size_t only_sequence, const FrameRange& range, PairNames& names) {
   builder.at("line", row.line);
@@ -124,15 +125,15 @@ bool read_row(GroundTruthBuilder& builder, const PairColumns& columns, const Csv
 void require_range(GroundTruthBuilder& builder, const SequenceArgument& source) {
   const auto in_range = frame_count(source.range);
   if (in_range && !builder.query().grows && *in_range != builder.query().frames)
-    builder.fail(fmt::format("its range has {}, and the query has {}", counted(*in_range, "frame"),
+    builder.fail(fmt::format("its range has {}, but the query has {}", counted(*in_range, "frame"),
                              builder.query().frames));
   if (source.range.is_all()) builder.set_query_hint(range_hint(source.path));
 }
 
-// A few anchors have the same header as pairs, and another meaning for the frames between them.
+// Anchors have the same header as pairs, but a different meaning for the frames between them.
 void warn_of_anchors(const GroundTruthBuilder& builder, const PairColumns& columns,
                      const std::vector<CsvRow>& rows) {
-  constexpr size_t kFramesAPair = 10;  // with fewer frames to a pair it is no mere outline
+  constexpr size_t kFramesAPair = 10;  // with fewer frames per pair it is not a mere outline
   const size_t pairs = rows.size() - 1;
   if (columns.has_label || pairs < 2 || builder.query().grows ||
       pairs * kFramesAPair > builder.query().frames)
@@ -143,23 +144,23 @@ void warn_of_anchors(const GroundTruthBuilder& builder, const PairColumns& colum
     if (!before || !frame || frame->value <= before->value) return;
   }
   builder.warn_user(fmt::format(
-      "{} labels {} of {}, and what is recognised in the others counts as wrong; if "
-      "these are anchors, with the frames between them on the way, add "
+      "{} labels {} of {}, and recognitions of the other frames count as incorrect. If "
+      "the pairs are anchors of a route, add "
       "--ground-truth-format anchors",
       builder.argument().path.string(), pairs, counted(builder.query().frames, "query frame")));
 }
 
 struct Anchor {
-  size_t query = 0;  ///< of the whole recording, if the path has a range
+  size_t query = 0;  ///< in the whole recording, if the path has a range
   size_t reference = 0;
 };
 
-/// By training sequence, with rising query frames.
+/// By training sequence, with increasing query frames.
 using Anchors = std::map<size_t, std::vector<Anchor>>;
 
 size_t read_frame(const NamedRows& rows, const char* column) {
   const auto frame = parse_frame(rows.text(column));
-  if (!frame || !frame->in_range || frame->value > kMostGrownFrames)
+  if (!frame || !frame->in_range || frame->value > kMaxGrownFrames)
     rows.fail(fmt::format("{} \"{}\" is not a frame number", column, rows.text(column)));
   return frame->value;
 }
@@ -182,7 +183,7 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
     auto& known = anchors[sequence];
     if (!known.empty() && anchor.query <= known.back().query)
       rows.fail(
-          fmt::format("query {} is not behind the anchor before, {}; anchors stand in the "
+          fmt::format("query {} is not after the previous anchor, {}; list anchors in the "
                       "order of query frames",
                       anchor.query, known.back().query));
     known.push_back(anchor);
@@ -190,7 +191,7 @@ Anchors read_file(GroundTruthBuilder& builder, const std::filesystem::path& path
   return anchors;
 }
 
-/// Where on the training sequence a query frame is, in frames; nothing beyond the anchors.
+/// The position of a query frame on the training sequence, in frames; nullopt outside the anchors.
 std::optional<double> position_of(const std::vector<Anchor>& anchors, size_t& next, size_t query) {
   while (next < anchors.size() && anchors[next].query < query) ++next;
   if (next == anchors.size()) return std::nullopt;
@@ -204,7 +205,7 @@ std::optional<double> position_of(const std::vector<Anchor>& anchors, size_t& ne
   return from + share * (static_cast<double>(b.reference) - from);
 }
 
-/// The query frames of the ground truth that lie between anchors, with their positions.
+/// Calls `use` for the query frames between anchors, with their positions.
 template <class Use>
 void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& anchors,
                        const FrameRange& range, Use&& use) {
@@ -222,8 +223,8 @@ void for_each_position(GroundTruthBuilder& builder, const std::vector<Anchor>& a
   }
 }
 
-/// The position on the straight line between the poses of two neighbouring frames; nothing where
-/// one is unknown.
+/// The position on the straight line between the poses of two neighboring frames; nullopt if one is
+/// unknown.
 std::optional<Pose> pose_at(const Poses& poses, double position) {
   const auto before = static_cast<size_t>(position);
   const double share = position - static_cast<double>(before);
@@ -237,12 +238,12 @@ std::optional<Pose> pose_at(const Poses& poses, double position) {
   return pose;
 }
 
-std::string in_metres(GroundTruthBuilder& builder, const Anchors& anchors,
+std::string in_meters(GroundTruthBuilder& builder, const Anchors& anchors,
                       const FrameRange& range) {
   const GroundTruthOptions& options = builder.argument().options;
   if (builder.argument().tolerance_frames != 0)
     throw Error(ErrorKind::usage,
-                "anchors take a tolerance in frames or a radius in metres, not both");
+                "anchors take a tolerance in frames or a radius in meters, not both");
   const size_t sequence = builder.only_searched("a radius of anchors");
   const Poses train = read_train_poses(options.reference, options, builder.monitor()).poses;
   builder.require_train_frames(sequence, train.size());
@@ -271,7 +272,7 @@ std::string in_frames(GroundTruthBuilder& builder, const Anchors& anchors,
   return "within " + counted(static_cast<uint64_t>(builder.argument().tolerance_frames), "frame");
 }
 
-// Only positions of training frames go by time.
+// Only the positions of training frames use times.
 void check_times(const GroundTruthOptions& options) {
   const bool has_query_times =
       options.offset_s || !options.query_times.empty() || !options.query_pose_times.empty();
@@ -280,8 +281,8 @@ void check_times(const GroundTruthOptions& options) {
                                    !options.reference_pose_times.empty();
   if (has_query_times || (has_reference_times && !options.radius_m))
     throw Error(ErrorKind::usage,
-                "of anchors, only the poses of training frames go by time: give --radius with "
-                "--reference-times, and no times or offset of the query");
+                "with anchors, only the poses of training frames have times: use --radius with "
+                "--reference-times, without times or offset of the query");
 }
 
 }  // namespace
@@ -306,7 +307,7 @@ std::string read_pairs_csv(GroundTruthBuilder& builder) {
   for (size_t r = 1; r < rows.size(); ++r)
     pairs += read_row(builder, columns, rows[r], only_sequence, source.range, names) ? 1 : 0;
   if (builder.argument().format.empty()) warn_of_anchors(builder, columns, rows);
-  const std::string text = "pairs: " + counted(pairs, "labelled pair");
+  const std::string text = "pairs: " + counted(pairs, "labeled pair");
   const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
   if (tolerance == 0) return text;
   return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
@@ -316,8 +317,8 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
                      const Monitor& monitor) {
   const auto& sequences = ground_truth.scope.sequences;
   const GroundTruth& truth = ground_truth.truth;
-  const GroundTruthSummary summary = summarise(ground_truth, monitor);
-  require_writable(summary.same + summary.ignored, kMostLines, "pairs");
+  const GroundTruthSummary summary = summarize(ground_truth, monitor);
+  require_writable(summary.same + summary.ignored, kMaxLines, "pairs");
   const bool several = sequences.size() > 1;
   bool has_ignored = false;
   for (const auto& row : truth.pairs)
@@ -346,19 +347,18 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
 std::string read_anchors(GroundTruthBuilder& builder) {
   const GroundTruthOptions& options = builder.argument().options;
   if (options.radius_m.has_value() == options.reference.empty())
-    throw Error(
-        ErrorKind::usage,
-        fmt::format("{}: a tolerance of anchors in metres needs both --radius and the poses "
-                    "of the training sequence (--ground-truth-reference)",
-                    builder.argument().path.string()));
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: a tolerance of anchors in meters needs --radius and the poses "
+                            "of the training sequence (--ground-truth-reference)",
+                            builder.argument().path.string()));
   check_times(options);
   const SequenceArgument source = parse_sequence_argument(builder.argument().path.string());
   const Anchors anchors = read_file(builder, source.path);
   size_t count = 0;
   for (const auto& [sequence, list] : anchors) count += list.size();
-  const std::string within = options.radius_m ? in_metres(builder, anchors, source.range)
+  const std::string within = options.radius_m ? in_meters(builder, anchors, source.range)
                                               : in_frames(builder, anchors, source.range);
-  return fmt::format("anchors: {}, linear between them and nothing beyond, {}",
+  return fmt::format("anchors: {}, interpolated linearly, without places before and after them, {}",
                      counted(count, "anchor"), within);
 }
 
@@ -373,7 +373,7 @@ std::string read_aligned(GroundTruthBuilder& builder) {
     throw Error(ErrorKind::usage, "the reference step must be above 0, and at most a million");
   if (builder.query().grows || builder.train(sequence).grows)
     throw Error(ErrorKind::usage,
-                "the ground truth \"aligned\" has no numbers of frames of its own; give them");
+                "the ground truth \"aligned\" does not state the numbers of frames; pass them");
   const int tolerance = builder.argument().tolerance_frames;
   const double end = static_cast<double>(builder.train(sequence).frames) + tolerance;
   for (size_t frame = 0; frame < builder.query().frames; ++frame) {

@@ -1,4 +1,4 @@
-// Ground truths by frame numbers: labeled pairs, anchors with straight lines between them, aligned
+// Ground truth by frame numbers: labeled pairs, anchors with linear interpolation, and aligned
 // sequences.
 #pragma once
 
@@ -9,36 +9,37 @@
 namespace vpr {
 
 /// Header query,reference[,label] or query,sequence,reference[,label]; label "same" (default) or
-/// "ignore"; pairs that are not listed are different. A frame is its number, or, where the scope
-/// knows names, the name of its file, with or without extension; digits alone are a number. Without
-/// a sequence column, exactly one searched sequence. The path may end in a range
-/// (pairs.csv@60:111), of which the query's frames count, in its steps; pairs of others are left
-/// out. Throws Error(data), naming the line.
+/// "ignore"; unlisted pairs are different. A frame is a number or, if the scope has names, the name
+/// of its file, with or without extension; digits alone are a number. Requires exactly one searched
+/// sequence if there is no sequence column. The path may end in a range (pairs.csv@60:111), which
+/// selects the query's frames with its step; other pairs are skipped. Throws Error(data), with the
+/// line.
 std::string read_pairs_csv(GroundTruthBuilder& builder);
 
 bool is_pairs_csv(const FileStart& start);
 
-/// One line a pair, tolerance applied; columns sequence and label only where they say something.
+/// One pair per line, with the tolerance applied; writes the columns sequence and label only if
+/// needed.
 void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
                      const Monitor& monitor);
 
-/// A CSV query,reference or query,sequence,reference with the lines of each training sequence in
-/// the order of rising query frames: anchors. A query frame between two neighbouring anchors of a
-/// sequence is at the training frame on the straight line between them, rounded (halves up); in
-/// front of the first and behind the last anchor it is nowhere. `same` are the training frames that
-/// are at most the tolerance away, and, where the argument has a `reference` (poses of the training
-/// sequence, a CSV frame,x,y or a trajectory) and a radius, all that are within so many metres of
-/// the position there; training frames without a pose are to be ignored then. A range behind the
-/// path is that of the query. Throws Error(data), naming the line, for query frames that repeat or
-/// fall and for frames out of range; Error(usage) for a radius without poses, or poses without one.
+/// A CSV query,reference or query,sequence,reference: anchors, with increasing query frames for
+/// each training sequence. A query frame between two neighboring anchors of a sequence is at the
+/// training frame found by linear interpolation, rounded (ties up); before the first and after the
+/// last anchor it has no place. `same` are training frames within the tolerance and, if the
+/// argument has a `reference` (poses of the training sequence, a CSV frame,x,y or a trajectory) and
+/// a radius, all frames within that many meters of the interpolated position; training frames
+/// without a pose are then ignored. A range after the path is the range of the query. Throws
+/// Error(data), with the line, for query frames that do not increase and for frames out of range;
+/// Error(usage) for a radius without poses, or poses without a radius.
 std::string read_anchors(GroundTruthBuilder& builder);
 
-/// Whether it is called anchors.csv, or something that ends so, and has the header of pairs.
+/// Whether the file name ends in anchors.csv and the file has the header of pairs.
 bool is_anchors_csv(const FileStart& start);
 
-/// Query frame i is training frame step * i (argument: reference_step, default 1), rounded to the
-/// nearest, halves up. Frames of a query that is longer match the training sequence's end, within
-/// the tolerance. Exactly one searched sequence.
+/// Query frame i is training frame step * i (argument: reference_step, default 1), rounded to
+/// nearest, ties up. Frames beyond the training sequence match its end within the tolerance.
+/// Requires exactly one searched sequence.
 std::string read_aligned(GroundTruthBuilder& builder);
 
 }  // namespace vpr

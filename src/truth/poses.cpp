@@ -21,21 +21,21 @@ namespace vpr {
 namespace {
 
 Poses read_csv_poses(const std::filesystem::path& path, const FrameCount& frames) {
-  PoseCsvRules rules{frames.frames, kMostGrownFrames};
+  PoseCsvRules rules{frames.frames, kMaxGrownFrames};
   if (frames.grows) rules.frames.reset();
   Poses poses;
   for (const auto& found : read_pose_csv(path, rules)) {
     if (found && found->is_on_earth)
       throw Error(ErrorKind::data,
-                  fmt::format("{}: has latitudes and longitudes, which poses in metres can't be "
-                              "compared with; give both sides so (format gps)",
+                  fmt::format("{}: has latitudes and longitudes, but the other side has poses "
+                              "in meters; use the format gps for both sides",
                               path.string()));
     poses.push_back(found ? std::optional(found->pose) : std::nullopt);
   }
   return poses;
 }
 
-/// A trajectory, of whose times the second reader makes sure where they are asked for.
+/// The readers of a trajectory format: without times, and with checked times.
 struct TrajectoryReaders {
   Trajectory (*without_times)(const std::filesystem::path& path);
   Trajectory (*with_times)(const std::filesystem::path& path);
@@ -44,19 +44,19 @@ struct TrajectoryReaders {
 const std::filesystem::path& training_path(const GroundTruthArgument& argument) {
   if (argument.options.reference.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has the poses of the query; give those of the training sequence, "
+                fmt::format("{}: has the poses of the query; pass those of the training sequence, "
                             "as in --ground-truth-reference POSES",
                             argument.path.string()));
   return argument.options.reference;
 }
 
-/// `read(side, path)` gives the poses of one side.
+/// `read(side, path)` returns the poses of one side.
 template <class Read>
 std::string read_both(GroundTruthBuilder& builder, std::string_view format, Read&& read) {
   const GroundTruthArgument& argument = builder.argument();
   const size_t sequence = builder.only_searched(argument.path.string());
   const std::filesystem::path& reference = training_path(argument);
-  builder.at_file(argument.path);  // for what is found out about the whole file
+  builder.at_file(argument.path);  // for errors about the whole file
   const Poses query = read(PoseSide::query, argument.path);
   const GroundTruthOptions& options = argument.options;
   if (!options.query_times.empty()) builder.at_file(options.query_times);
@@ -88,12 +88,12 @@ bool has_numbers(std::string_view line, size_t count) {
          });
 }
 
-/// Where a larger share of all pairs is the same place, hardly a match can be wrong.
+/// With a larger share of pairs of the same place, almost every match is correct.
 constexpr double kLargeShare = 0.1;
-/// Pairs of the same place, each of which is compared.
-constexpr uint64_t kMostPairs = uint64_t{1} << 27;
+/// Limit of pairs of the same place, each of which is compared.
+constexpr uint64_t kMaxPairs = uint64_t{1} << 27;
 
-/// What counts as the same place.
+/// The limits of the same place.
 struct Nearness {
   double radius_m = 0;
   std::optional<double> angle_deg;
@@ -109,7 +109,7 @@ bool is_near(const Pose& a, const Pose& b, const Nearness& nearness,
   if (!(square <= nearness.radius_m * nearness.radius_m)) return false;
   if (!nearness.angle_deg) return true;
   const auto angle = angle_between(a, b);
-  if (!angle) builder.fail("an angle is asked for, and a pose has no heading");
+  if (!angle) builder.fail("an angle is set, but a pose has no heading");
   return *angle <= *nearness.angle_deg;
 }
 
@@ -119,7 +119,7 @@ struct FrameSpan {
   size_t last = 0;
 };
 
-/// Frames with a pose, by the coordinate that tells them apart best.
+/// Frames with a pose, sorted by the coordinate with the largest extent.
 struct SortedPoses {
   size_t axis = 0;
   std::vector<size_t> known;
@@ -127,7 +127,6 @@ struct SortedPoses {
   size_t unknown_frames = 0;
 };
 
-// The coordinate with the largest extent.
 size_t longest_axis(const Poses& poses) {
   const std::array<double, 3> extents = extents_of(poses);
   return static_cast<size_t>(std::max_element(extents.begin(), extents.end()) - extents.begin());
@@ -151,7 +150,8 @@ SortedPoses sort_poses(const Poses& poses) {
   return sorted;
 }
 
-// Where the radius reaches from end to end, every pair is near; this is known before the work.
+// Whether the radius covers the whole extent, so that every pair is near; known before the
+// comparison.
 bool is_everything_near(const Poses& query, const Poses& train, const Nearness& nearness) {
   Poses all = query;
   all.insert(all.end(), train.begin(), train.end());
@@ -163,7 +163,7 @@ bool is_everything_near(const Poses& query, const Poses& train, const Nearness& 
   builder.fail(
       fmt::format("more than {} pairs of frames lie within {} m. Use a smaller --radius, "
                   "or fewer frames (vpr-query --fps)",
-                  kMostPairs, nearness.radius_m));
+                  kMaxPairs, nearness.radius_m));
 }
 
 std::vector<size_t> near_frames(const Pose& query, const Poses& train, const SortedPoses& sorted,
@@ -188,8 +188,8 @@ Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> 
   if (!options.radius_m && !usual_radius_m)
     throw Error(
         ErrorKind::usage,
-        fmt::format("{}: poses need the radius in metres within which frames show the same "
-                    "place, as in --radius 2 (in a corridor 1 to 3, on a road often 25), or "
+        fmt::format("{}: poses need the radius in meters within which frames show the same "
+                    "place, such as --radius 2 (in a corridor 1 to 3, on a road often 25), or "
                     "\"radius_m\" in a data set",
                     builder.argument().path.string()));
   const Nearness nearness{options.radius_m ? *options.radius_m : *usual_radius_m,
@@ -203,11 +203,12 @@ Nearness find_nearness(const GroundTruthBuilder& builder, std::optional<double> 
 void warn_of_large_share(const GroundTruthBuilder& builder, const Nearness& nearness, uint64_t same,
                          uint64_t pairs) {
   if (static_cast<double>(same) <= kLargeShare * static_cast<double>(pairs)) return;
-  builder.warn_user(fmt::format(
-      "{}: within {} m lie {:.0f} % of all pairs of frames, so hardly a match can be wrong; is a "
-      "smaller --radius meant?",
-      builder.argument().path.string(), nearness.radius_m,
-      100 * static_cast<double>(same) / static_cast<double>(pairs)));
+  builder.warn_user(
+      fmt::format("{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is "
+                  "correct; use a "
+                  "smaller --radius",
+                  builder.argument().path.string(), nearness.radius_m,
+                  100 * static_cast<double>(same) / static_cast<double>(pairs)));
 }
 
 std::string describe(const Nearness& nearness, int tolerance_frames, size_t unknown_query,
@@ -284,7 +285,7 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
                         const std::vector<bool>& nowhere) {
   const Nearness nearness = find_nearness(builder, usual_radius_m);
   const SortedPoses sorted = sort_poses(train);
-  if (uint64_t{query.size()} * sorted.known.size() > kMostPairs &&
+  if (uint64_t{query.size()} * sorted.known.size() > kMaxPairs &&
       is_everything_near(query, train, nearness))
     refuse_pairs(builder, nearness);
   uint64_t known = 0;
@@ -303,7 +304,7 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       builder.add(frame, sequence, reference, reference, PlaceLabel::same);
       ++same;
     }
-    if (same > kMostPairs) refuse_pairs(builder, nearness);
+    if (same > kMaxPairs) refuse_pairs(builder, nearness);
     for (const FrameSpan& span : sorted.unknown)
       builder.add(frame, sequence, span.first, span.last, PlaceLabel::ignore);
   }

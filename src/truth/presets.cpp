@@ -13,13 +13,13 @@
 namespace vpr {
 namespace {
 
-// Sources with links: docs/ground_truth.md.
+// docs/ground_truth.md has the sources with links.
 constexpr std::array<GroundTruthPreset, 4> kPresets = {{
     {"nordland-exact", 0, 1, "the frame itself"},
     {"nordland-vpr-bench", 1, 10,
-     "VPR-Bench, GSV-Cities, BoQ: one frame, every tenth frame a query"},
+     "VPR-Bench, GSV-Cities, BoQ: one frame, every tenth frame is a query"},
     {"nordland-patch-netvlad", 2, 1, "Patch-NetVLAD, SelaVPR: two frames"},
-    {"nordland-25m", 10, 1, "VPR-datasets-downloader: 25 m, which are ten frames"},
+    {"nordland-25m", 10, 1, "VPR-datasets-downloader: 25 m, which is ten frames"},
 }};
 
 constexpr std::string_view kAll = "-all";

@@ -1,4 +1,4 @@
-// Protocols under which the field reports results on known data sets.
+// Protocols of published results on known data sets.
 #pragma once
 
 #include <optional>
@@ -11,34 +11,33 @@
 
 namespace vpr {
 
-/// Frames of both sequences show the same places at the same time; what differs is how far off a
-/// match may be. Any --ground-truth takes its name.
+/// Both sequences show the same places at the same time; presets differ in the tolerance of a
+/// match. --ground-truth accepts the name.
 struct GroundTruthPreset {
   std::string_view name;
   int tolerance_frames;
-  /// The data set's query is every so manyth frame. It counts only for sequences of which that can
-  /// be true, query frames = training frames / step, rounded up; others are compared one to one.
+  /// The data set's query has every `reference_step`-th frame. Applies only to sequences with query
+  /// frames = training frames / step, rounded up; others are compared one to one.
   uint32_t reference_step;
-  std::string_view source;  ///< who reports so
+  std::string_view source;  ///< the publications that use it
 };
 
-/// All protocols, in the order in which help lists them.
+/// All presets, in the order of the help text.
 std::span<const GroundTruthPreset> ground_truth_presets();
 
-/// The protocol of a name; null if there is none.
+/// The preset with this name, or null.
 const GroundTruthPreset* find_preset(std::string_view name);
 
-/// The presets that `text` names: their names with commas, or DATASET-all for all of a data set
-/// ("nordland-all"). Throws Error(usage) naming the nearest.
+/// The presets in `text`: names separated by commas, or DATASET-all for all of a data set
+/// ("nordland-all"). Throws Error(usage) with the nearest name.
 std::vector<const GroundTruthPreset*> find_presets(const std::string& text);
 
-/// The ground truth that the preset stands for. `given` is what the user said: Error(usage) if it
-/// fixes something else than the preset.
+/// The ground truth of a preset. `given` is the user's argument: Error(usage) if it contradicts the
+/// preset.
 GroundTruthArgument preset_argument(const GroundTruthPreset& preset,
                                     const GroundTruthArgument& given,
                                     const GroundTruthScope& scope);
 
-/// `protocol` with the preset's name and source.
 std::string preset_protocol(const GroundTruthPreset& preset, const std::string& protocol);
 
 }  // namespace vpr

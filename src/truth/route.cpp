@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where a file has positions: in columns x and y, unless there are latitudes and longitudes.
+/// The columns of latitudes and longitudes; nullopt for a file with columns x and y.
 std::optional<GpsColumns> position_columns(const NamedRows& rows) {
   if (rows.has("x") && rows.has("y")) return std::nullopt;
   auto columns = find_gps_columns(rows.header());
@@ -29,7 +29,7 @@ std::optional<GpsColumns> position_columns(const NamedRows& rows) {
   return columns;
 }
 
-// Nothing where the row has no fix.
+// Nullopt if the row has no fix.
 std::optional<CsvPose> read_row(const NamedRows& rows, const std::optional<GpsColumns>& gps) {
   CsvPose row;
   if (gps) {
@@ -44,7 +44,7 @@ std::optional<CsvPose> read_row(const NamedRows& rows, const std::optional<GpsCo
   return row;
 }
 
-// The frame of the present row, as it counts in the range; nothing outside the range.
+// The frame of the current row relative to the range; nullopt outside the range.
 std::optional<size_t> read_frame(const NamedRows& rows, const FrameRange& range) {
   const auto frame = parse_frame(rows.text("frame"));
   if (!frame || !frame->in_range)
@@ -55,7 +55,7 @@ std::optional<size_t> read_frame(const NamedRows& rows, const FrameRange& range)
 void require_room(const NamedRows& rows, const PoseCsvRules& rules, const SequenceArgument& source,
                   size_t frame) {
   if (!rules.frames && frame >= rules.most_frames)
-    rows.fail("the frame is too large; give their number");
+    rows.fail("the frame is too large; pass the number of frames");
   if (!rules.frames || frame < *rules.frames) return;
   rows.fail(fmt::format("frame {} is out of range; there are {} frames{}", rows.text("frame"),
                         *rules.frames, source.range.is_all() ? range_hint(source.path) : ""));
@@ -66,20 +66,21 @@ void require_room(const NamedRows& rows, const PoseCsvRules& rules, const Sequen
 Routes read_routes(const std::vector<fs::path>& paths) {
   Routes found;
   std::optional<LocalPlane> plane;
-  fs::path metres;  // a file that has x and y
-  fs::path gps;     // a file that has latitudes
+  fs::path meters;  // a file with x and y
+  fs::path gps;     // a file with latitudes
   for (const fs::path& path : paths) {
     Route& route = found.routes.emplace_back();
     if (path.empty()) continue;
     for (const auto& row : read_pose_csv(path, {})) {
       route.emplace_back();
       if (!row) continue;
-      (row->is_on_earth ? gps : metres) = path;
-      if (!metres.empty() && !gps.empty())
-        throw Error(ErrorKind::data,
-                    fmt::format("{} has latitudes and longitudes, and {} x and y in metres: give "
-                                "both in one way",
-                                gps.string(), metres.string()));
+      (row->is_on_earth ? gps : meters) = path;
+      if (!meters.empty() && !gps.empty())
+        throw Error(
+            ErrorKind::data,
+            fmt::format("{} has latitudes and longitudes, but {} has x and y in meters; use "
+                        "one of them for both",
+                        gps.string(), meters.string()));
       std::array<double, 3> position = row->pose.position;
       if (row->is_on_earth) {
         if (!plane) plane.emplace(position);
@@ -116,8 +117,8 @@ std::vector<WallLine> read_walls(const fs::path& path) {
   return walls;
 }
 
-std::vector<double> read_travelled(const std::filesystem::path& path, size_t frames,
-                                   const Monitor& monitor, const std::optional<Replay>& replay) {
+std::vector<double> read_traveled(const std::filesystem::path& path, size_t frames,
+                                  const Monitor& monitor, const std::optional<Replay>& replay) {
   const std::vector<std::optional<CsvPose>> poses =
       replay ? replayed(read_pose_csv(path, {replay->recorded_frames}), *replay)
              : read_pose_csv(path, {frames});
@@ -125,27 +126,27 @@ std::vector<double> read_travelled(const std::filesystem::path& path, size_t fra
   const auto missing = std::find_if_not(poses.begin(), poses.end(), known);
   if (missing != poses.end()) {
     warn(monitor,
-         fmt::format("{}: has no pose of {} of {} (the first is frame {}), so "
-                     "nothing is given in metres",
+         fmt::format("{}: has no pose for {} of {} (the first is frame {}), so "
+                     "there are no distances in meters",
                      path.string(),
                      frames - static_cast<size_t>(std::count_if(poses.begin(), poses.end(), known)),
                      counted(frames, "frame"), missing - poses.begin()));
     return {};
   }
-  std::vector<double> travelled_m;
+  std::vector<double> traveled_m;
   for (size_t frame = 0; frame < frames; ++frame) {
     double square = 0;
     for (size_t k = 0; frame > 0 && k < 3; ++k) {
       const double step = poses[frame]->pose.position[k] - poses[frame - 1]->pose.position[k];
       square += step * step;
     }
-    // Rounded correctly everywhere, which hypot is not.
-    travelled_m.push_back(frame == 0 ? 0 : travelled_m.back() + std::sqrt(square));
+    // Correctly rounded on every machine, unlike hypot.
+    traveled_m.push_back(frame == 0 ? 0 : traveled_m.back() + std::sqrt(square));
   }
-  if (!travelled_m.empty() && !std::isfinite(travelled_m.back()))
+  if (!traveled_m.empty() && !std::isfinite(traveled_m.back()))
     throw Error(ErrorKind::data,
-                fmt::format("{}: its positions are too far apart for metres", path.string()));
-  return travelled_m;
+                fmt::format("{}: its positions are too far apart for meters", path.string()));
+  return traveled_m;
 }
 
 std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& path,
@@ -155,7 +156,7 @@ std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& p
   const auto gps = position_columns(rows);
   const auto in_range = frame_count(source.range);
   if (in_range && rules.frames && *in_range != *rules.frames)
-    rows.fail(fmt::format("its range has {}, and the sequence has {}", counted(*in_range, "frame"),
+    rows.fail(fmt::format("its range has {}, but the sequence has {}", counted(*in_range, "frame"),
                           *rules.frames));
   std::vector<std::optional<CsvPose>> poses(rules.frames.value_or(0));
   for (size_t row = 0; row < rows.size(); ++row) {
@@ -164,7 +165,7 @@ std::vector<std::optional<CsvPose>> read_pose_csv(const std::filesystem::path& p
     if (!frame) continue;
     require_room(rows, rules, source, *frame);
     if (*frame >= poses.size()) poses.resize(*frame + 1);
-    if (poses[*frame]) rows.fail(fmt::format("frame {} is given twice", rows.text("frame")));
+    if (poses[*frame]) rows.fail(fmt::format("frame {} is listed twice", rows.text("frame")));
     poses[*frame] = read_row(rows, gps);
   }
   return poses;

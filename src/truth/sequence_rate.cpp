@@ -26,7 +26,7 @@ std::string text_of(const SequenceArgument& argument) {
   return argument.path.string() + range_text(argument.range);
 }
 
-// Of frames that are not videos'.
+// For sequences other than videos.
 size_t count_frames(const Sequence& sequence) {
   if (!sequence.is_one_array()) return sequence.files.size();
   SequenceArgument argument = sequence.argument;
@@ -34,7 +34,7 @@ size_t count_frames(const Sequence& sequence) {
   return frame_count(argument.range).value_or(0);
 }
 
-// When the frames of a sequence were taken; nothing where nothing says it.
+// The times of the frames of a sequence, or nullopt if unknown.
 std::optional<std::vector<int64_t>> find_times(const SequenceArgument& argument,
                                                const RateSource& source, const Monitor& monitor) {
   if (!source.times.empty()) return read_frame_times(source.times, monitor);
@@ -47,7 +47,7 @@ std::optional<std::vector<int64_t>> find_times(const SequenceArgument& argument,
                     *source.recorded_fps / static_cast<double>(argument.range.step));
 }
 
-// Without a look at every frame: of videos, what they state.
+// Does not inspect every frame: for videos, returns the stated rate.
 std::optional<double> stated_rate(const SequenceArgument& argument, const RateSource& source,
                                   const Monitor& monitor) {
   const Sequence sequence = open_sequence(argument);
@@ -61,7 +61,7 @@ std::optional<double> stated_rate(const SequenceArgument& argument, const RateSo
     return times ? median_fps(*times) : std::nullopt;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::data) throw;
-    return std::nullopt;  // names that were no times after all
+    return std::nullopt;  // names that are not times after all
   }
 }
 
@@ -70,11 +70,11 @@ void check_count(const SequenceArgument& argument, const RateSource& source, siz
   if (source.times.empty() || sequence.kind == SequenceKind::video) return;
   if (const size_t frames = count_frames(sequence); frames != times)
     throw Error(ErrorKind::data,
-                fmt::format("{}: has {}, and {} has {}", source.times.string(),
+                fmt::format("{}: has {}, but {} has {}", source.times.string(),
                             counted(times, "time"), text_of(argument), counted(frames, "frame")));
 }
 
-/// When frames were taken, one after the other.
+/// The times of successive frames.
 class FrameClock {
  public:
   explicit FrameClock(std::optional<double> recorded_fps) : recorded_fps_(recorded_fps) {}
@@ -91,10 +91,9 @@ class FrameClock {
  private:
   int64_t even_time(const LiveFrame& frame) const {
     if (!recorded_fps_)
-      throw Error(ErrorKind::usage,
-                  fmt::format("{}: nothing says when it was taken, which --fps needs: give "
-                              "--recorded-fps, or images that are named by their times",
-                              frame.file.string()));
+      throw Error(ErrorKind::usage, fmt::format("{}: its time is unknown, which --fps needs. Use "
+                                                "--recorded-fps, or images with times as names",
+                                                frame.file.string()));
     return std::llround(static_cast<double>(frames_) * 1e9 / *recorded_fps_);
   }
 
@@ -123,7 +122,7 @@ class ThinnedSource : public LiveSource {
   std::unique_ptr<LiveSource> source_;
   Thinner thinner_;
   FrameClock clock_;
-  std::optional<LiveFrame> held_;  ///< the last that came
+  std::optional<LiveFrame> held_;  ///< the last frame that arrived
 };
 
 }  // namespace
@@ -155,21 +154,22 @@ SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
   const auto times = find_times(argument, source, monitor);
   if (!times)
     throw Error(ErrorKind::usage,
-                fmt::format("{}: nothing says when its frames were taken, which --fps needs: give "
-                            "--recorded-fps, a video, images that are named by their times, or a "
+                fmt::format("{}: the times of its frames are unknown, which --fps needs. Use "
+                            "--recorded-fps, a video, images with times as names, or a "
                             "data set with \"fps\"",
                             text_of(argument)));
   check_count(argument, source, times->size());
   const std::optional<double> own = median_fps(*times);
   if (own && *fps > kClearlyAbove * *own)
-    warn(monitor, fmt::format("{}: has {:.3g} frames a second; --fps {} can't add any, and keeps "
-                              "each once",
-                              text_of(argument), *own, *fps));
+    warn(monitor,
+         fmt::format("{}: has {:.3g} frames per second; --fps {} cannot add frames, and keeps "
+                     "each frame once",
+                     text_of(argument), *own, *fps));
   Replay kept = thinned(*times, *fps);
   if (times->size() > kMostThinned * kept.frames())
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: --fps {} keeps {} of its {}; give a larger one", text_of(argument),
-                            *fps, kept.frames(), counted(times->size(), "frame")));
+    throw Error(ErrorKind::usage, fmt::format("{}: --fps {} keeps {} of its {}; use a larger value",
+                                              text_of(argument), *fps, kept.frames(),
+                                              counted(times->size(), "frame")));
   if (kept.frames() < times->size())
     argument.kept = std::make_shared<const Replay>(std::move(kept));
   argument.fps = own ? std::optional(std::min(*own, *fps)) : std::nullopt;

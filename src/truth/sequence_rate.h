@@ -1,4 +1,4 @@
-// The rate of a sequence, and the frames that another rate keeps, of a recording or as they arrive.
+// The frame rate of a sequence, and the selection of frames for a lower rate, recorded or live.
 #pragma once
 
 #include <cstdint>
@@ -13,32 +13,32 @@
 
 namespace vpr {
 
-/// What says when the frames of a sequence were taken, beside itself.
+/// Sources of the times of frames other than the sequence itself.
 struct RateSource {
-  std::filesystem::path times = {};         ///< as read_frame_times takes them; empty: none
-  std::optional<double> recorded_fps = {};  ///< of a sequence that doesn't say it itself
+  std::filesystem::path times = {};         ///< a file for read_frame_times; empty: none
+  std::optional<double> recorded_fps = {};  ///< used if neither times nor sequence state it
 };
 
-/// The argument with its rate, where something tells it: the times of `source`, else those that its
-/// files are named by, or a video, else `recorded_fps`, which counts the frames of the whole
-/// recording. Names are times if they are numbers with a decimal point, or of at least ten digits.
-/// With `fps`, a rate that check_fps takes, only the frames that Thinner keeps; one that is above
-/// the sequence's own is warned of. Throws Error(usage) for an `fps` where nothing tells the times,
-/// Error(data) for times that do not rise, or are of another number of frames.
+/// Returns the argument with its rate, if known: from the times of `source`, from times as file
+/// names, from a video, or from `recorded_fps`, which refers to all frames of the recording. Names
+/// are times if they are numbers with a decimal point or at least ten digits. With `fps`, which
+/// must pass check_fps, selects only the frames that Thinner keeps; warns if it is above the rate
+/// of the sequence. Throws Error(usage) for `fps` without known times; Error(data) if times do not
+/// increase or their number differs from the number of frames.
 SequenceArgument with_rate(SequenceArgument argument, const RateSource& source,
                            std::optional<double> fps, const Monitor& monitor);
 
-/// Whether the name of an image, without its extension, says when it was taken.
+/// Whether the name of an image, without its extension, is a time.
 bool is_named_by_time(const std::filesystem::path& file);
 
-/// The times of frames that are taken at an even rate, in nanoseconds.
+/// The times of frames at a constant rate, in nanoseconds.
 std::vector<int64_t> even_times(size_t frames, double fps);
 
-/// The frames of `source` that Thinner keeps at `fps`, a rate that check_fps takes. When a frame
-/// was taken, the name of its image says (is_named_by_time, in the unit of the first); of other
-/// names, they come evenly, `recorded_fps` a second. Each frame is given when the next one is
-/// there. Throws Error(usage) for the first frame if neither says it, Error(data) for times that do
-/// not rise.
+/// The frames of `source` that Thinner keeps at `fps`, which must pass check_fps. The time of a
+/// frame is the name of its image (is_named_by_time, in the unit of the first one); for other
+/// names, frames have the constant rate `recorded_fps`. Each frame is returned when the next one
+/// has arrived. Throws Error(usage) for the first frame if neither is known; Error(data) for times
+/// that do not increase.
 std::unique_ptr<LiveSource> open_thinned_source(std::unique_ptr<LiveSource> source, double fps,
                                                 std::optional<double> recorded_fps);
 

@@ -13,10 +13,10 @@
 
 namespace vpr {
 
-/// A file and a line or row of it, for errors.
+/// A file with a line or row, for errors.
 struct FileLocation {
   std::string file;
-  std::string_view unit = {};  ///< "line" or "row"; empty: the file as a whole
+  std::string_view unit = {};  ///< "line" or "row"; empty: the whole file
   size_t number = 0;
 
   void at(std::string_view new_unit, size_t new_number) {
@@ -29,48 +29,48 @@ struct FileLocation {
   [[noreturn]] void fail(std::string_view what) const;
 };
 
-/// The frame that `text` names: digits, maybe after a minus. Nothing if it is no whole number.
+/// A frame number: digits, optionally after a minus sign. Nullopt if `text` is not an integer.
 struct FrameText {
   bool in_range = false;  ///< neither negative nor too large for 64 bits
   size_t value = 0;
 };
 std::optional<FrameText> parse_frame(std::string_view text);
 
-/// A finite number with a decimal point, for every locale; a leading + is allowed. Nothing
+/// Parses a finite number with a decimal point in any locale; a leading + is allowed. Nullopt
 /// otherwise.
 std::optional<double> parse_real(std::string_view text);
 
-/// The cells of a line, divided by commas, blanks around them left out, or by blanks where the line
-/// has no comma.
+/// The cells of a line, separated by commas and without surrounding blanks, or separated by blanks
+/// if the line has no comma.
 std::vector<std::string_view> cells_of(std::string_view line);
 
-/// The names of the columns of a CSV by its first line, without quotes.
+/// The column names in the first line of a CSV, without quotes.
 std::vector<std::string> header_names(std::string_view line);
 
-/// Columns may stand in any order; those that nobody asks for are not looked at.
+/// The rows of a CSV with access by column name; columns may have any order, and unused ones are
+/// ignored.
 class NamedRows {
  public:
-  /// `name`: the file in errors. Throws Error(input) if the file can't be read, Error(data) if it
-  /// is no CSV or its header lacks one of the columns in `needed`.
+  /// `name`: the file in errors. Throws Error(input) if the file cannot be read, Error(data) if it
+  /// is not a CSV or its header lacks a column in `needed`.
   NamedRows(const std::filesystem::path& path, const std::string& name,
             const std::vector<std::string>& needed);
 
-  /// Rows below the header.
+  /// The number of rows after the header.
   size_t size() const { return rows_.size() - 1; }
-  /// Makes `row` the present one. Throws Error(data) if it has not as many fields as the header.
+  /// Makes `row` the current row. Throws Error(data) if its number of fields differs from the
+  /// header.
   void go_to(size_t row);
   bool has(std::string_view column) const;
-  /// The names of the columns.
   const std::vector<std::string>& header() const { return rows_[0].fields; }
-  /// The present row.
   const FileLocation& location() const { return location_; }
-  /// Where the present row starts in the file, counted from 1.
+  /// The line in the file at which the current row starts, counted from 1.
   size_t line() const { return row_->line; }
-  /// A field of the present row; empty without such a column.
+  /// A field of the current row; empty if there is no such column.
   const std::string& text(std::string_view column) const;
-  /// A finite number. Throws Error(data), naming the line, for anything else.
+  /// A finite number. Throws Error(data), with the line, for other text.
   double real(std::string_view column) const;
-  /// Throws Error(data), naming the present line.
+  /// Throws Error(data) with the current line.
   [[noreturn]] void fail(std::string_view what) const { location_.fail(what); }
 
  private:

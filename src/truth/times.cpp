@@ -16,7 +16,7 @@
 namespace vpr {
 namespace {
 
-constexpr int64_t kMostTime = int64_t{1} << 62;
+constexpr int64_t kMaxTime = int64_t{1} << 62;
 
 int64_t nanoseconds_in(TimeUnit unit) {
   switch (unit) {
@@ -32,7 +32,7 @@ int64_t nanoseconds_in(TimeUnit unit) {
   return kSecond;
 }
 
-// Digits as a number; nothing at all is 0. Nothing if they are too many.
+// Digits as an integer; 0 if empty. Nullopt if there are too many.
 std::optional<int64_t> whole_number(std::string_view digits) {
   int64_t value = 0;
   if (digits.empty()) return value;
@@ -43,25 +43,25 @@ std::optional<int64_t> whole_number(std::string_view digits) {
 
 std::optional<int64_t> rounded_time(double value, int64_t scale) {
   const double nanoseconds = value * static_cast<double>(scale);
-  if (!(std::abs(nanoseconds) <= static_cast<double>(kMostTime))) return std::nullopt;
+  if (!(std::abs(nanoseconds) <= static_cast<double>(kMaxTime))) return std::nullopt;
   return std::llround(nanoseconds);
 }
 
-/// The text that a parser has not read yet.
+/// The remaining text of a parser.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : rest_(text) {}
 
   bool at_end() const { return rest_.empty(); }
-  /// The next character if it is one of `wanted`, else 0.
+  /// Consumes and returns the next character if it is one of `wanted`; otherwise returns 0.
   char take(std::string_view wanted) {
     if (rest_.empty() || wanted.find(rest_.front()) == std::string_view::npos) return 0;
     const char found = rest_.front();
     rest_.remove_prefix(1);
     return found;
   }
-  /// A number of `digits` digits, at least `least` and at most `most`, after `before` if it is not
-  /// 0.
+  /// Parses a number of `digits` digits from `least` to `most`, after the character `before` unless
+  /// that is 0.
   std::optional<int> number(char before, size_t digits, int least, int most) {
     if (before != 0 && take({&before, 1}) == 0) return std::nullopt;
     int value = 0;
@@ -77,7 +77,7 @@ class Scanner {
   std::string_view rest_;
 };
 
-// Nanoseconds after a point; 0 without one. Nothing if no digit follows it.
+// Nanoseconds after a decimal point; 0 without one. Nullopt if no digit follows it.
 std::optional<int64_t> scan_fraction(Scanner& scanner) {
   if (scanner.take(".,") == 0) return 0;
   int64_t fraction = 0;
@@ -100,10 +100,10 @@ std::optional<int64_t> scan_zone(Scanner& scanner) {
   return (sign == '+' ? 1 : -1) * (*hours * 3600 + *minutes * 60);
 }
 
-/// In which a video has a byte that no text has.
+/// Every video has a byte within this range that does not occur in text.
 constexpr size_t kStartBytes = 65536;
 
-/// The column of times by a header's names; 0 where none is called so.
+/// The index of the time column in the header; 0 if there is none.
 size_t time_column(const std::vector<std::string_view>& header) {
   for (const std::string_view name : {"time", "timestamp", "time_s", "timestamp_ns"})
     for (size_t i = 0; i < header.size(); ++i)
@@ -137,7 +137,7 @@ std::optional<int64_t> parse_time(std::string_view text, TimeUnit unit) {
   if (is_negative || text.starts_with('+')) text.remove_prefix(1);
   const size_t point = std::min(text.find('.'), text.size());
   const auto whole = whole_number(text.substr(0, point));
-  if (!whole || *whole > kMostTime / scale) return std::nullopt;
+  if (!whole || *whole > kMaxTime / scale) return std::nullopt;
   int64_t nanoseconds = *whole * scale;
   int64_t digit = scale;
   for (size_t i = point + 1; i < text.size() && digit > 1; ++i) {
@@ -190,15 +190,16 @@ std::optional<int64_t> parse_calendar_time(std::string_view text) {
 
 int64_t read_time(const FileLocation& location, std::string_view text, TimeUnit unit) {
   const auto time = parse_time(text, unit);
-  if (!time) location.fail(fmt::format("\"{}\" is no time", text));
+  if (!time) location.fail(fmt::format("\"{}\" is not a valid time", text));
   return *time;
 }
 
 void refuse_time_order(const FileLocation& location, int64_t before, int64_t time) {
   location.fail(fmt::format(
-      "its time {} {}; times must rise", time_text(time),
-      time == before ? "is that of the frame before"
-                     : fmt::format("is before that of the frame before, {}", time_text(before))));
+      "its time {} {}; times must increase", time_text(time),
+      time == before
+          ? "equals the time of the previous frame"
+          : fmt::format("is before the time of the previous frame, {}", time_text(before))));
 }
 
 std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
@@ -223,7 +224,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
     }
     if (column >= cells.size()) location.fail("has no time");
     if (!unit) unit = unit_of_time(cells[column]);
-    if (!unit) location.fail(fmt::format("\"{}\" is no time", cells[column]));
+    if (!unit) location.fail(fmt::format("\"{}\" is not a valid time", cells[column]));
     const int64_t time = read_time(location, cells[column], *unit);
     if (before && time <= *before) refuse_time_order(location, *before, time);
     before = time;

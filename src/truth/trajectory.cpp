@@ -21,14 +21,13 @@
 namespace vpr {
 namespace {
 
-/// How far products of a matrix's rows may be from those of a rotation: files with three digits
-/// have 0.002.
+/// Tolerance for the products of a matrix's rows: files with three digits have errors of 0.002.
 constexpr double kRotationError = 0.01;
 
 // A quaternion x, y, z, w as a matrix.
 std::array<double, 9> rotation_of(const FileLocation& location, std::array<double, 4> q) {
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(norm > 1e-6) || !std::isfinite(norm)) location.fail("its quaternion is no rotation");
+  if (!(norm > 1e-6) || !std::isfinite(norm)) location.fail("its quaternion is not a rotation");
   const double x = q[0] / norm;
   const double y = q[1] / norm;
   const double z = q[2] / norm;
@@ -46,7 +45,7 @@ Pose euroc_pose(const FileLocation& location, std::span<const double> v) {
   return {{v[1], v[2], v[3]}, {}, rotation_of(location, {v[5], v[6], v[7], v[4]})};
 }
 
-// Whether the rows are at right angles, of length 1 and right-handed, but for rounding.
+// Whether the rows are orthonormal and right-handed, up to rounding.
 bool is_rotation(const std::array<double, 9>& m) {
   const auto dot = [&](size_t a, size_t b) {
     return m[3 * a] * m[3 * b] + m[3 * a + 1] * m[3 * b + 1] + m[3 * a + 2] * m[3 * b + 2];
@@ -63,18 +62,18 @@ Pose kitti_pose(const FileLocation& location, std::span<const double> v) {
   Pose pose;
   pose.position = {v[3], v[7], v[11]};
   pose.orientation = {v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10]};
-  if (!is_rotation(*pose.orientation)) location.fail("its matrix is no rotation");
+  if (!is_rotation(*pose.orientation)) location.fail("its matrix is not a rotation");
   return pose;
 }
 
-/// Of a CSV, which may name any frame.
-constexpr size_t kMostFrames = 1'000'000;
+/// Limit for a CSV, which may name any frame.
+constexpr size_t kMaxFrames = 1'000'000;
 
-/// How one kind of file writes a pose.
+/// The layout of a pose in one kind of file.
 struct LineLayout {
   size_t columns = 0;
   bool may_have_more = false;
-  std::optional<TimeUnit> unit = {};  ///< of the first column; none: the file's own
+  std::optional<TimeUnit> unit = {};  ///< of the first column; unset: determined by the file
   bool has_times = true;
   Pose (*pose)(const FileLocation& location, std::span<const double> values) = nullptr;
 };
@@ -126,7 +125,7 @@ Trajectory read_lines(const std::filesystem::path& path, const LineLayout& layou
 Trajectory read_csv_trajectory(const std::filesystem::path& path, std::optional<size_t> frames) {
   Trajectory found;
   found.name = path.string();
-  for (const auto& row : read_pose_csv(path, {frames, kMostFrames})) {
+  for (const auto& row : read_pose_csv(path, {frames, kMaxFrames})) {
     found.poses.push_back(row ? std::optional(row->pose) : std::nullopt);
     if (row) found.is_on_earth = row->is_on_earth;
   }
@@ -164,7 +163,7 @@ void add_times(Trajectory& trajectory, const std::filesystem::path& times) {
   trajectory.times_ns = read_time_list(times);
   if (trajectory.times_ns.size() != trajectory.poses.size())
     throw Error(ErrorKind::data,
-                fmt::format("{}: has {}, and {} has {}", times.string(),
+                fmt::format("{}: has {}, but {} has {}", times.string(),
                             counted(trajectory.times_ns.size(), "time"), trajectory.name,
                             counted(trajectory.poses.size(), "pose")));
 }
@@ -180,8 +179,9 @@ Trajectory read_any_trajectory(const std::filesystem::path& path) {
   if (is_gps(start)) return read_fixes(path);
   refuse_unconverted(start.path, start.bytes);
   throw Error(ErrorKind::usage,
-              fmt::format("{}: is no trajectory; expected a line a pose, as TUM (8 numbers), KITTI "
-                          "(12 numbers) or EuRoC (time in ns and more, with commas) write it, "
+              fmt::format("{}: is not a trajectory; expected one pose per line in the format of "
+                          "TUM (8 numbers), KITTI "
+                          "(12 numbers) or EuRoC (time in ns and more, with commas), "
                           "a CSV frame,x,y, or a CSV with lat and lon",
                           path.string()));
 }
@@ -192,8 +192,8 @@ Trajectory read_trajectory(const std::filesystem::path& path, const std::filesys
   require_rising_times(found);
   if (times.empty()) return found;
   if (!found.times_ns.empty())
-    throw Error(ErrorKind::usage, fmt::format("{}: has times of its own; leave out {}",
-                                              path.string(), times.string()));
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: has its own times; remove {}", path.string(), times.string()));
   add_times(found, times);
   return found;
 }

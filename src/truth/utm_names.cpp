@@ -14,11 +14,11 @@
 namespace vpr {
 namespace {
 
-// Metres, as the deep visual geo-localization benchmark counts, whose names these are.
+// In meters; the radius of the deep visual geo-localization benchmark, which uses these names.
 constexpr double kUsualRadius = 25;
-constexpr double kMostZones = 60;
+constexpr double kMaxZones = 60;
 
-// Places of the fields between the @ signs; what stands before the first is field 0.
+// Indices of the fields between the @ signs; field 0 is before the first one.
 enum Field : size_t { kEast = 1, kNorth = 2, kZone = 3, kHeading = 9 };
 
 struct UtmSide {
@@ -26,29 +26,30 @@ struct UtmSide {
   std::string zone;
 };
 
-// Whoever names images so need not put a zone there.
+// Other programs that write such names may put something else there.
 bool is_zone(std::string_view field) {
   const auto number = parse_real(field);
-  return number && field.size() <= 2 && *number >= 1 && *number <= kMostZones;
+  return number && field.size() <= 2 && *number >= 1 && *number <= kMaxZones;
 }
 
 UtmSide read_side(GroundTruthBuilder& builder, const std::filesystem::path& path) {
   builder.at_file(path);
   const Sequence sequence = open_sequence(parse_sequence_argument(path.string()));
   if (sequence.kind != SequenceKind::images)
-    builder.fail("is no folder or list of images called @east@north@...");
+    builder.fail("is not a folder or list of images named @east@north@...");
   UtmSide side;
   for (const auto& file : sequence.files) {
     const auto name = parse_utm_name(file.filename().string());
     if (!name)
       builder.fail(
-          fmt::format("{} is not called @east@north@...; scripts/convert/exif.py lists the "
+          fmt::format("{} is not named @east@north@...; scripts/convert/exif.py lists the "
                       "GPS positions of JPEG images",
                       file.filename().string()));
     if (side.zone.empty()) side.zone = name->zone;
     if (!name->zone.empty() && name->zone != side.zone)
-      builder.fail(fmt::format("{} lies in UTM zone {}, others in {}: their distances mean nothing",
-                               file.filename().string(), name->zone, side.zone));
+      builder.fail(
+          fmt::format("{} lies in UTM zone {}, others in {}: their distances are meaningless",
+                      file.filename().string(), name->zone, side.zone));
     side.poses.emplace_back(name->pose);
   }
   return side;
@@ -59,7 +60,7 @@ UtmSide read_side(GroundTruthBuilder& builder, const std::filesystem::path& path
 std::optional<UtmName> parse_utm_name(std::string_view file_name) {
   const auto dot = file_name.rfind('.');
   const auto last_at = file_name.rfind('@');
-  // "@1.5@2.5.jpg": the last dot ends the name, but "@1.5@2.5@" has no extension.
+  // "@1.5@2.5.jpg": the last dot starts the extension, but "@1.5@2.5@" has no extension.
   const bool has_extension =
       dot != std::string_view::npos && last_at != std::string_view::npos && dot > last_at;
   const auto fields = split(has_extension ? file_name.substr(0, dot) : file_name, '@');
@@ -79,7 +80,7 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
   const size_t sequence = builder.only_searched(argument.path.string());
   if (argument.options.reference.empty())
     throw Error(ErrorKind::usage,
-                fmt::format("{}: has the places of the query; give the images of the training "
+                fmt::format("{}: has the positions of the query; pass the images of the training "
                             "sequence, as in --ground-truth-reference FOLDER",
                             argument.path.string()));
   const UtmSide query = read_side(builder, argument.path);
@@ -88,7 +89,7 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
   builder.require_train_frames(sequence, train.poses.size());
   if (!query.zone.empty() && !train.zone.empty() && query.zone != train.zone)
     builder.fail(
-        fmt::format("lies in UTM zone {}, and the query in {}: their distances mean "
+        fmt::format("lies in UTM zone {}, but the query in {}: their distances are "
                     "nothing",
                     train.zone, query.zone));
   return fmt::format("UTM coordinates in file names: {}{}",

@@ -7,7 +7,7 @@
 using namespace vpr;
 using namespace vpr::test;
 
-TEST_CASE("fields may be quoted, rows may end in CR LF, empty lines are left out") {
+TEST_CASE("fields may be quoted, rows may end in CR LF, empty lines are skipped") {
   const auto rows = parse_csv(
       "\xef\xbb\xbf"
       "a,b\r\n\r\n\"x,\"\"y\"\"\",2\n\n3,",
@@ -21,12 +21,12 @@ TEST_CASE("fields may be quoted, rows may end in CR LF, empty lines are left out
   CHECK(parse_csv("", "t").empty());
 }
 
-TEST_CASE("quotes that do not end, or stand inside a field, are damage") {
+TEST_CASE("an unterminated quote, or one inside a field, is an error") {
   const std::string text = GENERATE("a,\"b", "a\"b,c", "\"a\"b");
   CHECK(error_kind([&] { parse_csv(text, "t"); }) == ErrorKind::data);
 }
 
-TEST_CASE("what is written is read back") {
+TEST_CASE("a CSV field can be read back after writing") {
   for (const std::string text : {"plain", "a,b", "say \"hi\"", "two\nlines", ""})
     CHECK(parse_csv("x," + csv_field(text), "t")[0].fields[1] == text);
 }

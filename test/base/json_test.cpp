@@ -50,7 +50,7 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<Fruit> = {"apple", "
 using namespace vpr;
 using namespace vpr::test;
 
-TEST_CASE("settings survive a trip through JSON") {
+TEST_CASE("settings survive conversion to JSON and back") {
   Outer outer;
   outer.limit = 0.25;
   outer.fruit = Fruit::pear;
@@ -62,21 +62,21 @@ TEST_CASE("settings survive a trip through JSON") {
   CHECK(value_to_json(Outer{})["limit"] == "auto");
 }
 
-TEST_CASE("keys that are absent keep their value") {
+TEST_CASE("missing keys leave their fields unchanged") {
   Outer outer;
   outer.count = 9;
   value_from_json(Json::parse(R"({"inner": {}})"), outer, "test", "outer");
   CHECK(outer.count == 9);
 }
 
-TEST_CASE("an unknown key is refused with the nearest known one") {
+TEST_CASE("an unknown key is refused, and the nearest known one is suggested") {
   Outer outer;
   const auto text = error_text(
       [&] { value_from_json(Json::parse(R"({"raito": 1})"), outer, "a.json", "outer"); });
   CHECK(text == "a.json: unknown key \"raito\"; did you mean \"ratio\"?");
 }
 
-TEST_CASE("values of another type or range are refused") {
+TEST_CASE("values of the wrong type or out of range are refused") {
   const std::string bad =
       GENERATE(R"({"ratio": "x"})", R"({"count": -1})", R"({"count": 1.5})", R"({"on": 1})",
                R"({"name": 3})", R"({"fruit": "plum"})", R"({"inner": 3})", R"({"limit": true})",
@@ -94,7 +94,7 @@ TEST_CASE("the edit distance counts inserts, deletes, replacements and swaps") {
   CHECK(edit_distance("kitten", "sitting") == 3);
 }
 
-TEST_CASE("schemas of another kind or version are told apart") {
+TEST_CASE("errors distinguish schemas of another kind and of another version") {
   const auto text = [](const char* schema) {
     return error_text([&] {
       require_schema(Json{{"schema", schema}}, "result", "r.json", ErrorKind::data);
@@ -103,8 +103,8 @@ TEST_CASE("schemas of another kind or version are told apart") {
   CHECK(text("vpr.result/1").empty());
   for (const char* other : {"vpr.result/0", "vpr.result/2"})
     CHECK(text(other) ==
-          fmt::format("r.json: has schema {}, made by another version of the program "
-                      "(this one reads vpr.result/1). Run the command that made it "
+          fmt::format("r.json: has schema {}, written by another version of the program "
+                      "(this one reads vpr.result/1). Run the command that wrote it "
                       "again",
                       other));
   CHECK(text("vpr.report/1") == "r.json: expected schema vpr.result/1, found vpr.report/1");
@@ -112,11 +112,11 @@ TEST_CASE("schemas of another kind or version are told apart") {
         ErrorKind::data);
 }
 
-TEST_CASE("text that is not UTF-8 is written all the same") {
+TEST_CASE("text with invalid UTF-8 can still be written") {
   CHECK(to_text(Json{{"name", "a\xff"}}) == "{\n  \"name\": \"a\xef\xbf\xbd\"\n}\n");
 }
 
-TEST_CASE("text that is nested too deep is no JSON of ours") {
+TEST_CASE("JSON with excessive nesting is refused") {
   CHECK(parse_json("[[1]]").has_value());
   CHECK(parse_json(std::string(60, '[') + std::string(60, ']')).has_value());
   CHECK_FALSE(parse_json(std::string(300'000, '[') + std::string(300'000, ']')).has_value());

@@ -19,7 +19,7 @@ std::filesystem::path write_example(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("an npy header is NumPy's, padded to 64 bytes") {
+TEST_CASE("an npy header equals NumPy's, padded to 64 bytes") {
   const std::string header = npy_header("<i4", {2, 3});
   CHECK(header.size() % 64 == 0);
   CHECK(header.substr(0, 10) == std::string("\x93NUMPY\x01\x00\x76\x00", 10));
@@ -28,7 +28,7 @@ TEST_CASE("an npy header is NumPy's, padded to 64 bytes") {
   CHECK(has(npy_header("|u1", {7}), "'shape': (7,), }"));
 }
 
-TEST_CASE("an array that was written is read back") {
+TEST_CASE("an array can be read back after writing") {
   const TemporaryFolder folder;
   const NpyArray array(write_example(folder));
   CHECK(array.shape() == std::vector<size_t>{2, 3});
@@ -39,7 +39,7 @@ TEST_CASE("an array that was written is read back") {
   CHECK(error_kind([&] { array.values<int32_t>(1); }) == ErrorKind::data);
 }
 
-TEST_CASE("an empty array is read back") {
+TEST_CASE("an empty array can be read back") {
   const TemporaryFolder folder;
   Output file(folder / "e.npy", Existing::refuse);
   write_npy<int32_t>(file, {}, {0, 4});
@@ -58,7 +58,7 @@ TEST_CASE("every truncation of an array is refused") {
   CHECK(error_kind([&] { NpyArray(folder / "cut.npy"); }) == ErrorKind::data);
 }
 
-TEST_CASE("headers that lie are refused") {
+TEST_CASE("invalid headers are refused") {
   const TemporaryFolder folder;
   const std::string shape =
       GENERATE("(9999999999999999999, 3)", "(4611686018427387904, 4)", "(-1, 3)", "(2, 3", "(a,)",

@@ -1,5 +1,5 @@
-// The order in which outputs reach the disk, and what is there if any step fails. The system calls
-// that matter are those below, as long as a test asks for it.
+// The order in which outputs reach the disk, and the files that remain if any step fails. The
+// functions below replace the system calls while a test requests it.
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -15,11 +15,11 @@
 
 namespace {
 
-/// Notes calls, and makes the one of a number fail.
+/// Records calls, and makes one of them fail.
 struct Calls {
   bool is_on = false;
-  int failing = -1;                ///< counted from 0; below: none
-  bool has_plain_renames = false;  ///< without flags, as on many network file systems
+  int failing = -1;                ///< index of the failing call, from 0; negative: none
+  bool has_plain_renames = false;  ///< renames without flags, as on many network file systems
   std::vector<std::string> names = {};
 
   bool fails(const std::string& name) {
@@ -65,7 +65,7 @@ using Names = std::vector<std::string>;
 
 bool is_any(const std::filesystem::path&) { return true; }
 
-// Two files and a folder over old ones, and a file that was not there.
+// Writes two files and a folder over old ones, and a new file.
 void write_outputs(const TemporaryFolder& folder, int failing, bool has_plain_renames = false) {
   Outputs outputs(Existing::replace);
   outputs.file(folder / "main").write("new");
@@ -101,7 +101,7 @@ TEST_CASE("everything is flushed before the first rename, and the folder after t
   CHECK(list_folder(folder.path()) == Names{"companion", "db", "fresh", "main"});
 }
 
-TEST_CASE("whichever step fails, each output is whole, and the error says which are new") {
+TEST_CASE("if any step fails, each output is complete, and the error lists the new ones") {
   const bool has_plain_renames = GENERATE(false, true);
   int failing = 0;
   for (bool has_failed = true; has_failed; ++failing) {

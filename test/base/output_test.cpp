@@ -28,7 +28,7 @@ void write_file(const fs::path& path, const std::string& text, Existing existing
   file.commit();
 }
 
-// Runs `work` in a process of its own; it kills itself.
+// Runs `work` in a separate process, which kills itself.
 template <class Work>
 void run_and_kill(Work&& work) {
   const pid_t child = ::fork();
@@ -44,7 +44,7 @@ void run_and_kill(Work&& work) {
 
 }  // namespace
 
-TEST_CASE("outputs of a run appear together, the main one last in its place") {
+TEST_CASE("all outputs of a run appear at once, the main one last") {
   const TemporaryFolder folder;
   Outputs outputs(Existing::refuse);
   outputs.claim_file(folder / "main.json");
@@ -61,7 +61,7 @@ TEST_CASE("outputs of a run appear together, the main one last in its place") {
   CHECK(list_folder(folder / "plots") == Names{".vpr-files", "a.png"});
 }
 
-TEST_CASE("without a commit, everything is as it was") {
+TEST_CASE("without a commit, nothing changes") {
   const TemporaryFolder folder;
   write_text(folder / "a", "old");
   {
@@ -73,10 +73,10 @@ TEST_CASE("without a commit, everything is as it was") {
   CHECK(read_text(folder / "a") == "old");
 }
 
-TEST_CASE("an existing file is refused, before the work and at its end") {
+TEST_CASE("an existing file is refused, both before the work and at its end") {
   const TemporaryFolder folder;
   Output late(folder / "a", Existing::refuse);
-  write_text(folder / "a", "first");  // somebody else was faster
+  write_text(folder / "a", "first");  // another program was faster
   CHECK(error_kind([&] { late.commit(); }) == ErrorKind::usage);
   CHECK(error_kind([&] { write_file(folder / "a", "x", Existing::refuse); }) == ErrorKind::usage);
   CHECK(read_text(folder / "a") == "first");
@@ -84,13 +84,13 @@ TEST_CASE("an existing file is refused, before the work and at its end") {
   CHECK(read_text(folder / "a") == "second");
 }
 
-TEST_CASE("a missing parent folder and a folder in the way are errors") {
+TEST_CASE("a missing parent folder, or a folder with the name of an output file, is an error") {
   const TemporaryFolder folder;
   CHECK(error_kind([&] { Output(folder / "no/a", Existing::refuse); }) == ErrorKind::output);
   CHECK(error_kind([&] { Output(folder.path(), Existing::replace); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a folder is replaced in one step, and only one of ours") {
+TEST_CASE("a folder is replaced in one step, and only if it is an output of the program") {
   const TemporaryFolder folder;
   const auto write = [&](const std::string& text, Existing existing) {
     Output output(folder / "db", existing, holds_note);
@@ -115,14 +115,14 @@ TEST_CASE("a full disk is an output error") {
   CHECK(error_kind([&] { file.reserve(uint64_t{1} << 60); }) == ErrorKind::output);
 }
 
-TEST_CASE("what is no regular file is not replaced") {
+TEST_CASE("a target that is not a regular file is not replaced") {
   const TemporaryFolder folder;
   fs::create_symlink("/dev/null", folder / "null");
   CHECK(error_kind([&] { write_file(folder / "null", "x", Existing::replace); }) ==
         ErrorKind::usage);
 }
 
-TEST_CASE("a target that another program made meanwhile stays") {
+TEST_CASE("a target that another program creates during the run is kept") {
   const TemporaryFolder folder;
   {
     Outputs outputs(Existing::refuse);
@@ -135,7 +135,7 @@ TEST_CASE("a target that another program made meanwhile stays") {
   CHECK(read_text(folder / "main") == "another's");
 }
 
-TEST_CASE("two runs that replace the same outputs at once leave those of one of them") {
+TEST_CASE("two concurrent runs with the same outputs leave the outputs of one of them") {
   const TemporaryFolder folder;
   const Names names = {"main", "page", "plot", "list"};
   const auto run = [&](const std::string& text) {
@@ -154,7 +154,7 @@ TEST_CASE("two runs that replace the same outputs at once leave those of one of 
   CHECK(list_folder(folder.path()).size() == names.size());
 }
 
-TEST_CASE("what can't be written is found out when it is claimed") {
+TEST_CASE("an output that cannot be written is detected by claim_file") {
   const TemporaryFolder folder;
   Outputs outputs(Existing::refuse);
   const auto claim = [&](const std::string& name) {
@@ -168,7 +168,7 @@ TEST_CASE("what can't be written is found out when it is claimed") {
   CHECK(read_text(folder / std::string(255, 'x')) == "long");
 }
 
-TEST_CASE("a folder that is not one's own is found out when an output in it is claimed") {
+TEST_CASE("a foreign folder is detected when an output in it is claimed") {
   const TemporaryFolder folder;
   fs::permissions(folder.path(), fs::perms(0755));
   for (const auto& [name, mode] : {std::pair("open", 0777), std::pair("closed", 0555)}) {
@@ -188,7 +188,7 @@ TEST_CASE("a folder that is not one's own is found out when an output in it is c
   CHECK(closed == ErrorKind::output);
 }
 
-TEST_CASE("one path for two outputs is refused, whatever it is called") {
+TEST_CASE("two outputs with the same path are refused, under any name of the path") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "sub");
   Outputs outputs(Existing::replace);
@@ -201,7 +201,7 @@ TEST_CASE("one path for two outputs is refused, whatever it is called") {
   CHECK(error_kind([&] { outputs.file(folder / "a"); }) == ErrorKind::usage);
 }
 
-TEST_CASE("an input is no output, by any of its names, before or after it is claimed") {
+TEST_CASE("an input is refused as output, by any of its names, before or after it is claimed") {
   const TemporaryFolder folder;
   write_text(folder / "gt.csv", "labels");
   fs::create_symlink("gt.csv", folder / "link.csv");
@@ -222,7 +222,7 @@ TEST_CASE("an input is no output, by any of its names, before or after it is cla
   CHECK(error_kind([&] { outputs.protect(folder / "later.csv"); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a folder that is extended in place is replaced with the other outputs, or not at all") {
+TEST_CASE("a folder that is extended in place is replaced together with the other outputs") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "db");
   write_text(folder / "db/note", "old");
@@ -247,7 +247,7 @@ TEST_CASE("a folder that is extended in place is replaced with the other outputs
   CHECK(list_folder(folder.path()) == Names{"db", "list"});
 }
 
-TEST_CASE("temporaries can't be foreseen, and are made through no link") {
+TEST_CASE("names of temporaries are unpredictable, and symbolic links are not followed") {
   const TemporaryFolder folder;
   const Output a(folder / "a", Existing::refuse);
   const Output same(folder / "a", Existing::refuse);
@@ -259,8 +259,7 @@ TEST_CASE("temporaries can't be foreseen, and are made through no link") {
   CHECK(read_text(folder / "victim") == "mine");
 }
 
-TEST_CASE(
-    "what a killed process left is removed by the next one, what a living one writes is not") {
+TEST_CASE("the next run removes the temporaries of a killed process but not of a running one") {
   const TemporaryFolder folder;
   run_and_kill([&] {
     Outputs outputs(Existing::refuse);
@@ -273,7 +272,7 @@ TEST_CASE(
   Outputs living(Existing::refuse);
   living.file(folder / "a").write("mine");
   living.claim_folder(folder / "plots", is_marked_folder);
-  CHECK(list_folder(folder.path()).size() == 3);  // two, and what was left of "other"
+  CHECK(list_folder(folder.path()).size() == 3);  // the two new files, and the temporary of "other"
   Outputs second(Existing::refuse);
   second.claim_file(folder / "a");
   second.claim_file(folder / "other");
@@ -282,7 +281,7 @@ TEST_CASE(
   CHECK(read_text(folder / "a") == "mine");
 }
 
-TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
+TEST_CASE("a marked folder is replaced only if it holds nothing else") {
   const TemporaryFolder folder;
   const auto write = [&](const std::string& name) {
     Output output(folder / "plots", Existing::replace, is_marked_folder);
@@ -305,7 +304,7 @@ TEST_CASE("a marked folder is replaced only while nothing else lies in it") {
         ErrorKind::usage);
 }
 
-TEST_CASE("an error says the name of an output, not that under which it is being made") {
+TEST_CASE("errors contain the name of an output, not of its temporary") {
   const TemporaryFolder folder;
   Outputs outputs(Existing::refuse);
   outputs.claim_file(folder / "main");
@@ -317,7 +316,7 @@ TEST_CASE("an error says the name of an output, not that under which it is being
         (folder / "plots/none/a.png").string() + ": can't be written: No such file or directory");
 }
 
-TEST_CASE("folders that can't be made or read are errors of output") {
+TEST_CASE("folders that cannot be created or read are output errors") {
   const TemporaryFolder folder;
   make_part_folder(folder / "a");
   for (const char* name : {"a", "none/b"})
@@ -327,7 +326,7 @@ TEST_CASE("folders that can't be made or read are errors of output") {
   CHECK(entries_of(folder.path()).size() == 1);
 }
 
-TEST_CASE("an old folder that was set aside is put back, unless it was replaced") {
+TEST_CASE("a renamed old folder is restored, unless it was replaced") {
   const TemporaryFolder folder;
   const fs::path temporary = Output(folder / "db", Existing::refuse, holds_note).temporary();
   const fs::path aside = folder / (".vpr-old" + temporary.filename().string());

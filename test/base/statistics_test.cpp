@@ -11,13 +11,13 @@
 
 using namespace vpr;
 
-TEST_CASE("random numbers are those of the standard's engine, on every machine") {
-  RandomEngine engine;  // the standard states the 10000th value of a default one
+TEST_CASE("random numbers equal those of the standard's engine") {
+  RandomEngine engine;  // the standard specifies the 10000th value of a default engine
   engine.discard(9999);
   CHECK(engine() == 9981545732273789042ULL);
 }
 
-TEST_CASE("uniform numbers stay below their bound and reach every value") {
+TEST_CASE("uniform numbers are below their bound and include every value") {
   RandomEngine engine(1);
   std::vector<int> seen(7, 0);
   for (int i = 0; i < 7000; ++i) ++seen.at(uniform_below(engine, 7));
@@ -36,7 +36,7 @@ TEST_CASE("the median is the middle value or the mean of the two middle ones") {
   CHECK(median({1, 1, 1, 9}) == 1);
 }
 
-TEST_CASE("quantiles are NumPy's") {
+TEST_CASE("quantiles equal NumPy's") {
   const std::vector<double> values = {15, 20, 35, 40, 50};
   CHECK(quantile(values, 0) == 15);
   CHECK(quantile(values, 1) == 50);
@@ -44,12 +44,12 @@ TEST_CASE("quantiles are NumPy's") {
   CHECK(quantile(values, 0.4) == Approx(29));  // 20 + 0.6 * (35 - 20)
 }
 
-TEST_CASE("the bootstrap of a sum has its closed forms") {
+TEST_CASE("the bootstrap of a sum equals its closed forms") {
   // Equal values: every resample has the same sum.
   const Interval same = bootstrap_sum(std::vector<double>(50, 2), 7, 1);
   CHECK(same.low == 100);
   CHECK(same.high == 100);
-  // One block as long as the whole: every resample is a rotation.
+  // One block as long as the whole sequence: every resample is a rotation.
   std::vector<double> values;
   for (int i = 0; i < 40; ++i) values.push_back(i % 3);
   const Interval rotated = bootstrap_sum(values, 40, 1);
@@ -61,7 +61,7 @@ TEST_CASE("the bootstrap of a sum has its closed forms") {
   const Interval coin = bootstrap_sum(coins, 1, 3);
   CHECK(coin.low == Approx(200 - 19.6).margin(3));
   CHECK(coin.high == Approx(200 + 19.6).margin(3));
-  // The same values in stretches of 20: blocks of 20 see how they hang together.
+  // The same values in runs of 20: blocks of 20 detect their dependence.
   std::sort(coins.begin(), coins.end());
   std::vector<double> stretches;
   for (int i = 0; i < 400; ++i) stretches.push_back(i / 20 % 2);
@@ -70,7 +70,7 @@ TEST_CASE("the bootstrap of a sum has its closed forms") {
   CHECK(bootstrap_sum(stretches, 20, 3).low == wide.low);
 }
 
-TEST_CASE("intervals of a Poisson mean are the exact ones of tables") {
+TEST_CASE("intervals of a Poisson mean equal the exact ones in published tables") {
   CHECK(poisson_interval(0).low == 0);
   CHECK(poisson_interval(0).high == Approx(-std::log(0.05)));
   CHECK(poisson_interval(1).low == Approx(0.02532).epsilon(1e-3));
@@ -81,12 +81,12 @@ TEST_CASE("intervals of a Poisson mean are the exact ones of tables") {
   CHECK(poisson_interval(1000).high == Approx(1063.94).epsilon(1e-4));
 }
 
-TEST_CASE("checksums are XXH3's 128-bit values") {
+TEST_CASE("checksums equal XXH3's 128-bit values") {
   CHECK(checksum("") == "xxh3:99aa06d3014798d86001c324468d497f");  // published test vector
   CHECK(checksum("a") != checksum("b"));
 }
 
-TEST_CASE("a stream gives the checksum of the whole however it is cut") {
+TEST_CASE("a stream's checksum does not depend on how the bytes are split") {
   const std::string text(1000, 'x');
   ChecksumStream stream;
   stream.add(std::as_bytes(std::span(text).first(1)));

@@ -20,14 +20,14 @@ constexpr std::array<Row, 3> kRows = {{{"first", 1}, {"second", 2}, {"first", 3}
 
 }  // namespace
 
-TEST_CASE("parts are what stands between separators, empty ones included") {
+TEST_CASE("split returns the parts between separators, including empty ones") {
   CHECK(split("a,b", ',') == Parts{"a", "b"});
   CHECK(split("", ',') == Parts{""});
   CHECK(split(",a,,", ',') == Parts{"", "a", "", ""});
   CHECK(split("a b", ',') == Parts{"a b"});
 }
 
-TEST_CASE("lines lose their ends, and the last end begins no line") {
+TEST_CASE("lines lose their ends, and the last end does not start another line") {
   CHECK(split_lines("").empty());
   CHECK(split_lines("\n") == Parts{""});
   CHECK(split_lines("a\nb") == Parts{"a", "b"});
@@ -36,13 +36,13 @@ TEST_CASE("lines lose their ends, and the last end begins no line") {
   CHECK(split_lines("a\rb\n") == Parts{"a\rb"});
 }
 
-TEST_CASE("words stand between blanks, however many there are") {
+TEST_CASE("words are separated by one or more blanks") {
   CHECK(split_words("").empty());
   CHECK(split_words(" \t ").empty());
   CHECK(split_words("1  2\t3 \r") == Parts{"1", "2", "3"});
 }
 
-TEST_CASE("rows are found by name, and the nearest is named where there is none") {
+TEST_CASE("rows are selected by name, and the nearest name is suggested for an unknown one") {
   CHECK(find_named(kRows, "row", "second").value == 2);
   CHECK(find_named(kRows, "row", "first").value == 1);
   CHECK(names_of(kRows) == std::vector<std::string>{"first", "second", "first"});
@@ -51,7 +51,7 @@ TEST_CASE("rows are found by name, and the nearest is named where there is none"
         "unknown row \"secnod\"; did you mean second? There are first, second, first");
 }
 
-TEST_CASE("a single thing has no plural") {
+TEST_CASE("a count of one has no plural") {
   CHECK(counted(0, "hit") == "0 hits");
   CHECK(counted(1, "hit") == "1 hit");
   CHECK(counted(2, "incorrect hit") == "2 incorrect hits");
@@ -59,7 +59,7 @@ TEST_CASE("a single thing has no plural") {
   CHECK(counted(3, "query", "queries") == "3 queries");
 }
 
-TEST_CASE("text without control characters is shown as it is") {
+TEST_CASE("text without control characters does not change") {
   for (const char* text :
        {"", "walk 3", "a\\x1b", "\u00e4 \u20ac \U0001f642", "\xc2\xa0-\xc2\xb5"}) {
     CHECK(printable(text) == text);
@@ -67,22 +67,22 @@ TEST_CASE("text without control characters is shown as it is") {
   }
 }
 
-TEST_CASE("control characters are shown, and not obeyed") {
+TEST_CASE("control characters are escaped") {
   CHECK(printable("\x1b[2J \x1b]0;t\a") == "\\x1b[2J \\x1b]0;t\\x07");
   CHECK(printable("-\r\t-\x7f-") == "-\\x0d\\x09-\\x7f-");
   CHECK(printable(std::string("-\0-", 3)) == "-\\x00-");
   CHECK(printable("\xc2\x9b[2J") ==
-        "\\xc2\\x9b[2J");  // an escape sequence's start in one character
+        "\\xc2\\x9b[2J");  // the start of an escape sequence in one character
   CHECK(printable("\xc2\x80\xc2\x9f\xc2\xa0") == "\\xc2\\x80\\xc2\\x9f\xc2\xa0");
 }
 
-TEST_CASE("bytes that are no UTF-8 are shown as numbers") {
+TEST_CASE("bytes that are not valid UTF-8 are escaped") {
   CHECK(printable("-\x9b[2J") == "-\\x9b[2J");
-  CHECK(printable("\xc0\x9b") == "\\xc0\\x9b");  // an escape in two bytes
+  CHECK(printable("\xc0\x9b") == "\\xc0\\x9b");  // an overlong encoding
   CHECK(printable("\xe4") == "\\xe4");
 }
 
-TEST_CASE("a line feed ends a line, but never within a name") {
+TEST_CASE("a line feed is kept in text and escaped in names") {
   CHECK(printable("-\n-") == "-\n-");
   CHECK(printable_line("-\n-") == "-\\x0a-");
 }

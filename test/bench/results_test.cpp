@@ -1,4 +1,4 @@
-// What vpr-bench measures, compares and prints.
+// Results of vpr-bench: measurement, comparison and output.
 #include <atomic>
 
 #include <catch2/catch.hpp>
@@ -56,12 +56,12 @@ BenchResult make_result() {
 
 }  // namespace
 
-TEST_CASE("a summary has the closed forms of evenly spaced values") {
+TEST_CASE("a summary equals the closed forms of evenly spaced values") {
   // 1, 2, ..., n: the p-quantile is 1 + p (n - 1).
   for (const size_t n : {1, 2, 5, 100, 101}) {
     std::vector<double> values;
     for (size_t i = n; i > 0; --i) values.push_back(static_cast<double>(i));
-    const TimeSummary summary = summarise(values);
+    const TimeSummary summary = summarize(values);
     const auto last = static_cast<double>(n);
     CHECK(summary.median_ms == Approx(1 + 0.5 * (last - 1)));
     CHECK(summary.lower_quartile_ms == Approx(1 + 0.25 * (last - 1)));
@@ -72,7 +72,7 @@ TEST_CASE("a summary has the closed forms of evenly spaced values") {
   }
 }
 
-TEST_CASE("work is repeated often enough, long enough, and no more than that") {
+TEST_CASE("work is repeated the minimum number of times and the minimum time, but not more") {
   size_t runs = 0;
   const auto count = [&] { ++runs; };
   CHECK(time_repeatedly({0, 7, 100, 2}, count, {}).size() == 7);
@@ -90,11 +90,11 @@ TEST_CASE("a stop ends a measurement") {
         }) == ErrorKind::interrupted);
 }
 
-TEST_CASE("generated walks change little from frame to frame, and more on another day") {
+TEST_CASE("generated sequences change little between frames, and more between days") {
   const auto walk = generate_walk(200, 1);
   CHECK(walk == generate_walk(200, 1));
   CHECK(walk != generate_walk(200, 2));
-  const auto again = walk_again(walk, 50, 100, 150, 3);
+  const auto again = repeat_walk(walk, 50, 100, 150, 3);
   for (size_t i = 0; i + 1 < 100; ++i) {
     CHECK(plain_hamming(walk[i], walk[i + 1]) > 20);
     CHECK(plain_hamming(walk[i], walk[i + 1]) <= 60);
@@ -104,7 +104,7 @@ TEST_CASE("generated walks change little from frame to frame, and more on anothe
   CHECK(plain_hamming(walk[0], walk[199]) > 500);
 }
 
-TEST_CASE("ratios and their spread, worked out by hand") {
+TEST_CASE("ratios and their quartiles equal values computed by hand") {
   const BenchComparison comparison = compare_benches(make_run(1), make_run(2));
   REQUIRE(comparison.ratios.size() == 2);
   CHECK(comparison.ratios[0].ratio == 2);
@@ -112,21 +112,21 @@ TEST_CASE("ratios and their spread, worked out by hand") {
   CHECK(comparison.ratios[0].high == Approx(10.0 / 3));
   CHECK(comparison.ratios[1].ratio == 1);
   CHECK(count_slower(comparison, 1.5) == 1);
-  CHECK(count_slower(comparison, 2) == 0);  // strict
+  CHECK(count_slower(comparison, 2) == 0);  // strict bound
   CHECK(count_slower(comparison, 0.9) == 2);
 }
 
-TEST_CASE("a ratio whose spread holds 1 proves nothing") {
-  BenchResult newer = make_run(1.9);  // 1.9 in the middle, 5.7 / 5 = 1.14 at the least
+TEST_CASE("a ratio whose quartiles include 1 is not significant") {
+  BenchResult newer = make_run(1.9);  // median ratio 1.9, lowest ratio 5.7 / 5 = 1.14
   CHECK(count_slower(compare_benches(make_run(1), newer), 1.2) == 1);
-  newer.rows[0].time.lower_quartile_ms = 4.9;  // 0.98 at the least
+  newer.rows[0].time.lower_quartile_ms = 4.9;  // lowest ratio 0.98
   const BenchComparison comparison = compare_benches(make_run(1), newer);
   CHECK(count_slower(comparison, 1.2) == 0);
   CHECK(comparison_table(comparison, 1.2).rows[0].back() == "unsure");
   CHECK(comparison_json(comparison, 1.2)["rows"][0]["slower"] == false);
 }
 
-TEST_CASE("rows without a partner are named; runs with none in common are refused") {
+TEST_CASE("rows in only one run are listed; runs without common rows are refused") {
   BenchResult older = make_run(1);
   BenchResult newer = make_run(1);
   older.rows[0].work = "openable";
@@ -140,7 +140,7 @@ TEST_CASE("rows without a partner are named; runs with none in common are refuse
   CHECK(error_kind([&] { compare_benches(older, newer); }) == ErrorKind::data);
 }
 
-TEST_CASE("a stored run is read as it was; a broken one is refused") {
+TEST_CASE("a stored run can be read back; a damaged one is refused") {
   const TemporaryFolder out;
   const BenchResult run = make_run(1);
   Json json = bench_json(run, {});
@@ -167,7 +167,7 @@ TEST_CASE("a stored run is read as it was; a broken one is refused") {
   CHECK(kind_of(json.dump()) == ErrorKind::data);
 }
 
-TEST_CASE("rows of one kind stand in one table, what they share in its title") {
+TEST_CASE("rows of one kind form one table, with their common parts in its title") {
   const std::vector<Table> tables = readable_tables(make_result());
   REQUIRE(tables.size() == 2);
   CHECK(tables[0].title ==

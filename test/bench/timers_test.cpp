@@ -45,7 +45,7 @@ TEST_CASE("every method has a row for every case") {
   CHECK(find_row(result, "fastable", {{"frames", 3}}) == nullptr);
 }
 
-TEST_CASE("a window that does not fit is left out, and said") {
+TEST_CASE("a window that exceeds the frames is omitted and reported") {
   MatchingBenchSettings settings = small_settings();
   settings.window_lengths = {25, 5};
   const BenchResult result = bench_matching(settings, {}, 1, select_kernels(), {});
@@ -55,28 +55,29 @@ TEST_CASE("a window that does not fit is left out, and said") {
         ErrorKind::usage);
 }
 
-TEST_CASE("nothing is timed where a distance is wrong") {
+TEST_CASE("nothing is timed if a distance is wrong") {
   const auto train = generate_walk(100, 1);
   RowKernels broken = select_kernels();
   broken.slide = [](const uint32_t* before, const uint16_t* entering, const uint16_t*,
                     uint32_t* after, size_t count) {
-    for (size_t i = count; i-- > 0;) after[i] = before[i] + entering[i];  // nothing leaves
+    // omits the outgoing distances
+    for (size_t i = count; i-- > 0;) after[i] = before[i] + entering[i];
   };
-  const MatchingCase example(train, walk_again(train, 0, 50, 30, 2),
+  const MatchingCase example(train, repeat_walk(train, 0, 50, 30, 2),
                              {5, size_t{1} << 30, broken, {}, 1});
   CHECK(error_kind([&] { check_methods(example, {"fastable-online"}, {}); }) ==
         ErrorKind::expectation);
   CHECK(!error_kind([&] { check_methods(example, {"openable"}, {}); }));
 }
 
-TEST_CASE("recorded codes are timed as far as the recording goes") {
+TEST_CASE("recorded codes are timed up to the length of the recording") {
   MatchingBenchSettings settings = small_settings();
   settings.methods = {"fastable-online", "lsh"};
   settings.databases = {40, 100};
   settings.window_lengths = {5};
   settings.clustered_hits = 0;
   const auto walk = generate_walk(60, 1);
-  const RecordedCodes recorded{walk, walk_again(walk, 10, 25, 5, 2)};
+  const RecordedCodes recorded{walk, repeat_walk(walk, 10, 25, 5, 2)};
   const BenchResult result = bench_matching(settings, recorded, 1, select_kernels(), {});
   CHECK(result.left_out.size() == 1);
   REQUIRE(result.rows.size() == 2);
@@ -84,7 +85,7 @@ TEST_CASE("recorded codes are timed as far as the recording goes") {
   CHECK(find_number(result.rows[1].values, "recall") == 1);  // 5 bits differ
 }
 
-TEST_CASE("a database that does not fit the memory is left out") {
+TEST_CASE("a database that exceeds the memory is omitted") {
   MatchingBenchSettings settings = small_settings();
   settings.methods = {"fastable-online"};
   settings.databases = {50'000'000};
@@ -111,7 +112,7 @@ TEST_CASE("FAB-MAP's variants are timed for every number of places") {
   CHECK(bench_fabmap(settings, 1, {}).left_out.size() == 2 * 3);
 }
 
-TEST_CASE("vectors are timed by the methods that take any distances, after a check of cells") {
+TEST_CASE("vectors are timed by the methods that accept any distances, after a check of cells") {
   for (const uint64_t precision : {8, 16}) {
     MatchingBenchSettings settings = small_settings();
     settings.methods = {"fastable-online", "fastable", "standardized", "openable", "lsh"};
@@ -132,7 +133,7 @@ TEST_CASE("vectors are timed by the methods that take any distances, after a che
         ErrorKind::usage);
 }
 
-TEST_CASE("generated vectors are a walk, and the same walk again with other noise") {
+TEST_CASE("generated vectors form a sequence, and the same sequence with other noise") {
   const GeneratedVectors walk = generate_vectors(60, 64, 16, 1, 2);
   const GeneratedVectors again = generate_vectors(20, 64, 16, 1, 3, 15);
   REQUIRE(walk.rows().size() == 60);

@@ -1,4 +1,4 @@
-// vpr-bench as a user runs it, with little to do.
+// vpr-bench on small inputs.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -19,7 +19,7 @@ Words small(Words more) {
 
 }  // namespace
 
-TEST_CASE("a benchmark gives JSON, tables and plots") {
+TEST_CASE("a benchmark writes JSON, tables and plots") {
   const TemporaryFolder out;
   const auto outcome = run_ok("vpr-bench", small({"-o", out / "b.json", "--plot", out / "plots"}));
   CHECK(has(outcome.out, "fastable-online"));
@@ -35,7 +35,7 @@ TEST_CASE("a benchmark gives JSON, tables and plots") {
   CHECK(run_program("vpr-bench", small({"-o", out / "b.json"})).exit_code == 2);
 }
 
-TEST_CASE("a comparison ends with 5 where the new run is slower") {
+TEST_CASE("a comparison exits with 5 if the new run is slower") {
   const TemporaryFolder out;
   run_ok("vpr-bench", small({"-o", out / "a.json", "--quiet"}));
   Json json = file_json(out / "a.json");
@@ -57,7 +57,7 @@ TEST_CASE("a comparison ends with 5 where the new run is slower") {
   CHECK(compare("a.json", "b.json").exit_code == 4);
 }
 
-TEST_CASE("settings of benchmarks out of range") {
+TEST_CASE("benchmark settings out of range are refused") {
   for (const Words& words :
        std::vector<Words>{{"matching", "--methods", "slowable"},
                           {"matching", "--databases", "0"},
@@ -75,7 +75,7 @@ TEST_CASE("settings of benchmarks out of range") {
   }
 }
 
-TEST_CASE("a recording is replayed at its rate") {
+TEST_CASE("a recording is played at its rate") {
   const TemporaryFolder out;
   fs::create_directory(out / "walk");
   for (int i = 0; i < 12; ++i)

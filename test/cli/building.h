@@ -1,4 +1,4 @@
-// A small rendered building for tests of the programs: three corridors, a walk through each.
+// A small rendered building for tests of the programs: three corridors with a walk through each.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@
 
 namespace vpr::test {
 
-/// A vpr.world/1 with the walks asked for, in this order: "one", "two" and "other" are training
-/// walks through a corridor each, "back" and "again" queries through those of "one" and "two".
+/// A vpr.world/1 with the requested walks, in this order: "one", "two" and "other" are training
+/// walks through one corridor each, "back" and "again" are queries through the corridors of "one"
+/// and "two".
 inline std::string building(uint64_t seed, const std::vector<std::string>& walks) {
   const auto walk = [](const std::string& name) {
     const bool is_query = name == "back" || name == "again";

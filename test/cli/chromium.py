@@ -1,4 +1,4 @@
-"""A headless Chromium, driven over its debugging pipe with nothing but the standard library."""
+"""A headless Chromium, controlled over its debugging pipe with only the standard library."""
 import json
 import os
 import shutil
@@ -18,7 +18,7 @@ class Chromium:
         self.inp, from_browser = os.pipe()
 
         def descriptors():
-            # Above the numbers that they become, so that neither covers the other.
+            # Above descriptors 3 and 4, so that neither replaces the other.
             first, second = os.dup2(to_browser, 20), os.dup2(from_browser, 21)
             os.dup2(first, 3)
             os.dup2(second, 4)

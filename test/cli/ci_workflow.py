@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the shell steps of docs/ci/recognition.yml on a rendered building, as CI would, but for the
+"""Runs the shell steps of docs/ci/recognition.yml on a rendered building as in CI, except the
 one that builds the toolkit.   ci_workflow.py SOURCE BIN"""
 import json
 import os
@@ -50,7 +50,7 @@ def main(source, bin):
         assert "baseline.json: all of" in found.stdout, found.stdout
         suites = xml.parse(f"{folder}/junit.xml").getroot()
         assert suites.get("failures") == "0" and int(suites.get("tests")) > 20, suites.attrib
-        # A worse run fails, and the file says of which value.
+        # A worse run fails, and the file names the value.
         expected = {"schema": "vpr.expected/1", "best_match": {"rate": {"min": 1.5}}}
         json.dump(expected, open(f"{folder}/baseline.json", "w"))
         found = run(steps["Judge"] + " --force", folder, bin)
@@ -59,7 +59,7 @@ def main(source, bin):
         assert case.get("name") == "best_match.rate", case.attrib
         assert case[0].get("message").startswith("expected at least 1.5, found "), case[0].attrib
         assert os.path.getsize(f"{folder}/report.html") > 10000
-        # An update takes the value over, and the next run is met.
+        # An update stores the value, and the next run passes.
         assert run(baseline + " --force", folder, bin).returncode == 0
         assert run(steps["Judge"] + " --force", folder, bin).returncode == 0
 

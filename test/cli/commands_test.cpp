@@ -1,4 +1,4 @@
-// The programs as a user runs them, on a small generated world.
+// The programs on a small generated world.
 #include <catch2/catch.hpp>
 
 #include "cli/world.h"
@@ -13,7 +13,7 @@ Words query_words(Words more = {}) {
   return joined({world().database(), "--dataset", world().dataset(), "--c-l", "10"}, more);
 }
 
-// A result without what may differ between runs.
+// A result without the parts that may differ between runs.
 std::string comparable(const fs::path& path) {
   Json json = file_json(path);
   json.erase("machine");
@@ -23,11 +23,11 @@ std::string comparable(const fs::path& path) {
 
 }  // namespace
 
-TEST_CASE("train, query and evaluate give counts that are right") {
+TEST_CASE("train, query and evaluate yield correct counts") {
   const TemporaryFolder out;
   const auto query = run_ok("vpr-query", query_words({"-o", out / "r.json", "--verify", "500"}));
   CHECK(has(query.out, "500 cells, 0 differences"));
-  // Corridors that look alike lower the automatic t_r.
+  // Similar corridors lower the automatic t_r.
   CHECK(query.err.starts_with("warning: one and two seem to show the same place"));
   const Json report = printed_json(
       "vpr-eval", {out / "r.json", "--dataset", world().dataset(), "-o", out / "e.json", "--json"});
@@ -75,7 +75,7 @@ TEST_CASE("a rendered world is byte-identical for its seed and any number of thr
               read_text(world().folder() / "walk" / fs::relative(entry.path(), out / "w")));
 }
 
-TEST_CASE("adding a sequence gives the database of training them together") {
+TEST_CASE("adding a sequence yields the database of training both together") {
   const TemporaryFolder out;
   const std::string one = world().walk("one");
   const std::string two = world().walk("two");
@@ -91,14 +91,14 @@ TEST_CASE("adding a sequence gives the database of training them together") {
                                    "--json"})["sequences"][1]["name"] == "walk/one");
 }
 
-TEST_CASE("each sub-folder is a training sequence with --train-folders") {
+TEST_CASE("each subfolder is a training sequence with --train-folders") {
   const TemporaryFolder out;
   CHECK(printed_json("vpr-train", {"fastable", "--train-folders", world().folder() / "walk",
                                    "--c-l", "10", "-o", out / "all.vprdb", "--json"})["sequences"]
             .size() == 5);
 }
 
-TEST_CASE("a saved matrix holds every distance; a picture can be drawn") {
+TEST_CASE("a saved matrix holds every distance and can be drawn") {
   const TemporaryFolder out;
   run_ok("vpr-query", query_words({"-o", out / "r.json", "--save-matrix", out / "d.npy"}));
   const Json result = file_json(out / "r.json");
@@ -120,7 +120,7 @@ TEST_CASE("a saved matrix holds every distance; a picture can be drawn") {
   CHECK(read_text(out / "d.png").substr(1, 3) == "PNG");
 }
 
-TEST_CASE("unreadable frames, if skipped, break windows and are -1 in a matrix") {
+TEST_CASE("skipped unreadable frames split windows and are -1 in a matrix") {
   const TemporaryFolder out;
   fs::copy(world().walk("back"), out / "back");
   write_text(out / "back/00020.png", "broken");
@@ -148,7 +148,7 @@ TEST_CASE("a search can be limited to a sequence by name") {
   check_failure("vpr-query", query_words({"--only-sequence", "three", "--json"}), 2, "one, two");
 }
 
-TEST_CASE("settings come from a file, and flags win") {
+TEST_CASE("settings are read from a file, and flags take precedence") {
   const TemporaryFolder out;
   write_text(out / "c.json", R"({"schema": "vpr.config/1", "c_l": 5, "t_r": 0.3, "seed": 9,
                                        "clustering": {"eps": 3}})");
@@ -164,7 +164,7 @@ TEST_CASE("settings come from a file, and flags win") {
   check_failure("vpr-query", base, 2, "did you mean");
 }
 
-TEST_CASE("a result stands for the settings it was made with") {
+TEST_CASE("a result can be used as its own settings") {
   const TemporaryFolder out;
   const std::vector<Words> all = {
       {"--t-r", "0.6", "--seed", "7"}, {}, {"--score", "standardized", "--t-r", "-1"}};
@@ -184,7 +184,7 @@ TEST_CASE("a result stands for the settings it was made with") {
   CHECK(run_program("vpr-query", query_words({"--config", out / "d.json"})).exit_code == 4);
 }
 
-TEST_CASE("a key for another kind of database is refused, as its flag is") {
+TEST_CASE("a key for another kind of database is refused, like its flag") {
   const TemporaryFolder out;
   write_text(out / "c.json", R"({"c_l": 5, "t_p": 0.3})");
   check_failure("vpr-query",
@@ -192,7 +192,7 @@ TEST_CASE("a key for another kind of database is refused, as its flag is") {
                 "t_p has no effect with a database for fastable");
 }
 
-TEST_CASE("a database and a query are enough for an answer") {
+TEST_CASE("a database and a query are sufficient") {
   const TemporaryFolder out;
   const auto query = run_ok("vpr-query", query_words());
   CHECK(has(query.out, "windows recognised"));
@@ -211,7 +211,7 @@ TEST_CASE("a database and a query are enough for an answer") {
   check_failure("vpr-tune", {"threshold", out / "one.vprdb"}, 2, "two or more training sequences");
 }
 
-TEST_CASE("where nothing or everything is recognized, no looser threshold is suggested") {
+TEST_CASE("if nothing or everything is recognized, no looser threshold is suggested") {
   for (const Words& strict :
        {Words{"--t-r", "0.01"},
         {"--score", "standardized", "--t-r", "-20"},
@@ -233,7 +233,7 @@ TEST_CASE("where nothing or everything is recognized, no looser threshold is sug
   CHECK_FALSE(has(all.out, "vpr-query"));
 }
 
-TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
+TEST_CASE("tables can be text, CSV, Markdown and LaTeX") {
   const TemporaryFolder out;
   run_program("vpr-query", query_words({"-o", out / "r.json"}));
   const auto table = [&](const std::string& format) {
@@ -247,7 +247,7 @@ TEST_CASE("tables come as text, CSV, Markdown and LaTeX") {
   CHECK(has(table("latex"), "\\begin{tabular}"));
 }
 
-TEST_CASE("a result can be looked at without a ground truth, and nothing else") {
+TEST_CASE("a result can be shown without ground truth, but not evaluated") {
   const TemporaryFolder out;
   run_ok("vpr-query", query_words({"-o", out / "r.json"}));
   const auto eval = [&](Words more) {
@@ -277,7 +277,7 @@ TEST_CASE("a result can be looked at without a ground truth, and nothing else") 
   CHECK(has(timed.out, " s). Nothing is judged"));
 }
 
-TEST_CASE("a map shows one result or two of the same query, as SVG and PNG") {
+TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
   const TemporaryFolder out;
   for (const char* name : {"a", "b"})
     run_ok("vpr-query", query_words({"-o", (out / name).string() + ".json"}));

@@ -1,4 +1,4 @@
-// Descriptors that another program computed, as a user brings them.
+// Imported descriptors in all programs.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,8 +26,8 @@ std::vector<float> random_rows(size_t count, uint64_t seed) {
   return values;
 }
 
-/// 60 training frames, and a query of 24 that are frames 30 to 53 again, a little changed, at other
-/// lengths. Between them frame 12 is missing where `with_gap` is set.
+/// 60 training frames, and a query of 24 frames that repeats frames 30 to 53 with small changes and
+/// other lengths. With `with_gap`, frame 12 is missing.
 struct Arrays {
   TemporaryFolder folder;
   Arrays() {
@@ -65,7 +65,7 @@ RunOutcome query(Words words, const std::string& precision = "8") {
 
 }  // namespace
 
-TEST_CASE("a database of imported descriptors says what it holds") {
+TEST_CASE("a database of imported descriptors reports its content") {
   const Json narrow = printed_json("vpr-train", {"info", arrays().database(), "--json"});
   CHECK(narrow["descriptor"] == "vectors8");
   CHECK(narrow["length"] == kLength);
@@ -77,7 +77,7 @@ TEST_CASE("a database of imported descriptors says what it holds") {
   CHECK(read_text(arrays().path("db8.vprdb/frames.txt")) == read_text(arrays().path("names.txt")));
 }
 
-TEST_CASE("every decision and score takes imported descriptors, and cells are verified") {
+TEST_CASE("every decision and score supports imported descriptors, and cells are verified") {
   for (const std::string precision : {"8", "16"}) {
     for (const Words& words :
          {Words{"--c-l", "5", "--t-r", "auto"}, Words{"--c-l", "5", "--t-r", "0.5"},
@@ -106,7 +106,7 @@ TEST_CASE("every decision and score takes imported descriptors, and cells are ve
   }
 }
 
-TEST_CASE("imported descriptors are evaluated and swept like any other") {
+TEST_CASE("imported descriptors are evaluated and swept like others") {
   const TemporaryFolder out;
   run_ok("vpr-train", {"descriptors", "--npy", arrays().path("db.npy") + "@30:54", "--c-l", "5",
                        "-o", out / "part.vprdb"});
@@ -126,7 +126,7 @@ TEST_CASE("imported descriptors are evaluated and swept like any other") {
   CHECK(has(sweep.dump(), "recommend"));
 }
 
-TEST_CASE("more sequences are added, of the same descriptors only") {
+TEST_CASE("more sequences can be added, with the same descriptors only") {
   const TemporaryFolder out;
   run_ok("vpr-train",
          {"add", arrays().database(), "--train", arrays().path("q.npy"), "-o", out / "more.vprdb"});
@@ -142,7 +142,7 @@ TEST_CASE("more sequences are added, of the same descriptors only") {
                 4, "10 numbers, those of the database 48");
 }
 
-TEST_CASE("images and descriptors of another kind are refused, and what is wrong is named") {
+TEST_CASE("images and descriptors of another kind are refused with the reason") {
   const TemporaryFolder out;
   const std::string images = world().walk("back");
   check_failure("vpr-query", {arrays().database(), "--query", images}, 4,
@@ -176,13 +176,13 @@ TEST_CASE("images and descriptors of another kind are refused, and what is wrong
   std::vector<float> values(12, 1);
   values[7] = std::numeric_limits<float>::quiet_NaN();
   write_array(out / "nan.npy", values, {4, 3});
-  check_failure(train({"--npy", out / "nan.npy"}), 4, "nan.npy: row 2: number 1 is nan");
+  check_failure(train({"--npy", out / "nan.npy"}), 4, "nan.npy: row 2: value 1 is nan");
   write_text(out / "cut.npy", read_text(db).substr(0, 1000));
   check_failure(train({"--npy", out / "cut.npy"}), 4, "truncated");
   CHECK_FALSE(fs::exists(out / "x.vprdb"));
 }
 
-TEST_CASE("rows that are missing keep their index and never match") {
+TEST_CASE("missing rows keep their index and never match") {
   const TemporaryFolder out;
   std::vector<float> values = random_rows(30, 5);
   std::fill_n(values.begin() + 12 * kLength, kLength, std::numeric_limits<float>::quiet_NaN());
@@ -194,10 +194,10 @@ TEST_CASE("rows that are missing keep their index and never match") {
   const Json json =
       printed_json("vpr-query", {out / "g.vprdb", "--query-npy", out / "gap.npy", "--c-l", "3",
                                  "--t-r", "0.01", "--skip-unreadable", "--json"});
-  CHECK(json["totals"]["hits"] == 28 - 3);  // windows that frame 12 is in have none
+  CHECK(json["totals"]["hits"] == 28 - 3);  // the windows with frame 12 have none
 }
 
-TEST_CASE("bits from files match as LDB does, by hashing too") {
+TEST_CASE("bits from files match like LDB, also with hashing") {
   const TemporaryFolder out;
   RandomEngine engine(7);
   std::vector<uint8_t> codes(50 * 9);
@@ -214,10 +214,10 @@ TEST_CASE("bits from files match as LDB does, by hashing too") {
     CHECK(json["totals"]["hits"] == 17);
   }
   check_failure(query({"--c-l", "4", "--method", "lsh", "--t-r", "3", "--t-r-scale", "bits"}), 2,
-                "lsh hashes bits");
+                "lsh needs raw distances of binary descriptors");
 }
 
-TEST_CASE("imported descriptors stand in data sets, lists and folders") {
+TEST_CASE("imported descriptors can be used in data sets, lists and folders") {
   const TemporaryFolder out;
   const auto values = read_array<float>(arrays().path("db.npy"));
   for (const char* name : {"train", "query"}) {
@@ -234,7 +234,7 @@ TEST_CASE("imported descriptors stand in data sets, lists and folders") {
   CHECK(json["totals"]["hits"] == 10);
 }
 
-TEST_CASE("descriptors go out and come in again with the same distances") {
+TEST_CASE("exported descriptors have the same distances after import") {
   const TemporaryFolder out;
   const auto distances = [&](const std::string& database, const std::string& query) {
     run_ok("vpr-query", {database, "--query", query, "--c-l", "1", "--t-r", "0.1", "--save-matrix",
@@ -284,7 +284,7 @@ TEST_CASE("descriptors are evaluated without a database, up to recall@100") {
       printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
                                 "--recall-at", "5,10,100", "--ground-truth", "aligned",
                                 "--tolerance", "0", "--html", out / "page.html", "--json"});
-  // By the definition, one product after the other.
+  // The definition, product by product.
   std::map<size_t, double> expected;
   for (size_t q = 0; q < 150; ++q) {
     std::vector<double> distances;
@@ -309,7 +309,7 @@ TEST_CASE("descriptors are evaluated without a database, up to recall@100") {
   CHECK(fs::file_size(out / "page.html") > 10'000);
 }
 
-TEST_CASE("descriptors without a database must fit each other") {
+TEST_CASE("descriptors without a database must match each other") {
   const TemporaryFolder out;
   const std::string db = arrays().path("db.npy");
   write_array(out / "short.npy", std::vector<float>(40, 1), {4, 10});
@@ -337,10 +337,10 @@ TEST_CASE("descriptors without a database must fit each other") {
   values[7] = std::numeric_limits<float>::quiet_NaN();
   write_array(out / "nan.npy", values, {4, 3});
   check_failure(evaluate({"--query-npy", out / "nan.npy", "--reference-npy", out / "nan.npy"}), 4,
-                "nan.npy: row 2: number 1 is nan");
+                "nan.npy: row 2: value 1 is nan");
 }
 
-TEST_CASE("frames are described by other built-in descriptors") {
+TEST_CASE("frames can have other built-in descriptors") {
   const TemporaryFolder out;
   const std::string one = world().walk("one");
   for (const std::string name : {"thumbnail", "hog"}) {
@@ -357,8 +357,8 @@ TEST_CASE("frames are described by other built-in descriptors") {
                 "choose one of ldb, thumbnail, hog");
 }
 
-TEST_CASE("chords tell frames apart that are nearer than the unit of cosine distances") {
-  // A thousandth of a radian from frame to frame, of which 1 - cos is a sixtieth of a unit.
+TEST_CASE("chords distinguish frames that are closer than the unit of cosine distances") {
+  // A thousandth of a radian between frames: its 1 - cos is a sixtieth of a unit.
   const TemporaryFolder out;
   std::vector<double> train;
   std::vector<double> query;
@@ -366,7 +366,7 @@ TEST_CASE("chords tell frames apart that are nearer than the unit of cosine dist
     const double angle = 0.001 * static_cast<double>(i * 7 % 30);
     for (size_t x = 0; x < 12; ++x) {
       train.push_back(x % 2 == 0 ? std::cos(angle) : std::sin(angle));
-      query.push_back(train.back() * static_cast<double>(i + 1));  // lengths do not count
+      query.push_back(train.back() * static_cast<double>(i + 1));  // lengths have no effect
     }
   }
   write_array(out / "db.npy", train, {30, 12});
@@ -385,7 +385,7 @@ TEST_CASE("chords tell frames apart that are nearer than the unit of cosine dist
         "vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--tolerance", "0", "--json"});
     const auto right = report["best_match"]["rate"].get<double>();
     CHECK((least == 1 ? right == 1 : right < 0.5));
-    // In float64 both orders are the same.
+    // In float64 both orders are equal.
     CHECK(printed_json("vpr-eval", {"--query-npy", out / "q.npy", "--reference-npy", out / "db.npy",
                                     "--metric", metric, "--ground-truth", "aligned", "--tolerance",
                                     "0", "--json"})["metrics"]["recall_at"]["1"] == 1.0);
@@ -394,7 +394,7 @@ TEST_CASE("chords tell frames apart that are nearer than the unit of cosine dist
                        "-o", out / "far.vprdb"});
   CHECK(printed_json("vpr-train", {"info", out / "far.vprdb", "--json"})["descriptor"] ==
         "directions");
-  // What is exported has length 1.
+  // Exported vectors have length 1.
   run_ok("vpr-train", {"export", out / "far.vprdb", "--descriptors", out / "x.npy"});
   const auto values = read_array<float>(out / "x.npy");
   for (size_t i = 0; i < values.size(); ++i)
@@ -406,8 +406,8 @@ TEST_CASE("chords tell frames apart that are nearer than the unit of cosine dist
                 4, "row 0: is a vector of zeros");
 }
 
-TEST_CASE("vectors whose lengths count are compared by Euclidean distances") {
-  // Train and query have the same directions: only lengths tell places apart.
+TEST_CASE("vectors with lengths are compared by Euclidean distances") {
+  // Train and query have equal directions: places differ only in length.
   const TemporaryFolder out;
   RandomEngine engine(9);
   std::vector<double> train;
@@ -440,13 +440,13 @@ TEST_CASE("vectors whose lengths count are compared by Euclidean distances") {
     CHECK(recall >= least);
     CHECK((recall == 1) == (least == 1));
   }
-  // What is exported is what was imported, to half a unit.
+  // Exported vectors equal the imported ones up to half a unit.
   run_ok("vpr-train", {"export", out / "db.vprdb", "--descriptors", out / "x.npy"});
   const auto values = read_array<float>(out / "x.npy");
   const double longest = 3.9 * std::sqrt(6.2);
   for (size_t i = 0; i < values.size(); ++i)
     CHECK(std::abs(values[i] - train[i]) < longest / 32000);
-  // Added vectors have the same unit, and what is far out of range is refused.
+  // Added vectors use the same unit, and much longer ones are refused.
   run_ok("vpr-train",
          {"add", out / "db.vprdb", "--train", out / "q.npy", "-o", out / "more.vprdb"});
   for (double& number : query) number *= 3;

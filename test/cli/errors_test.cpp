@@ -1,4 +1,4 @@
-// Bad input: one sentence, the right exit code, and nothing half-written.
+// Bad input: one sentence, the correct exit code, and no partial output.
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -49,20 +49,20 @@ const Bench& bench() {
   return kShared;
 }
 
-// Nothing is printed that could be taken for a result.
+// Also checks that the output has no result.
 void check_refused(const RunOutcome& outcome, int exit_code, const std::string& word) {
   CHECK(outcome.out.empty());
   check_failure(outcome, exit_code, word);
 }
 
-// The folder as it was: no result, no temporary file.
+// Checks that the folder is unchanged: no result, no temporary file.
 void check_nothing_written() {
   CHECK(list_folder(bench().folder.path()) == Words{"db.vprdb", "empty", "one", "query", "two"});
 }
 
 }  // namespace
 
-TEST_CASE("sequences that are missing, empty or out of range") {
+TEST_CASE("sequences that are missing, empty or out of range are refused") {
   const auto& folder = bench().folder;
   const std::string out = folder / "x.vprdb";
   check_refused(Bench::train({"--train", folder / "none", "-o", out}), 3, "none");
@@ -79,7 +79,7 @@ TEST_CASE("sequences that are missing, empty or out of range") {
   check_nothing_written();
 }
 
-TEST_CASE("settings out of range") {
+TEST_CASE("settings out of range are refused") {
   check_refused(bench().query({"--c-l", "0"}), 2, "c_l");
   check_refused(bench().query({"--c-l", "-3"}), 2, "c-l");
   check_refused(bench().query({"--c-l", "9"}), 2, "smaller --c-l");
@@ -99,13 +99,13 @@ TEST_CASE("settings out of range") {
   check_nothing_written();
 }
 
-TEST_CASE("thresholds on another scale are refused with a number on the right one") {
+TEST_CASE("thresholds on another scale are refused, and the converted one is suggested") {
   check_refused(bench().query({"--c-l", "5", "--t-r", "55"}), 2, "--t-r 55 --t-r-scale bits");
   check_refused(bench().query({"--c-l", "5", "--score", "standardized", "--t-r", "0.5"}), 2,
                 "--t-r -1.5");
 }
 
-TEST_CASE("databases that are missing, none, damaged or newer") {
+TEST_CASE("missing, invalid, damaged or newer databases are refused") {
   const TemporaryFolder out;
   const auto info = [&](const std::string& path) {
     return run_program("vpr-train", {"info", path});
@@ -148,7 +148,7 @@ TEST_CASE("an existing output is refused before any work, and replaced with --fo
   CHECK(list_folder(bench().folder / "two").size() == 8);
 }
 
-TEST_CASE("--force never replaces a folder that holds anything of somebody else") {
+TEST_CASE("--force never replaces a folder with files of other programs") {
   const TemporaryFolder out;
   fs::create_directory(out / "extension");
   write_text(out / "extension/manifest.json", R"({"manifest_version": 3})");
@@ -178,7 +178,7 @@ TEST_CASE("hostile nesting is an error, not a crash") {
                 "not valid JSON");
 }
 
-TEST_CASE("an output that would be written twice is refused, and a failed one leaves no matrix") {
+TEST_CASE("writing an output twice is refused, and a failed run leaves no matrix") {
   const TemporaryFolder out;
   const Words base = {bench().database(), "--query", bench().folder / "query", "--c-l", "5", "-o",
                       out / "m.json"};
@@ -190,7 +190,7 @@ TEST_CASE("an output that would be written twice is refused, and a failed one le
   CHECK(list_folder(out.path()).empty());
 }
 
-TEST_CASE("numbers are read as people write them, and only in range") {
+TEST_CASE("numbers have common notations and are checked for their range") {
   const TemporaryFolder out;
   ok(bench().query({"--c-l", "5", "--t-r", ".5", "--json", "--force"}));
   ok(bench().query({"--c-l", "+5", "--t-r", "5e-1", "--json", "--force"}));
@@ -207,7 +207,7 @@ TEST_CASE("flags of the other family are refused") {
   check_refused(bench().query({"--method", "fabmap"}), 4, "fabmap");
 }
 
-TEST_CASE("outputs that can't be written") {
+TEST_CASE("outputs that cannot be written are refused") {
   check_refused(bench().query({"--c-l", "5", "--save-matrix", bench().folder / "no/m.npy"}), 3,
                 "does not exist");
   check_refused(Bench::train({"--train", bench().folder / "one", "-o", "/proc/x.vprdb"}), 3,
@@ -220,7 +220,7 @@ TEST_CASE("outputs that can't be written") {
   check_nothing_written();
 }
 
-TEST_CASE("a text that can't be printed costs none of the files that were asked for") {
+TEST_CASE("a failure of stdout does not lose the requested files") {
   if (!fs::exists("/dev/full")) return;
   const TemporaryFolder out;
   const auto query = [&](const std::string& flags) {
@@ -235,10 +235,10 @@ TEST_CASE("a text that can't be printed costs none of the files that were asked 
     return exit_code;
   };
   CHECK(query("") == 0);
-  CHECK(query("--json") == 3);  // which is an output, too
+  CHECK(query("--json") == 3);  // standard output is an output as well
 }
 
-TEST_CASE("names can't steer a terminal, and an error stays one line") {
+TEST_CASE("names cannot control a terminal, and an error is a single line") {
   const TemporaryFolder out;
   const std::string hostile = "a\x1b[31m\x07\nb";
   const auto is_plain = [](const std::string& text) {
@@ -265,7 +265,7 @@ TEST_CASE("a full disk leaves nothing behind") {
     return;
   }
   fs::create_directory(disk / "sub");
-  // One image a frame is small, so fill the disk first.
+  // One image per frame is small, so fill the disk first.
   write_text(disk / "ballast", std::string(60 * 1024, 'x'));
   const auto train = Bench::train({"--train", bench().folder / "one", "--train",
                                    bench().folder / "two", "-o", disk / "sub/db.vprdb"});
@@ -281,7 +281,7 @@ TEST_CASE("a full disk leaves nothing behind") {
   CHECK(left_after_query.empty());
 }
 
-TEST_CASE("a folder that can't be made on a full disk is an output error") {
+TEST_CASE("a folder that cannot be created on a full disk is an output error") {
   const TemporaryFolder world;
   write_text(world / "world.json", building(2, {"one"}));
   const TemporaryFolder disk;
@@ -298,7 +298,7 @@ TEST_CASE("a folder that can't be made on a full disk is an output error") {
   }
 }
 
-TEST_CASE("libraries add no lines of their own about images") {
+TEST_CASE("libraries print no messages about images") {
   const TemporaryFolder out;
   cv::Mat noise(48, 64, CV_8UC1);
   cv::randu(noise, 0, 256);
@@ -317,12 +317,12 @@ TEST_CASE("libraries add no lines of their own about images") {
   };
   const std::string png = encoded(".png");
   const std::string jpeg = encoded(".jpg");
-  std::string comment = png;  // with a checksum that is wrong
+  std::string comment = png;  // with a wrong checksum
   comment.insert(33, std::string("\0\0\0\3tEXta\0b....", 15));
   std::string flipped = png;
   flipped[png.size() / 2] = static_cast<char>(~flipped[png.size() / 2]);
   std::string header = png;
-  header[24] = 7;  // bits a pixel
+  header[24] = 7;  // bits per pixel
   const std::vector<std::pair<std::string, std::string>> damaged = {
       {".png", flipped},
       {".png", header},
@@ -335,7 +335,7 @@ TEST_CASE("libraries add no lines of their own about images") {
       {".pgm", encoded(".pgm").substr(0, 100)}};
   for (const auto& [extension, bytes] : damaged)
     check_refused(train(extension, bytes), 3, "6" + extension + ": can't be decoded");
-  // Pictures that can be read, though a library has something to say of them.
+  // Readable images that cause messages of a library.
   for (const auto& [extension, bytes] :
        {std::pair<std::string, std::string>{".png", comment},
         {".jpg", jpeg.substr(0, jpeg.size() - 2) + "xx\xff\xd9"}}) {
@@ -344,7 +344,7 @@ TEST_CASE("libraries add no lines of their own about images") {
   }
 }
 
-TEST_CASE("larger frames than are allowed are refused, and allowed when asked for") {
+TEST_CASE("frames above the size limit are refused, or accepted with a higher limit") {
   const TemporaryFolder out;
   for (int i = 0; i < 6; ++i)
     write_image(out / fmt::format("{}.png", i), static_cast<uint64_t>(i), 1200, 1000);
@@ -359,7 +359,7 @@ TEST_CASE("larger frames than are allowed are refused, and allowed when asked fo
   ok(train({}));
 }
 
-TEST_CASE("ground truth that is missing or does not fit") {
+TEST_CASE("ground truth that is missing or does not match is refused") {
   const TemporaryFolder out;
   run_ok("vpr-query", {bench().database(), "--query", bench().folder / "query", "--c-l", "5", "-o",
                        out / "r.json"});
@@ -382,7 +382,7 @@ TEST_CASE("ground truth that is missing or does not fit") {
       4, "vpr.result/2");
 }
 
-TEST_CASE("an interrupt in the middle of training ends with 130 and leaves nothing behind") {
+TEST_CASE("an interrupt during training exits with 130 and leaves nothing behind") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "long");
   write_image(folder / "long/0.png", 1, 1500, 1100);
@@ -401,7 +401,7 @@ TEST_CASE("an interrupt in the middle of training ends with 130 and leaves nothi
     ::_exit(99);
   }
   std::array<char, 256> text{};
-  REQUIRE(::read(terminal, text.data(), text.size()) > 0);  // progress: it is in the middle
+  REQUIRE(::read(terminal, text.data(), text.size()) > 0);  // progress shows that it is running
   ::kill(child, SIGINT);
   while (::read(terminal, text.data(), text.size()) > 0) {
   }

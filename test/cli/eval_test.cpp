@@ -1,4 +1,4 @@
-// vpr-eval on scores of other programs, and comparisons of its reports, as a user runs it.
+// vpr-eval on scores of other programs, and comparisons of its reports.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -12,8 +12,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Twelve queries against twelve references, aligned: queries 0 to 8 are right with distances 1 to
-/// 9, queries 9 to 11 prefer the reference 0 with distances 4.5, 10 and 11.
+/// Twelve queries and twelve references, aligned: queries 0 to 8 are correct with distances 1 to 9,
+/// queries 9 to 11 prefer reference 0 with distances 4.5, 10 and 11.
 std::string write_scores(const TemporaryFolder& folder, const std::string& name = "s.npy",
                          double sign = 1) {
   std::vector<float> scores(144, float(20 * sign));
@@ -25,7 +25,7 @@ std::string write_scores(const TemporaryFolder& folder, const std::string& name 
   return folder / name;
 }
 
-/// What evaluates those scores.
+/// The arguments that evaluate these scores.
 Words scored(const TemporaryFolder& folder, const Words& more = {}) {
   return joined({"--scores", write_scores(folder), "--distance", "--ground-truth", "aligned"},
                 more);
@@ -38,8 +38,8 @@ Json report_of(const Words& words) {
   return Json::parse(run.out);
 }
 
-/// Ten queries against ten references, aligned; the first `right` are right, the closer the
-/// earlier, all others prefer reference 0.
+/// Ten queries and ten references, aligned; the first `right` are correct, earlier ones closer; all
+/// others prefer reference 0.
 std::string report_of(const TemporaryFolder& folder, const std::string& name, size_t right) {
   std::vector<float> scores(100, 50);
   for (size_t q = 0; q < 10; ++q) scores[q < right ? 11 * q : 10 * q] = float(q + 1);
@@ -52,7 +52,7 @@ std::string report_of(const TemporaryFolder& folder, const std::string& name, si
 
 }  // namespace
 
-TEST_CASE("scores of any program are evaluated by the field's metrics") {
+TEST_CASE("scores of any program are evaluated with the field's metrics") {
   const TemporaryFolder folder;
   const Json report = report_of(scored(folder));
   CHECK(report["method"] == "s");
@@ -60,13 +60,13 @@ TEST_CASE("scores of any program are evaluated by the field's metrics") {
   CHECK(report["best_match"]["correct"] == 9);
   const Json& single = report["metrics"]["single_best"];
   CHECK(single["to_find"] == 12);
-  // Four right ones, the wrong one at 4.5, five more right ones.
+  // Four correct ones, the incorrect one at 4.5, five more correct ones.
   const double expected = (4 + 5 / 6.0 + 6 / 7.0 + 7 / 8.0 + 8 / 9.0 + 9 / 10.0) / 12;
   CHECK(single["average_precision"].get<double>() == Approx(expected));
   CHECK(single["recall_at_100_precision"].get<double>() == Approx(4 / 12.0));
   CHECK(single["thresholds"]["recall_at_100_precision"] == 4);
   CHECK(report["metrics"]["recall_at"]["1"] == 0.75);
-  // Behind the one that is closer all others tie; the first comes first.
+  // All references after the closest one tie; the first one comes first.
   CHECK(report["metrics"]["recall_at"]["5"] == 0.75);
   CHECK(report["metrics"]["recall_at"]["10"].get<double>() == Approx(10 / 12.0));
   CHECK(report["metrics"]["recall_at"]["20"] == 1);
@@ -75,7 +75,7 @@ TEST_CASE("scores of any program are evaluated by the field's metrics") {
   CHECK(report["outcomes"]["best"] == "cccccccccwww");
 }
 
-TEST_CASE("similarities, and a threshold of one's own") {
+TEST_CASE("similarities and a user's threshold are evaluated") {
   const TemporaryFolder folder;
   const std::string turned = write_scores(folder, "t.npy", -1);
   const Json report = report_of({"--scores", turned, "--similarity", "--ground-truth", "aligned",
@@ -93,7 +93,7 @@ TEST_CASE("similarities, and a threshold of one's own") {
       "1 of them wrong; the first right one at frame 0.\n"));
 }
 
-TEST_CASE("an operating point from the ground truth is not compared as one that was chosen") {
+TEST_CASE("an operating point from the ground truth is not compared with a chosen one") {
   const TemporaryFolder folder;
   const std::string scores = write_scores(folder);
   const auto report = [&](const std::string& name, const Words& more) {
@@ -102,7 +102,8 @@ TEST_CASE("an operating point from the ground truth is not compared as one that 
                               more));
     return (folder / (name + ".json")).string();
   };
-  // The fixed threshold has 7 of 12 right and the one at 4.5 wrong; the oracle's best is 4 of 12.
+  // The fixed threshold has 7 of 12 correct and the one at 4.5 incorrect; the best possible one has
+  // 4 of 12.
   const std::string fixed = report("fixed", {"--threshold", "7"});
   const std::string oracle = report("oracle", {});
   const std::string late = report("late", {"--threshold", "2"});
@@ -112,14 +113,15 @@ TEST_CASE("an operating point from the ground truth is not compared as one that 
   const std::string csv =
       run_program("vpr-eval", {"compare", oracle, late, fixed, "--format", "csv"}).out;
   CHECK(has(csv, "queries,fixed,,same,wrong,1,"));
-  // Beside a chosen threshold with less the oracle is not the best; beside another it may be.
+  // Next to a chosen threshold with fewer, the best possible one is not marked; otherwise it may
+  // be.
   const auto less = run_program("vpr-eval", {"compare", oracle, late, "--format", "markdown"}).out;
   CHECK(has(less, "| 0.3333 | 0 | 8 |"));
   const auto both = run_program("vpr-eval", {"compare", oracle, oracle, "--format", "markdown"});
   CHECK(has(both.out, "| **0.3333** | 0 | **8** |"));
 }
 
-TEST_CASE("the headline of lists without a confidence is how many are right") {
+TEST_CASE("the headline of lists without confidence is the number of correct ones") {
   const TemporaryFolder folder;
   write_text(folder / "pairs.txt", "0 0\n1 1\n2 5\n3 3\n");
   const auto run =
@@ -128,7 +130,7 @@ TEST_CASE("the headline of lists without a confidence is how many are right") {
   CHECK(run.out.starts_with("Best match right in 3 of 4 frames (75.0 %).\n"));
 }
 
-TEST_CASE("positions give gaps in metres") {
+TEST_CASE("positions yield gaps in meters") {
   const TemporaryFolder folder;
   std::string poses = "frame,x,y\n";
   for (int i = 0; i < 12; ++i) poses += std::to_string(i) + "," + std::to_string(2 * i) + ",0\n";
@@ -149,7 +151,7 @@ TEST_CASE("metrics can be expected") {
   CHECK(run_program("vpr-eval", scored(folder, {"--expect", folder / "y.json"})).exit_code == 2);
 }
 
-TEST_CASE("scores that can't be evaluated end with their exit code and one sentence") {
+TEST_CASE("invalid scores exit with their code and one sentence") {
   const TemporaryFolder folder;
   const std::string scores = write_scores(folder);
   write_text(folder / "text.npy", "no array");
@@ -173,7 +175,7 @@ TEST_CASE("scores that can't be evaluated end with their exit code and one sente
   CHECK(code({"--scores", scores, "--distance", "--poses", folder / "text.npy"}) == 4);
 }
 
-TEST_CASE("CSV has everything in one row, text a table each") {
+TEST_CASE("CSV has everything in one row, text has one table each") {
   const TemporaryFolder folder;
   const Words words = scored(folder);
   const std::string row = run_program("vpr-eval", joined(words, {"--format", "csv"})).out;
@@ -186,7 +188,7 @@ TEST_CASE("CSV has everything in one row, text a table each") {
   CHECK(has(text, "12 queries with a match; 0 without one"));
 }
 
-TEST_CASE("pictures: a page with the frames of both sequences, and plots") {
+TEST_CASE("images: a page with the frames of both sequences, and plots") {
   const TemporaryFolder folder;
   for (const std::string name : {"q", "r"}) {
     fs::create_directory(folder / name);
@@ -264,7 +266,7 @@ TEST_CASE("damaged reports are refused") {
         4);
 }
 
-TEST_CASE("reports with different ground truths are not compared, unless it is asked for") {
+TEST_CASE("reports with different ground truths are compared only on request") {
   const TemporaryFolder folder;
   const std::string scores = write_scores(folder);
   write_text(folder / "g.csv", "query,reference\n0,0\n1,1\n2,3\n11,11\n");
@@ -284,7 +286,7 @@ TEST_CASE("reports with different ground truths are not compared, unless it is a
   CHECK(found["ground_truths"] == "different");
   CHECK(found["queries"]["disputed"] == 8);
   CHECK(found["queries"]["common"] == 4);
-  // The same pairs in another format are the same ground truth.
+  // The same pairs in another format are equal ground truth.
   CHECK(report_of({"compare", folder / "a.json", folder / "c.json"})["ground_truths"] == "same");
   Json damaged = file_json(folder / "b.json");
   damaged["provenance"].erase("ground_truth");
@@ -295,7 +297,7 @@ TEST_CASE("reports with different ground truths are not compared, unless it is a
   CHECK(has(unknown.err, "\"ground_truth\" is missing"));
 }
 
-TEST_CASE("names that users give stay, and only automatic ones that clash make way") {
+TEST_CASE("names set by the user stay, and only conflicting automatic names change") {
   const TemporaryFolder folder;
   for (const std::string file : {"a", "b", "c"})
     run_ok("vpr-eval", joined(scored(folder, {"-o", folder / (file + ".json"), "--quiet"}),
@@ -331,7 +333,7 @@ TEST_CASE("single queries are written as rows for data frames") {
   CHECK(run_program("vpr-eval", words("--recognitions-csv", "r.csv")).exit_code == 2);
 }
 
-TEST_CASE("a tolerance below 0 is refused in a sentence") {
+TEST_CASE("a negative tolerance is refused in one sentence") {
   const TemporaryFolder folder;
   for (const Words& words :
        {scored(folder, {"--tolerance", "-1"}),
@@ -340,15 +342,15 @@ TEST_CASE("a tolerance below 0 is refused in a sentence") {
   }
 }
 
-TEST_CASE("a pose that is missing costs the metres and nothing else") {
+TEST_CASE("a missing pose disables only the distances in meters") {
   const TemporaryFolder folder;
   write_text(folder / "p.csv", "frame,x,y\n0,0,0\n2,1,1\n");
   const auto run = run_ok("vpr-eval", scored(folder, {"--poses", folder / "p.csv", "--json"}));
-  CHECK(has(run.err, "no pose of 10 of 12 frames"));
+  CHECK(has(run.err, "no pose for 10 of 12 frames"));
   CHECK(Json::parse(run.out)["localisation"]["longest_gap_m"].is_null());
 }
 
-TEST_CASE("the table of a paper has a row for each method, and the best in bold") {
+TEST_CASE("the table of a paper has a row for each method, with the best values in bold") {
   const TemporaryFolder folder;
   const std::string good = report_of(folder, "good", 8);
   const std::string bad = report_of(folder, "bad", 4);
@@ -359,8 +361,8 @@ TEST_CASE("the table of a paper has a row for each method, and the best in bold"
     REQUIRE(run.exit_code == 0);
     return run.out;
   };
-  // Of ten to find 8 are right, and the first 8 accepted ones: AP = R@100P = 0.8, and max F1 =
-  // 16 / (8 + 10). R@5 and R@10 count rank ties to the first.
+  // 8 of ten positives are correct, and the first 8 accepted ones: AP = R@100P = 0.8, and max F1 =
+  // 16 / (8 + 10). R@5 and R@10 count ties of the first rank.
   const std::string text = table("text");
   CHECK(has(text, "ours & yours  0.8000*"));
   CHECK(has(text, "0.8889*"));
@@ -393,7 +395,7 @@ TEST_CASE("curves and paths of all methods are on one page and in one plot") {
                                                "precision-recall.png", "precision-recall.svg"});
 }
 
-TEST_CASE("a replayed query stands beside the query, over its own frames") {
+TEST_CASE("a resampled query is compared with the query over its own frames") {
   const TemporaryFolder out;
   const auto evaluate = [&](const std::string& name, const Words& more) {
     run_ok("vpr-query", joined({world().database(), "--dataset", world().dataset(), "--c-l", "1",
@@ -411,11 +413,11 @@ TEST_CASE("a replayed query stands beside the query, over its own frames") {
   CHECK(found["reports"][1]["walk"] == "replayed: 0.5, seed 1");
   CHECK(found["reports"][1]["queries"] == 2 * found["reports"][0]["queries"].get<int>());
   CHECK(found["paired"].empty());
-  // Every frame is shown twice: the shares are the same.
+  // Every frame is shown twice: the shares are equal.
   CHECK(found["metrics"][1]["value"] == found["metrics"][0]["value"]);
   CHECK(found["metrics"][1]["difference"] == 0);
   CHECK(found["metrics"][1]["low"].is_null());
   CHECK(has(run_program("vpr-eval", {"compare", plain, slow}).out, "not paired, over"));
-  // Replays that are the same are paired.
+  // Equal resampled queries are paired.
   CHECK(printed_json("vpr-eval", {"compare", slow, slow, "--json"})["paired"].size() == 1);
 }

@@ -1,4 +1,4 @@
-// FAB-MAP's commands as a user runs them, and every file of theirs tried broken.
+// FAB-MAP's commands, and damage in all their files.
 #include <algorithm>
 #include <array>
 
@@ -79,7 +79,7 @@ TEST_CASE("a FAB-MAP database is byte-identical for any number of threads and SI
   }
 }
 
-TEST_CASE("adding views gives the database of training them together") {
+TEST_CASE("adding views yields the database of training all together") {
   const TemporaryFolder out;
   ok(run_train(
       {"--train", world().walk("one"), "--train", world().walk("back"), "-o", out / "both.vprdb"}));
@@ -89,7 +89,7 @@ TEST_CASE("adding views gives the database of training them together") {
     CHECK(read_text(out / "both.vprdb" / name) == read_text(out / "added.vprdb" / name));
 }
 
-TEST_CASE("imported from its vocabulary, tree and words, a database gives the same posteriors") {
+TEST_CASE("a database imported from vocabulary, tree and words has the same posteriors") {
   const TemporaryFolder out;
   run_ok("vpr-train", {"fabmap", "--pretrain", world().walk("other"), "--train",
                        world().walk("one"), "--features", "sift", "--words", "60", "--clustering",
@@ -102,7 +102,7 @@ TEST_CASE("imported from its vocabulary, tree and words, a database gives the sa
   CHECK(read_text(out / "r.npy") == read_text(out / "i.npy"));
 }
 
-TEST_CASE("with --loop, a recording that comes back recognises its own frames, none too near") {
+TEST_CASE("with --loop, a recording recognizes its own earlier frames, none within the gap") {
   const TemporaryFolder out;
   fs::create_directory(out / "lap");
   const Words names = images_of(world().walk("one"));
@@ -133,7 +133,7 @@ TEST_CASE("with --loop, a recording that comes back recognises its own frames, n
   }
 }
 
-TEST_CASE("an explanation lists words, and draws them") {
+TEST_CASE("an explanation lists words and draws them") {
   const TemporaryFolder out;
   const auto outcome = ok(
       run_query({"--explain", "20", "--train-images", world().walk("one"), "-o", out / "r.json"}));
@@ -151,7 +151,7 @@ TEST_CASE("an explanation lists words, and draws them") {
   CHECK(!fs::exists(out / "s.json"));
 }
 
-TEST_CASE("a frame without features keeps its index; all of them are no vocabulary") {
+TEST_CASE("a frame without features keeps its index; a vocabulary needs some features") {
   const TemporaryFolder out;
   fs::create_directory(out / "grey");
   for (const char* name : {"1.pgm", "2.pgm"}) write_text(out / "grey" / name, kGreyImage);
@@ -162,14 +162,14 @@ TEST_CASE("a frame without features keeps its index; all of them are no vocabula
   check_failure(
       "vpr-train",
       {"fabmap", "--pretrain", out / "grey", "--clustering", "radius", "-o", out / "x.vprdb"}, 2,
-      "larger pictures, or another kind of --features");
+      "larger images, or another kind of --features");
   run_ok("vpr-query", {world().fabmap(), "--query", out / "grey", "-o", out / "r.json"});
   const NpyArray best(out / "r.best.npy");
   CHECK(best.shape()[0] == 2);
   CHECK(best.values<int32_t>(2)[1] == -1);
 }
 
-TEST_CASE("frames without features are counted, and warned of with their share") {
+TEST_CASE("frames without features are counted, with a warning about their share") {
   const TemporaryFolder out;
   fs::copy(world().walk("one"), out / "walk");
   const auto frames = list_folder(out / "walk").size();
@@ -177,16 +177,17 @@ TEST_CASE("frames without features are counted, and warned of with their share")
     write_text(out / "walk" / fmt::format("zz{}.pgm", i), kGreyImage);
   const auto query =
       run_ok("vpr-query", {world().fabmap(), "--query", out / "walk", "-o", out / "r.json"});
-  CHECK(has(query.err, "have no sift feature"));
+  CHECK(has(query.err, "have no sift features"));
   CHECK(has(query.out, fmt::format("{} frames without features", frames)));
   CHECK(file_json(out / "r.json")["query"]["featureless"] == frames);
   const auto trained = ok(run_train({"--train", out / "walk", "-o", out / "w.vprdb", "--json"}));
-  CHECK(has(trained.err, "larger pictures"));
+  CHECK(has(trained.err, "larger images"));
   CHECK(Json::parse(trained.out)["featureless_views"] == frames);
   CHECK(run_query({"--json"}).err.empty());
 }
 
-TEST_CASE("a query that recognizes nothing states the highest probability, and no smaller t_p") {
+TEST_CASE(
+    "a query without recognitions states the highest probability, but suggests no smaller t_p") {
   const auto nothing =
       run_ok("vpr-query", {world().fabmap(), "--query", world().walk("back"), "--t-p", "0.9999"});
   INFO(nothing.out);
@@ -194,12 +195,12 @@ TEST_CASE("a query that recognizes nothing states the highest probability, and n
   CHECK_FALSE(has(nothing.out, "--t-p"));
 }
 
-TEST_CASE("a flag of the other family is refused with the name of its counterpart") {
+TEST_CASE("a flag of the other family is refused, and its counterpart is suggested") {
   check_failure(run_query({"--save-matrix", "m.npy", "--json"}), 2, "--save-posteriors");
   check_failure(run_query({"--t-r", "0.4", "--json"}), 2, "--t-p");
 }
 
-TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop") {
+TEST_CASE("an undecodable frame never matches, as a view or in a loop") {
   const TemporaryFolder out;
   fs::copy(world().walk("one"), out / "one");
   const std::string broken = list_folder(out / "one")[3];
@@ -212,7 +213,7 @@ TEST_CASE("a frame that can't be decoded never matches, as a view or in a loop")
   const NpyArray posteriors(out / "p.npy");
   const double floor = 0.01 / static_cast<double>(posteriors.shape()[1]);
   CHECK(posteriors.values<double>(2)[1 + 3] == Approx(floor));
-  // A grey frame after the broken one, with nothing else to be like.
+  // A gray frame after the broken one, which resembles no other frame.
   fs::copy(out / "grey/1.pgm", out / "one/zz.pgm");
   ok(run_train({"-o", out / "v.vprdb"}));
   run_ok("vpr-query", {out / "v.vprdb", "--query", out / "one", "--loop", "--skip-unreadable",
@@ -236,7 +237,7 @@ TEST_CASE("a FAB-MAP database does not depend on the instruction sets that OpenC
       CHECK(read_text(out / "without " / name) == read_text(out / other / name));
 }
 
-TEST_CASE("a pretraining frame that can't be decoded is left out, and is none without words") {
+TEST_CASE("an undecodable pretraining frame is omitted and is not a frame without words") {
   const TemporaryFolder out;
   fs::copy(world().walk("other"), out / "broken");
   write_text(out / "broken/00001a.jpg", "broken");
@@ -248,8 +249,8 @@ TEST_CASE("a pretraining frame that can't be decoded is left out, and is none wi
     CHECK(read_text(out / "other.vprdb" / name) == read_text(out / "broken.vprdb" / name));
 }
 
-TEST_CASE("FAB-MAP settings out of range") {
-  using Wrong = std::vector<std::array<std::string, 3>>;  // flag, value, a word of the sentence
+TEST_CASE("FAB-MAP settings out of range are refused") {
+  using Wrong = std::vector<std::array<std::string, 3>>;  // flag, value, a word of the message
   const TemporaryFolder out;
   for (const auto& [flag, value, word] : Wrong{{"--t-p", "1.5", "t_p must be"},
                                                {"--t-p", "nan", "\"--t-p\""},
@@ -266,7 +267,7 @@ TEST_CASE("FAB-MAP settings out of range") {
                                                {"--words", "1", "from 2 to 10000000"},
                                                {"--words", "100000000", "from 2 to 10000000"},
                                                {"--features", "surff", "\"--features\""},
-                                               {"--words", "999999", "give fewer --words"},
+                                               {"--words", "999999", "use fewer --words"},
                                                {"--place", "x", "NAME=SEQUENCE"},
                                                {"--clustering", "tree", "\"--clustering\""}})
     check_failure("vpr-train",
@@ -276,7 +277,7 @@ TEST_CASE("FAB-MAP settings out of range") {
   CHECK(list_folder(out.path()).empty());
 }
 
-TEST_CASE("every file of a FAB-MAP database is tried broken") {
+TEST_CASE("damage in any file of a FAB-MAP database is detected") {
   const TemporaryFolder out;
   const fs::path broken = out / "d.vprdb";
   for (const std::string& name : list_folder(world().fabmap())) {
@@ -296,7 +297,7 @@ TEST_CASE("every file of a FAB-MAP database is tried broken") {
   }
 }
 
-TEST_CASE("every file of a FAB-MAP result is tried broken") {
+TEST_CASE("damage in any file of a FAB-MAP result is detected") {
   const TemporaryFolder out;
   ok(run_query({"-o", out / "r.json"}));
   const auto eval = [&] {
@@ -310,7 +311,7 @@ TEST_CASE("every file of a FAB-MAP result is tried broken") {
     for (const std::string& text :
          {whole.substr(0, whole.size() / 2), without_last_bit(whole), std::string()}) {
       write_text(out / name, text);
-      // The last byte of a JSON file is a line end, which another byte may replace.
+      // The last byte of a JSON file is a line feed, which another byte may replace.
       if (name != "r.json" || text.size() < whole.size()) check_failure(eval(), 4, "r.");
     }
     write_text(out / name, whole);
@@ -332,7 +333,7 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
   CHECK(result["targets"][0]["frames"] == 2);
   CHECK(result["places"]["names"] == Json{"a", "b"});
   CHECK(result["places"]["views"] == frames);
-  // Frames of the last place that are in no ground truth of places.
+  // Frames of the last place without a label in the ground truth of places.
   const auto compare = [&](size_t unknown) {
     std::string pairs = "query,reference\n";
     for (size_t frame = 0; frame + unknown < frames; ++frame)
@@ -351,17 +352,17 @@ TEST_CASE("FAB-MAP with places and FastABLE with frames are compared query by qu
   };
   const Json all = compare(0);
   CHECK(all["ground_truths"] == "of-places-and-frames");
-  CHECK(all["queries"]["common"] == frames - 3);  // from the first window's last frame on
+  CHECK(all["queries"]["common"] == frames - 3);  // from the last frame of the first window on
   CHECK(all["queries"]["with_match"] == frames - 3);
   CHECK(all["queries"]["disputed"] == 0);
-  // A walk against itself: both have every query right.
+  // A sequence against itself: both methods have every query correct.
   CHECK(all["paired"][0]["both_right"] == frames - 3);
   const Json fewer = compare(5);
   CHECK(fewer["queries"]["common"] == frames - 3 - 5);
   CHECK(fewer["queries"]["disputed"] == 5);
 }
 
-TEST_CASE("OpenFABMAP's files, broken") {
+TEST_CASE("damaged OpenFABMAP files are refused") {
   const TemporaryFolder out;
   const auto files = openfabmap_files(world().fabmap(), out.path());
   for (const fs::path& file : files) {

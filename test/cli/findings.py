@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The paper's findings (configs/paper): they hold on the paper's own numbers, each of them can
-fail, and every kind judges as it says.   findings.py SOURCE"""
+fail, and every kind has its documented condition.   findings.py SOURCE"""
 import json
 import pathlib
 import random
@@ -28,8 +28,7 @@ def paper_cells(experiment):
 
 
 def check_on_the_paper(name, experiment):
-    """Holds; does not where the data say that the table contradicts it; has no numbers where they
-    say that."""
+    """Holds, unless the data declare that the table contradicts it or has no numbers."""
     for finding in experiment["findings"]:
         holds = findings.check(finding, paper_cells(experiment), "paper")["holds"]
         expected = None if "unchecked" in finding else "contradicted" not in finding
@@ -37,7 +36,7 @@ def check_on_the_paper(name, experiment):
 
 
 def check_that_it_can_fail(name, experiment):
-    """Some numbers at the places of the paper's refute it, and some bear it out."""
+    """Some numbers in place of the paper's refute it, and some confirm it."""
     engine = random.Random(1)
     cells = paper_cells(experiment)
     for finding in experiment["findings"]:
@@ -63,7 +62,7 @@ def holds(kind, values, other=None, **more):
 
 
 def check_kinds():
-    """By hand, at the bounds: numbers on which each kind holds, and on which it does not."""
+    """Numbers at the bounds, on which each kind holds or does not hold, computed by hand."""
     over, than = {"over": ["c_l"]}, {"than": {"t_r": 2}}
     tried = {
         "zero": ([([0, 0], None)], [([0, 1], None)], {}),
@@ -91,7 +90,7 @@ def check_kinds():
 
 
 def check_missing():
-    """What was not measured neither holds nor fails, and is not counted."""
+    """Findings without measurements neither hold nor fail, and are not counted."""
     where = {"measure": "m", "c_l": [1, 2, 3]}  # there is no c_l of 3
     lacking = {"finding": "F", "place": "P", "kind": "zero", "where": where}
     full = {**lacking, "where": {"measure": "m"}}

@@ -1,4 +1,4 @@
-// FAB-MAP and sequences together, as a user asks for them.
+// Fusion of FAB-MAP and sequences in the programs.
 #include <catch2/catch.hpp>
 
 #include "present/result_file.h"
@@ -9,7 +9,7 @@ using namespace vpr::test;
 
 namespace {
 
-/// A database of the walk that the world's FAB-MAP database has.
+/// A database of the sequence in the world's FAB-MAP database.
 const std::string& database() {
   static const TemporaryFolder kFolder;
   static const std::string kPath = [] {
@@ -26,7 +26,7 @@ RunOutcome query(Words words) {
 
 }  // namespace
 
-TEST_CASE("a fused query says with what it was fused") {
+TEST_CASE("a fused query reports its FAB-MAP database") {
   const Json json =
       printed_json(query({"--fuse", world().fabmap(), "--c-l", "10", "--t-r", "-2", "--json"}));
   CHECK(json["settings"]["score"] == "standardized");
@@ -44,7 +44,7 @@ TEST_CASE("a fused query says with what it was fused") {
   CHECK(weak["clusters"] == alone["clusters"]);
 }
 
-TEST_CASE("an automatic margin of fused scores is warned of") {
+TEST_CASE("an automatic margin of fused scores causes a warning") {
   const auto said = [](Words words) {
     const auto outcome = ok(query(joined({"--fuse", world().fabmap()}, words)));
     return has(outcome.err, "was made for scores that are not fused");
@@ -55,7 +55,7 @@ TEST_CASE("an automatic margin of fused scores is warned of") {
   CHECK_FALSE(said({"--method", "filter"}));
 }
 
-TEST_CASE("a result's settings ask for the same database again") {
+TEST_CASE("a result as settings selects the same database again") {
   const TemporaryFolder folder;
   const std::string result = folder / "r.json";
   ok(query({"--fuse", world().fabmap(), "--fuse-beta", "0.5", "--c-l", "10", "--t-r", "-2", "-o",
@@ -65,7 +65,7 @@ TEST_CASE("a result's settings ask for the same database again") {
   CHECK(json["settings"]["fuse_beta"] == 0.5);
 }
 
-TEST_CASE("what is followed says what the whole fused query says") {
+TEST_CASE("live frames have the results of the whole fused query") {
   const TemporaryFolder folder;
   std::string list;
   for (const std::string& name : images_of(world().walk("again")))
@@ -88,7 +88,7 @@ TEST_CASE("what is followed says what the whole fused query says") {
   }
 }
 
-TEST_CASE("what can't be fused is refused with what to do") {
+TEST_CASE("incompatible databases for fusion are refused with advice") {
   check_failure(query({"--fuse", world().fabmap(), "--score", "raw"}), 2, "--score raw");
   check_failure(query({"--fuse", database(), "--t-r", "-2"}), 4, "fabmap");
   check_failure("vpr-query",

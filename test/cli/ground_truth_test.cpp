@@ -1,4 +1,4 @@
-// vpr-eval convert and check, and every format where a ground truth is taken.
+// vpr-eval convert and check, and every option that accepts a ground truth.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -42,7 +42,7 @@ void convert(const std::string& from, const std::string& to, const fs::path& out
 
 }  // namespace
 
-TEST_CASE("a result counts the same in every format that can hold its ground truth") {
+TEST_CASE("a result has the same counts with every format of its ground truth") {
   const TemporaryFolder out;
   const auto counts = [&](const std::string& ground_truth) {
     const Json report =
@@ -54,7 +54,7 @@ TEST_CASE("a result counts the same in every format that can hold its ground tru
   convert(walk().path("g.csv"), "matrix", out / "g.npy");
   for (const std::string name : {"g.npz", "g.npy"}) {
     INFO(name);
-    // No hit is among the pairs to ignore, so that formats that can't hold those count alike, too.
+    // No hit is an ignored pair, so that formats without ignored pairs have equal counts.
     CHECK(counts(out / name) == expected);
   }
   convert(out / "g.npz", "pairs", out / "g.npz.csv");
@@ -63,7 +63,7 @@ TEST_CASE("a result counts the same in every format that can hold its ground tru
         "5,3,ignore\n5,5,same\n6,6,same\n");
 }
 
-TEST_CASE("sequences and results say how many frames there are") {
+TEST_CASE("sequences and results determine the number of frames") {
   const TemporaryFolder out;
   for (const Words& scope :
        {Words{"--query", walk().path("one"), "--train", walk().path("one@0:5")},
@@ -81,10 +81,10 @@ TEST_CASE("sequences and results say how many frames there are") {
   CHECK(report["pairs"]["ignored"] == 1);
   CHECK(report["findings"]["one_sided"]["count"] == 2);
   CHECK(report["findings"]["one_sided"]["examples"][0] ==
-        "query 0 and reference 7 are the same place, query 7 and reference 0 are not");
+        "query 0 and reference 7 are the same place, but query 7 and reference 0 are not");
 }
 
-TEST_CASE("a check of a damaged ground truth says what is wrong, and ends with 4") {
+TEST_CASE("a check of a damaged ground truth reports the damage and exits with 4") {
   const TemporaryFolder out;
   write_text(out / "g.csv", "query,reference,label\n0,0,\n0,0,ignore\n9,0,\n");
   const auto outcome =
@@ -108,7 +108,7 @@ TEST_CASE("a check of a damaged ground truth says what is wrong, and ends with 4
   check_failure("vpr-eval", {"check", out / "cut.npy"}, 4, "cut.npy");
 }
 
-TEST_CASE("mistakes of convert and check") {
+TEST_CASE("invalid arguments of convert and check are refused") {
   const TemporaryFolder out;
   const std::string pairs = walk().path("g.csv");
   const auto convert_to = [&](const std::string& to, Words more = {}) {
@@ -128,7 +128,7 @@ TEST_CASE("mistakes of convert and check") {
   check_failure("vpr-eval", {"check", "aligned"}, 2, "frames");
   check_failure("vpr-eval", {}, 2, "result");
   CHECK(list_folder(out.path()).empty());
-  // What can't be said is said to be lost.
+  // A loss of information is reported.
   const auto lossy = ok(convert_to("matrix"));
   CHECK(has(lossy.err, "1 pair to ignore"));
 }
@@ -154,7 +154,7 @@ TEST_CASE("one command counts a result under every protocol") {
                 2, "--protocol");
 }
 
-TEST_CASE("vpr-query and vpr-tune take every format, and data sets name it") {
+TEST_CASE("vpr-query and vpr-tune accept every format, and data sets name it") {
   const TemporaryFolder out;
   convert(walk().path("g.csv"), "matrix", out / "g.npz");
   const auto picture = [&](const std::string& ground_truth) {
@@ -185,7 +185,7 @@ TEST_CASE("vpr-query and vpr-tune take every format, and data sets name it") {
                                   "--json"})["counts"]);
 }
 
-TEST_CASE("several results make one table, with a row and a name for each") {
+TEST_CASE("several results form one table, with a row and a name for each") {
   const TemporaryFolder out;
   run_ok("vpr-query", {walk().database(), "--query", walk().path("one"), "--c-l", "3", "--t-r",
                        "0.9", "-o", out / "long.json", "--quiet"});
@@ -212,7 +212,7 @@ TEST_CASE("several results make one table, with a row and a name for each") {
   CHECK(has(text, "By view"));
 }
 
-TEST_CASE("what says how a ground truth is read needs one") {
+TEST_CASE("options of a ground truth need one") {
   for (const std::string flag : {"--tolerance", "--radius"})
     check_failure("vpr-query",
                   {walk().database(), "--query", walk().path("one"), "--c-l", "2", "--t-r", "0.9",
@@ -220,7 +220,7 @@ TEST_CASE("what says how a ground truth is read needs one") {
                   2, "--save-matrix");
 }
 
-TEST_CASE("poses by time and anchors are taken from flags and from data sets") {
+TEST_CASE("poses by time and anchors are accepted as flags and in data sets") {
   const TemporaryFolder folder;
   std::string poses;
   for (int i = 0; i <= 10; ++i) poses += fmt::format("{:.1f} {} 0 0 0 0 0 1\n", 100 + i * 0.1, i);
@@ -235,12 +235,12 @@ TEST_CASE("poses by time and anchors are taken from flags and from data sets") {
   };
   const Json found = printed_json(check("t.txt", "100"));
   CHECK(found["frames"]["query"] == 3);
-  CHECK(found["pairs"]["same"] == 2 + 2 + 3);  // at 0, 2.5 and 5 metres
+  CHECK(found["pairs"]["same"] == 2 + 2 + 3);  // at 0, 2.5 and 5 meters
   CHECK(found["protocol"] ==
         "tum poses at the times of query frames, the nearest within 0.06 s, query times +100 s: "
         "within 1 m");
   check_failure(check("late.txt", "0"), 4,
-                "they are of 50 to 51 s, and " + path + " is of 100 to 101 s");
+                "they cover 50 to 51 s, but " + path + " covers 100 to 101 s");
   // Flags that a format does not use are refused.
   write_text(folder / "walk.anchors.csv", "query,reference\n0,0\n4,8\n");
   const std::string anchors = folder / "walk.anchors.csv";

@@ -1,4 +1,4 @@
-// What programs say of themselves: help, versions, completions and what may have been meant.
+// Help, versions, completions and suggestions.
 #include "common/help.h"
 
 #include <algorithm>
@@ -67,7 +67,7 @@ TEST_CASE("every command has a version, and help of 100 columns with common opti
   }
 }
 
-TEST_CASE("a mistyped flag or command is named, with the nearest") {
+TEST_CASE("a mistyped flag or command is reported with the nearest one") {
   const auto said = [](const std::string& program, const Words& words) {
     const auto run = run_program(program, words);
     CHECK(run.exit_code == 2);
@@ -86,12 +86,14 @@ TEST_CASE("a mistyped flag or command is named, with the nearest") {
             .starts_with("vpr-train: unknown command fastabel; did you mean fastable?"));
 }
 
-TEST_CASE("a mistyped word for a ground truth is named, with the nearest; a missing file is one") {
+TEST_CASE(
+    "a mistyped name of a ground truth is reported with the nearest one; missing files are "
+    "reported") {
   check_failure("vpr-eval", {"check", "algned"}, 2, "did you mean aligned?");
   CHECK(run_program("vpr-eval", {"check", "aligned.csv"}).exit_code == 3);
 }
 
-TEST_CASE("help wraps between words, and examples so that a shell takes them") {
+TEST_CASE("help wraps between words, and examples can be pasted into a shell") {
   CommandEntry command;
   command.description = "Does it.";
   command.arguments = {{"DB", "database", true}};
@@ -121,7 +123,7 @@ TEST_CASE("help wraps between words, and examples so that a shell takes them") {
             "  fast   is fast\n");
 }
 
-TEST_CASE("the help of a command has its own examples, and not those of its program") {
+TEST_CASE("the help of a command has its own examples, without those of its program") {
   const std::string help = run_program("vpr-eval", {"compare", "--help"}).out;
   const size_t example = help.find("\nExample:\n");
   REQUIRE(example != std::string::npos);
@@ -130,7 +132,7 @@ TEST_CASE("the help of a command has its own examples, and not those of its prog
   CHECK(help.find("\n\nExit codes:\n", example) != std::string::npos);
 }
 
-TEST_CASE("every program writes completions and a manual page that know all its flags") {
+TEST_CASE("completions and manual pages of every program contain all its flags") {
   for (const std::string program :
        {"vpr-train", "vpr-query", "vpr-eval", "vpr-tune", "vpr-bench", "vpr-synth"}) {
     const std::string help = run_program(program, {"--help"}).out;
@@ -150,7 +152,7 @@ TEST_CASE("every program writes completions and a manual page that know all its 
   }
 }
 
-TEST_CASE("a manual page has no line that troff would take for a request by mistake") {
+TEST_CASE("a manual page has no line that troff interprets as a request by mistake") {
   const std::string page = run_program("vpr-eval", {"--completion", "man"}).out;
   size_t begin = 0;
   while (begin < page.size()) {

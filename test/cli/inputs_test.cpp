@@ -1,4 +1,4 @@
-// Matrices, descriptors, lists and ground truth, as a user brings and takes them.
+// Matrices, descriptors, lists and ground truth as input and output.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,7 +30,7 @@ std::string distances(const TemporaryFolder& folder, size_t queries, size_t refe
 
 constexpr size_t kFrames = 20;
 
-/// Similarities of 20 queries to 20 references: the right one is often among the best.
+/// Similarities of 20 queries to 20 references: the correct one is often among the best.
 struct Scored {
   TemporaryFolder folder;
   Scored() {
@@ -54,7 +54,7 @@ struct Scored {
 
 const Words kTruth = {"--ground-truth", "aligned", "--tolerance", "0", "--json"};
 
-/// The frame distances of the rendered walks, as a matrix.
+/// The frame distances of the rendered sequences, as a matrix.
 struct Matrix {
   TemporaryFolder folder;
   size_t queries = 0;
@@ -71,7 +71,7 @@ struct Matrix {
     queries = array.shape()[0];
     references = array.shape()[1];
     for (const Json& target : json["targets"]) frames.push_back(target["frames"]);
-    // Similarities with references first: whole steps of 1/1024 below 2.
+    // Similarities with references first: multiples of 1/1024 below 2.
     std::vector<double> similarities(distances.size());
     for (size_t j = 0; j < queries; ++j)
       for (size_t i = 0; i < references; ++i)
@@ -80,7 +80,7 @@ struct Matrix {
   }
   std::vector<size_t> frames;  ///< of training sequences
   std::string path(const std::string& name) const { return folder / name; }
-  /// As the database has them.
+  /// As in the database.
   Words sequences() const {
     return {"--train-sequence", fmt::format("one=0:{}", frames[0]), "--train-sequence",
             fmt::format("two={}:{}", frames[0], frames[0] + frames[1])};
@@ -100,7 +100,7 @@ RunOutcome query_matrix(const std::string& file, const Words& words,
 
 }  // namespace
 
-TEST_CASE("rows of descriptors are frames and not windows") {
+TEST_CASE("rows of descriptors are frames, not windows") {
   const TemporaryFolder folder;
   const std::string scores = distances(folder, 20, 20);
   check_failure(evaluate({"--query-npy", scores, "--reference-npy", scores, "--ground-truth",
@@ -108,7 +108,7 @@ TEST_CASE("rows of descriptors are frames and not windows") {
                 2, "vpr-query --query-npy --c-l N");
 }
 
-TEST_CASE("rows of scores are windows of as many frames as the query has") {
+TEST_CASE("rows of scores are windows of the length given by the query") {
   const TemporaryFolder folder;
   const Words words = {"--scores", distances(folder, 20, 20), "--distance", "--ground-truth",
                        "aligned"};
@@ -126,7 +126,7 @@ TEST_CASE("rows of scores are windows of as many frames as the query has") {
   check_failure(windows_of("5", {"--query", folder / "q"}), 4, "found 20");
 }
 
-TEST_CASE("a ground truth that is some frames off is told from a method that fails") {
+TEST_CASE("a shifted ground truth is distinguished from a failing method") {
   const TemporaryFolder folder;
   const auto warning = [&](const std::string& scores, const Words& more) {
     return ok(evaluate({"--scores", scores, "--distance", "--ground-truth", "aligned"}, more)).err;
@@ -139,10 +139,10 @@ TEST_CASE("a ground truth that is some frames off is told from a method that fai
   CHECK(warning(fast, {"--tolerance", "1"}) ==
         "warning: the query has 20 frames and the training sequence 40: --reference-step 2?\n");
   CHECK(warning(fast, {"--reference-step", "2"}).empty());
-  CHECK(warning(distances(folder, 20, 40), {}).empty());  // right, whatever the lengths
+  CHECK(warning(distances(folder, 20, 40), {}).empty());  // correct for any lengths
 }
 
-TEST_CASE("scores of the other order are told by their recall") {
+TEST_CASE("scores of the wrong order are detected by their recall") {
   const TemporaryFolder folder;
   const std::string scores = distances(folder, 20, 20);
   const auto run = evaluate({"--scores", scores, "--similarity", "--ground-truth", "aligned"});
@@ -175,7 +175,7 @@ TEST_CASE("pairs name frames by number or by file") {
   };
   const Json expected = counts("numbers.csv");
   CHECK(expected["without_match"] != expected["queries"]);
-  CHECK(counts("named.csv") == expected);  // of the query and the database of the run
+  CHECK(counts("named.csv") == expected);  // the query and the database of the run
   CHECK(counts("stems.csv") == expected);
   CHECK(counts("named.csv", {"--query", world().walk("back"), "--train", world().walk("one"),
                              "--train", world().walk("two")}) == expected);
@@ -185,7 +185,7 @@ TEST_CASE("pairs name frames by number or by file") {
   check_failure(evaluate({"check", folder / "named.csv"}), 4, "--query and --train");
 }
 
-TEST_CASE("a slip on the command line is answered with what was meant") {
+TEST_CASE("a mistake on the command line is answered with a suggestion") {
   check_failure("vpr-train", {"--train", "monday", "-o", "x"}, 2, "give a command: fastable, ");
   check_failure("vpr-query", {world().database(), "tuesday"}, 2,
                 "unexpected argument tuesday; did you mean --query tuesday?");
@@ -196,7 +196,7 @@ TEST_CASE("a slip on the command line is answered with what was meant") {
                 "is a database; give a result of vpr-query");
 }
 
-TEST_CASE("training images of several sizes are warned of") {
+TEST_CASE("training images of several sizes cause a warning") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "walk");
   for (int i = 0; i < 6; ++i)
@@ -207,7 +207,7 @@ TEST_CASE("training images of several sizes are warned of") {
       has(run.err, "walk: 1 of 6 images are not 40 x 30 like 0.png; the first is 4.png, 50 x 30"));
 }
 
-TEST_CASE("sizes that an input asks for are bounded before the work") {
+TEST_CASE("sizes requested by an input are limited before the work") {
   const TemporaryFolder folder;
   write_text(folder / "far.csv", "query,reference\n4194303,4194303\n");
   for (const char* name : {"gt.npy", "gt.npz"})
@@ -229,7 +229,7 @@ TEST_CASE("sizes that an input asks for are bounded before the work") {
   }
 }
 
-TEST_CASE("a result is judged by its own query of a data set with several queries") {
+TEST_CASE("a result is evaluated with its own query of a data set with several queries") {
   const TemporaryFolder out;
   run_ok("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l", "10", "--t-r",
                        "0.3", "-o", out / "r.json"});
@@ -239,7 +239,7 @@ TEST_CASE("a result is judged by its own query of a data set with several querie
   CHECK(counts(world().walk("dataset.json")) == counts(world().dataset()));
 }
 
-TEST_CASE("pairs that are written are read again, with the recall of the scores") {
+TEST_CASE("written pairs can be read back, with the recall of the scores") {
   const Scored scored;
   const Words source = {"--scores", scored.path("s.npy"), "--similarity"};
   const Json scores = printed_json(evaluate(source, kTruth));
@@ -253,7 +253,7 @@ TEST_CASE("pairs that are written are read again, with the recall of the scores"
     CHECK(pairs["metrics"]["recall_at"][k] == scores["metrics"]["recall_at"][k]);
   CHECK(scores["metrics"]["recall_at"]["1"].get<double>() > 0.3);
   CHECK(scores["metrics"]["recall_at"]["1"].get<double>() < 1);
-  // Beside a report, and with numbers as names.
+  // Together with a report, and with numbers as names.
   ok(evaluate(source, {"--ground-truth", "aligned", "--pairs", scored.path("numbers.txt"),
                        "--top-k", "1"}));
   CHECK(printed_json(evaluate({"--predictions", scored.path("numbers.txt")},
@@ -261,7 +261,7 @@ TEST_CASE("pairs that are written are read again, with the recall of the scores"
         scores["metrics"]["recall_at"]["1"]);
 }
 
-TEST_CASE("predictions of VPR-methods-evaluation are judged") {
+TEST_CASE("predictions of VPR-methods-evaluation are evaluated") {
   const Scored scored;
   std::filesystem::create_directory(scored.folder / "preds");
   for (size_t j = 0; j < kFrames; ++j)
@@ -296,7 +296,7 @@ TEST_CASE("pairs of a result are its best matches, or those of its matrix") {
                 "the matrix");
 }
 
-TEST_CASE("flags of lists that do not go together") {
+TEST_CASE("incompatible flags of lists are refused") {
   const Scored scored;
   write_text(scored.folder / "p.txt", "0 1 0.5\n");
   const auto check = [&](const Words& words, const std::string& word) {
@@ -317,7 +317,7 @@ TEST_CASE("flags of lists that do not go together") {
   }
 }
 
-TEST_CASE("windows of a matrix of frame distances are those of the database") {
+TEST_CASE("windows of a matrix of frame distances equal those of the database") {
   const TemporaryFolder out;
   for (const Words& words :
        {Words{"--t-r", "0.65"}, Words{"--t-r", "0.7", "--method", "openable"},
@@ -341,7 +341,7 @@ TEST_CASE("windows of a matrix of frame distances are those of the database") {
   }
 }
 
-TEST_CASE("a result says what the scores of its matrix are, and whether they were rounded") {
+TEST_CASE("a result records the kind of scores of its matrix, and whether they were rounded") {
   const Json exact = printed_json(query_matrix("s.npy", {"--c-l", "7", "--t-r", "0.6", "--json"}));
   CHECK(exact["scores"]["is_exact"].get<bool>());
   const Json rounded =
@@ -373,7 +373,7 @@ TEST_CASE("similarities have the best matches of distances, and are evaluated li
   }
 }
 
-TEST_CASE("a matrix alone says what is missing") {
+TEST_CASE("a matrix alone reports the missing inputs") {
   const auto check = [](const Words& words, int code, const std::string& word) {
     check_failure("vpr-query", joined({"--scores", matrix().path("s.npy")}, words), code, word);
   };

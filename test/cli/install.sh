@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An installation has programs that run, completions that complete, and manual pages.
+# Tests an installation: programs, completions and manual pages.
 #   install.sh BUILD CMAKE
 set -euo pipefail
 build=$1 cmake=$2

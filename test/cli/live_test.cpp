@@ -1,4 +1,4 @@
-// vpr-query --follow, and the filter over places and rates, as a user asks for them.
+// vpr-query --follow, and the filter over places and rates.
 #include <csignal>
 #include <fstream>
 
@@ -20,7 +20,7 @@ Words words_of(const std::string& query, Words more) {
   return joined({world().database(), "--query", query}, more);
 }
 
-// The frames of a walk as a list, which has an end.
+// The frames of a sequence as a list, which has an end.
 std::string list_of(const fs::path& walk, const fs::path& list, const std::string& more = "") {
   std::string text;
   for (const std::string& name : images_of(walk)) text += (walk / name).string() + "\n";
@@ -28,7 +28,7 @@ std::string list_of(const fs::path& walk, const fs::path& list, const std::strin
   return list.string();
 }
 
-// What the whole query says, in the words of --follow.
+// The results of the whole query in the format of --follow.
 Words offline_lines(const std::string& query, Words words, const Words& names) {
   const TemporaryFolder folder;
   run_ok("vpr-query", words_of(query, joined(words, {"-o", folder / "r.json", "--quiet"})));
@@ -54,7 +54,7 @@ RunOutcome query(Words words, const Words& environment = {}) {
 
 }  // namespace
 
-TEST_CASE("a recording followed to its end says what the whole query says, byte for byte") {
+TEST_CASE("a recording followed to its end has the results of the whole query, byte for byte") {
   const TemporaryFolder folder;
   const fs::path walk = world().walk("back");
   const std::string list =
@@ -78,7 +78,7 @@ TEST_CASE("a recording followed to its end says what the whole query says, byte 
   }
 }
 
-TEST_CASE("a folder is followed as it is filled, until Ctrl-C") {
+TEST_CASE("a growing folder is followed until Ctrl-C") {
   const TemporaryFolder folder;
   const fs::path walk = world().walk("back");
   Words names = images_of(walk);
@@ -88,7 +88,7 @@ TEST_CASE("a folder is followed as it is filled, until Ctrl-C") {
   Running live("vpr-query", words_of(folder / "frames", {"--method", "filter", "--follow"}));
   for (size_t frame = 0; frame < names.size(); ++frame) {
     const std::string picture = read_text(walk / names[frame]);
-    if (frame % 2 == 0) {  // in two halves; in one, by another name
+    if (frame % 2 == 0) {  // in two halves; or at once under another name
       std::ofstream file(folder / ("frames/" + names[frame]), std::ios::binary);
       file << picture.substr(0, picture.size() / 2) << std::flush;
       file << picture.substr(picture.size() / 2);
@@ -110,7 +110,7 @@ TEST_CASE("image paths on standard input are followed to their end") {
   Running live("vpr-query",
                words_of("-", {"--c-l", "2", "--follow", "--t-r", "300", "--t-r-scale", "bits"}));
   for (const std::string name : {"00000.png", "00001.png"}) {
-    // Some editors begin a list with a byte order mark.
+    // Some editors write a byte order mark at the beginning.
     live.write((name == "00000.png" ? "\xef\xbb\xbf" : "# a note\n\n") + (walk / name).string() +
                "\n");
     const Json line = Json::parse(live.line());
@@ -141,7 +141,7 @@ TEST_CASE("a video is followed to its end") {
   CHECK(lines_of(live.out) == expected);
 }
 
-TEST_CASE("what can't be followed is refused with a sentence") {
+TEST_CASE("inputs that cannot be followed are refused with a sentence") {
   const std::string back = world().walk("back");
   for (const auto& [words, named] : std::vector<std::pair<Words, std::string>>{
            {{"--t-r", "0.5"}, "relative"},
@@ -169,7 +169,7 @@ TEST_CASE("what can't be followed is refused with a sentence") {
   CHECK(lines_of(unreadable.out).size() + 1 == lines_of(read_text(list)).size());
 }
 
-TEST_CASE("a walk is recognised by --method filter alone, at its pace and at twice that") {
+TEST_CASE("--method filter alone recognizes a route at its speed and at double speed") {
   const TemporaryFolder folder;
   const std::string back = world().walk("back");
   for (const std::string range : {"", "@::2"}) {
@@ -184,7 +184,7 @@ TEST_CASE("a walk is recognised by --method filter alone, at its pace and at twi
     CHECK(json["settings"]["filter"]["sharpness"] == 0.5);
     CHECK(json["totals"]["hits"] > 0);
     CHECK(json["files"]["path"]["rows"] == json["query"]["frames"]);
-    CHECK(json["clusters"].size() == 1);  // one track, whatever its rate
+    CHECK(json["clusters"].size() == 1);  // one track at any rate
     if (!range.empty()) continue;
     const Json report =
         printed_json("vpr-eval", {path, "--ground-truth", world().truth("back"), "--json"});
@@ -194,17 +194,17 @@ TEST_CASE("a walk is recognised by --method filter alone, at its pace and at twi
     CHECK(report["protocol"]["hits"] ==
           "best matches with a path score better than the best one elsewhere by at least the "
           "margin");
-    // The last frame's rate: both walks have one pace.
+    // The last frame's rate: both sequences have the same speed.
     const auto values = read_array<double>(folder / "r0.path.npy");
     CHECK(values[values.size() - 2] == Approx(1).epsilon(0.3));
-    // The result's settings give it again, also on other threads and another SIMD target.
+    // The result's settings reproduce it, also with other threads and another SIMD target.
     const auto again = query({back, "--config", path, "--threads", "3", "--json"},
                              {"VPR_SIMD=" + simd_targets().back()});
     CHECK(printed_json(again)["clusters"] == json["clusters"]);
   }
 }
 
-TEST_CASE("a query of one frame, and one with a gap, are filtered") {
+TEST_CASE("a query of one frame, and one with a gap, can be filtered") {
   const std::string back = world().walk("back");
   const Json one = printed_json(query({back + "@0:1", "--json"}));
   CHECK(one["totals"]["hits"] == 0);
@@ -214,7 +214,7 @@ TEST_CASE("a query of one frame, and one with a gap, are filtered") {
   ok(query({folder / "list.txt", "--skip-unreadable", "--json"}));
 }
 
-TEST_CASE("what the filter implies can't be asked for otherwise") {
+TEST_CASE("settings that contradict the filter are refused") {
   const std::string back = world().walk("back");
   for (const auto& [words, named] : std::vector<std::pair<Words, std::string>>{
            {{"--c-l", "5"}, "--c-l"},

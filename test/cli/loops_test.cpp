@@ -1,4 +1,4 @@
-// vpr-eval --loops as a user runs it.
+// vpr-eval --loops and vpr-query --loop.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@ using namespace vpr::test;
 
 namespace {
 
-/// Three laps of a square of 40 frames, a second and a metre apart.
+/// Three laps of a square of 40 frames, one second and one meter apart.
 struct Laps {
   TemporaryFolder folder;
   std::string poses = folder / "laps.txt";
@@ -34,7 +34,7 @@ struct Laps {
 
 }  // namespace
 
-TEST_CASE("a list of loop closures is judged by its trajectory, and drawn on it") {
+TEST_CASE("a list of loop closures is evaluated by its trajectory, and drawn on it") {
   const Laps laps;
   const std::string plots = laps.folder / "plots";
   const auto run =
@@ -69,7 +69,7 @@ TEST_CASE("a list of loop closures is judged by its trajectory, and drawn on it"
   CHECK(has(read_text(plots + "/loops.svg"), "wrong loop"));
 }
 
-TEST_CASE("a list without scores has no curve, and its table names what is wrong") {
+TEST_CASE("a list without scores has no curve, and its table lists the incorrect loops") {
   const Laps laps;
   write_text(laps.loops, "170 130\n170.0 105\n");
   const auto run = ok(laps.run({"--radius", "1", "--gap", "20", "--name", "mine"}));
@@ -79,7 +79,7 @@ TEST_CASE("a list without scores has no curve, and its table names what is wrong
   CHECK_FALSE(has(run.out, "R@100P"));
 }
 
-TEST_CASE("--loops says what it needs, and refuses bad lists with file and line") {
+TEST_CASE("--loops reports missing inputs, and refuses invalid lists with file and line") {
   const Laps laps;
   const auto refused = [&](const Words& words, int code, const char* sentence) {
     const auto run = laps.run(words);
@@ -125,7 +125,7 @@ TEST_CASE("--loops says what it needs, and refuses bad lists with file and line"
 
 namespace {
 
-/// Two laps of the same 20 rendered frames, and then others; frames are called by times, half a
+/// Two laps of the same 20 rendered frames, and then others; the names of frames are times, half a
 /// second apart.
 struct RenderedLaps {
   TemporaryFolder folder;
@@ -159,7 +159,7 @@ struct RenderedLaps {
 
 }  // namespace
 
-TEST_CASE("a walk against its own past gives loops that vpr-eval judges") {
+TEST_CASE("a sequence against its own past yields loops for vpr-eval") {
   const RenderedLaps laps;
   const std::string list = laps.folder / "loops.csv";
   for (const char* score : {"raw", "standardized"}) {
@@ -170,26 +170,26 @@ TEST_CASE("a walk against its own past gives loops that vpr-eval judges") {
     CHECK(by_list["loops"] == by_result["loops"]);
     CHECK(by_list["metrics"] == by_result["metrics"]);
     CHECK(by_list["wrong_loops"] == by_result["wrong_loops"]);
-    // Windows of the second lap find the first, but those that begin in the first and end in the
-    // second, which are like none.
+    // Windows of the second lap match the first lap, except those that begin in the first lap and
+    // end in the second, which resemble none.
     CHECK(by_result["loops"]["listed"] == 50 - 3 - 15);
     CHECK(by_result["frames"]["with_loop"] == 20);
     CHECK(by_result["frames"]["found"].get<int>() >= 17);
     CHECK(by_result["loops"]["too_near"] == 0);
   }
-  // The identical frames of the second lap are at distance 0.
+  // The identical frames of the second lap have distance 0.
   CHECK(printed_json(laps.query({"--loop-gap", "15", "--t-r", "1", "--save-loops", list, "-o",
                                  laps.result, "--json"}))["totals"]["hits"] == 17);
   const Json right = laps.judge(list, {"--distance"});
   CHECK(right["loops"]["listed"] == 17);
   CHECK(right["loops"]["wrong"] == 0);
-  // The settings of a result ask for the same again.
+  // The settings of a result repeat the query.
   const auto again = run_ok("vpr-query", {"--query", laps.frames, "--config", laps.result,
                                           "--save-loops", laps.folder / "again.csv"});
   CHECK(read_text(laps.folder / "again.csv") == read_text(list));
 }
 
-TEST_CASE("a gap of seconds is by the names of frames, or by times") {
+TEST_CASE("a gap in seconds uses the names of frames, or times") {
   const RenderedLaps laps;
   const std::string frames = laps.folder / "frames.csv";
   const std::string seconds = laps.folder / "seconds.csv";
@@ -205,13 +205,13 @@ TEST_CASE("a gap of seconds is by the names of frames, or by times") {
   CHECK(read_text(listed) == read_text(frames));
   write_text(times, "1\n2\n3\n");
   check_failure(laps.query({"--loop-gap", "7.5s", "--times", times}), 4, "3 times");
-  // Names that may as well be numbers of frames are used, and this is said.
+  // Names that may be frame numbers are used as times, with a message.
   const auto counted = run_ok(
       "vpr-query", {"--loop", "--loop-gap", "15s", "--c-l", "4", "--query", world().walk("one")});
   CHECK(has(counted.err, "if they count frames"));
 }
 
-TEST_CASE("--loop without a database says what does not go with it") {
+TEST_CASE("--loop without a database refuses incompatible flags") {
   const RenderedLaps laps;
   const auto refused = [&](Words words, const char* word) {
     INFO(word);
@@ -247,7 +247,7 @@ TEST_CASE("--loop without a database says what does not go with it") {
   fabmap({"--descriptor", "hog"}, "FAB-MAP");
 }
 
-TEST_CASE("FAB-MAP's own frames are loops, too") {
+TEST_CASE("FAB-MAP's own frames are loops as well") {
   const RenderedLaps laps;
   const std::string list = laps.folder / "loops.csv";
   run_ok("vpr-query", {world().fabmap(), "--query", laps.frames, "--loop", "--loop-gap", "14",
@@ -257,7 +257,7 @@ TEST_CASE("FAB-MAP's own frames are loops, too") {
   CHECK(by_result["loops"]["too_near"] == 0);
 }
 
-TEST_CASE("a picture and a matrix of a walk against its past have what was compared") {
+TEST_CASE("an image and a matrix of a sequence against its past show the compared frames") {
   const RenderedLaps laps;
   const std::string matrix = laps.folder / "m.npy";
   ok(laps.query({"--loop-gap", "15", "--save-matrix", matrix}));
@@ -269,7 +269,7 @@ TEST_CASE("a picture and a matrix of a walk against its past have what was compa
   ok(laps.query({"--loop-gap", "15", "--save-matrix", laps.folder / "m.png"}));
 }
 
-TEST_CASE("loops of a walk are the same for any threads and any SIMD target") {
+TEST_CASE("loops of a sequence are the same for any threads and any SIMD target") {
   const RenderedLaps laps;
   std::string expected;
   for (const char* threads : {"1", "3"})

@@ -1,4 +1,4 @@
-// What a run leaves on the disk: everything, or nothing; and never in place of what it reads.
+// The files left by a run: all outputs, or none; inputs are never replaced.
 #include <catch2/catch.hpp>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -15,7 +15,7 @@ namespace {
 
 using Names = Words;
 
-/// Two recordings of 14 frames, and the database of the first.
+/// Two recordings of 14 frames, and the database of the first one.
 struct Walks {
   TemporaryFolder folder;
   Walks() {
@@ -42,7 +42,7 @@ void check_sentence(const RunOutcome& outcome, int exit_code, const std::string&
 
 }  // namespace
 
-TEST_CASE("a matrix that is not the result's own is refused") {
+TEST_CASE("a matrix of another result is refused") {
   const Walks walks;
   const auto eval = [&](const std::string& matrix) {
     return run_program("vpr-eval", {walks.path("a.json"), "--scores", walks.path(matrix),
@@ -55,14 +55,14 @@ TEST_CASE("a matrix that is not the result's own is refused") {
   ok(eval("a.npy"));
   check_sentence(eval("b.npy"), 4, "is not the matrix that");
   ok(walks.query({"--query", walks.path("two"), "-o", walks.path("c.json")}));
-  fs::rename(walks.path("c.json"), walks.path("a.json"));  // which names no matrix
+  fs::rename(walks.path("c.json"), walks.path("a.json"));  // it names no matrix
   for (const std::string kind : {"hits", "hit_scores", "best", "best_scores"})
     fs::rename(walks.path("c." + kind + ".npy"), walks.path("a." + kind + ".npy"));
   const auto unknown = ok(eval("a.npy"));
   CHECK(has(unknown.err, "names no matrix"));
 }
 
-TEST_CASE("frames that a result claims and nobody has cost nothing") {
+TEST_CASE("a claimed number of frames costs nothing") {
   const Walks walks;
   ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
   Json result = Json::parse(walks.read("r.json"));
@@ -81,7 +81,7 @@ TEST_CASE("frames that a result claims and nobody has cost nothing") {
                       walks.path("pairs.csv")});
 }
 
-TEST_CASE("an output never replaces what its run reads, with --force either") {
+TEST_CASE("an output never replaces an input of its run, not even with --force") {
   const Walks walks;
   write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
   ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
@@ -105,7 +105,7 @@ TEST_CASE("an output never replaces what its run reads, with --force either") {
   CHECK(walks.read("gt.csv") == "query,ref\n3,3\n");
 }
 
-TEST_CASE("the files that a data set names are inputs, too") {
+TEST_CASE("the files of a data set are protected inputs as well") {
   const Walks walks;
   write_text(walks.path("gt.csv"), "query,ref\n3,3\n");
   write_text(walks.path("dataset.json"),
@@ -118,7 +118,7 @@ TEST_CASE("the files that a data set names are inputs, too") {
         2, "is an input of this run");
 }
 
-TEST_CASE("outputs of an evaluation come together or not at all") {
+TEST_CASE("all outputs of an evaluation appear together, or none") {
   const Walks walks;
   ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
   const auto before = list_folder(walks.folder.path());
@@ -126,7 +126,7 @@ TEST_CASE("outputs of an evaluation come together or not at all") {
     return run_program("vpr-eval",
                        joined({walks.path("r.json"), "--ground-truth", "aligned"}, more));
   };
-  // The page fails, after the report was made: the sequence is not the one that was evaluated.
+  // The page fails after the report was computed: the sequence is not the evaluated one.
   fs::create_directory(walks.path("short"));
   fs::copy(walks.path("two/10.png"), walks.path("short/0.png"));
   check_sentence(eval({"-o", walks.path("e.json"), "--html", walks.path("e.html"), "--query",
@@ -140,14 +140,14 @@ TEST_CASE("outputs of an evaluation come together or not at all") {
   CHECK(list_folder(walks.folder.path()) == before);
 }
 
-TEST_CASE("what can't be written is found out before the work") {
+TEST_CASE("outputs that cannot be written are detected before the work") {
   const Walks walks;
   const auto before = list_folder(walks.folder.path());
   const auto train = [&](const std::string& name) {
     return run_program("vpr-train",
                        {"fastable", "--train", walks.path("one"), "-o", walks.path(name)});
   };
-  // The companions' names are longer than the result's.
+  // The companions' names are longer than the result's name.
   check_sentence(walks.query({"--query", walks.path("two"), "-o",
                               walks.path(std::string(248, 'x') + ".json")}),
                  3, "can't be written");
@@ -156,7 +156,7 @@ TEST_CASE("what can't be written is found out before the work") {
   ok(train(std::string(255, 'x')));
 }
 
-TEST_CASE("a folder of pictures is never taken for one of plots") {
+TEST_CASE("a folder of images is never mistaken for a folder of plots") {
   const Walks walks;
   ok(walks.query({"--query", walks.path("two"), "-o", walks.path("r.json")}));
   fs::create_directories(walks.path("one/sub.png/thesis"));

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the example for data frames of docs/metrics.md on two results, and compares what it prints
+"""Runs the example for data frames of docs/metrics.md on two results, and compares its output
 with their reports. Skipped without pandas.   pandas_example.py SOURCE BIN"""
 import json
 import os

@@ -1,4 +1,4 @@
-// Progress as a text; what a terminal shows is checked by terminal.py.
+// Progress as text; terminal.py tests its display on a terminal.
 #include "common/progress.h"
 
 #include <catch2/catch.hpp>
@@ -9,7 +9,7 @@ using namespace vpr;
 
 namespace {
 
-/// What arrives at the monitor.
+/// Calls of the monitor.
 struct Reported {
   std::string step;
   size_t done = 0;
@@ -26,7 +26,7 @@ Monitor recorder(Reported& last) {
 
 }  // namespace
 
-TEST_CASE("a part's name, number and share are those of the whole step") {
+TEST_CASE("a part's name, number and share refer to the whole step") {
   Reported last;
   const Monitor monitor = recorder(last);
   const auto report = [&](size_t index, size_t count) {
@@ -43,10 +43,10 @@ TEST_CASE("a part's name, number and share are those of the whole step") {
   StepCounter(inner, "match", 4).add(2);
   CHECK(last.step == "match pass 1/2 walk 2/2");
   CHECK((last.done == 10 && last.total == 16));
-  StepCounter(part_of(Monitor{}, "walk", 0, 1), "match", 4).add(2);  // nobody listens
+  StepCounter(part_of(Monitor{}, "walk", 0, 1), "match", 4).add(2);  // without callbacks
 }
 
-TEST_CASE("lines have one width before the bar, and fit the terminal") {
+TEST_CASE("lines have the same width before the bar, and fit the terminal") {
   CHECK(progress_text("match monday 3/14", 5, 28, 12, 100) ==
         "match monday 3/14              [####                    ]  18 %  ETA 0:12");
   CHECK(progress_text("match monday 3/14", 5, 28, -1, 100) ==

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The commands of README's quick start, as they stand there, recognise the place of the second walk.
+# The commands of README's quick start, exactly as printed, recognize the place of the second walk.
 #   quick_start.sh SOURCE BIN [WALKS]
-# WALKS holds the folders ref and query and ground_truth.csv; without it, two walks of the small
+# WALKS has the folders ref and query and ground_truth.csv; without it, two walks of the small
 # building are rendered.
 set -euo pipefail
 source=$1 bin=$(realpath "$2") walks=${3:-}
@@ -24,11 +24,11 @@ else
   awk -F, 'NR == 1 { print "query,reference" } NR > 1 && $1 < 90 && $2 == "corridor" && $4 != "ignore" { print $1 "," $3 }' \
     building/query.ground_truth.csv >pairs.csv
 fi
-# The first fenced block below the heading, less the lines that build.
+# The first fenced block below the heading, without the lines that build.
 awk '/^## Your own corridor/ { found = 1 } found && /^```/ { ++fences } fences == 1 && /^vpr-/ { print }' \
   "$source/README.md" >commands
 [[ $(wc -l <commands) -ge 3 ]] || { echo "README.md: no quick start found" >&2; exit 1; }
 sed 's/^/$ /' commands
 PATH=$bin:$PATH bash -euo pipefail commands | tee said
-grep -q '^tuesday: [1-9][0-9]* hits in [1-9]' said || { echo "nothing was recognised" >&2; exit 1; }
+grep -q '^tuesday: [1-9][0-9]* hits in [1-9]' said || { echo "nothing was recognized" >&2; exit 1; }
 ! grep -q 'Nothing is recognized' said

@@ -1,5 +1,4 @@
-// --fps and --warp as a user gives them: what is kept and replayed of recordings, and what is
-// judged of it.
+// --fps and --warp: the selected and resampled frames, and their evaluation.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -18,7 +17,7 @@ RunOutcome query(const std::string& database, const std::string& output, const W
   return run_program("vpr-query", joined({database, "--t-r", "0.3", "-o", output}, more));
 }
 
-// The query "back" in single frames, so that what is right does not depend on those beside.
+// The query "back" with single frames, so that results do not depend on neighboring frames.
 RunOutcome single(const std::string& output, const Words& more) {
   return query(world().database(), output,
                joined({"--query", world().walk("back"), "--c-l", "1"}, more));
@@ -31,7 +30,7 @@ Json evaluate(const std::string& result, const Words& more = {}) {
 
 std::string outcomes(const Json& report) { return report["outcomes"]["best"].get<std::string>(); }
 
-// The frames of a walk under other names, `rate` a second from a moment on.
+// Copies the frames of a sequence with times as names, `rate` per second, starting at `start_ms`.
 void name_by_time(const std::string& walk, const fs::path& folder, int64_t start_ms,
                   int64_t interval_ms) {
   fs::create_directory(folder);
@@ -44,7 +43,8 @@ void name_by_time(const std::string& walk, const fs::path& folder, int64_t start
 
 }  // namespace
 
-TEST_CASE("A thinned query is judged frame by frame as the query is, by the same ground truth") {
+TEST_CASE(
+    "a thinned query has the results of the query frame by frame, with the same ground truth") {
   const TemporaryFolder out;
   ok(single(out / "plain.json", {}));
   const Json plain = evaluate(out / "plain.json");
@@ -60,18 +60,18 @@ TEST_CASE("A thinned query is judged frame by frame as the query is, by the same
   CHECK(result["query"]["fps"] == 10.0);
   CHECK(result["query"]["frames"] == kept.size());
   CHECK(read_array<int32_t>(out / "thin.source_frames.npy")[2] == 6);
-  // Thinned, and then replayed.
+  // Thinned, and then resampled.
   const auto both =
       ok(single(out / "both.json", {"--recorded-fps", "30", "--fps", "10", "--warp", "reversed"}));
   CHECK(has(both.out, "back, thinned to 10 frames a second, replayed by reversed"));
   CHECK(outcomes(evaluate(out / "both.json")) == std::string(kept.rbegin(), kept.rend()));
-  // The recording's own rate leaves nothing out.
+  // The recording's own rate selects all frames.
   ok(single(out / "same.json", {"--recorded-fps", "30", "--fps", "30"}));
   CHECK(outcomes(evaluate(out / "same.json")) == expected);
   CHECK_FALSE(file_json(out / "same.json")["query"].contains("thinned"));
 }
 
-TEST_CASE("Names, lists and even rates keep the same frames, followed or not") {
+TEST_CASE("names, lists and constant rates select the same frames, live or not") {
   const TemporaryFolder out;
   const std::string walk = world().walk("back");
   const size_t frames = images_of(walk).size();
@@ -103,7 +103,7 @@ TEST_CASE("Names, lists and even rates keep the same frames, followed or not") {
                 "--query-times does not go with --follow");
 }
 
-TEST_CASE("Thinned training frames keep the ground truth of the recordings") {
+TEST_CASE("thinned training frames keep the ground truth of the recordings") {
   const TemporaryFolder out;
   const std::string database = out / "thin.vprdb";
   const Words train = {"fastable", "--train", world().walk("one"),
@@ -117,7 +117,8 @@ TEST_CASE("Thinned training frames keep the ground truth of the recordings") {
   const Json sequence = printed_json(info)["sequences"][0];
   CHECK(sequence["fps"] == 4.0);
   CHECK(sequence["thinned"] == Json{{"fps", 4.0}, {"frames", recorded}});
-  // A walk against itself: frame i is frame i of the recording, and of the kept ones the nearest.
+  // A sequence against itself: frame i matches frame i of the recording, and the nearest selected
+  // one.
   ok(query(database, out / "r.json", {"--query", world().walk("one"), "--c-l", "1"}));
   const Json report =
       printed_json("vpr-eval", {out / "r.json", "--ground-truth", "aligned", "--json"});
@@ -125,12 +126,12 @@ TEST_CASE("Thinned training frames keep the ground truth of the recordings") {
   CHECK(report["best_match"]["without_match"] == 0);
   const std::string best = outcomes(report);
   for (size_t i = 0; i < best.size(); i += 3) CHECK(best[i] == 'c');
-  // Kept ones are changed with their file.
+  // The selection changes with its file.
   write_text(out / "r.train_source_frames.npy", "no");
   CHECK(run_program("vpr-eval", {out / "r.json", "--ground-truth", "aligned"}).exit_code == 4);
 }
 
-TEST_CASE("Two rates are warned of, unless the method finds them") {
+TEST_CASE("two different rates cause a warning, unless the method estimates them") {
   const TemporaryFolder out;
   const std::string database = out / "w.vprdb";
   run_ok("vpr-train", {"fastable", "--train", world().walk("one"), "--c-l", "5", "--recorded-fps",
@@ -156,13 +157,13 @@ TEST_CASE("Two rates are warned of, unless the method finds them") {
   CHECK_FALSE(has(filter.err, "frames a second"));
 }
 
-TEST_CASE("What has no rate, or times that are none, is refused with what to do") {
+TEST_CASE("missing rates and invalid times are refused with advice") {
   const TemporaryFolder out;
   const std::string walk = world().walk("back");
   const auto run = [&](const Words& more) {
     return query(world().database(), out / "r.json", joined({"--query", walk}, more));
   };
-  check_failure(run({"--fps", "4"}), 2, "nothing says when its frames were taken");
+  check_failure(run({"--fps", "4"}), 2, "the times of its frames are unknown");
   check_failure(run({"--fps", "0", "--recorded-fps", "8"}), 2, "--fps must be above 0");
   check_failure(run({"--recorded-fps", "-1"}), 2, "--recorded-fps must be above 0");
   write_text(out / "falling.csv", "1\n2\n1.5\n");
@@ -174,7 +175,7 @@ TEST_CASE("What has no rate, or times that are none, is refused with what to do"
   write_text(out / "few.csv", "1\n2\n3\n");
   check_failure(run({"--fps", "4", "--query-times", out / "few.csv"}), 4, "has 3 times");
   check_failure(run({"--fps", "4", "--query-times", out / "none.csv"}), 3, "none.csv");
-  // One frame is kept, whatever the rate.
+  // A single frame is selected at any rate.
   run_ok("vpr-query", {world().database(), "--query", walk + "@0:1", "--c-l", "1", "--t-r", "0.3",
                        "--fps", "4", "--recorded-fps", "30", "-o", out / "one.json"});
   check_failure("vpr-train",
@@ -182,7 +183,7 @@ TEST_CASE("What has no rate, or times that are none, is refused with what to do"
                 "not thinned by --fps");
 }
 
-TEST_CASE("A replayed query is judged frame by frame as the query is") {
+TEST_CASE("a resampled query has the results of the query, frame by frame") {
   const TemporaryFolder out;
   ok(single(out / "plain.json", {}));
   const Json plain = evaluate(out / "plain.json");
@@ -206,7 +207,7 @@ TEST_CASE("A replayed query is judged frame by frame as the query is") {
         kept["query"]["frames"].get<size_t>());
 }
 
-TEST_CASE("A warp gives the same bytes on any number of threads, and others for another seed") {
+TEST_CASE("a warp has the same bytes for any number of threads, and others for another seed") {
   const TemporaryFolder out;
   const auto bytes = [&](const std::string& name, const Words& more) {
     ok(single(out / (name + ".json"), joined({"--warp", "varying"}, more)));
@@ -219,7 +220,7 @@ TEST_CASE("A warp gives the same bytes on any number of threads, and others for 
   CHECK(has(warped.out, "back, replayed by varying, seed 7: "));
 }
 
-TEST_CASE("FAB-MAP replays a query, too") {
+TEST_CASE("FAB-MAP also resamples a query") {
   const TemporaryFolder out;
   const auto run = [&](const std::string& name, const Words& more) {
     return run_program("vpr-query", joined({world().fabmap(), "--query", world().walk("back"),
@@ -242,7 +243,8 @@ TEST_CASE("FAB-MAP replays a query, too") {
   check_failure(run("loop.json", {"--warp", "2", "--loop"}), 2, "--loop");
 }
 
-TEST_CASE("Scores of a replay are judged as the result is, and a sweep counts as both do") {
+TEST_CASE(
+    "scores of a resampled query are evaluated like its result, and a sweep counts the same") {
   const TemporaryFolder out;
   ok(single(out / "r.json", {"--warp", "stops", "--seed", "5", "--only-sequence", "one",
                              "--save-matrix", out / "d.npy"}));
@@ -277,14 +279,14 @@ TEST_CASE("Scores of a replay are judged as the result is, and a sweep counts as
   CHECK(sweep["cells"][1]["best_match"]["correct"] == counts["best_match"]["correct"]);
 }
 
-TEST_CASE("Pictures and maps of a replay show the frames of the query") {
+TEST_CASE("images and maps of a resampled query show the frames of the query") {
   const TemporaryFolder out;
   ok(single(out / "r.json", {"--warp", "reversed"}));
   run_ok("vpr-eval", {out / "r.json", "--dataset", world().dataset(), "--html", out / "r.html",
                       "--map", out / "map"});
   const std::string page = read_text(out / "r.html");
   const size_t frames = file_json(out / "r.json")["query"]["frames"].get<size_t>();
-  // A card's caption names the frame of the replay, and the file that it shows.
+  // A card's caption names the frame of the query, and the file that it shows.
   size_t captions = 0;
   for (size_t at = page.find("<figcaption>query "); at != std::string::npos;
        at = page.find("<figcaption>query ", at + 1)) {
@@ -297,7 +299,7 @@ TEST_CASE("Pictures and maps of a replay show the frames of the query") {
   CHECK(list_folder(out / "map").size() > 1);
 }
 
-TEST_CASE("What is no warp, or does not fit the query, is a usage error") {
+TEST_CASE("an invalid warp is a usage error") {
   const TemporaryFolder out;
   check_failure(single(out / "r.json", {"--warp", "stop"}), 2, "stops");
   for (const char* pace : {"0", "nan", "1e9", "-1"})
@@ -312,8 +314,7 @@ TEST_CASE("What is no warp, or does not fit the query, is a usage error") {
   CHECK(file_json(out / "r.json")["query"]["frames"] == 1);
 }
 
-TEST_CASE(
-    "Windows of several rates are verified by definition, and keep the rate of best matches") {
+TEST_CASE("windows of several rates equal the definition, and store the rate of best matches") {
   const TemporaryFolder out;
   const auto run = [&](const std::string& name, const Words& more) {
     return run_program("vpr-query", joined({world().database(), "--dataset", world().dataset(),

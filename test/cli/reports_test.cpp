@@ -1,4 +1,5 @@
-// What vpr-eval gives to others: expectations, XML, trajectories and pages of whole data sets.
+// Outputs of vpr-eval for other programs: expectations, XML, trajectories and pages of whole data
+// sets.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
@@ -10,7 +11,7 @@ using namespace vpr::test;
 
 namespace {
 
-/// A result of the world's query, of single frames or longer windows.
+/// A result of the world's query, with single frames or longer windows.
 std::string query(const TemporaryFolder& out, const std::string& name,
                   const std::string& length = "1") {
   run_ok("vpr-query", {world().database(), "--dataset", world().dataset(), "--c-l", length, "--t-r",
@@ -24,7 +25,7 @@ RunOutcome evaluate(const std::string& result, const Words& more) {
 
 }  // namespace
 
-TEST_CASE("a baseline is made, met, missed and updated") {
+TEST_CASE("a baseline is written, met, missed and updated") {
   const TemporaryFolder out;
   const std::string result = query(out, "r");
   const std::string baseline = out / "baseline.json";
@@ -52,7 +53,7 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
   const TemporaryFolder out;
   const std::string result = query(out, "r");
   ok(evaluate(result, {"--fixes-tum", out / "f.txt", "--outcomes-csv", out / "o.csv"}));
-  // Of single frames the closest hit is the best match, which the rows name.
+  // For single frames, the closest hit is the best match, which the rows name.
   const Json dataset = file_json(world().dataset());
   const auto folder = std::filesystem::path(world().dataset()).parent_path();
   std::map<std::string, std::vector<std::optional<RoutePoint>>> routes;
@@ -81,11 +82,11 @@ TEST_CASE("fixes are written as a trajectory of training positions") {
             .exit_code == 2);
 }
 
-TEST_CASE("fixes are written from a trajectory with times, of another rate than the frames") {
+TEST_CASE("fixes are written from a trajectory with times, at another rate than the frames") {
   const TemporaryFolder out;
   run_ok("vpr-query", {world().database(), "--query", world().walk("one"), "--c-l", "1",
                        "--only-sequence", "one", "--t-r", "0.3", "-o", out / "r.json", "--quiet"});
-  // The walk against itself: a metre a second up a slope, 4 poses and 2 frames a second.
+  // The sequence against itself: one meter per second up a slope, 4 poses and 2 frames per second.
   std::string poses;
   std::string times;
   const Json dataset = file_json(world().dataset());
@@ -122,7 +123,7 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   const auto run =
       run_ok("vpr-eval", joined(words, {"--html", out / "all.html", "-o", out / "all.json"}));
   CHECK(has(run.out, "R@1: frames with a right best match (over all"));
-  CHECK(has(run.out, "\nmine "));  // a result that has its report is there once
+  CHECK(has(run.out, "\nmine "));  // a result with a report is listed once
   CHECK(has(run.out, "\nfastable, c_l 3"));
   const Json json = file_json(out / "all.json");
   CHECK(json["schema"] == "vpr.reports/1");
@@ -136,7 +137,7 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
   const std::string csv = run_program("vpr-eval", joined(words, {"--format", "csv"})).out;
   CHECK(csv.starts_with("method,query,metric,value,frames,oracle\n"));
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 2 * 5);
-  // Without a ground truth, reports alone.
+  // Without ground truth, only reports.
   const auto alone = run_ok("vpr-eval", {"report", out / "all"});
   CHECK_FALSE(has(alone.out, "c_l 3"));
   CHECK(run_program("vpr-eval", {"report", out / "none"}).exit_code == 3);
@@ -148,7 +149,8 @@ TEST_CASE("a folder of results and reports becomes one table and one page") {
 TEST_CASE("a method that answers few frames does not win by them") {
   const TemporaryFolder out;
   std::filesystem::create_directory(out / "all");
-  // Ten frames: windows of 5 end at 6 frames and are all right; frames alone are right in 9 of 10.
+  // Ten frames: windows of 5 end at 6 frames and are all correct; single frames are correct in 9 of
+  // 10.
   const auto report = [&](const std::string& name, size_t size, size_t mistakes,
                           const std::string& window) {
     std::vector<float> scores(size * size, 50);
@@ -194,7 +196,7 @@ TEST_CASE("results of several window lengths are shown over the same frames") {
   CHECK(of_frames[0] == of_frames[1]);
 }
 
-TEST_CASE("results where reports are wanted, and pages of several, are answered with what to do") {
+TEST_CASE("results instead of reports, and pages of several reports, are refused with advice") {
   const TemporaryFolder out;
   const std::string result = query(out, "r");
   check_failure("vpr-eval", {"compare", result, result}, 2, "Make one first: vpr-eval " + result);
@@ -202,7 +204,7 @@ TEST_CASE("results where reports are wanted, and pages of several, are answered 
                 2, "vpr-eval report FOLDER --html");
 }
 
-TEST_CASE("a folder's table replaces none of the reports and results it is made of") {
+TEST_CASE("a folder's table never replaces its reports and results") {
   const TemporaryFolder out;
   std::filesystem::create_directories(out / "all");
   const std::string result = query(out, "all/first");
@@ -216,5 +218,5 @@ TEST_CASE("a folder's table replaces none of the reports and results it is made 
     CHECK(read_text(out / name) == before);
   }
   ok(write("all/table.json"));
-  ok(write("all/table.json"));  // an earlier table is no input
+  ok(write("all/table.json"));  // an earlier table is not an input
 }

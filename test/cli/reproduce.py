@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What scripts/reproduce writes and says, without running an experiment.   reproduce.py SOURCE"""
+"""Output and messages of scripts/reproduce, without running an experiment.   reproduce.py SOURCE"""
 import json
 import os
 import pathlib
@@ -21,7 +21,7 @@ def check(condition, message):
 
 
 def check_mistyped_name():
-    """A mistyped name is said before anything is installed or built."""
+    """A mistyped name is reported before anything is installed or built."""
     with tempfile.TemporaryDirectory() as folder:
         for program in ("cmake", "apt-get", "dpkg-query"):
             stub = pathlib.Path(folder) / program
@@ -85,7 +85,7 @@ def check_files(folder):
 
 
 def check_ratio():
-    """A ratio is of the medians of two works, with the least and the most of their quartiles."""
+    """A ratio compares the medians of two works, with the extremes of their quartiles."""
     settings = {"frames": 500, "c_l": 20}
     measured = [{"work": work, "parameters": {**settings, "query_frames": 1000},
                  "median_ms": median, "lower_quartile_ms": low, "upper_quartile_ms": high}
@@ -100,7 +100,7 @@ def check_ratio():
 
 
 def check_experiments():
-    """Settings that experiments share quote the same number of the paper (tables win)."""
+    """Common settings of experiments quote the same number of the paper (tables take precedence)."""
     rows = {name: json.loads((source / f"configs/paper/{name}.json").read_text())["rows"]
             for name in ("tab1", "tab2", "tab4", "figures")}
     of = {}

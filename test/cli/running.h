@@ -1,4 +1,4 @@
-// One of our programs while it runs: given lines, and asked for lines.
+// One of our programs while it runs: writes its input and reads its output line by line.
 #pragma once
 
 #include <string>
@@ -18,11 +18,11 @@ class Running {
   Running& operator=(const Running&) = delete;
 
   void write(const std::string& text) const;
-  /// The next line, without its line feed, as soon as it is there; fails where none comes.
+  /// The next line, without its line feed, as soon as it arrives; fails if there is none.
   std::string line();
   void close_input();
   void signal(int number) const;
-  /// Waits for the end. `out`: what no line() has taken.
+  /// Waits for the end. `out`: the lines that line() has not returned.
   RunOutcome finish();
 
  private:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Programs of two builds, for two kinds of processors say, write the same bytes.
+"""Programs of two builds, for example for two processor architectures, write the same bytes.
 
     same_outputs.py BIN OTHER_BIN [GROUP...]
 
-Both sets of programs run the commands below, each in a folder of its own; then every file that they
-wrote is compared, JSON less `machine` and `timing`, and pages less the command line.
-Real images are looked for where tests look for them; a group without its images is skipped.
+Both sets of programs run the commands below, each in a separate folder; then every output file
+is compared, JSON without `machine` and `timing`, and pages without the command line.
+Real images are in the same place as for tests; a group without its images is skipped.
 """
 import json
 import os
@@ -41,7 +41,7 @@ BUILDING = [
 
 def corridor():
     yield f"vpr-train fastable --train {CORRIDOR}/ref --c-l 20 -o raw.vprdb"
-    yield f"vpr-train fastable --train {CORRIDOR}/ref --illumination-invariant -o colour.vprdb"
+    yield f"vpr-train fastable --train {CORRIDOR}/ref --illumination-invariant -o color.vprdb"
     yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --method lsh --c-l 20 --t-r 200 --t-r-scale bits "
            "-o lsh.json")
     for method in "fastable", "fastable-online", "openable":
@@ -56,7 +56,7 @@ def corridor():
         yield f"vpr-eval --scores {score}.npy --distance --rows-are-windows-of 10 {CORRIDOR_TRUTH} -o {score}.metrics.json"
         yield (f"vpr-tune fastable raw.vprdb --query {CORRIDOR}/query {CORRIDOR_TRUTH} --score {score} "
                f"--save-config {score}.best.json -o {score}.sweep.json")
-    yield f"vpr-query colour.vprdb --query {CORRIDOR}/query --c-l 20 --t-r 0.65 -o colour.json"
+    yield f"vpr-query color.vprdb --query {CORRIDOR}/query --c-l 20 --t-r 0.65 -o color.json"
 
 
 def loop():
@@ -95,7 +95,8 @@ for feature in "surf", "sift", "kaze", "akaze", "orb", "brisk":
 
 
 def run(programs, command, folder):
-    """What the command prints is an output, too, but for where programs are. Returns seconds."""
+    """Runs a command; its standard output counts as output, without the path of the programs. Returns
+    seconds."""
     words = command.split()
     start = time.monotonic()
     done = subprocess.run([programs / words[0], *words[1:]], cwd=folder, capture_output=True, text=True)
@@ -108,7 +109,7 @@ def run(programs, command, folder):
 
 
 def contents(path):
-    """What must be the same."""
+    """The contents that must be equal."""
     if path.suffix == ".html":
         return [line for line in path.read_bytes().splitlines() if not line.startswith(b"<dt>command line</dt>")]
     if path.suffix != ".json":

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What the programs write fits the schemas in docs/.   schemas.sh SOURCE BIN PYTHON
+# The outputs of the programs match the schemas in docs/.   schemas.sh SOURCE BIN PYTHON
 set -euo pipefail
 source=$1 bin=$2 python=$3
 out=$(mktemp -d)
@@ -99,7 +99,7 @@ data=$out/building/dataset.json
   "$out/rw.json" "$out/ew.json" "$out/esw.json" "$out/sw.json" "$out/cmpw.json" "$out/grid.json" \
   "$out/thin.vprdb/manifest.json" "$out/ti.json" "$out/tr.json" "$out/te.json" "$out/ts.json" "$out/tc.json" \
   "$out/r6.json" "$out/e6.json" "$out/i6.json" "$out/s6.json"
-# Settings are checked: a key that no program knows, and a value of another type.
+# Settings are checked: an unknown key, and a value of another type.
 for wrong in '"c_ll": 10' '"c_l": "ten"' '"clustering": {"eps": 1.5}'; do
   echo "{\"schema\": \"vpr.config/1\", $wrong}" >"$out/wrong.json"
   if "$python" "$source/scripts/check_schemas.py" "$out/wrong.json" >"$out/said" || [[ $? != 1 ]]; then

@@ -1,4 +1,4 @@
-// Standardized scores, and decisions by margin, as a user asks for them.
+// Z-scores, and decisions by margin, in the programs.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -20,7 +20,7 @@ struct Walks {
       fs::create_directory(folder / name);
       for (int i = 0; i < 20; ++i) write_image(folder / name / fmt::format("{:02}.png", i), ++seed);
     }
-    for (int i = 4; i < 14; ++i)  // a revisit of the second walk
+    for (int i = 4; i < 14; ++i)  // a revisit of the second sequence
       fs::copy_file(folder / "two" / fmt::format("{:02}.png", i),
                     folder / "query" / fmt::format("{:02}.png", i),
                     fs::copy_options::overwrite_existing);
@@ -49,7 +49,7 @@ const Walks& walks() {
 
 }  // namespace
 
-TEST_CASE("negative thresholds on the command line, and what the result says of the scores") {
+TEST_CASE("negative thresholds are accepted as flags, and the result describes the scores") {
   const Json json = printed_json(
       walks().query({"--score", "standardized", "--t-r", "-1.5", "--verify", "50", "--json"}));
   CHECK(json["settings"]["score"] == "standardized");
@@ -65,7 +65,7 @@ TEST_CASE("negative thresholds on the command line, and what the result says of 
       {"--score", "standardized", "--t-r", "-1.5", "--t-r-scale", "mean-z", "--json"}));
 }
 
-TEST_CASE("scales and settings that mean nothing for a score are usage errors") {
+TEST_CASE("scales and settings without meaning for a score are usage errors") {
   for (const Words& words :
        {Words{"--score", "standardized", "--t-r", "0.4", "--t-r-scale", "relative"},
         Words{"--score", "standardized", "--t-r", "200", "--t-r-scale", "bits"},
@@ -83,7 +83,7 @@ TEST_CASE("scales and settings that mean nothing for a score are usage errors") 
   }
 }
 
-TEST_CASE("every setting of standardized scores can stand in the configuration") {
+TEST_CASE("every setting of z-scores can be set in the configuration") {
   write_text(walks().folder / "c.json",
              R"({"score": "standardized", "t_r": -1, "standardization": {"forgetting": 0.9,
                        "start_weight": 3, "deviation_floor": 20, "view_change": 0,
@@ -99,7 +99,7 @@ TEST_CASE("every setting of standardized scores can stand in the configuration")
   CHECK(manifest["statistics"]["seed"] == 3);
 }
 
-TEST_CASE("frames that can't be read have no score, and the matrix says so") {
+TEST_CASE("unreadable frames have no score, also in the matrix") {
   const TemporaryFolder folder;
   fs::copy(walks().folder / "query", folder / "query");
   write_text(folder / "query/05.png", "no image");
@@ -121,7 +121,7 @@ TEST_CASE("frames that can't be read have no score, and the matrix says so") {
       CHECK(*std::min_element(cells.begin() + ptrdiff_t(window * cols),
                               cells.begin() + ptrdiff_t((window + 1) * cols)) == scores[window]);
   }
-  // The result and its matrix give the same metrics: windows without scores are in neither.
+  // The result and its matrix have equal metrics: neither counts windows without scores.
   write_text(folder / "pairs.csv", "query,sequence,reference\n5,two,5\n6,two,6\n9,two,9\n");
   const auto metrics = [&](Words more) {
     Words words =
@@ -150,7 +150,7 @@ TEST_CASE("vpr-tune sweeps thresholds of scores") {
   for (const Json& cell : cells) CHECK(cell["t_r_scale"] == "mean-z");
 }
 
-TEST_CASE("a query by margin recognises the revisit, and vpr-eval judges by either confidence") {
+TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports either confidence") {
   const fs::path result = walks().folder / "r.json";
   const Json json = printed_json(
       walks().query({"--decide", "margin", "--margin", "400", "-o", result, "--force", "--json"}));
@@ -171,7 +171,7 @@ TEST_CASE("a query by margin recognises the revisit, and vpr-eval judges by eith
   CHECK(by_score["metrics"]["by_margin"]["recall_at_100_precision"] >= 0.8);
   CHECK_FALSE(by_score.contains("confidence"));
   const fs::path page = walks().folder / "page.html";
-  const Json by_margin = report({"--html", page, "--force"});  // as the result was decided
+  const Json by_margin = report({"--html", page, "--force"});  // the decision of the result
   CHECK(by_margin["confidence"] == "margin");
   CHECK(by_margin["protocol"]["hits"] ==
         "best matches with a distance better than the best one elsewhere by at least the margin");
@@ -191,7 +191,7 @@ TEST_CASE("a query by margin recognises the revisit, and vpr-eval judges by eith
   CHECK(has(table.out, "the same by score"));
 }
 
-TEST_CASE("margins that can't be, and settings that decide nothing, are refused with what to do") {
+TEST_CASE("invalid margins and settings without effect are refused with advice") {
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "-1"}), "from 0 to 65535"));
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "nan"}), "\"auto\""));
   CHECK(has(walks().refusal({"--decide", "margin", "--margin", "1e9"}), "bits a frame"));

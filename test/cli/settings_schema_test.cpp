@@ -1,5 +1,5 @@
-// docs/common.schema.json defines the settings as their structs do: keys, types, names and order
-// follow visit_fields; descriptions, and bounds that a type does not imply, stand in the schema.
+// docs/common.schema.json defines the settings as in their structs: keys, types, names and order
+// follow visit_fields; the schema adds descriptions, and bounds that a type does not imply.
 #include <array>
 #include <cstdlib>
 #include <fstream>
@@ -105,7 +105,7 @@ Json schema_of(const Json& old) {
   return schema;
 }
 
-// Settings that other definitions extend: each key may be missing, and others may be there.
+// Settings that other definitions extend: each key is optional, and other keys are permitted.
 template <class S>
 Json open(const Json& old) {
   S settings;
@@ -116,7 +116,7 @@ Json open(const Json& old) {
   return {{"type", "object"}, {"properties", properties}};
 }
 
-// Settings within others: each key may be missing, but no others may be there.
+// Settings within others: each key is optional, and other keys are not permitted.
 template <class S>
 Json closed(const Json& old) {
   Json schema = open<S>(old);
@@ -132,8 +132,8 @@ Json keys() {
   return keys;
 }
 
-// Settings in a file of ours: all keys are there, and each has the value that was used. Which of
-// the settings of sequence methods are there depends on others, and the schema says how.
+// Settings in a file: all keys are present, each with the value that was used. Some settings of
+// sequence methods depend on others, as defined in the schema.
 template <class S>
 Json stored(const Json& old) {
   S settings;
@@ -144,7 +144,7 @@ Json stored(const Json& old) {
     } else if constexpr (detail::kIsOptional<T>) {
       if (std::is_enum_v<typename T::value_type>) properties[key] = {{"not", {{"const", "auto"}}}};
     } else if constexpr (std::is_same_v<S, SequenceQuerySettings> &&
-                         std::is_same_v<T, Score>) {  // absent instead
+                         std::is_same_v<T, Score>) {  // omitted instead
       properties[key] = {{"not", {{"const", enum_name(Score{})}}}};
     }
   });
@@ -161,7 +161,7 @@ Json stored(const Json& old) {
 
 using Generator = Json (*)(const Json& old);
 
-// Where schemas of settings stand: the file, and the path in it.
+// The places of settings in schemas: the file, and the path in it.
 const std::vector<std::pair<std::string, std::map<std::string, Generator>>>& places() {
   static const std::vector<std::pair<std::string, std::map<std::string, Generator>>> kPlaces = {
       {"common",

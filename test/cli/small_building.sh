@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The counts of the small building are what they were, by both methods, from pixels to report.
+# The counts of the small building have not changed, for both methods, from pixels to report.
 #   small_building.sh SOURCE BIN
 set -euo pipefail
 source=$1 bin=$2

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""What a person at a terminal sees: bars that name what they are of, and that are gone before
-anything else is printed.   terminal.py SOURCE BIN"""
+"""Progress bars on a terminal: they name their step, and are erased before other output.   terminal.py SOURCE BIN"""
 import fcntl
 import os
 import pathlib
@@ -43,7 +42,7 @@ def run_at_terminal(program, *arguments):
 
 
 def check_screen(text):
-    """Bars are erased before the next line, are no wider than the terminal, and of one width."""
+    """Bars are erased before the next line, fit the terminal, and have one width."""
     bars = []
     for line in text.replace("\r\n", "\n").split("\n"):
         states = line.split(ERASE)
@@ -65,7 +64,7 @@ with tempfile.TemporaryDirectory() as folder:
     train = [word for walk in walks for word in ("--train", walk)]
     text = run_at_terminal("vpr-train", "fastable", *train, "--c-l", 5, "-o", out / "w.vprdb")
     bars = check_screen(text)
-    # A quick machine may draw the first walk only: bars are drawn ten times a second.
+    # A fast machine may draw only the first walk: bars are drawn ten times per second.
     steps = [f"describe {walk.name} {index + 1}/2" for index, walk in enumerate(walks)]
     check(all(any(step in bar for step in steps) for bar in bars if "describe" in bar) and
           any("describe" in bar for bar in bars), f"no bar says which walk of 2: {bars}")

@@ -1,4 +1,4 @@
-// vpr-tune as a user runs it.
+// vpr-tune on a small world.
 #include <catch2/catch.hpp>
 
 #include "cli/world.h"
@@ -33,7 +33,7 @@ Json query_with(const std::string& config, const TemporaryFolder& out) {
 
 }  // namespace
 
-TEST_CASE("a sweep's counts are those of vpr-query and vpr-eval, one by one") {
+TEST_CASE("a sweep has the counts of vpr-query and vpr-eval") {
   const TemporaryFolder out;
   run_ok("vpr-tune", fastable({"-o", out / "s.json"}));
   const Json cells = file_json(out / "s.json")["cells"];
@@ -50,7 +50,7 @@ TEST_CASE("a sweep's counts are those of vpr-query and vpr-eval, one by one") {
   }
 }
 
-TEST_CASE("FAB-MAP's sweep has the counts of single queries, too") {
+TEST_CASE("FAB-MAP's sweep has the counts of single queries as well") {
   const TemporaryFolder out;
   run_ok("vpr-tune",
          {"fabmap", world().fabmap(), "--query", world().walk("back"), "--ground-truth", "aligned",
@@ -83,7 +83,7 @@ TEST_CASE("a sweep is byte-identical for any number of threads") {
   }
 }
 
-TEST_CASE("the recommended setting is reported on another sequence") {
+TEST_CASE("the recommended setting is reported for another sequence") {
   const TemporaryFolder out;
   const auto outcome =
       run_ok("vpr-tune",
@@ -101,7 +101,7 @@ TEST_CASE("the recommended setting is reported on another sequence") {
   CHECK(has(same.err, "not seen"));
 }
 
-TEST_CASE("automatic thresholds are listed with their frames, and kept with --write") {
+TEST_CASE("automatic thresholds are listed with their frames, and stored with --write") {
   const TemporaryFolder out;
   fs::copy(world().database(), out / "w.vprdb");
   const Json thresholds = printed_json("vpr-tune", {"threshold", out / "w.vprdb", "--c-l", "5,10",
@@ -115,7 +115,7 @@ TEST_CASE("automatic thresholds are listed with their frames, and kept with --wr
   CHECK(info["sequences"][0]["t_r"].size() == 2);
 }
 
-TEST_CASE("lists and ranges of vpr-tune") {
+TEST_CASE("lists and ranges of vpr-tune are checked") {
   const auto check = [&](const std::string& c_l, const std::string& t_r, int exit_code) {
     const auto outcome =
         run_program("vpr-tune", {"fastable", world().database(), "--query", world().walk("back"),
@@ -137,7 +137,7 @@ TEST_CASE("lists and ranges of vpr-tune") {
     check("5", wrong, 2);
 }
 
-TEST_CASE("a batch of data sets is written whole or not at all, beside whatever stands there") {
+TEST_CASE("a batch of data sets is written completely or not at all, next to other files") {
   const TemporaryFolder out;
   const auto dataset = [&](const std::string& name) {
     write_text(out / (name + ".json"),
@@ -166,7 +166,7 @@ TEST_CASE("a batch of data sets is written whole or not at all, beside whatever 
   CHECK(sweep["cells"].size() == 2 * 2 * 2);
 }
 
-TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query takes its choice") {
+TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query accepts its choice") {
   const TemporaryFolder out;
   const auto run = [&](const Words& more) {
     return run_program("vpr-tune",
@@ -197,7 +197,7 @@ TEST_CASE("vpr-tune chooses without a grid or an output, and vpr-query takes its
   CHECK(report["settings"] == settings);
 }
 
-TEST_CASE("without a recommendation there is no configuration, and the exit code says so") {
+TEST_CASE("without a recommendation there is no configuration, and the exit code reports it") {
   const TemporaryFolder out;
   const auto outcome =
       run_program("vpr-tune", {"fastable", world().database(), "--query", world().walk("back"),
@@ -213,7 +213,7 @@ TEST_CASE("without a recommendation there is no configuration, and the exit code
   CHECK((query["recommended"].is_null() && query["recommended_settings"].is_null()));
 }
 
-TEST_CASE("FAB-MAP has a default grid and a configuration, too") {
+TEST_CASE("FAB-MAP has a default grid and a configuration as well") {
   const TemporaryFolder out;
   const auto outcome = run_ok(
       "vpr-tune", {"fabmap", world().fabmap(), "--query", world().walk("back"), "--ground-truth",
@@ -224,7 +224,7 @@ TEST_CASE("FAB-MAP has a default grid and a configuration, too") {
   CHECK(outcome.out.starts_with("query,c_w,t_p,scale,hits_correct,hits_incorrect"));
 }
 
-TEST_CASE("a validation may be another query of the data set, by its name") {
+TEST_CASE("the validation may be another query of the data set, selected by name") {
   const TemporaryFolder out;
   const auto query = [&](const std::string& name) {
     return Json{{"name", name},
@@ -246,7 +246,7 @@ TEST_CASE("a validation may be another query of the data set, by its name") {
   CHECK(run({"--validate-ground-truth", world().truth("again")}).exit_code == 2);
 }
 
-TEST_CASE("vpr-query takes a calibration as its configuration, and has its recognitions") {
+TEST_CASE("vpr-query with a calibration as configuration has its recognitions") {
   const TemporaryFolder out;
   for (const Words& more : {Words{}, {"--score", "raw"}, {"--method", "filter"}}) {
     const Words words =
@@ -266,7 +266,7 @@ TEST_CASE("vpr-query takes a calibration as its configuration, and has its recog
   }
 }
 
-TEST_CASE("a calibration is the same for any number of threads, but for machine and timing") {
+TEST_CASE("a calibration is the same for any number of threads, except machine and timing") {
   std::vector<Json> found;
   for (const char* threads : {"1", "3"}) {
     found.push_back(printed_json("vpr-tune", calibrate({"--threads", threads, "--json"})));
@@ -276,7 +276,7 @@ TEST_CASE("a calibration is the same for any number of threads, but for machine 
   CHECK(found[0] == found[1]);
 }
 
-TEST_CASE("what can't be calibrated is said in a sentence") {
+TEST_CASE("impossible calibrations are refused with a sentence") {
   const TemporaryFolder out;
   const auto fails = [&](Words more, int exit_code, const std::string& words) {
     check_failure("vpr-tune", calibrate(std::move(more)), exit_code, words);
@@ -301,6 +301,6 @@ TEST_CASE("what can't be calibrated is said in a sentence") {
   write_text(out / "wrong.csv", "query,sequence,reference\n20,one,0\n21,one,0\n22,two,0\n");
   const auto wrong = run_program("vpr-tune", calibrate({"-o", out / "c.json"}, out / "wrong.csv"));
   CHECK(wrong.exit_code == 5);
-  CHECK(has(wrong.err, "no margin"));  // and a warning that few frames are labelled
+  CHECK(has(wrong.err, "no margin"));  // and a warning that few frames are labeled
   CHECK(!std::filesystem::exists(out / "c.json"));
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A tiny tree of experiments: killed and gone on with; what is changed is rebuilt, nothing else.
+"""A tiny tree of experiments: it resumes after a kill, and rebuilds only results of changed inputs.
    workflow.py SOURCE BIN; ends with 77 (skipped) without snakemake."""
 import json
 import os
@@ -14,7 +14,7 @@ import time
 if not shutil.which("snakemake"):
     print("skipped: snakemake is not installed (scripts/install-deps.sh --cluster)")
     sys.exit(77)
-import yaml  # noqa: E402  snakemake needs it, too
+import yaml  # noqa: E402  snakemake needs it as well
 
 source, programs = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 folder = pathlib.Path(tempfile.mkdtemp())
@@ -45,7 +45,7 @@ def run(*words):
 
 
 def planned():
-    """Outputs that a dry run would make, relative to out."""
+    """Outputs of a dry run, relative to out."""
     lines = run("-n").splitlines()
     return {line.split(": ", 1)[1].removeprefix("out/") for line in lines
             if line.startswith("    output: ")}
@@ -64,7 +64,7 @@ def write_experiments():
                 "ground_truth": {"format": "pairs", "path": path}}
                for name, path in (("back", truth), ("again", "{data}/again.csv"))]
     (rendered / "own.txt").write_text("what the descriptor called own reads\n")
-    (folder / "again").mkdir()  # a folder beside the tree is not the query of that name
+    (folder / "again").mkdir()  # a folder next to the tree is not the query of that name
     train = [{"name": name, "sequence": f"{{data}}/{name}"} for name in ("north", "south")]
     tree = {"schema": "vpr.experiments/1", "seeds": [1, 2], "grids": {"c_l": [5, 6]},
             "data": {"built": {"world": str(world)},
@@ -83,7 +83,7 @@ def write_experiments():
 
 
 def of_query(query, *, results):
-    """What depends on a query of the data set that is told, or on its ground truth alone."""
+    """Jobs that depend on a query of the data set "told", or only on its ground truth."""
     runs = [f"told/{query}/ldb/raw/c_l={c_l}-s1" for c_l in (5, 6)]
     runs += [f"told/{query}/own/mine/default-s{seed}" for seed in (1, 2)]
     kinds = ("result", "report") if results else ("report",)
@@ -94,8 +94,8 @@ def of_query(query, *, results):
 
 
 def check_killed():
-    """Killed when the first result is there, by a signal that nobody can catch; what was finished
-    by then is not made again."""
+    """Kills the run after its first result, by a signal that cannot be caught; finished outputs are
+    not rebuilt."""
     database = out / "databases/told/ldb-s1.vprdb/manifest.json"
     with open(folder / "killed.log", "w") as log:
         started = subprocess.Popen(command(), cwd=folder, env=environment, stdout=log, stderr=log,
@@ -161,7 +161,7 @@ def check_changes():
 
 
 def check_mistakes(tree):
-    """Said in one sentence, with what there is."""
+    """Errors are one sentence, with the valid choices."""
     for wrong, said in (({"methods": {"raw": {"runs": ["c_x"]}}}, "c_x"),
                         ({"methods": {"raw": {"descriptors": ["ldc"]}}}, "ldb, own"),
                         ({"sweeps": 1}, "sweeps"), ({"seeds": ["one"]}, "seeds/0")):

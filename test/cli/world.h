@@ -1,4 +1,4 @@
-// One rendered building with its databases, made once for all tests of the programs.
+// One rendered building with its databases, shared by all tests of the programs.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace vpr::test {
 
-/// The walks of building.h: "one", "two" and "other" trained, "back" and "again" queries.
+/// The walks of building.h: "one", "two" and "other" for training, "back" and "again" as queries.
 class World {
  public:
   World();
@@ -21,9 +21,9 @@ class World {
   std::string truth(const std::string& name) const;
   /// Trained with "one" and "two", queried with "back".
   std::string dataset() const { return folder_ / "walk/two_walks.json"; }
-  /// Of that data set, c_l 10.
+  /// The database of this data set, c_l 10.
   std::string database() const { return folder_ / "w.vprdb"; }
-  /// FAB-MAP's: 60 SIFT words of "other", each frame of "one" a place.
+  /// FAB-MAP's database: 60 SIFT words of "other", each frame of "one" is a place.
   std::string fabmap() const { return folder_ / "f.vprdb"; }
 
  private:
@@ -37,7 +37,7 @@ Words images_of(const std::filesystem::path& walk);
 
 Words lines_of(const std::string& text);
 
-/// A program that ended with `exit_code` and one sentence on standard error, and in it `word`.
+/// Requires `exit_code` and one sentence on standard error that contains `word`.
 void check_failure(const RunOutcome& outcome, int exit_code, const std::string& word);
 void check_failure(const std::string& program, const Words& arguments, int exit_code,
                    const std::string& word);

@@ -1,4 +1,4 @@
-// Figures on a real office corridor, walked twice (111 + 111 frames).
+// Results on a real office corridor, walked twice (111 + 111 frames).
 #include <algorithm>
 #include <cstdlib>
 #include <tuple>
@@ -34,7 +34,7 @@ Json evaluate(const TemporaryFolder& out, const fs::path& corridor, const Words&
 
 }  // namespace
 
-TEST_CASE("codes of the corridor are those of two independent programs, bit for bit") {
+TEST_CASE("codes of the corridor equal those of two independent programs, bit for bit") {
   const auto corridor = real_data("data/corridor");
   const auto expected = real_data("expected");
   if (!corridor || !expected) return;
@@ -47,7 +47,7 @@ TEST_CASE("codes of the corridor are those of two independent programs, bit for 
                        bytes.begin() + static_cast<ptrdiff_t>(i * kLdbBytes)));
 }
 
-TEST_CASE("Hamming distances of the corridor are those of two independent programs") {
+TEST_CASE("Hamming distances of the corridor equal those of two independent programs") {
   const auto corridor = real_data("data/corridor");
   const auto expected = real_data("expected");
   if (!corridor || !expected) return;
@@ -81,7 +81,7 @@ TEST_CASE("best matches on the corridor, aligned within 3 frames") {
   }
 }
 
-TEST_CASE("hits and places on the corridor with its labelled pairs") {
+TEST_CASE("hits and places on the corridor with its labeled pairs") {
   const auto corridor = real_data("data/corridor");
   if (!corridor) return;
   const TemporaryFolder out;
@@ -124,7 +124,7 @@ TEST_CASE("the corridor's ground truth is the same as CSV and as a matrix") {
             " 549\n"));
 }
 
-TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, ours by none") {
+TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, ours is exact") {
   const auto corridor = real_data("data/corridor");
   if (!corridor) return;
   const std::vector<LdbCode> query = describe_folder(*corridor / "query");
@@ -148,7 +148,7 @@ TEST_CASE("the published recurrence is off by nearly 300 bits on the corridor, o
   CHECK(largest_difference < 300);
 }
 
-TEST_CASE("metrics of the corridor are those of an independent evaluation in NumPy") {
+TEST_CASE("metrics of the corridor equal those of an independent evaluation in NumPy") {
   const auto corridor = real_data("data/corridor");
   const auto expected = real_data("expected");
   if (!corridor || !expected) return;

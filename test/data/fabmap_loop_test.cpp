@@ -1,4 +1,4 @@
-// OpenFABMAP's own run on a corridor walked twice: its files in, its posteriors out.
+// OpenFABMAP's own run on a corridor walked twice: its files as input, its posteriors as output.
 #include <algorithm>
 #include <cmath>
 
@@ -65,7 +65,7 @@ double largest_difference(const Loop& loop, const std::filesystem::path& expecte
 
 }  // namespace
 
-TEST_CASE("posteriors on the loop are OpenFABMAP's, to 1e-9") {
+TEST_CASE("posteriors on the loop equal OpenFABMAP's to 1e-9") {
   const auto folder = real_data("expected/fabmap-loop");
   if (!folder) return;
   const Loop loop(*folder);
@@ -91,8 +91,8 @@ TEST_CASE(
     REQUIRE(ours.p[q] == Approx(loop.tree.p[q]).margin(1e-12));
 }
 
-// Counts vary with the seed of k-means; docs/experiments/fabmap.md has others.
-TEST_CASE("a vocabulary of our own recognises the second lap") {
+// Counts depend on the seed of k-means; docs/experiments/fabmap.md has others.
+TEST_CASE("our own vocabulary recognizes the second lap") {
   const auto tower = real_data("data/tower");
   const auto loop = real_data("data/loop");
   if (!tower || !loop) return;
@@ -112,9 +112,9 @@ TEST_CASE("a vocabulary of our own recognises the second lap") {
 }
 
 // Frame 5 of the second lap (46.jpg) shows no word. Its posterior for the training frames without
-// words is above 0.6, which was the one incorrect recognition at t_p 0.6 (34 correct, 1 incorrect);
-// a frame without words is not recognized.
-TEST_CASE("by OpenFABMAP's words, every recognition of the second lap is right") {
+// words is above 0.6, which was the only incorrect recognition at t_p 0.6 (34 correct, 1
+// incorrect); a frame without words is not recognized.
+TEST_CASE("with OpenFABMAP's words, every recognition of the second lap is correct") {
   const auto folder = real_data("expected/fabmap-loop");
   if (!folder) return;
   const Loop loop(*folder);

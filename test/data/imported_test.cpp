@@ -1,4 +1,4 @@
-// Quantised descriptors against float64 on real images: as many queries are right.
+// Quantized descriptors have the recall of float64 on real images.
 #include "describe/imported.h"
 
 #include <algorithm>
@@ -22,34 +22,34 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Describe = std::function<cv::Mat(const cv::Mat& grey)>;  // to a row of CV_32F
+using Describe = std::function<cv::Mat(const cv::Mat& gray)>;  // to a row of CV_32F
 
 cv::Mat describe(const fs::path& folder, const Describe& describe_frame) {
   std::vector<cv::Mat> rows(open_sequence({folder, {}}).files.size());
   for_each_frame(open_sequence({folder, {}}), PixelFormat::grey, Unreadable::fail, {},
-                 [&](size_t index, const cv::Mat& grey) { rows[index] = describe_frame(grey); });
+                 [&](size_t index, const cv::Mat& gray) { rows[index] = describe_frame(gray); });
   cv::Mat all;
   cv::vconcat(rows, all);
   return all;
 }
 
-cv::Mat thumbnail(const cv::Mat& grey) {
+cv::Mat thumbnail(const cv::Mat& gray) {
   cv::Mat small;
-  cv::resize(grey, small, {32, 24}, 0, 0, cv::INTER_AREA);
+  cv::resize(gray, small, {32, 24}, 0, 0, cv::INTER_AREA);
   cv::Mat row;
   small.reshape(1, 1).convertTo(row, CV_32F);
   return row;
 }
 
-cv::Mat hog(const cv::Mat& grey) {
+cv::Mat hog(const cv::Mat& gray) {
   cv::Mat small;
-  cv::resize(grey, small, {128, 64}, 0, 0, cv::INTER_AREA);
+  cv::resize(gray, small, {128, 64}, 0, 0, cv::INTER_AREA);
   std::vector<float> values;
   cv::HOGDescriptor({128, 64}, {16, 16}, {8, 8}, {8, 8}, 9).compute(small, values);
   return cv::Mat(values, true).reshape(1, 1);
 }
 
-// The strongest components of the training frames.
+// Projects onto the strongest components of the training frames.
 void project(cv::Mat& train, cv::Mat& query, int components) {
   const cv::PCA pca(train, {}, cv::PCA::DATA_AS_ROW, components);
   train = pca.project(train);
@@ -61,10 +61,10 @@ void write(const fs::path& path, const cv::Mat& rows) {
               {static_cast<size_t>(rows.rows), static_cast<size_t>(rows.cols)});
 }
 
-/// Of 1, 5 and 10 nearest training frames, the per cent of queries of which one is right.
+/// Percent of queries with a correct match among the 1, 5 and 10 nearest training frames.
 using Recalls = std::array<double, 3>;
 
-// Of equal distances the lower frame is nearer.
+// Ties go to the lower frame.
 template <class DistanceOf>
 Recalls recalls(size_t queries, size_t frames, size_t tolerance, DistanceOf&& distance_of) {
   constexpr std::array<size_t, 3> kNearest = {1, 5, 10};
@@ -85,7 +85,7 @@ Recalls recalls(size_t queries, size_t frames, size_t tolerance, DistanceOf&& di
   return found;
 }
 
-// In float64, and rounded to multiples of `unit`, if it is not 0.
+// In float64, optionally rounded to multiples of `unit` (0: not rounded).
 Recalls exact_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance, double unit) {
   cv::Mat units[2];
   for (int s = 0; s < 2; ++s) {
@@ -101,7 +101,7 @@ Recalls exact_recalls(const cv::Mat& train, const cv::Mat& query, size_t toleran
                  });
 }
 
-// Euclidean, in float64.
+// Euclidean distances in float64.
 Recalls exact_point_recalls(const cv::Mat& train, const cv::Mat& query, size_t tolerance) {
   return recalls(static_cast<size_t>(query.rows), static_cast<size_t>(train.rows), tolerance,
                  [&](size_t q, size_t i) {
@@ -115,7 +115,7 @@ Recalls quantised_recalls(const cv::Mat& train, const cv::Mat& query, size_t tol
   write(folder / "train.npy", train);
   write(folder / "query.npy", query);
   const Sequence walked = open_sequence({folder / "train.npy", {}});
-  const double unit = descriptor_kind(kind).shape.element == ElementType::coordinates
+  const double unit = descriptor_kind(kind).shape.element == ElementType::points16
                           ? coordinate_unit(kind, {&walked, 1}, {})
                           : 0;
   const auto import = [&](const char* name) {
@@ -137,7 +137,7 @@ Recalls quantised_recalls(const cv::Mat& train, const cv::Mat& query, size_t tol
 
 }  // namespace
 
-TEST_CASE("imported vectors find what float64 finds") {
+TEST_CASE("imported vectors have the best matches of float64") {
   struct Set {
     const char* train;
     const char* query;
@@ -172,7 +172,7 @@ TEST_CASE("imported vectors find what float64 finds") {
               set.query, is_hog ? "HOG" : "thumbnails", components, k, exact[k], rounded[k],
               wide[k], narrow[k]);
           INFO(found);
-          // Frames in tunnels are nearer to each other than the unit of distances.
+          // Distances of frames in tunnels are smaller than the unit of distances.
           const bool has_nearer = set.tolerance == 2 && !is_hog && components > 0;
           CHECK(std::abs(wide[k] - exact[k]) <= (has_nearer ? 0.6 : 0.1));
           CHECK(std::abs(wide[k] - rounded[k]) <= 0.1);

@@ -1,4 +1,4 @@
-// Figures on the Nordland railway, winter as query and summer as training (1500 + 1500 frames).
+// Results on the Nordland railway, winter as query and summer as training (1500 + 1500 frames).
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
@@ -7,7 +7,7 @@
 using namespace vpr;
 using namespace vpr::test;
 
-TEST_CASE("best matches on Nordland, aligned within 2 frames, in per cent") {
+TEST_CASE("best matches on Nordland, aligned within 2 frames, in percent") {
   const auto nordland = real_data("data/nordland");
   if (!nordland) return;
   const TemporaryFolder out;

@@ -1,4 +1,4 @@
-// Standardized scores on real images: what they reach, and fast against plain.
+// Z-scores on real images: their recall, and fast against reference implementation.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -14,11 +14,11 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Early {
-  double right = 0;  ///< best matches, in per cent
-  double early = 0;  ///< of all windows, those before the first wrong one by score
+  double right = 0;  ///< correct best matches, in percent
+  double early = 0;  ///< windows before the first incorrect one in order of score, in percent
 };
 
-Early recognised(const fs::path& folder, int tolerance) {
+Early recognized(const fs::path& folder, int tolerance) {
   const auto values = read_array<int32_t>(folder / "r.best.npy");
   const auto scores = read_array<double>(folder / "r.best_scores.npy");
   struct Row {
@@ -60,7 +60,7 @@ void check_figures(const DataSet& set, const std::vector<Figure>& figures) {
     run_ok("vpr-query", {out / "d.vprdb", "--query", *data / set.query, "--score", figure.score,
                          "--t-r", "0", "--c-l", std::to_string(figure.window_length), "--verify",
                          "100", "--force", "-o", out / "r.json"});
-    const Early found = recognised(out.path(), set.tolerance);
+    const Early found = recognized(out.path(), set.tolerance);
     CHECK(found.right == Approx(figure.expected.right).margin(0.05));
     CHECK(found.early == Approx(figure.expected.early).margin(0.5));
   }
@@ -68,7 +68,7 @@ void check_figures(const DataSet& set, const std::vector<Figure>& figures) {
 
 }  // namespace
 
-TEST_CASE("standardized scores recognise the corridor earlier") {
+TEST_CASE("z-scores recognize the corridor earlier") {
   check_figures({"corridor", "ref", "query", 3}, {{5, "raw", {48.6, 12}},
                                                   {5, "standardized", {72.0, 34}},
                                                   {10, "standardized", {93.1, 33}},
@@ -76,14 +76,14 @@ TEST_CASE("standardized scores recognise the corridor earlier") {
                                                   {5, "standardized-offline", {86.9, 39}}});
 }
 
-TEST_CASE("standardized scores recognise the corridor earlier with roles swapped, too") {
+TEST_CASE("z-scores recognize the corridor earlier with exchanged roles as well") {
   check_figures({"corridor", "query", "ref", 3}, {{10, "raw", {61.8, 17}},
                                                   {10, "standardized", {83.3, 56}},
                                                   {20, "raw", {94.6, 50}},
                                                   {20, "standardized", {94.6, 85}}});
 }
 
-TEST_CASE("standardized scores recognise Nordland earlier") {
+TEST_CASE("z-scores recognize Nordland earlier") {
   check_figures({"nordland", "summer", "winter", 2}, {{10, "raw", {44.6, 0}},
                                                       {10, "standardized", {78.5, 2}},
                                                       {20, "standardized", {87.9, 1}},
@@ -91,11 +91,11 @@ TEST_CASE("standardized scores recognise Nordland earlier") {
                                                       {50, "standardized-offline", {99.7, 99}}});
 }
 
-TEST_CASE("a minute's stop on the corridor changes no score before or behind it") {
+TEST_CASE("a stop of one minute in the corridor changes no score before or after it") {
   const auto corridor = real_data("data/corridor");
   if (!corridor) return;
   constexpr size_t kStop = 60;       // the frame at which the walk stops
-  constexpr size_t kStanding = 600;  // a minute at 10 frames a second
+  constexpr size_t kStanding = 600;  // a minute at 10 frames per second
   constexpr size_t kLength = 10;
   const TemporaryFolder out;
   std::string list;
@@ -117,7 +117,7 @@ TEST_CASE("a minute's stop on the corridor changes no score before or behind it"
   const auto moving = best_rows(*corridor / "query", "moving");
   const auto standing = best_rows(out / "stop.txt", "standing");
   for (size_t window = 0; window + kLength <= 111; ++window) {
-    if (window <= kStop && window + kLength > kStop + 1) continue;  // lies across the stop
+    if (window <= kStop && window + kLength > kStop + 1) continue;  // spans the stop
     const size_t later = window > kStop ? window + kStanding : window;
     CHECK(standing[later] == moving[window]);
   }
@@ -136,7 +136,7 @@ TEST_CASE("real results are the same for every number of threads and every SIMD 
                                      {"fastable", "--train", *corridor / "ref", "--threads",
                                       threads, "--force", "-o", out / "d.vprdb"},
                                      target.empty() ? Words{} : environment);
-      if (train.exit_code == 2) continue;  // this machine or build has no such target
+      if (train.exit_code == 2) continue;  // the machine or the build does not support this target
       REQUIRE(train.exit_code == 0);
       run_ok("vpr-query",
              {out / "d.vprdb", "--query", *corridor / "query", "--score", "standardized", "--t-r",

@@ -1,4 +1,4 @@
-// Margins of best matches that are all wrong, and what follows from them.
+// Margins of incorrect best matches, and the automatic margin.
 #include "decide/automatic_margin.h"
 
 #include <algorithm>
@@ -21,14 +21,14 @@ MatchSettings match(size_t length) { return {length, kDefaultMemoryLimit, select
 
 size_t apart(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
 
-/// Cells of one row: of which sequence, which window, what score.
+/// A cell of one row: sequence, window and score.
 struct Value {
   size_t sequence = 0;
   size_t window = 0;
   uint32_t score = 0;
 };
 
-// The best one first; by the definition.
+// The reference implementation; returns the margin of the best one.
 std::optional<uint32_t> slow_margin(const std::vector<Value>& row, const Elsewhere& elsewhere,
                                     const Value*& best) {
   best = nullptr;
@@ -74,7 +74,7 @@ std::vector<uint32_t> slow_margins(const std::vector<DescriptorSpan>& walks,
 
 }  // namespace
 
-TEST_CASE("false margins are those of the definition, for any number of threads") {
+TEST_CASE("false margins equal the reference implementation, for any number of threads") {
   const test::Example example = test::make_example({70, 45, 60, 4}, 1, 5);
   const std::vector<DescriptorSpan> walks = example.spans();
   for (const auto& shared : std::vector<std::vector<std::pair<size_t, size_t>>>{{}, {{0, 2}}}) {
@@ -90,17 +90,17 @@ TEST_CASE("false margins are those of the definition, for any number of threads"
   }
 }
 
-TEST_CASE("a walk that shows a place twice has no false margins there") {
+TEST_CASE("a sequence that shows a place twice has no false margins there") {
   std::vector<LdbCode> walk = test::walk_codes(90, 1, 200);
   std::copy_n(walk.begin() + 5, 20, walk.begin() + 60);
   const DescriptorSpan span{walk, {}};
   const Elsewhere elsewhere = make_elsewhere({2}, {});
   const std::vector<uint32_t> margins = false_margins({&span, 1}, elsewhere, nullptr, match(5), {});
   CHECK(margins == slow_margins({span}, elsewhere, 5));
-  CHECK(margins.front() < 5 * 150);  // a true one has half of 1386 bits a frame
+  CHECK(margins.front() < 5 * 150);  // a correct one has half of 1386 bits per frame
 }
 
-TEST_CASE("one short walk has no false margins, and the least margin then") {
+TEST_CASE("a single short sequence has no false margins, and therefore the minimum margin") {
   const std::vector<LdbCode> walk = test::walk_codes(10, 1);
   const DescriptorSpan span{walk, {}};
   const auto none = false_margins({&span, 1}, make_elsewhere({1}, {}), nullptr, match(9), {});
@@ -109,22 +109,22 @@ TEST_CASE("one short walk has no false margins, and the least margin then") {
   CHECK(automatic_margin(none, score_kind(Score::standardized), 600, 9) == 1);
 }
 
-TEST_CASE("the automatic margin is a mean above the largest false one, and never below the least") {
+TEST_CASE("the automatic margin is a mean above the largest false one, and at least the minimum") {
   std::vector<uint32_t> margins(101, 1000);
   margins[0] = 5000;  // the mean is 1039.6
   const auto automatic = [&](Score score, size_t length) {
     return automatic_margin(margins, score_kind(score), 600, length);
   };
   CHECK(automatic(Score::raw, 100) == 60.4);
-  CHECK(automatic(Score::raw, 10'000) == Approx(2.7));  // the least
+  CHECK(automatic(Score::raw, 10'000) == Approx(2.7));  // the minimum
   CHECK(automatic(Score::standardized, 1) == 6040.0 / 1024);
   margins.assign(101, 0);
   CHECK(automatic(Score::raw, 100) == Approx(27));
 }
 
-TEST_CASE("a false margin that is far too large for the others does not decide") {
+TEST_CASE("an outlier among the false margins has no effect") {
   std::vector<uint32_t> margins(102, 1000);
-  margins[0] = 90'000;  // the mean is 1911.8, and no more than 8.6 times of it is likely
+  margins[0] = 90'000;  // the mean is 1911.8, and at most 8.6 times that is likely
   margins[1] = 5000;
   CHECK(automatic_margin(margins, score_kind(Score::raw), 600, 100) == 69.12);
   margins[0] = 9000;  // 8.1 times the mean, 1117.6

@@ -38,7 +38,7 @@ bool same(const std::optional<ClosestWindows>& a, const std::optional<ClosestWin
 
 }  // namespace
 
-TEST_CASE("the closest windows are those of all against all others") {
+TEST_CASE("the closest windows equal those of comparing all sequences") {
   Sequences sequences = {test::walk_codes(30, 1), test::walk_codes(5, 2), test::walk_codes(25, 3),
                          test::walk_codes(40, 4)};
   std::copy_n(sequences[0].begin() + 4, 8, sequences[3].begin() + 20);  // ties at distance 0
@@ -60,13 +60,13 @@ TEST_CASE("the closest windows are those of all against all others") {
   }
 }
 
-TEST_CASE("the automatic threshold is in bits a frame, times the safety factor") {
+TEST_CASE("the automatic threshold is in bits per frame, times the safety factor") {
   const AutomaticThreshold found = automatic_threshold(ClosestWindows{500, 0, 1, 0}, 400, 4, 0.8);
   CHECK(found.value == 100);
   CHECK_FALSE(found.is_largest);
 }
 
-TEST_CASE("where training sequences look different, a share of the typical distance is the limit") {
+TEST_CASE("if training sequences look different, a share of the typical distance is the limit") {
   CHECK(largest_threshold(400, 4) == Approx((1 - 0.65 / 2) * 400));
   CHECK(largest_threshold(400, 1) == Approx(0.35 * 400));
   const AutomaticThreshold far = automatic_threshold(ClosestWindows{2000, 0, 1, 0}, 400, 4, 0.5);
@@ -77,7 +77,7 @@ TEST_CASE("where training sequences look different, a share of the typical dista
   CHECK(alone.is_largest);
 }
 
-TEST_CASE("a single sequence has no closest windows of another one") {
+TEST_CASE("a single sequence has no closest windows in another one") {
   const Sequences one = {test::walk_codes(30, 1)};
   const auto found =
       find_closest_windows(spans_of(one), {4, size_t{1} << 30, select_kernels()}, {});
@@ -85,7 +85,8 @@ TEST_CASE("a single sequence has no closest windows of another one") {
   CHECK_FALSE(found[0]);
 }
 
-TEST_CASE("the typical distance is that of frames of one sequence that are no neighbours") {
+TEST_CASE(
+    "the typical distance is the mean between frames of one sequence that are not neighbors") {
   const std::vector<LdbCode> walk = test::walk_codes(40, 8, 100);
   double mean = 0;
   for (size_t i = 0; i < walk.size(); ++i) {

@@ -56,21 +56,21 @@ TEST_CASE("clustering can be stopped") {
   CHECK_THROWS_AS(cluster_hits(cells({{7, 9}}), {}, monitor), Error);
 }
 
-TEST_CASE("no hits give no places, one hit gives itself") {
+TEST_CASE("no hits yield no places, one hit is one place") {
   CHECK(cluster_hits({}, {}).all.empty());
   const auto places = cluster_hits(cells({{7, 9}}), {}).all;
   REQUIRE(places.size() == 1);
   CHECK(places[0] == Cluster{0, 7, 7, 7, 9, 9, 9, 1, 16});
 }
 
-TEST_CASE("a distance of exactly eps is inside, unless the published program's rule is chosen") {
+TEST_CASE("a distance of exactly eps is inside, except with the rule of the published program") {
   const auto straight = cells({{0, 0}, {0, 2}});
   CHECK(cluster_hits(straight, {}).all.size() == 1);
   CHECK(cluster_hits(straight, {2, false}).all.size() == 2);
   CHECK(cluster_hits(cells({{0, 0}, {0, 3}}), {}).all.size() == 2);
   CHECK(cluster_hits(cells({{0, 0}, {2, 0}}), {}).all.size() == 1);
   CHECK(cluster_hits(cells({{0, 0}, {2, 1}}), {}).all.size() == 2);  // sqrt 5
-  CHECK(cluster_hits(cells({{0, 1}, {1, 0}}), {}).all.size() == 1);  // backwards in train
+  CHECK(cluster_hits(cells({{0, 1}, {1, 0}}), {}).all.size() == 1);  // decreasing in train
 }
 
 TEST_CASE("indices 0 and 1 do not wrap around") {
@@ -88,7 +88,7 @@ TEST_CASE("means are rounded half up, extents and best distance are kept") {
   CHECK(cluster_hits(cells({{0, 0}, {1, 0}}), {}).all[0].query_window == 1);  // 0.5
 }
 
-TEST_CASE("clusters are those of textbook DBSCAN") {
+TEST_CASE("clusters equal textbook DBSCAN") {
   RandomEngine engine(1);
   for (int round = 0; round < 60; ++round) {
     const uint64_t side = 8 + uniform_below(engine, 30);
@@ -104,7 +104,7 @@ TEST_CASE("clusters are those of textbook DBSCAN") {
     for (size_t h = 0; h < hits.size(); ++h)
       REQUIRE(of_hit[h] == size_t(std::distance(roots.begin(), roots.find(label[h]))));
     size_t place = 0;
-    for (const size_t root : roots) {  // in the order of first hits, as the places are
+    for (const size_t root : roots) {  // in the order of first hits, like the places
       REQUIRE(places[place].hits == size_t(std::count(label.begin(), label.end(), root)));
       REQUIRE(places[place].query_first == hits[root].query);
       ++place;
@@ -112,7 +112,7 @@ TEST_CASE("clusters are those of textbook DBSCAN") {
   }
 }
 
-TEST_CASE("places of several sequences come one after the other, and every hit knows its own") {
+TEST_CASE("places of several sequences follow each other, and every hit refers to its own place") {
   // By query window, sequence, train window.
   const std::vector<Match> hits = {
       {0, 0, 0, 1}, {0, 2, 0, 1}, {1, 0, 1, 1}, {1, 2, 30, 1}, {9, 0, 9, 1}};
@@ -124,9 +124,9 @@ TEST_CASE("places of several sequences come one after the other, and every hit k
   CHECK(cluster_by_target({}, 3, {}).all.empty());
 }
 
-TEST_CASE("hits on one track are one place, whatever the steps and gaps between them") {
-  // Query frames 3 to 6 on track 1, of which frame 5 is not recognized; 8 and 9 on track 2; and 10,
-  // which no track explains.
+TEST_CASE("hits on one track are one place, for any steps and gaps between them") {
+  // Query frames 3 to 6 on track 1, where frame 5 is not recognized; 8 and 9 on track 2; and 10 on
+  // no track.
   const std::vector<uint32_t> tracks = {0, 0, 0, 1, 1, 1, 1, 0, 2, 2, 0, 0};
   const std::vector<Match> hits = {{3, 1, 40, 0, -5}, {4, 1, 43, 0, -9}, {6, 1, 47, 0, -2},
                                    {8, 0, 9, 0, -4},  {9, 0, 9, 0, -4},  {10, 0, 9, 0, -4},

@@ -26,7 +26,7 @@ bool is_refused(const SequenceQuerySettings& settings) {
 
 }  // namespace
 
-TEST_CASE("each decision has its row, whose setting its keys name") {
+TEST_CASE("each decision has an entry with the keys of its setting") {
   REQUIRE(decision_kinds().size() == kEnumNames<Decision>.size());
   for (const DecisionKind& kind : decision_kinds()) {
     const Json all = value_to_json(SequenceQuerySettings{});
@@ -35,7 +35,7 @@ TEST_CASE("each decision has its row, whose setting its keys name") {
   }
 }
 
-TEST_CASE("files hold the settings of the decision in force") {
+TEST_CASE("files hold the settings of the active decision") {
   const Json threshold = settings_in_force(SequenceQuerySettings{});
   for (const char* key : {"decide", "margin", "margin_width", "same_place"})
     CHECK_FALSE(threshold.contains(key));
@@ -51,7 +51,7 @@ TEST_CASE("files hold the settings of the decision in force") {
   CHECK(settings_in_force(by_margin())["margin"] == "auto");
 }
 
-TEST_CASE("a margin is no negative number, none that is none, and none beyond all distances") {
+TEST_CASE("a margin must be a finite number, not negative, and below the largest distance") {
   CHECK_FALSE(is_refused(by_margin()));
   CHECK_FALSE(is_refused(by_margin(0)));
   CHECK_FALSE(is_refused(by_margin(65535)));
@@ -64,7 +64,7 @@ TEST_CASE("a margin is no negative number, none that is none, and none beyond al
   CHECK(is_refused(scored));
 }
 
-TEST_CASE("by margin, the hits are the best matches that are enough better than elsewhere") {
+TEST_CASE("by margin, hits are best matches that beat the runner-up by the margin") {
   QueryPlan plan;
   plan.settings = by_margin(2);
   plan.settings.window_length = 5;

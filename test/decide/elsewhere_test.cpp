@@ -1,4 +1,4 @@
-// A walk compared with itself.
+// The exclusion zone of a sequence.
 #include "decide/elsewhere.h"
 
 #include <algorithm>
@@ -38,13 +38,14 @@ size_t slow_half_width(const DescriptorSpan& walk) {
 
 }  // namespace
 
-TEST_CASE("places change after as many frames as half the average difference takes") {
-  // Four frames of one place, then four of another that differs in every bit of a byte or two.
+TEST_CASE("the exclusion zone extends to half of the average difference") {
+  // Four frames of one place, then four of another one that differs in all bits of one or two
+  // bytes.
   std::vector<LdbCode> codes(8, LdbCode{});
   for (size_t i = 4; i < 8; ++i) codes[i][0] = 0xff;
   // 16 of 28 pairs differ by 8 bits: 32/7 on average. 1, 2, 3 apart: 8/7, 16/6, 24/5 bits.
   CHECK(half_width({codes, {}}) == 2);
-  CHECK(half_width({std::vector<LdbCode>(5, LdbCode{}), {}}) == 1);  // no difference at all
+  CHECK(half_width({std::vector<LdbCode>(5, LdbCode{}), {}}) == 1);  // equal codes
   for (const int bits : {10, 60, 300}) {
     const auto walk = test::walk_codes(90, 4, bits);
     CHECK(half_width({walk, {}}) == slow_half_width({walk, {}}));

@@ -103,7 +103,7 @@ MarginScanResult scan_row(const std::vector<std::vector<uint32_t>>& row,
 
 }  // namespace
 
-TEST_CASE("the margin is what the best value outside +-w is above the best one") {
+TEST_CASE("the margin is the difference between the best value outside +-w and the best one") {
   const std::vector<std::vector<uint32_t>> row = {{9, 7, 4, 3, 5, 6, 8}};
   CHECK(scan_row(row, make_elsewhere({0}, {})).margins[0] == 1);
   CHECK(scan_row(row, make_elsewhere({1}, {})).margins[0] == 3);

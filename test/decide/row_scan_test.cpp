@@ -24,7 +24,7 @@ std::vector<Piece> random_pieces(uint64_t seed) {
   RandomEngine engine(seed);
   std::vector<Piece> pieces;
   for (size_t query = 0; query < 20; ++query) {
-    if (query == 5) continue;  // no cell at all
+    if (query == 5) continue;  // no cells
     for (size_t sequence = 0; sequence < 2; ++sequence) {
       const size_t windows = sequence == 0 ? 50 : 9;
       for (size_t first = 0; first < windows;) {
@@ -50,7 +50,7 @@ HitScanSettings scan_settings(size_t max_hits = 100000) {
 
 }  // namespace
 
-TEST_CASE("hits are the cells strictly below their sequence's limit, best ties go to the first") {
+TEST_CASE("hits are strictly below their sequence's limit, and the first best match wins a tie") {
   HitScan scan(scan_settings());
   scan({0, 0, 10, std::vector<uint32_t>{5, 2, 3}});
   scan({0, 1, 0, std::vector<uint32_t>{2, 5, 6}});
@@ -95,11 +95,11 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
   }
 }
 
-TEST_CASE("the maxima of no row at all are 0") {
+TEST_CASE("the maxima of no rows are 0") {
   CHECK(MaximumScan(3, select_kernels()).result() == std::vector<uint32_t>{0, 0, 0});
 }
 
-TEST_CASE("more hits than allowed are an error that says what to do") {
+TEST_CASE("more hits than the limit are an error with advice") {
   HitScan scan(scan_settings(2));
   const std::string text = test::error_text([&] {
     scan({0, 1, 0, std::vector<uint32_t>{1, 1, 1}});
@@ -107,7 +107,7 @@ TEST_CASE("more hits than allowed are an error that says what to do") {
   CHECK(text.find("--t-r") != std::string::npos);
 }
 
-TEST_CASE("given cells are picked out of the pieces that hold them") {
+TEST_CASE("selected cells are found in the pieces that contain them") {
   const std::vector<Piece> pieces = random_pieces(2);
   std::vector<Cell> wanted = {{0, 0, 0, 0}, {0, 0, 49, 0}, {0, 1, 8, 0}, {19, 0, 25, 0}};
   CellScan scan(wanted);

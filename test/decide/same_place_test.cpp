@@ -1,4 +1,4 @@
-// Training walks that show the same place are named.
+// Warnings about training sequences of the same place.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -33,7 +33,7 @@ std::string warning_of(const std::vector<std::vector<LdbCode>>& walks, size_t le
 
 }  // namespace
 
-TEST_CASE("mean distances of sets of codes come from counted bits") {
+TEST_CASE("mean distances of sets of codes are computed from counted bits") {
   std::vector<LdbCode> codes(3, LdbCode{});
   codes[0][0] = 3;
   codes[1][0] = 1;
@@ -47,7 +47,7 @@ TEST_CASE("mean distances of sets of codes come from counted bits") {
   CHECK(mean_distance_within(frame_distances({&first, 1}, first)) == 0);
 }
 
-TEST_CASE("a diagonal is too close for chance the sooner the longer it is") {
+TEST_CASE("a longer diagonal is significant at a larger distance") {
   CHECK(is_same_place(218, 400, 7, kPairDepth));
   CHECK_FALSE(is_same_place(218, 400, 6, kPairDepth));
   CHECK(is_same_place(199, 400, 4, kOwnDepth));
@@ -55,7 +55,7 @@ TEST_CASE("a diagonal is too close for chance the sooner the longer it is") {
   CHECK_FALSE(is_same_place(0, 400, 1, kOwnDepth));
 }
 
-TEST_CASE("two walks through one place are named, with their frames") {
+TEST_CASE("two sequences of one place are reported with their frames") {
   std::vector<std::vector<LdbCode>> walks = {test::walk_codes(60, 1, 150),
                                              test::walk_codes(60, 2, 150)};
   CHECK(warning_of(walks, 10).empty());
@@ -65,10 +65,10 @@ TEST_CASE("two walks through one place are named, with their frames") {
   CHECK(warning.find("a frames 20 to 29 (20.png to 29.png)") != std::string::npos);
   CHECK(warning.find("b frames 40 to 49") != std::string::npos);
   CHECK(warning.find("Train only one of them, or use --method filter") != std::string::npos);
-  CHECK(warning.find("so do") == std::string::npos);  // the pair once, not each of the two
+  CHECK(warning.find("so do") == std::string::npos);  // the pair once, not once per sequence
 }
 
-TEST_CASE("of many walks the pairs that overlap are named, the others not") {
+TEST_CASE("among many sequences, only the overlapping pairs are reported") {
   std::vector<std::vector<LdbCode>> walks;
   for (uint64_t w = 0; w < 5; ++w) walks.push_back(test::walk_codes(60, w + 1, 150));
   std::copy_n(walks[2].begin(), 30, walks[4].begin() + 30);
@@ -77,7 +77,7 @@ TEST_CASE("of many walks the pairs that overlap are named, the others not") {
   CHECK(warning.find("so do") == std::string::npos);
 }
 
-TEST_CASE("all pairs that overlap are one warning, which names the first three") {
+TEST_CASE("all overlapping pairs are one warning, which names the first three") {
   std::vector<std::vector<LdbCode>> walks;
   for (uint64_t w = 0; w < 10; ++w) walks.push_back(test::walk_codes(60, w + 1, 150));
   for (size_t w = 0; w < 10; w += 2) std::copy_n(walks[w].begin(), 30, walks[w + 1].begin() + 30);

@@ -1,4 +1,4 @@
-// The table of scores: every row against what is said of it elsewhere.
+// The table of scores compared with the descriptions in other places.
 #include "decide/score_kind.h"
 
 #include <catch2/catch.hpp>
@@ -10,7 +10,7 @@
 
 using namespace vpr;
 
-TEST_CASE("each score has its row") {
+TEST_CASE("each score has its entry") {
   REQUIRE(score_kinds().size() == kEnumNames<Score>.size() + 1);
   CHECK(&score_kinds().back() == &probability_kind());
   CHECK(probability_kind().order == ScoreOrder::similarity);
@@ -20,29 +20,29 @@ TEST_CASE("each score has its row") {
   CHECK(score_kind(Score::standardized_offline).is_offline);
 }
 
-TEST_CASE("a sum of frame scores is given back a frame, whatever it is biased by") {
+TEST_CASE("a sum of frame scores is converted to a value per frame, without its bias") {
   CHECK(score_kind(Score::raw).offset(7) == 0);
   CHECK(score_kind(Score::raw).frame_value(350, 7) == 50);
   for (const Score score : {Score::standardized, Score::standardized_offline}) {
     const ScoreKind& kind = score_kind(score);
-    // Three frames, each 1.5 deviations closer than usual.
+    // Three frames, each 1.5 deviations closer than the mean.
     const auto sum = static_cast<uint32_t>(3 * kScoreBias - 3 * 1536);
     CHECK(sum - kind.offset(3) == -3 * 1536);
     CHECK(kind.frame_value(-3 * 1536, 3) == -1.5);
   }
 }
 
-TEST_CASE("sums of the longest windows fit, and none is lower than what stands for a missing one") {
+TEST_CASE("sums of the longest windows fit, and none is below the value of a missing one") {
   for (const Score score : {Score::raw, Score::standardized, Score::standardized_offline}) {
     const ScoreKind& kind = score_kind(score);
     CHECK(-kind.offset(kind.longest_window) >= int64_t{kind.missing});
-    // A sum of the largest frame scores fits into 32 bits.
+    // A sum of the largest frame scores fits 32 bits.
     const uint64_t most = kind.needs_statistics ? 65535 : 1386;
     CHECK(most * kind.longest_window <= 0xFFFFFFFF);
   }
 }
 
-TEST_CASE("files tell the settings of their own score") {
+TEST_CASE("files hold the settings of their own score") {
   SequenceQuerySettings settings;
   const auto keys = [&](Score score) {
     settings.score = score;
@@ -61,7 +61,7 @@ TEST_CASE("files tell the settings of their own score") {
   CHECK(keys(Score::standardized_offline) == all);
 }
 
-TEST_CASE("a number is on the scale of its score, unless another is given") {
+TEST_CASE("a number is on the scale of its score by default") {
   SequenceQuerySettings settings;
   CHECK(scale_of(settings) == ThresholdScale::relative);
   settings.score = Score::standardized;
@@ -71,7 +71,7 @@ TEST_CASE("a number is on the scale of its score, unless another is given") {
   CHECK(test::error_kind([&] { ResolvedSettings{settings}; }) == ErrorKind::usage);
 }
 
-TEST_CASE("FAB-MAP's settings are those that a file holds, and its windows are frames") {
+TEST_CASE("FAB-MAP's settings are those in a file, and its windows are frames") {
   FabmapQuerySettings settings;
   settings.window = 5;
   CHECK(settings_in_force(settings) == value_to_json(settings));

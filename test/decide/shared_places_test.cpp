@@ -1,4 +1,4 @@
-// Which walks show the same place? Walks of random codes, of which two may share a stretch.
+// Overlapping sequences: sequences of random codes that share parts.
 #include "decide/shared_places.h"
 
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ namespace {
 using Walk = std::vector<LdbCode>;
 using Pairs = std::vector<std::pair<size_t, size_t>>;
 
-// The same frames in other light: one bit in eight is another one.
+// The same frames in another light: one bit in eight differs.
 Walk seen_again(Walk walk, uint64_t seed) {
   RandomEngine engine(seed);
   for (LdbCode& code : walk)
@@ -36,7 +36,7 @@ Pairs find(const std::vector<Walk>& walks, size_t most_pairs = size_t{1} << 32) 
 
 }  // namespace
 
-TEST_CASE("walks that show other places share none, two walks of one place do") {
+TEST_CASE("sequences of different places do not overlap, two sequences of one place do") {
   const Walk first = test::walk_codes(120, 1);
   const Walk other = test::walk_codes(110, 2);
   CHECK(find({first}).empty());
@@ -44,7 +44,7 @@ TEST_CASE("walks that show other places share none, two walks of one place do") 
   CHECK(find({first, other, seen_again(first, 3)}) == Pairs{{0, 2}});
 }
 
-TEST_CASE("a walk that goes through two places shares one with each, which share none") {
+TEST_CASE("a sequence through two places overlaps with a sequence of each, which do not overlap") {
   const Walk hall = test::walk_codes(80, 1);
   const Walk stairs = test::walk_codes(90, 2);
   Walk through = seen_again(hall, 3);
@@ -53,13 +53,13 @@ TEST_CASE("a walk that goes through two places shares one with each, which share
   CHECK(find({hall, through, stairs}) == Pairs{{0, 1}, {1, 2}});
 }
 
-TEST_CASE("walks that are too short to tell share nothing") {
+TEST_CASE("too short sequences do not overlap") {
   const Walk walk = test::walk_codes(60, 1);
   CHECK(find({walk, Walk(walk.begin(), walk.begin() + 1)}).empty());
   CHECK(find({Walk(walk.begin(), walk.begin() + 7), walk}).empty());
 }
 
-TEST_CASE("long walks are compared in stretches") {
+TEST_CASE("long sequences are compared in parts") {
   const Walk walk = test::walk_codes(2500, 1);
   const Walk other = test::walk_codes(2200, 2);
   CHECK(find({walk, seen_again(walk, 3), other}, 1) == Pairs{{0, 1}});

@@ -16,16 +16,16 @@ TEST_CASE("the limit is the smallest distance whose quotient is not below the th
   CHECK(distance_limit(1e-300, 7) == 1);
 }
 
-TEST_CASE("with a divisor of zero the quotient counts as zero") {
+TEST_CASE("with a divisor of zero, the quotient counts as zero") {
   CHECK(distance_limit(0.5, 0) == 1);
   CHECK(distance_limit(0, 0) == 0);
 }
 
-TEST_CASE("thresholds beyond every distance make every cell a hit") {
+TEST_CASE("thresholds above every distance make every cell a hit") {
   CHECK(distance_limit(1e300, 5) == std::numeric_limits<uint32_t>::max());
 }
 
-TEST_CASE("the limit decides as the division does, cell by cell") {
+TEST_CASE("the limit equals the division, cell by cell") {
   RandomEngine engine(1);
   for (int i = 0; i < 2000; ++i) {
     const auto divisor = static_cast<uint32_t>(1 + uniform_below(engine, 70'000));
@@ -34,16 +34,16 @@ TEST_CASE("the limit decides as the division does, cell by cell") {
     for (uint32_t d = limit < 3 ? 0 : limit - 3; d < limit + 3; ++d)
       REQUIRE((d < limit) == (static_cast<double>(d) / divisor < threshold));
   }
-  // Quotients that are met exactly: multiplication instead of division would round elsewhere.
+  // Exact quotients: multiplication instead of division would round differently.
   for (uint32_t divisor = 1; divisor < 300; ++divisor)
     for (uint32_t d = 0; d <= divisor; ++d)
       REQUIRE(distance_limit(static_cast<double>(d) / divisor, divisor) == d);
 }
 
-TEST_CASE("the limit of a mean z decides as the division does, for negative thresholds too") {
+TEST_CASE("the limit of a mean z equals the division, also for negative thresholds") {
   CHECK(score_limit(0, 3) == 3 * 32768);
   CHECK(score_limit(-1, 1) == 32768 - 1024);
-  CHECK(score_limit(-1.5, 10) == 10 * 32768 - 15360);  // -1.5 itself is no hit
+  CHECK(score_limit(-1.5, 10) == 10 * 32768 - 15360);  // -1.5 itself is not a hit
   CHECK(score_limit(-32, 4) == 0);
   CHECK(score_limit(-1e300, 4) == 0);
   CHECK(score_limit(1e300, 4) == std::numeric_limits<uint32_t>::max());

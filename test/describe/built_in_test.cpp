@@ -1,4 +1,4 @@
-// Descriptors of whole frames that are built in.
+// Built-in descriptors of whole frames.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +22,7 @@ cv::Mat random_image(int width, int height, uint64_t seed) {
   return image;
 }
 
-// The recipe read aloud: no integral image, one pixel after the other.
+// The definition without an integral image, pixel by pixel.
 std::array<int, 3> slow_cell(const cv::Mat& window, int g, int r, int c) {
   const int side = 60 / g;
   const int half = (side - 1) / 2;
@@ -38,9 +38,9 @@ std::array<int, 3> slow_cell(const cv::Mat& window, int g, int r, int c) {
   return v;
 }
 
-LdbCode slow_ldb(const cv::Mat& grey) {
+LdbCode slow_ldb(const cv::Mat& gray) {
   cv::Mat small;
-  cv::resize(grey, small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
+  cv::resize(gray, small, {64, 64}, 0, 0, cv::INTER_LINEAR_EXACT);
   cv::GaussianBlur(small, small, {7, 7}, 2, 2, cv::BORDER_REFLECT_101);
   const cv::Mat window = small(cv::Range(3, 63), cv::Range(3, 63));
   LdbCode code{};
@@ -54,7 +54,7 @@ LdbCode slow_ldb(const cv::Mat& grey) {
   return code;
 }
 
-// The area that both pixels cover, for pixels of two pictures of one extent.
+// The overlap of two pixels, in two images with the same extent.
 double overlap(int x, int pixels, int other, int others) {
   const double width = 1.0 / pixels;
   const double first = std::max(x * width, other / double(others));
@@ -70,7 +70,7 @@ double plain_mean(const cv::Mat& picture, int x, int y, int width, int height) {
   return sum;
 }
 
-// The mean and deviation of a square, and what they make of each of its pixels.
+// Normalizes a square by its mean and deviation, and compares its pixels.
 void check_square(const cv::Mat& small, const Thumbnail64& found, int left, int top) {
   double mean = 0;
   for (int i = 0; i < 64; ++i) mean += small.at<uint8_t>(top + i / 8, left + i % 8) / 64.0;
@@ -85,8 +85,9 @@ void check_square(const cv::Mat& small, const Thumbnail64& found, int left, int 
   }
 }
 
-// A block in the middle of the picture, without the Gaussian weights and the sharing between cells:
-// where the gradient is the same everywhere, only directions matter. Of 8 over half a turn.
+// The direction of a block in the middle of the image, without the Gaussian weights and the
+// interpolation between cells: with a constant gradient, only directions matter. One of 8 over half
+// a turn.
 int strongest_direction(const std::vector<int8_t>& descriptor) {
   const auto block = descriptor.begin() + (15 * 31 + 15) * 32;
   return static_cast<int>(std::max_element(block, block + 8) - block);
@@ -109,7 +110,7 @@ int invariant(int b, int g, int r) {
 
 }  // namespace
 
-TEST_CASE("a uniform image has no bit set, since no cell exceeds another") {
+TEST_CASE("a uniform image sets no bit, because no cell exceeds another") {
   CHECK(describe_ldb(cv::Mat(48, 64, CV_8UC1, cv::Scalar(77))) == LdbCode{});
 }
 
@@ -117,7 +118,8 @@ TEST_CASE("an image that darkens to the right sets the intensity bits of left ag
   cv::Mat image(64, 64, CV_8UC1);
   for (int x = 0; x < 64; ++x) image.col(x).setTo(252 - 4 * x);
   const LdbCode code = describe_ldb(image);
-  // Grid 2x2, pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), three bits each: cells 0 and 2 are left.
+  // Grid 2x2, pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), three bits each: cells 0 and 2 are on the
+  // left.
   const auto intensity_bit = [&](int pair) {
     return code[size_t(pair * 3 / 8)] >> (pair * 3 % 8) & 1;
   };
@@ -129,11 +131,11 @@ TEST_CASE("an image that darkens to the right sets the intensity bits of left ag
   CHECK(intensity_bit(5) == 1);
 }
 
-TEST_CASE("cell values are those of the recipe, worked out by hand") {
+TEST_CASE("cell values equal values computed by hand") {
   // One bright pixel, at row 1, column 1 of the window: first row and column of cell 0.
   cv::Mat window = cv::Mat::zeros(60, 60, CV_8UC1);
   window.at<uint8_t>(1, 1) = 9;
-  window.at<uint8_t>(0, 5) = 200;  // row 0 belongs to no cell
+  window.at<uint8_t>(0, 5) = 200;  // row 0 is outside all cells
   cv::Mat integral;
   cv::integral(window, integral, CV_32S);
   const auto values = ldb_cell_values(integral, 2);
@@ -143,7 +145,7 @@ TEST_CASE("cell values are those of the recipe, worked out by hand") {
   CHECK(values[0][1] == 0);
 }
 
-TEST_CASE("the integral image gives what the recipe read aloud gives, for any size of image") {
+TEST_CASE("the integral image yields the same code as direct sums, for any image size") {
   const auto [width, height] = GENERATE(table<int, int>(
       {{1, 1}, {2, 3}, {63, 65}, {64, 64}, {60, 60}, {160, 120}, {640, 480}, {7, 500}}));
   for (uint64_t seed = 0; seed < 5; ++seed) {
@@ -158,7 +160,7 @@ TEST_CASE("the padding of a code is zero") {
   CHECK((code[174] == 0 && code[175] == 0));
 }
 
-TEST_CASE("pictures shrink to means of areas") {
+TEST_CASE("images shrink to area means") {
   cv::Mat line(1, 3, CV_8U);
   line.at<uint8_t>(0, 0) = 10;
   line.at<uint8_t>(0, 1) = 20;
@@ -181,7 +183,7 @@ TEST_CASE("pictures shrink to means of areas") {
   }
 }
 
-TEST_CASE("thumbnails are normalised square by square") {
+TEST_CASE("thumbnails are normalized in each square") {
   for (const auto& [width, height] : std::vector<std::pair<int, int>>{{64, 32}, {160, 120}}) {
     const cv::Mat picture = random_image(width, height, 2);
     const Thumbnail64 found = describe_thumbnail(picture);
@@ -191,7 +193,7 @@ TEST_CASE("thumbnails are normalised square by square") {
   }
 }
 
-TEST_CASE("light and contrast of a square do not count, and one without any is grey") {
+TEST_CASE("brightness and contrast of a square have no effect, and a uniform square is gray") {
   cv::Mat picture(32, 64, CV_8U, cv::Scalar(77));
   const Thumbnail64 flat = describe_thumbnail(picture);
   CHECK(std::all_of(flat.begin(), flat.end(), [](uint8_t level) { return level == 128; }));
@@ -210,7 +212,7 @@ TEST_CASE("light and contrast of a square do not count, and one without any is g
   CHECK(describe_thumbnail(picture)[0] == 255);
 }
 
-TEST_CASE("histograms of gradients have the direction of the picture's") {
+TEST_CASE("histograms of gradients have the direction of the image's gradients") {
   CHECK(describe_hog(ramp(0)).size() == kHogLength);
   for (int bin = 0; bin < 8; ++bin) {
     const int found = strongest_direction(describe_hog(ramp((bin + 0.5) * 22.5)));
@@ -219,7 +221,7 @@ TEST_CASE("histograms of gradients have the direction of the picture's") {
   }
 }
 
-TEST_CASE("light does not count, and nothing gives nothing") {
+TEST_CASE("brightness has no effect on HOG, and an image without gradients is all zero") {
   const cv::Mat picture = ramp(30);
   cv::Mat brighter;
   picture.convertTo(brighter, CV_8U, 1, 40);
@@ -228,15 +230,15 @@ TEST_CASE("light does not count, and nothing gives nothing") {
   CHECK(flat == std::vector<int8_t>(kHogLength, 0));
 }
 
-TEST_CASE("illumination invariance follows its formula, worked out by hand") {
-  CHECK(invariant(128, 128, 128) == 128);  // 0.5 * 255 = 127.5, to the even neighbour
+TEST_CASE("illumination invariance equals its formula, computed by hand") {
+  CHECK(invariant(128, 128, 128) == 128);  // 0.5 * 255 = 127.5, to the even neighbor
   // 0.5 + ln(100/255) - 0.47 ln(50/255) - 0.53 ln(200/255) = 0.4584; times 255 = 116.9
   CHECK(invariant(50, 100, 200) == 117);
 }
 
-TEST_CASE("grey of any brightness gives the same value") {
-  for (int grey = 1; grey < 256; grey += 13)
-    CHECK(std::abs(invariant(grey, grey, grey) - 127.5) < 1);
+TEST_CASE("gray of any brightness has the same illumination-invariant value") {
+  for (int gray = 1; gray < 256; gray += 13)
+    CHECK(std::abs(invariant(gray, gray, gray) - 127.5) < 1);
 }
 
 TEST_CASE("the logarithm of zero counts as zero, and values below zero become one") {

@@ -1,4 +1,4 @@
-// Descriptors that other programs computed, as they are read from .npy files.
+// Descriptors of other programs, read from .npy files.
 #include "describe/imported.h"
 
 #include <cmath>
@@ -44,13 +44,13 @@ std::string refusal(const SequenceArgument& argument, std::string_view kind = kN
 
 }  // namespace
 
-TEST_CASE("vectors become whole numbers up to 127, a half to the even one") {
+TEST_CASE("vectors become integers up to 127, with ties rounded to even") {
   const TemporaryFolder folder;
   const auto path = folder / "v.npy";
   write_array<float>(path, {2, -1, 0.5F, 0, -8, 4, 2, 1, 254, 1, 3, -5}, {3, 4});
   const DescriptorSet set = import({path, {}});
   CHECK(set.descriptors.kind->name == "vectors8");
-  CHECK(set.rows().shape == DescriptorShape{ElementType::whole_numbers, 4});
+  CHECK(set.rows().shape == DescriptorShape{ElementType::int8, 4});
   REQUIRE(set.rows().size() == 3);
   CHECK(numbers(set.rows()[0]) == std::vector<int>{127, -64, 32, 0});  // 63.5 -> 64, 31.75
   CHECK(numbers(set.rows()[1]) == std::vector<int>{-127, 64, 32, 16});
@@ -59,32 +59,32 @@ TEST_CASE("vectors become whole numbers up to 127, a half to the even one") {
   CHECK(set.frames.unreadable.empty());
 }
 
-TEST_CASE("wide numbers are as large as products of two vectors allow") {
+TEST_CASE("16-bit vectors are as long as scalar products in 32 bits allow") {
   std::vector<int16_t> out(2);
-  quantise_numbers(std::vector<double>{3, 0}, std::span(out));
-  CHECK(out == std::vector<int16_t>{32767, 0});  // one number has 16 bits
-  quantise_numbers(std::vector<double>{-1e-300, 1e-300}, std::span(out));
+  quantize_numbers(std::vector<double>{3, 0}, std::span(out));
+  CHECK(out == std::vector<int16_t>{32767, 0});  // one value uses all 16 bits
+  quantize_numbers(std::vector<double>{-1e-300, 1e-300}, std::span(out));
   CHECK(out == std::vector<int16_t>{-32767, 32767});  // (46340 - 0.7) / sqrt(2) = 32766.8
   for (const size_t length : {1, 5, 300, 4096, 131'071}) {
-    std::vector<double> vector(length, 1);  // all alike: every rounding goes the same way
+    std::vector<double> vector(length, 1);  // equal values: all are rounded in the same direction
     vector[0] = 1.5;
     std::vector<int16_t> wide(length);
-    quantise_numbers(vector, std::span(wide));
+    quantize_numbers(vector, std::span(wide));
     int64_t square = 0;
     for (const int16_t number : wide) square += int64_t{number} * number;
-    CHECK(square <= kMostWideSquare);
+    CHECK(square <= kMaxSquaredLength);
     CHECK((length < 5 || square > int64_t{45900} * 45900));
   }
 }
 
-TEST_CASE("quantised directions are as near as stated") {
+TEST_CASE("quantized directions are within the documented error") {
   for (const size_t length : {16, 512, 4096}) {
     const std::vector<float> values = random_numbers(length, length);
     const std::vector<double> vector(values.begin(), values.end());
     std::vector<int8_t> narrow(length);
     std::vector<int16_t> wide(length);
-    quantise_numbers(vector, std::span(narrow));
-    quantise_numbers(vector, std::span(wide));
+    quantize_numbers(vector, std::span(narrow));
+    quantize_numbers(vector, std::span(wide));
     const auto cosine = [&](const auto& numbers) {
       double product = 0;
       double own = 0;
@@ -102,7 +102,7 @@ TEST_CASE("quantised directions are as near as stated") {
   }
 }
 
-TEST_CASE("types, orders, ranges and folders hold the same rows") {
+TEST_CASE("arrays of any type, order, range or folder yield the same rows") {
   const TemporaryFolder folder;
   const std::vector<float> values = random_numbers(700 * 30, 1);
   const std::vector<double> doubles(values.begin(), values.end());
@@ -137,7 +137,7 @@ TEST_CASE("types, orders, ranges and folders hold the same rows") {
   CHECK(std::ranges::equal(import({folder / "list.txt", {}}).rows()[1], all.rows()[1]));
 }
 
-TEST_CASE("half floats") {
+TEST_CASE("half-precision floats are read") {
   const TemporaryFolder folder;
   write_text(folder / "h.npy",
              npy_header("<f2", {1, 3}) + std::string("\x00\x3c\x00\xb8\x01\x00", 6));
@@ -147,7 +147,7 @@ TEST_CASE("half floats") {
   CHECK(numbers == std::vector<double>{1, -0.5, std::ldexp(1.0, -24)});
 }
 
-TEST_CASE("bits of any number") {
+TEST_CASE("bits of any number type are read") {
   const TemporaryFolder folder;
   write_array<uint8_t>(folder / "b.npy", {1, 255, 0, 7, 8, 9}, {2, 3});
   const DescriptorSet bytes = import({folder / "b.npy", {}}, kBitKind);
@@ -161,7 +161,7 @@ TEST_CASE("bits of any number") {
   CHECK(std::ranges::equal(bits.rows()[1], std::vector<uint8_t>{2, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST_CASE("what is no descriptor is refused with its row") {
+TEST_CASE("invalid descriptors are refused with the row") {
   const TemporaryFolder folder;
   const auto path = folder / "v.npy";
   const std::string name = path.string();
@@ -175,10 +175,10 @@ TEST_CASE("what is no descriptor is refused with its row") {
   CHECK(refusal({path, {10, 30, 1}}).starts_with(name + ": row 17:"));
   values[3 * 9 + 2] = std::numeric_limits<double>::infinity();
   write_array(path, values, {40, 3}, true);
-  CHECK(refusal({path, {}}) == name + ": row 9: number 2 is inf");
+  CHECK(refusal({path, {}}) == name + ": row 9: value 2 is inf");
   values[3 * 5 + 1] = kNan;
   write_array(path, values, {40, 3});
-  CHECK(refusal({path, {}}, kVectorKind, Unreadable::skip) == name + ": row 5: number 1 is nan");
+  CHECK(refusal({path, {}}, kVectorKind, Unreadable::skip) == name + ": row 5: value 1 is nan");
   CHECK(has(refusal({path, {}}, kBitKind), "bits are uint8"));
   write_array<uint8_t>(path, {1, 2}, {1, 2});
   CHECK(has(refusal({path, {}}), "train with --bits"));
@@ -186,38 +186,37 @@ TEST_CASE("what is no descriptor is refused with its row") {
   CHECK(has(refusal({path, {}}), "type <i4"));
   write_array<double>(path, {1, 2}, {2});
   CHECK(refusal({path, {}}) ==
-        name + ": expected n x d numbers, a row a frame, found the shape (2)");
+        name + ": expected n x d values, one row per frame, found the shape (2)");
   write_array<double>(path, {}, {0, 4});
   CHECK(has(refusal({path, {}}), "shape (0, 4)"));
   write_array<double>(path, {}, {4, 0});
   CHECK(has(refusal({path, {}}), "shape (4, 0)"));
   write_array(path, std::vector<uint8_t>(8185, 1), {1, 8185});
-  CHECK(has(refusal({path, {}}, kBitKind), "8184 at most"));
+  CHECK(has(refusal({path, {}}, kBitKind), "maximum is 8184"));
   write_array(path, std::vector<float>(131'072, 1), {1, 131'072});
-  CHECK(has(refusal({path, {}}), "131071 at most"));
+  CHECK(has(refusal({path, {}}), "maximum is 131071"));
   write_array<double>(path, {1, 2}, {2, 1});
   CHECK(error_kind([&] { import({path, { 2, std::nullopt, 1 }}); }) == ErrorKind::usage);
   CHECK(error_kind([&] { import({path, { 0, 3, 1 }}); }) == ErrorKind::usage);
 }
 
-TEST_CASE("files of a folder must be alike") {
+TEST_CASE("files of a folder must have the same type and length") {
   const TemporaryFolder folder;
   write_array<float>(folder / "0.npy", {1, 2, 3}, {3});
   write_array<float>(folder / "1.npy", {1, 2}, {2});
-  CHECK(
-      refusal({folder.path(), {}}).starts_with((folder / "1.npy").string() + ": holds 2 numbers"));
+  CHECK(refusal({folder.path(), {}}).starts_with((folder / "1.npy").string() + ": holds 2 values"));
   write_array<double>(folder / "1.npy", {1, 2, 3}, {3});
   CHECK(refusal({folder.path(), {}}).starts_with((folder / "1.npy").string()));
   write_array<float>(folder / "1.npy", {1, 2, 3, 4, 5, 6}, {2, 3});
   CHECK(has(refusal({folder.path(), {}}), "expected one descriptor"));
 }
 
-TEST_CASE("a missing row keeps its index, unless all are missing") {
+TEST_CASE("a missing row keeps its index, unless all rows are missing") {
   const TemporaryFolder folder;
   const auto path = folder / "v.npy";
   write_array<double>(path, {1, 2, kNan, kNan, 3, 4}, {3, 2});
   CHECK(refusal({path, {}}) ==
-        path.string() + ": row 1 is missing (all NaN); give --skip-unreadable to go on without it");
+        path.string() + ": row 1 is missing (all NaN); use --skip-unreadable to ignore it");
   const DescriptorSet set = import({path, {}}, kNarrowVectorKind, Unreadable::skip);
   CHECK(set.frames.unreadable == std::vector<size_t>{1});
   CHECK(set.rows().size() == 3);
@@ -226,7 +225,7 @@ TEST_CASE("a missing row keeps its index, unless all are missing") {
   CHECK(has(refusal({path, {}}, kNarrowVectorKind, Unreadable::skip), "none of its"));
 }
 
-TEST_CASE("directions of the smallest and the largest numbers, and points too far away") {
+TEST_CASE("the smallest and the largest numbers have directions, and distant points are refused") {
   const TemporaryFolder folder;
   for (const double size : {5e-324, 1e-310, 1.0, 1e300, 1.7e308}) {
     INFO(size);
@@ -241,8 +240,7 @@ TEST_CASE("directions of the smallest and the largest numbers, and points too fa
     if (size > 1e307) {
       CHECK(error_text([&] {
               coordinate_unit(kPointKind, {&sequence, 1}, {});
-            }) == (folder / "db.npy").string() +
-                      ": row 0: is too long to be compared by Euclidean distances");
+            }) == (folder / "db.npy").string() + ": row 0: is too long for Euclidean distances");
     } else {
       const double of_points = coordinate_unit(kPointKind, {&sequence, 1}, {});
       import_descriptors(sequence, kPointKind, Unreadable::fail, {}, of_points);

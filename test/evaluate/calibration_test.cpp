@@ -12,8 +12,8 @@ CalibrationSettings precision(double share) { return {share, 1, 1, 1}; }
 
 }  // namespace
 
-TEST_CASE("the strength is just above what is wrong, and what would be without its place") {
-  // Right at 9, 7 and 4, wrong at 3; the second would reach 5 at another place.
+TEST_CASE("the strength is just above the incorrect windows, also of windows without their place") {
+  // Correct at 9, 7 and 4, incorrect at 3; the second would reach 5 at another place.
   std::vector<CalibrationWindow> windows = {
       {9, kNone, 2}, {7, kNone, 5}, {kNone, 3, kNone}, {4, kNone, 1}};
   Calibration found = calibrate(windows, precision(1));
@@ -27,19 +27,19 @@ TEST_CASE("the strength is just above what is wrong, and what would be without i
   CHECK(found.right == 3);
 }
 
-TEST_CASE("a window that has a wrong hit, too, is wrong from there on") {
+TEST_CASE("a window with a correct and an incorrect hit counts as incorrect from there on") {
   const std::vector<CalibrationWindow> windows = {{9, 8, kNone}, {10, kNone, kNone}};
   const Calibration found = calibrate(windows, precision(1));
   CHECK(found.strength == 9);
   CHECK(found.right == 2);
-  // At 8 and below one of two is right.
+  // At 8 and below, one of two is correct.
   CHECK(calibrate(windows, precision(0.5)).strength == 8);
   CHECK(calibrate(windows, precision(0.5)).wrong == 1);
   CHECK(calibrate(windows, precision(0.51)).strength == 9);
 }
 
-TEST_CASE("less precision takes the least strength that reaches it, whatever comes between") {
-  // From strict to loose: right, wrong, wrong, right, right: 1/1, 1/2, 1/3, 2/4, 3/5.
+TEST_CASE("a lower precision uses the smallest sufficient strength, for any later errors") {
+  // From strict to loose: correct, incorrect, incorrect, correct, correct: 1/1, 1/2, 1/3, 2/4, 3/5.
   const std::vector<CalibrationWindow> windows = {
       {9, kNone, 100}, {kNone, 8, kNone}, {kNone, 7, kNone}, {6, kNone, kNone}, {5, kNone, kNone}};
   CHECK(calibrate(windows, precision(0.6)).strength == 5);
@@ -50,7 +50,7 @@ TEST_CASE("less precision takes the least strength that reaches it, whatever com
   CHECK(calibrate(windows, {0.3, 8, 1, 1}).strength == 8);
 }
 
-TEST_CASE("what is missing is said") {
+TEST_CASE("missing requirements are reported") {
   const auto advice = [](std::vector<CalibrationWindow> windows, double share = 1,
                          int64_t least = 1) {
     const Calibration found = calibrate(windows, {share, least, 1, 1});
@@ -65,7 +65,7 @@ TEST_CASE("what is missing is said") {
   CHECK(advice({{kNone, 4, kNone}}, 0.9) == CalibrationAdvice::no_right_hit);
 }
 
-TEST_CASE("the least strength stands where nothing is wrong") {
+TEST_CASE("without incorrect windows, the smallest strength is used") {
   const Calibration found =
       calibrate(std::vector<CalibrationWindow>{{4, kNone, kNone}}, {1, 3, 1, 1});
   CHECK(found.strength == 3);
@@ -74,9 +74,10 @@ TEST_CASE("the least strength stands where nothing is wrong") {
   CHECK(found.expected.interval.high == Approx(2.9957));  // the rule of three
 }
 
-TEST_CASE("false recognitions are those of thresholds from the rest of the walk, run by run") {
-  // Blocks of two: without the third and its neighbours the others reach 2, so that its windows,
-  // wrong at 8 and 7, are one false recognition. The last block is wrong at 2, and passes 8.
+TEST_CASE("false recognitions equal those of thresholds from the other runs") {
+  // Blocks of two: without the third and its neighbors the others reach 2, so that its windows,
+  // incorrect at 8 and 7, are one false recognition. The last block is incorrect at 2, and passes
+  // 8.
   std::vector<CalibrationWindow> windows(12, {20, kNone, 1});
   windows[4] = {kNone, 8, kNone};
   windows[5] = {kNone, 7, kNone};
@@ -87,7 +88,7 @@ TEST_CASE("false recognitions are those of thresholds from the rest of the walk,
   CHECK(found.expected.seen == 1);
   CHECK(found.expected.interval.low <= 0.0254);
   CHECK(found.expected.interval.high >= 5.57);  // of a Poisson count of one
-  // Beside each other they know of each other: neither is wrong by the rest.
+  // Adjacent blocks include each other: neither is incorrect by the rest.
   windows[2] = {kNone, 9, kNone};
   found = calibrate(windows, settings);
   CHECK(found.strength == 10);

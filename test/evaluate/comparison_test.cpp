@@ -10,7 +10,7 @@ using namespace vpr;
 
 namespace {
 
-/// One letter a query, as reports have them; scores rise from query to query unless given.
+/// One letter per query, as in reports; scores increase from query to query unless set.
 NamedOutcomes method(const std::string& letters, size_t first_frame = 0,
                      const std::vector<double>& scores = {}) {
   NamedOutcomes named;
@@ -43,7 +43,7 @@ ComparedValue find(const Comparison& comparison, const std::string& metric, size
 
 }  // namespace
 
-TEST_CASE("values, differences and pairs are those counted by hand") {
+TEST_CASE("values, differences and pairs equal those counted by hand") {
   const Comparison found = compare({method("ccwwn"), method("cwccn")});
   CHECK(found.common == 5);
   CHECK(found.judged == 4);
@@ -70,8 +70,8 @@ TEST_CASE("a method equals itself, with certainty") {
   }
 }
 
-TEST_CASE("queries are paired by their frame, and only those that all judge count") {
-  // Windows of 3 frames begin at frame 2; frame 4 is unreadable, frame 5 ignored in one of them.
+TEST_CASE("queries are paired by frame, and only common queries count") {
+  // Windows of 3 frames begin at frame 2; frame 4 is unreadable, frame 5 is ignored in one of them.
   const Comparison found = compare({method("cccccc"), method("cwuc", 2), method("ccccwi")});
   CHECK(found.common == 2);  // frames 2 and 3
   CHECK(found.own == std::vector<size_t>{6, 3, 5});
@@ -79,7 +79,7 @@ TEST_CASE("queries are paired by their frame, and only those that all judge coun
   CHECK(find(found, "recall_at_1", 0).value == 1);
 }
 
-TEST_CASE("methods that cannot be compared are refused") {
+TEST_CASE("incomparable methods are refused") {
   const auto kind = [](const std::vector<NamedOutcomes>& methods) {
     return test::error_kind([&] { compare(methods); });
   };
@@ -89,7 +89,7 @@ TEST_CASE("methods that cannot be compared are refused") {
   CHECK(kind({method("cw"), method("cu")}) == std::nullopt);
 }
 
-TEST_CASE("queries that ground truths disagree on, or windows can't reach, are left out") {
+TEST_CASE("queries with different ground truth, or without a window, are omitted") {
   const std::vector<NamedOutcomes> methods = {method("cwcc"), method("cnwc")};
   const Comparison found = compare_outcomes(methods, 1, 10, 1, {}, Disputed::leave_out);
   CHECK(found.common == 3);
@@ -102,7 +102,7 @@ TEST_CASE("queries that ground truths disagree on, or windows can't reach, are l
   CHECK(reached.disputed == 0);
 }
 
-TEST_CASE("recall@K beyond 1 is known of methods with ranks, and compared where both have them") {
+TEST_CASE("recall@K above 1 needs ranks, and is compared if both methods have them") {
   NamedOutcomes one = method("cw");
   one.outcomes.has_ranks = true;
   one.outcomes.queries[0].rank = 1;
@@ -116,8 +116,8 @@ TEST_CASE("recall@K beyond 1 is known of methods with ranks, and compared where 
     CHECK(value.key != "recall_at_5");
 }
 
-TEST_CASE("each method is compared by the confidence that it decided by") {
-  // By score the mistake comes first (R@100P 0), by margin last (2/3).
+TEST_CASE("each method is compared by the confidence of its decision") {
+  // By score the error comes first (R@100P 0), by margin last (2/3).
   NamedOutcomes one = method("wcc");
   one.outcomes.has_margins = true;
   for (size_t q = 0; q < 3; ++q) one.outcomes.queries[q].margin = double(q);
@@ -131,8 +131,8 @@ TEST_CASE("each method is compared by the confidence that it decided by") {
   CHECK(*find(compare({one, by_margin}), "recall_at_100_precision", 1).value == Approx(1 / 3.0));
 }
 
-TEST_CASE("another walk is measured over its own queries, without partners") {
-  NamedOutcomes replay = method("ccwwwwwcn");  // twice as slow, and with a frame that has no match
+TEST_CASE("another query sequence is measured separately, without pairs") {
+  NamedOutcomes replay = method("ccwwwwwcn");  // half the speed, and with a frame without a match
   replay.is_paired = false;
   const Comparison found = compare({method("cwwc"), replay, method("cccw")});
   CHECK(found.common == 4);
@@ -146,9 +146,9 @@ TEST_CASE("another walk is measured over its own queries, without partners") {
   CHECK(found.paired[2].both_right == 1);
 }
 
-TEST_CASE("intervals are those of the closed form for independent queries") {
-  // The methods differ in a fifth of 500 queries, each time for the better: the mean of n draws of
-  // 0 or 1 with p = 0.2 is normal, +- 1.96 sqrt(p (1 - p) / n).
+TEST_CASE("intervals equal the closed form for independent queries") {
+  // The methods differ in a fifth of 500 queries, always in favor of one: the mean of n draws of 0
+  // or 1 with p = 0.2 is normal, +- 1.96 sqrt(p (1 - p) / n).
   std::string first(500, 'w');
   std::string second(500, 'w');
   for (size_t i = 0; i < 500; i += 5) second[i] = 'c';
@@ -160,7 +160,7 @@ TEST_CASE("intervals are those of the closed form for independent queries") {
 }
 
 TEST_CASE("pairing makes the interval of a difference narrower than its parts") {
-  // Both methods fail in the same stretches; one fails a little more.
+  // Both methods fail in the same parts; one fails slightly more often.
   std::string first;
   for (int i = 0; i < 400; ++i) first += i / 40 % 2 == 0 ? 'c' : 'w';
   std::string second = first;

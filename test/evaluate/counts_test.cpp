@@ -6,7 +6,7 @@ using namespace vpr;
 
 namespace {
 
-// Ten query frames against ten training frames, c_l 3: windows 0 to 7, anchors 2 to 9.
+// Ten query frames and ten training frames, c_l 3: windows 0 to 7, anchors 2 to 9.
 Result example() {
   Result result;
   SequenceQuerySettings settings;
@@ -25,9 +25,9 @@ GroundTruth aligned(int tolerance) {
 
 }  // namespace
 
-TEST_CASE("windows are judged at their anchors") {
+TEST_CASE("windows are evaluated at their anchors") {
   Result result = example();
-  // Only the anchors 5 and 5 are labelled the same: windows 3 and 3.
+  // Only anchors 5 and 5 are labeled the same: windows 3 and 3.
   GroundTruth truth;
   truth.pairs.resize(10);
   truth.pairs[5].push_back({0, 5, PlaceLabel::same});
@@ -40,7 +40,7 @@ TEST_CASE("windows are judged at their anchors") {
   CHECK(counts.hits.ignored == 1);
 }
 
-TEST_CASE("places are judged at their mean, and the correct ones are distinct") {
+TEST_CASE("places are evaluated at their mean, and the correct ones are distinct") {
   Result result = example();
   result.clusters = {{{0, 3, 0, 6, 3, 0, 6, 5, 9}, {0, 1, 1, 1, 7, 7, 7, 1, 9}}, {}};
   const Counts counts = count_recognitions(result, aligned(0));
@@ -49,9 +49,9 @@ TEST_CASE("places are judged at their mean, and the correct ones are distinct") 
   CHECK(counts.distinct == 1);
 }
 
-TEST_CASE("a place that is right at its mean says how many of its hits are wrong") {
+TEST_CASE("a place that is correct at its mean counts its incorrect hits") {
   Result result = example();
-  // One cluster around (3, 3), of which only the diagonal is right; one wrong hit apart.
+  // One cluster around (3, 3), in which only the diagonal is correct; one separate incorrect hit.
   result.hits = {{2, 0, 2, 0, 5}, {2, 0, 4, 0, 5}, {3, 0, 3, 0, 5},
                  {4, 0, 2, 0, 5}, {4, 0, 4, 0, 5}, {7, 0, 0, 0, 5}};
   cluster(result);
@@ -74,10 +74,10 @@ TEST_CASE("best matches count over the windows that have a match") {
   for (uint32_t anchor = 2; anchor <= 7; ++anchor)
     truth.pairs[anchor].push_back({0, anchor, PlaceLabel::same});
   truth.pairs[7].push_back({0, 9, PlaceLabel::ignore});
-  // Windows 0 to 5 have matches (anchors 2 to 7), windows 6 and 7 have none.
+  // Windows 0 to 5 have matches (anchors 2 to 7), windows 6 and 7 do not.
   for (uint32_t window = 0; window < 8; ++window)
     result.best[window] = Match{window, 0, window, 0, 5};
-  result.best[1] = Match{1, 0, 7, 0, 5};  // wrong
+  result.best[1] = Match{1, 0, 7, 0, 5};  // incorrect
   result.best[2] = std::nullopt;          // an unreadable frame
   result.query_unreadable = {2};
   result.best[5] = Match{5, 0, 7, 0, 5};  // anchors 7 and 9: ignored
@@ -90,7 +90,7 @@ TEST_CASE("best matches count over the windows that have a match") {
   CHECK(best.rate() == 0.75);
 }
 
-TEST_CASE("a window for which an approximate method found nothing is wrong") {
+TEST_CASE("a window without a match of an approximate method is incorrect") {
   Result result = example();
   result.best[4] = Match{4, 0, 4, 0, 5};
   const BestMatchCounts best = count_recognitions(result, aligned(0)).best_match;
@@ -99,12 +99,12 @@ TEST_CASE("a window for which an approximate method found nothing is wrong") {
   CHECK(best.unreadable == 0);
 }
 
-TEST_CASE("a place in front of the first training anchor can't be found, and is counted apart") {
+TEST_CASE("a place before the first training anchor cannot be found, and is counted separately") {
   Result result = example();
   result.targets.push_back({"short", 2, 0, true, 0.5, ThresholdScale::relative, 10, 100});
   GroundTruth truth;
   truth.pairs.resize(10);
-  // No window ends in front of frame 2, and none in the short sequence.
+  // No window ends before frame 2, and none in the short sequence.
   truth.pairs[2] = {{0, 0, PlaceLabel::same}};
   truth.pairs[3] = {{0, 1, PlaceLabel::same}};
   truth.pairs[4] = {{0, 0, PlaceLabel::same, 2}};
@@ -116,16 +116,16 @@ TEST_CASE("a place in front of the first training anchor can't be found, and is 
   CHECK(best().correct == 1);
   CHECK(best().unreachable == 3);
   CHECK(best().without_match == 3);
-  truth.tolerance_frames = 1;  // frame 1 reaches the anchor 2
+  truth.tolerance_frames = 1;  // frame 1 is within the tolerance of anchor 2
   CHECK(best().queries == 3);
   CHECK(best().unreachable == 2);
 }
 
-TEST_CASE("a stop counts once where counts are by view") {
+TEST_CASE("a stop counts once if counts are per keyframe") {
   Result result = example();
   CHECK_FALSE(count_by_view(result, aligned(0)));
   result.views = ResultViews{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
-  // Query views of anchors: 2; 3 to 6; 7 to 9. Training views: 2; 3; 4 to 7; 8 and 9.
+  // Query keyframes of anchors: 2; 3 to 6; 7 to 9. Training keyframes: 2; 3; 4 to 7; 8 and 9.
   for (uint32_t window = 0; window < 8; ++window)
     result.best[window] = Match{window, 0, window, 0, 5};
   result.best[2] = Match{2, 0, 7, 0, 5};

@@ -20,7 +20,7 @@ std::vector<std::string> unmet(const std::string& expected) {
 
 }  // namespace
 
-TEST_CASE("counts are met exactly, or within a stated tolerance") {
+TEST_CASE("counts must be equal, or within a stated tolerance") {
   CHECK(unmet(R"({"schema": "vpr.expected/1", "counts": {"hits": {"correct": 52}}})").empty());
   CHECK(unmet(R"({"schema": "vpr.expected/1",
                   "counts": {"hits": {"correct": {"value": 50, "tolerance": 2}}}})")
@@ -34,7 +34,7 @@ TEST_CASE("counts are met exactly, or within a stated tolerance") {
                                  "best_match.correct: expected 47, found 48 (+1)"});
 }
 
-TEST_CASE("an earlier report is an expectation") {
+TEST_CASE("an earlier report can be an expectation") {
   CHECK(unmet(kReport.dump()).empty());
   Json other = kReport;
   other["method"] = "openable";
@@ -42,7 +42,7 @@ TEST_CASE("an earlier report is an expectation") {
   CHECK(unmet(other.dump()).size() == 1);
 }
 
-TEST_CASE("settings and ground truth of an earlier report are expected, too") {
+TEST_CASE("settings and ground truth of an earlier report are expected as well") {
   Json report = kReport;
   report["settings"] = {{"c_l", 10}, {"t_r", "auto"}, {"clustering", {{"eps", 2}}}};
   report["protocol"] = {{"ground_truth", "aligned"}, {"tolerance_frames", 3}, {"anchor", "last"}};
@@ -83,7 +83,7 @@ TEST_CASE("the name of a score matrix is not expected") {
   CHECK(unmet_expectations(check_expectations(report, baseline, "e.json")).empty());
 }
 
-TEST_CASE("expectations that can't fail, or can't be met, are usage errors") {
+TEST_CASE("expectations that cannot fail, or cannot be met, are usage errors") {
   const std::string text = GENERATE(
       "{}", "3", R"({"schema": "vpr.expected/1"})", R"({"schema": "vpr.expected/1", "counts": {}})",
       R"({"schema": "vpr.expected/1", "count": {"distinct": 3}})",
@@ -100,7 +100,7 @@ TEST_CASE("expectations that can't fail, or can't be met, are usage errors") {
   CHECK(test::error_kind([&] { unmet(text); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a rate that is none is met by none alone") {
+TEST_CASE("a missing rate is met only by a missing rate") {
   const Json none = Json::parse(R"({"counts": {"distinct": 0}, "best_match": {"rate": null}})");
   const auto unmet_of = [&](const Json& report, const char* expected) {
     return unmet_expectations(check_expectations(report, Json::parse(expected), "e.json")).size();
@@ -111,7 +111,7 @@ TEST_CASE("a rate that is none is met by none alone") {
   CHECK(unmet_of(kReport, R"({"schema": "vpr.expected/1", "best_match": {"rate": null}})") == 1);
 }
 
-TEST_CASE("bounds are one-sided, or two, and included") {
+TEST_CASE("bounds are one-sided or two-sided, and inclusive") {
   const auto unmet_of = [](const std::string& bounds) {
     return unmet(R"({"schema": "vpr.expected/1", "counts": {"hits": {"correct": )" + bounds +
                  "}}}");
@@ -127,7 +127,7 @@ TEST_CASE("bounds are one-sided, or two, and included") {
         std::vector<std::string>{"counts.hits.correct: expected 53 to 60, found 52"});
 }
 
-TEST_CASE("what is updated is met, keeps its tolerances, and bounds that are met") {
+TEST_CASE("updated values are met, and keep their tolerances and satisfied bounds") {
   Json report = kReport;
   report["settings"] = {{"c_l", 10}};
   const Json expected = Json::parse(R"({"schema": "vpr.expected/1",

@@ -59,7 +59,7 @@ std::optional<uint32_t> slow(const GroundTruth& truth, uint32_t width, size_t qu
 
 }  // namespace
 
-TEST_CASE("the margin of a row without its place") {
+TEST_CASE("the margin of a row excludes its place") {
   // The window ends at query frame 2, which shows training frame 4; windows end at frames 2 to 9.
   const GroundTruth truth = truth_of({{}, {}, {{0, 4, PlaceLabel::same}}}, 0);
   const std::vector<std::vector<uint32_t>> rows = {{50, 40, 3, 9, 60, 20, 21, 70}};
@@ -69,18 +69,18 @@ TEST_CASE("the margin of a row without its place") {
   }
 }
 
-TEST_CASE("the place of an ignored pair is taken out, too") {
+TEST_CASE("the place of an ignored pair is excluded as well") {
   const GroundTruth truth =
       truth_of({{}, {}, {{0, 2, PlaceLabel::ignore, 1}, {0, 4, PlaceLabel::same}}}, 0);
   CHECK(scan_rows(truth, 0, {{1, 2, 30, 10, 17}}, 5).front() == 7u);
 }
 
-TEST_CASE("where all that is trained is the place, there is no margin without it") {
+TEST_CASE("a database with only this place has no margin without it") {
   const GroundTruth truth = truth_of({{}, {}, {{0, 2, PlaceLabel::same, 4}}}, 0);
   CHECK_FALSE(scan_rows(truth, 1, {{1, 2, 3, 4, 5}}, 2).front());
 }
 
-TEST_CASE("labelled rows are those of the definition, in any pieces") {
+TEST_CASE("labeled rows equal the definition, in any pieces") {
   RandomEngine engine(3);
   for (int trial = 0; trial < 60; ++trial) {
     const size_t queries = 4;

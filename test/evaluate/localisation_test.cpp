@@ -35,7 +35,7 @@ TEST_CASE("a path with three fixes, computed by hand") {
   CHECK(found.longest_gap_m == 9);       // from frame 2 to frame 5
 }
 
-TEST_CASE("the ends of the path bound gaps") {
+TEST_CASE("gaps end at the ends of the path") {
   const std::vector<double> travelled = {0, 2, 4, 6, 8};
   const Localisation late = localise(path("...r."), travelled);
   CHECK(late.longest_gap_frames == 3);
@@ -47,7 +47,7 @@ TEST_CASE("the ends of the path bound gaps") {
   CHECK(early.first_fix_m == 0);
 }
 
-TEST_CASE("a path without a fix is one gap, and a wrong fix is none") {
+TEST_CASE("a path without a fix is one gap, and an incorrect fix does not end it") {
   const Localisation found = localise(path("ww.w"), std::vector<double>{0, 1, 1, 5});
   CHECK(found.right == 0);
   CHECK(found.wrong == 3);
@@ -58,7 +58,7 @@ TEST_CASE("a path without a fix is one gap, and a wrong fix is none") {
   CHECK(found.share() == 0);
 }
 
-TEST_CASE("without positions there are no metres, and an empty path has no share") {
+TEST_CASE("without positions there are no meters, and an empty path has no share") {
   const Localisation found = localise(path("r.r"), {});
   CHECK(found.longest_gap_frames == 1);
   CHECK_FALSE(found.longest_gap_m);
@@ -68,7 +68,7 @@ TEST_CASE("without positions there are no metres, and an empty path has no share
   CHECK(empty.longest_gap_frames == 0);
 }
 
-TEST_CASE("everywhere localised: no gap") {
+TEST_CASE("a fix in every frame leaves no gap") {
   const Localisation found = localise(path("rrrr"), std::vector<double>{0, 1, 3, 4});
   CHECK(found.share() == 1);
   CHECK(found.longest_gap_frames == 0);
@@ -93,7 +93,7 @@ TEST_CASE("the closest hit of a window is its fix, at the anchor") {
   CHECK(fixes_of(result, truth) == path("..wr.i"));
 }
 
-TEST_CASE("best matches are fixes up to the threshold, which counts") {
+TEST_CASE("best matches are fixes up to the threshold, inclusive") {
   Outcomes outcomes;
   outcomes.query_frames = 4;
   for (size_t frame = 0; frame < 4; ++frame)
@@ -109,34 +109,34 @@ TEST_CASE("best matches are fixes up to the threshold, which counts") {
   CHECK(fixes_of(outcomes, std::nullopt) == path("...."));
 }
 
-TEST_CASE("ways are sums of straight lines") {
+TEST_CASE("distances traveled are sums of straight lines") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y,heading\n1,3,4,0\n0,0,0,0\n2,3,5.5,90\n");
-  CHECK(read_travelled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6.5});
+  CHECK(read_traveled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6.5});
   test::write_text(folder / "all.csv", "# a recording\nframe,x,y\n5,3,+4\n3,0,0\n9,1,1\n");
-  CHECK(read_travelled(folder / "all.csv@3:6:2", 2, {}) == std::vector<double>{0, 5});
+  CHECK(read_traveled(folder / "all.csv@3:6:2", 2, {}) == std::vector<double>{0, 5});
 }
 
-TEST_CASE("ways of a replay go along what it shows") {
+TEST_CASE("distances of a resampled query follow its frames") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n");
   const auto way = [&](const std::string& warp) {
     const Replay shown = replay(warp, 3, 1);
-    return read_travelled(folder / "p.csv", shown.frames(), {}, shown);
+    return read_traveled(folder / "p.csv", shown.frames(), {}, shown);
   };
   CHECK(way("0.5") == std::vector<double>{0, 0, 5, 5, 6, 6});
   CHECK(way("reversed") == std::vector<double>{0, 1, 6});
 }
 
-TEST_CASE("without the pose of a frame there are no metres, which is said once") {
+TEST_CASE("a missing pose of a frame causes one warning and no meters") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,x,y\n0,0,0\n3,1,1\n");
   std::vector<std::string> warnings;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
-  CHECK(read_travelled(folder / "p.csv", 4, monitor).empty());
+  CHECK(read_traveled(folder / "p.csv", 4, monitor).empty());
   REQUIRE(warnings.size() == 1);
-  CHECK(warnings[0].find("no pose of 2 of 4 frames (the first is frame 1)") != std::string::npos);
+  CHECK(warnings[0].find("no pose for 2 of 4 frames (the first is frame 1)") != std::string::npos);
 }
 
 TEST_CASE("damaged positions are refused") {
@@ -146,5 +146,5 @@ TEST_CASE("damaged positions are refused") {
                                    "frame,x,y\n0,0,0\n1,1\n", "frame,x,y\n0,0,0\n1,nan,1\n",
                                    "frame,x,y\n0,0,0\n-1,1,1\n", "frame,x,y\n0,0,0\n1,inf,1\n");
   test::write_text(folder / "p.csv", csv);
-  CHECK(test::error_kind([&] { read_travelled(folder / "p.csv", 2, {}); }) == ErrorKind::data);
+  CHECK(test::error_kind([&] { read_traveled(folder / "p.csv", 2, {}); }) == ErrorKind::data);
 }

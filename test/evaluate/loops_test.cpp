@@ -1,4 +1,4 @@
-// Loop closures against a trajectory: by hand, and against every pair of frames.
+// Loop closures on a trajectory: by hand, and compared with all pairs of frames.
 #include "evaluate/loops.h"
 
 #include <cmath>
@@ -14,7 +14,7 @@ using namespace vpr;
 
 namespace {
 
-/// A second apart, on a line.
+/// One second apart, on a line.
 Trajectory along(const std::vector<double>& xs) {
   Trajectory trajectory;
   for (const double x : xs) {
@@ -26,7 +26,7 @@ Trajectory along(const std::vector<double>& xs) {
 
 LoopRules within(double radius_m, size_t gap_frames) { return {radius_m, {{}, gap_frames}}; }
 
-/// Every frame with every earlier one.
+/// Compares every frame with every earlier one.
 std::vector<bool> plain_frames_with_loop(const Trajectory& trajectory, const LoopRules& rules) {
   std::vector<bool> has_loop(trajectory.poses.size());
   for (size_t query = 0; query < has_loop.size(); ++query)
@@ -40,17 +40,17 @@ std::vector<bool> plain_frames_with_loop(const Trajectory& trajectory, const Loo
 
 }  // namespace
 
-TEST_CASE("loops there and back, by hand") {
-  // 0 1 2 3 metres and back: frames 4, 5 and 6 are where 2, 1 and 0 were.
+TEST_CASE("loops in both directions equal those counted by hand") {
+  // 0 1 2 3 meters and back: frames 4, 5 and 6 are at the positions of 2, 1 and 0.
   const Trajectory trajectory = along({0, 1, 2, 3, 2, 1, 0});
   LoopList list;
   list.has_scores = true;
-  list.loops = {{4, 2, 0.9, 1},    // right: 2 frames apart is the gap
-                {5, 4, 0.95, 2},   // too near in time
-                {5, 0, 0.8, 3},    // a metre off, and the radius is half of one
-                {5, 1, 0.7, 4},    // right, but not its frame's best
-                {4, 2, 0.1, 5},    // the first again
-                {3, 0, 0.85, 6}};  // nothing is there
+  list.loops = {{4, 2, 0.9, 1},    // correct: 2 frames apart is the gap
+                {5, 4, 0.95, 2},   // too close in time
+                {5, 0, 0.8, 3},    // one meter away, with a radius of half a meter
+                {5, 1, 0.7, 4},    // correct, but not its frame's best
+                {4, 2, 0.1, 5},    // duplicate of the first one
+                {3, 0, 0.85, 6}};  // no place in common
   const LoopJudgement judgement = judge_loops(list, trajectory, within(0.5, 2));
   CHECK(judgement.has_loop == std::vector<bool>{false, false, false, false, true, true, true});
   CHECK(judgement.repeated == 1);
@@ -61,13 +61,13 @@ TEST_CASE("loops there and back, by hand") {
   CHECK(judgement.frames_found() == 2);
   CHECK(judgement.revisits == std::vector<Revisit>{{4, 6, true}});
   CHECK(judgement.longest_missed() == Revisit{6, 6, false});
-  // 0.9 right, 0.85 wrong, 0.8 wrong (of frame 5, whose right one scores less).
+  // 0.9 is correct, 0.85 and 0.8 are incorrect (frame 5 also has a correct one with a lower score).
   REQUIRE(judgement.curve);
   CHECK(recall_at_full_precision(*judgement.curve).value == Approx(1 / 3.0));
   CHECK(average_precision(*judgement.curve).value == Approx(1 / 3.0));
 }
 
-TEST_CASE("bounds of radius and gap are included, and small distances may be good") {
+TEST_CASE("bounds of radius and gap are inclusive, and small distances may be good scores") {
   const Trajectory trajectory = along({0, 10, 20, 0.5, 10, 20});
   LoopRules rules = within(0.5, 1);
   rules.gap = {3'000'000'000, 0};
@@ -89,7 +89,7 @@ TEST_CASE("bounds of radius and gap are included, and small distances may be goo
   CHECK(recall_at_full_precision(*judgement.curve).value == Approx(0.5));
 }
 
-TEST_CASE("frames without a pose have no loop, and no list finds nothing") {
+TEST_CASE("frames without a pose have no loop, and an empty list finds nothing") {
   Trajectory trajectory = along({0, 5, 0, 0});
   trajectory.poses[2].reset();
   const LoopJudgement judgement = judge_loops({}, trajectory, within(1, 1));
@@ -99,7 +99,7 @@ TEST_CASE("frames without a pose have no loop, and no list finds nothing") {
   CHECK(judge_loops({}, along({}), within(1, 1)).revisits.empty());
 }
 
-TEST_CASE("a radius that is none and a gap without times are refused") {
+TEST_CASE("an invalid radius, or a gap in time without times, is refused") {
   Trajectory trajectory = along({0, 1});
   CHECK(test::error_kind([&] { judge_loops({}, trajectory, within(-1, 1)); }) == ErrorKind::usage);
   trajectory.times_ns.clear();
@@ -108,7 +108,7 @@ TEST_CASE("a radius that is none and a gap without times are refused") {
   CHECK(test::error_kind([&] { judge_loops({}, trajectory, rules); }) == ErrorKind::usage);
 }
 
-TEST_CASE("cubes find what comparing every pair finds") {
+TEST_CASE("a search in cubes equals comparing all pairs") {
   RandomEngine random = named_engine(7, "loops");
   for (int trial = 0; trial < 60; ++trial) {
     Trajectory trajectory;
@@ -116,7 +116,7 @@ TEST_CASE("cubes find what comparing every pair finds") {
     for (int frame = 0; frame < 120; ++frame) {
       trajectory.times_ns.push_back(frame * 10);
       trajectory.poses.emplace_back();
-      // Half of them on a grid, where distances are just the radius.
+      // Half of them on a grid, where distances equal the radius.
       const auto coordinate = [&] {
         const double x = static_cast<double>(uniform_below(random, 1001)) / 1000 * size - size / 2;
         return trial % 2 == 0 ? x : std::round(x);
@@ -131,7 +131,7 @@ TEST_CASE("cubes find what comparing every pair finds") {
       CHECK(frames_with_loop(trajectory, rules) == plain_frames_with_loop(trajectory, rules));
     }
   }
-  // Just within the radius after rounding, though two cubes lie between.
+  // Within the radius after rounding, although two cubes are between them.
   const Trajectory rounded = along({-1e-17, 1});
   CHECK(frames_with_loop(rounded, within(1, 1)) == plain_frames_with_loop(rounded, within(1, 1)));
 }

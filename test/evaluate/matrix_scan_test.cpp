@@ -1,4 +1,4 @@
-// Score matrices of any program: reading them, ranks, best matches, and the curve over all pairs.
+// Score matrices: reading them, ranks, best matches, and the curve over all pairs.
 #include "evaluate/matrix_scan.h"
 
 #include <cmath>
@@ -63,7 +63,7 @@ MatrixScan scan(const std::filesystem::path& path, const GroundTruth& truth,
 
 }  // namespace
 
-TEST_CASE("scores of every type are read as the numbers they are") {
+TEST_CASE("scores of every type are read exactly") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& type, const std::string& bytes) {
     return all_scores(ScoreMatrix(write_raw(folder, type, "(1, 2)", false, bytes), {}))[0];
@@ -77,7 +77,7 @@ TEST_CASE("scores of every type are read as the numbers they are") {
   CHECK(read("<i8", std::string("\x02\0\0\0\0\0\0\0\xff\xff\xff\xff\xff\xff\xff\xff", 16)) ==
         Row{2, -1});
   CHECK(read("<u8", std::string("\x02\0\0\0\0\0\0\0\0\0\0\0\1\0\0\0", 16)) == Row{2, 4294967296.0});
-  // Halves: 1.0 and -2.5; the least above 0 and infinity.
+  // Half precision: 1.0 and -2.5; the smallest above 0 and infinity.
   CHECK(read("<f2", std::string("\x00\x3c\x00\xc1", 4)) == Row{1, -2.5});
   CHECK(read("<f2", std::string("\x01\x00\x00\x7c", 4)) == Row{std::ldexp(1.0, -24), INFINITY});
   CHECK(std::isnan(read("<f2", std::string("\x01\x7e\x00\x3c", 4))[0]));
@@ -86,7 +86,7 @@ TEST_CASE("scores of every type are read as the numbers they are") {
         double{0.1F});
 }
 
-TEST_CASE("C and Fortran order, queries or references first, mean what they say") {
+TEST_CASE("C and Fortran order, queries or references first, have their documented meaning") {
   const test::TemporaryFolder folder;
   const std::string bytes = {1, 2, 3, 4, 5, 6};
   const auto read = [&](bool is_fortran, bool references_first) {
@@ -101,7 +101,7 @@ TEST_CASE("C and Fortran order, queries or references first, mean what they say"
   CHECK(read(true, true) == Rows{{1, 2}, {3, 4}, {5, 6}});
 }
 
-TEST_CASE("what is no score matrix is refused") {
+TEST_CASE("invalid score matrices are refused") {
   const test::TemporaryFolder folder;
   const auto kind = [&](const std::string& type, const std::string& shape, size_t bytes) {
     return test::error_kind([&] {
@@ -120,7 +120,7 @@ TEST_CASE("what is no score matrix is refused") {
   CHECK(kind("|u1", "(2, 0)", 0) == ErrorKind::data);
 }
 
-TEST_CASE("ranks and best matches of a small matrix are those counted by hand") {
+TEST_CASE("ranks and best matches of a small matrix equal those counted by hand") {
   const test::TemporaryFolder folder;
   // Correct references: 1 | 3 (tied with 0 and 2) | none | 0 (no score) | 0, with 1 ignored.
   const std::vector<double> scores = {5,    1,    2,    3,     //
@@ -138,14 +138,14 @@ TEST_CASE("ranks and best matches of a small matrix are those counted by hand") 
   CHECK_FALSE(queries[0].is_tied);
   CHECK(queries[1].verdict == Verdict::incorrect);
   CHECK(queries[1].best == FrameMatch{0, 0});
-  CHECK(queries[1].rank == 3);  // behind the tied references 0 and 2
+  CHECK(queries[1].rank == 3);  // after the tied references 0 and 2
   CHECK(queries[1].is_tied);
   CHECK_FALSE(queries[2].has_match);
   CHECK(queries[2].verdict == Verdict::incorrect);
   CHECK_FALSE(queries[2].rank);
   CHECK(queries[3].verdict == Verdict::incorrect);
   CHECK_FALSE(queries[3].rank);
-  CHECK(queries[4].verdict == Verdict::correct);  // the ignored reference is passed over
+  CHECK(queries[4].verdict == Verdict::correct);  // the ignored reference is skipped
   CHECK(queries[4].rank == 1);
   CHECK(queries[5].verdict == Verdict::unreadable);
   CHECK(found.same_pairs == 4);
@@ -163,7 +163,7 @@ TEST_CASE("ranks and best matches of a small matrix are those counted by hand") 
   CHECK(tied_queries(found.outcomes) == 1);
 }
 
-TEST_CASE("a query without a match lowers precision, but is none to find") {
+TEST_CASE("a query without a match lowers precision, but is not a positive") {
   const test::TemporaryFolder folder;
   const MatrixScan found =
       scan(write_matrix<double>(folder, {2, 5, 1, 6}, 2, 2), truth_of(2, {{0, 0, 0}}));
@@ -174,7 +174,7 @@ TEST_CASE("a query without a match lowers precision, but is none to find") {
   CHECK(curve.points[1] == CurvePoint{score_key(2, ScoreOrder::distance), 1, 1, 1});
 }
 
-TEST_CASE("a value that stands for no score is none") {
+TEST_CASE("a value that marks a missing score is ignored") {
   const test::TemporaryFolder folder;
   ScoreFormat format;
   format.missing = -1;
@@ -184,7 +184,7 @@ TEST_CASE("a value that stands for no score is none") {
   CHECK(found.outcomes.queries[1].verdict == Verdict::unreadable);
 }
 
-TEST_CASE("windows of a matrix are judged at their anchors") {
+TEST_CASE("windows of a matrix are evaluated at their anchors") {
   const test::TemporaryFolder folder;
   const ScoreMatrix matrix(write_matrix<double>(folder, {1, 2, 3, 4, 5, 6}, 2, 3), {});
   const ScoreLayout layout = layout_of(matrix, 4);
@@ -196,10 +196,10 @@ TEST_CASE("windows of a matrix are judged at their anchors") {
   CHECK(found.outcomes.queries[0].best == FrameMatch{0, 3});
   CHECK(found.outcomes.queries[0].rank == 1);
   CHECK(found.outcomes.queries[1].rank == 3);
-  CHECK(found.same_pairs == 2);  // reference 1 is no window's anchor
+  CHECK(found.same_pairs == 2);  // reference 1 is not the anchor of a window
 }
 
-TEST_CASE("the labels of a row are those of single pairs") {
+TEST_CASE("the labels of a row equal those of single pairs") {
   const test::TemporaryFolder folder;
   RandomEngine engine(4);
   const ScoreMatrix matrix(write_matrix<float>(folder, std::vector<float>(8 * 24), 8, 24), {});
@@ -229,7 +229,7 @@ TEST_CASE("the labels of a row are those of single pairs") {
   }
 }
 
-TEST_CASE("the curve over all pairs is that of sorting them all") {
+TEST_CASE("the curve over all pairs equals the curve of sorting all of them") {
   const test::TemporaryFolder folder;
   RandomEngine engine(11);
   for (int round = 0; round < 60; ++round) {
@@ -271,7 +271,7 @@ TEST_CASE("the curve over all pairs is that of sorting them all") {
   }
 }
 
-TEST_CASE("a large matrix gives the same for any number of threads") {
+TEST_CASE("a large matrix yields the same result for any number of threads") {
   const test::TemporaryFolder folder;
   RandomEngine engine(12);
   std::vector<float> scores(700 * 5000);
@@ -293,7 +293,7 @@ TEST_CASE("a large matrix gives the same for any number of threads") {
   }
 }
 
-TEST_CASE("ranks of right references are those of sorting the row") {
+TEST_CASE("ranks of correct references equal those of sorting the row") {
   const test::TemporaryFolder folder;
   constexpr size_t kReferences = 300;
   RandomEngine engine(11);

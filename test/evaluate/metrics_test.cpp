@@ -1,4 +1,4 @@
-// Every metric on cases computed by hand, against closed forms, and against plain definitions.
+// Every metric compared with cases computed by hand, closed forms, and reference implementations.
 #include "evaluate/metrics.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ Curve curve_from(const std::vector<Scored>& scored, uint64_t to_find,
   return curve_of(items, to_find, kind);
 }
 
-/// Precision and recall by the definition, at each value that occurs.
+/// Precision and recall by definition, at each existing value.
 struct Threshold {
   double distance = 0;
   double correct = 0;
@@ -63,14 +63,14 @@ double plain_auc(const std::vector<Scored>& scored) {
   return better / pairs;
 }
 
-// Right, right, wrong, right, wrong, in this order; four to find.
+// Correct, correct, incorrect, correct, incorrect, in this order; four positives.
 const std::vector<Scored> kFive = {{1, true}, {2, true}, {3, false}, {4, true}, {5, false}};
 
 }  // namespace
 
-TEST_CASE("metrics of five matches are those computed by hand") {
+TEST_CASE("metrics of five matches equal values computed by hand") {
   const Curve curve = curve_from(kFive, 4);
-  // Precisions at the three correct ones: 1/1, 2/2, 3/4, each adding 1/4 of the recall.
+  // Precisions at the three correct ones: 1/1, 2/2, 3/4, each with 1/4 of the recall.
   CHECK(*average_precision(curve).value == Approx((1.0 + 1.0 + 0.75) / 4));
   CHECK(recall_at_full_precision(curve).value == 0.5);
   CHECK(recall_at_full_precision(curve).threshold == 2);
@@ -82,7 +82,7 @@ TEST_CASE("metrics of five matches are those computed by hand") {
   CHECK(*roc_auc(curve).value == Approx(5.0 / 6));
 }
 
-TEST_CASE("a similarity is a distance turned round") {
+TEST_CASE("a similarity is a negated distance") {
   std::vector<Scored> turned = kFive;
   for (Scored& item : turned) item.distance = -item.distance;
   const Curve curve = curve_from(turned, 4, ScoreOrder::similarity);
@@ -91,8 +91,8 @@ TEST_CASE("a similarity is a distance turned round") {
   CHECK(recall_at_full_precision(curve).threshold == -2);
 }
 
-TEST_CASE("ties enter together") {
-  // A right and a wrong one share the best score: no threshold has one without the other.
+TEST_CASE("ties are accepted together") {
+  // A correct and an incorrect one share the best score: no threshold separates them.
   const Curve curve = curve_from({{1, true}, {1, false}, {2, true}}, 2);
   CHECK(curve.points.size() == 2);
   CHECK(*average_precision(curve).value == Approx(0.5 * 0.5 + 0.5 * 2 / 3));
@@ -103,7 +103,7 @@ TEST_CASE("ties enter together") {
   CHECK(*roc_auc(curve).value == Approx((0.5 + 0) / 2));
 }
 
-TEST_CASE("a perfect order has perfect metrics, its reverse the worst") {
+TEST_CASE("a perfect order has perfect metrics, its reverse the worst ones") {
   std::vector<Scored> perfect;
   for (int i = 0; i < 30; ++i) perfect.push_back({double(i), i < 10});
   const Curve best = curve_from(perfect, 10);
@@ -114,7 +114,7 @@ TEST_CASE("a perfect order has perfect metrics, its reverse the worst") {
   CHECK(roc_auc(best).value == 1);
   for (Scored& item : perfect) item.distance = -item.distance;
   const Curve worst = curve_from(perfect, 10);
-  // The k-th correct one comes behind 20 incorrect ones: precision k / (20 + k).
+  // The k-th correct one comes after 20 incorrect ones: precision k / (20 + k).
   double sum = 0;
   for (int k = 1; k <= 10; ++k) sum += k / (20.0 + k);
   CHECK(*average_precision(worst).value == Approx(sum / 10));
@@ -124,7 +124,7 @@ TEST_CASE("a perfect order has perfect metrics, its reverse the worst") {
   CHECK(roc_auc(worst).value == 0);
 }
 
-TEST_CASE("all scores equal: precision is the share of correct ones, ROC AUC one half") {
+TEST_CASE("equal scores: precision is the share of correct ones, ROC AUC is one half") {
   std::vector<Scored> equal;
   for (int i = 0; i < 40; ++i) equal.push_back({7, i < 10});
   const Curve curve = curve_from(equal, 10);
@@ -135,7 +135,7 @@ TEST_CASE("all scores equal: precision is the share of correct ones, ROC AUC one
   CHECK(*extended_precision(curve).value == Approx(0.125));
 }
 
-TEST_CASE("metrics that are not defined have no value") {
+TEST_CASE("undefined metrics have no value") {
   const Curve nothing_to_find = curve_from({{1, false}, {2, false}}, 0);
   for (const Metric& metric : curve_metrics()) CHECK_FALSE(metric.of_curve(nothing_to_find).value);
   const Curve no_scores = curve_from({}, 3);
@@ -148,14 +148,14 @@ TEST_CASE("metrics that are not defined have no value") {
   CHECK(average_precision(curve_from({{1, true}}, 1)).value == 1);
 }
 
-TEST_CASE("what is never found limits recall") {
+TEST_CASE("matches that are never found limit recall") {
   const Curve curve = curve_from({{1, true}, {2, true}}, 8);
   CHECK(average_precision(curve).value == 0.25);
   CHECK(recall_at_full_precision(curve).value == 0.25);
   CHECK(*max_f1(curve).value == Approx(2 * 2.0 / (2 + 8)));
 }
 
-TEST_CASE("metrics are those of their definitions on random scores with ties") {
+TEST_CASE("metrics equal their definitions on random scores with ties") {
   RandomEngine engine(5);
   for (int round = 0; round < 200; ++round) {
     std::vector<Scored> scored;
@@ -201,14 +201,14 @@ TEST_CASE("random scores have a ROC AUC of one half and the base rate as average
   CHECK(*average_precision(curve).value == Approx(0.1).margin(0.005));
 }
 
-TEST_CASE("weights count an item so many times, and 0 leaves it out") {
+TEST_CASE("weights count an item repeatedly, and 0 omits it") {
   std::vector<ScoredItem> weighted = {{1, true, 2}, {2, false, 0}, {3, true, 1}, {4, false, 3}};
   std::vector<ScoredItem> repeated = {{1, true},  {1, true},  {3, true},
                                       {4, false}, {4, false}, {4, false}};
   CHECK(curve_of(weighted, 3, ScoreOrder::distance) == curve_of(repeated, 3, ScoreOrder::distance));
 }
 
-TEST_CASE("keys sort scores best first and give them back") {
+TEST_CASE("keys sort scores best first and can be converted back") {
   const std::vector<double> rising = {-INFINITY, -3, -1e-300, 0, 1e-300, 0.5, 3, INFINITY};
   for (const ScoreOrder kind : {ScoreOrder::distance, ScoreOrder::similarity}) {
     for (size_t i = 0; i < rising.size(); ++i) {
@@ -226,7 +226,7 @@ TEST_CASE("keys sort scores best first and give them back") {
 
 namespace {
 
-/// The mean risk by its definition, over all orders of those that tie, drawn at random.
+/// The mean risk by definition, over random orders of ties.
 double plain_risk(std::vector<Scored> scored, size_t orders) {
   RandomEngine engine(5);
   double sum = 0;
@@ -245,7 +245,8 @@ double plain_risk(std::vector<Scored> scored, size_t orders) {
   return sum / double(orders);
 }
 
-/// A query of each letter (c right, w wrong, n without a match, i ignored), the first at a frame.
+/// One query per letter (c correct, w incorrect, n without a match, i ignored), starting at frame
+/// `first`.
 Outcomes outcomes_of(const std::string& letters, size_t first = 0) {
   Outcomes outcomes;
   for (const char letter : letters) {
@@ -262,11 +263,12 @@ Outcomes outcomes_of(const std::string& letters, size_t first = 0) {
 
 }  // namespace
 
-TEST_CASE("the area of risk and coverage is that computed by hand, the expected one of ties") {
+TEST_CASE(
+    "the area under risk and coverage equals the value computed by hand, with expected ties") {
   // Risks 0/1, 0/2, 1/3, 1/4, 2/5.
   CHECK(*risk_coverage_area(curve_from(kFive, 4)).value ==
         Approx((0 + 0 + 1 / 3.0 + 1 / 4.0 + 2 / 5.0) / 5));
-  // A right and a wrong one tie: 0 or 1 with the first, 1/2 with both; then 1/3.
+  // A correct and an incorrect one tie: 0 or 1 with the first, 1/2 with both; then 1/3.
   CHECK(*risk_coverage_area(curve_from({{1, true}, {1, false}, {2, true}}, 2)).value ==
         Approx((0.5 + 0.5 + 1 / 3.0) / 3));
   CHECK(risk_coverage_area(curve_from({{1, true}, {2, true}}, 9)).value == 0);
@@ -279,14 +281,14 @@ TEST_CASE("the area of risk and coverage is that computed by hand, the expected 
   CHECK(*risk_coverage_area(curve_from(many, 40)).value ==
         Approx(plain_risk(many, 20000)).margin(0.002));
   const auto points = risk_coverage_points(curve_from(kFive, 4));
-  REQUIRE(points.size() == 4);  // no threshold at a wrong one alone, but the last
+  REQUIRE(points.size() == 4);  // no threshold at a single incorrect one, except the last
   CHECK(points[1] == std::pair(0.4, 0.0));
   CHECK(points[2] == std::pair(0.8, 0.25));
   CHECK(points[3].first == 1);
 }
 
-TEST_CASE("the recall achievement rate is that counted by hand") {
-  // Stretches of four frames: 3/4, 1/2 (of two with a match), none with a match, 1.
+TEST_CASE("the recall achievement rate equals the value counted by hand") {
+  // Parts of four frames: 3/4, 1/2 (of two with a match), none with a match, 1.
   const Outcomes outcomes = outcomes_of("cccwcwninnnicccc");
   const auto recalls = local_recalls(outcomes, 4);
   REQUIRE(recalls.size() == 4);
@@ -297,7 +299,7 @@ TEST_CASE("the recall achievement rate is that counted by hand") {
   CHECK(*recall_achievement(recalls, 0.5) == 1);
   CHECK(*recall_achievement(recalls, 0.75) == Approx(2 / 3.0));
   CHECK(*recall_achievement(recalls, 1) == Approx(1 / 3.0));
-  // Seven frames are two stretches, of three and of four; frames before the first window count.
+  // Seven frames are two parts, of three and of four; frames before the first window count.
   const auto uneven = local_recalls(outcomes_of("wcccc", 2), 4);
   REQUIRE(uneven.size() == 2);
   CHECK(uneven[0] == 0);
@@ -306,7 +308,7 @@ TEST_CASE("the recall achievement rate is that counted by hand") {
   CHECK_FALSE(recall_achievement(local_recalls(outcomes_of("nn"), 1), 0.5));
 }
 
-TEST_CASE("precision@K and mAP@K are those computed by hand") {
+TEST_CASE("precision@K and mAP@K equal values computed by hand") {
   Outcomes outcomes = outcomes_of("cwn");
   outcomes.has_ranks = true;
   outcomes.queries[0].right_ranks = {1, 3, 4};

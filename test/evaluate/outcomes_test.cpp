@@ -11,7 +11,7 @@ using namespace vpr;
 
 namespace {
 
-// Ten query frames against twelve training frames, c_l 3.
+// Ten query frames and twelve training frames, c_l 3.
 Result random_result(RandomEngine& engine) {
   Result result;
   SequenceQuerySettings settings;
@@ -61,12 +61,12 @@ TEST_CASE("outcomes count best matches as reports do") {
   }
 }
 
-TEST_CASE("ranks behind the first are not known from best matches") {
+TEST_CASE("best matches have no ranks after the first") {
   RandomEngine engine(2);
   CHECK_FALSE(recall_at(outcomes_of(random_result(engine), random_truth(engine)), 5));
 }
 
-TEST_CASE("a probability is a similarity, and a frame without words is wrong") {
+TEST_CASE("a probability is a similarity, and a frame without words is incorrect") {
   Result result;
   result.settings = FabmapQuerySettings{};
   result.query_frames = result.query_windows = 3;
@@ -88,7 +88,7 @@ TEST_CASE("a probability is a similarity, and a frame without words is wrong") {
   CHECK(curve.points[1].correct == 1);
 }
 
-TEST_CASE("a margin can be what best matches are accepted by, and one without it never is") {
+TEST_CASE("matches can be accepted by margin, and those without one never are") {
   Result result;
   SequenceQuerySettings settings;
   settings.window_length = 2;
@@ -110,7 +110,8 @@ TEST_CASE("a margin can be what best matches are accepted by, and one without it
   CHECK(outcomes.queries[0].asked_margin == 12);
   CHECK_FALSE(outcomes.queries[3].margin);
   CHECK(single_best_curve(outcomes).points.front().incorrect == 1);
-  settings.decision = Decision::margin;  // a result that was decided by margin is judged by it
+  // a result with a decision by margin is evaluated by margin
+  settings.decision = Decision::margin;
   result.settings = settings;
   outcomes = outcomes_of(result, truth);
   CHECK(outcomes.confidence == Confidence::margin);
@@ -127,7 +128,7 @@ TEST_CASE("a margin can be what best matches are accepted by, and one without it
   CHECK(curve.points[2].incorrect == 1);
 }
 
-TEST_CASE("judgements are ordered by either confidence, and by margins only where there are some") {
+TEST_CASE("evaluations can be ordered by either confidence, and by margin only if there are any") {
   RandomEngine engine(4);
   Result result = random_result(engine);
   const GroundTruth truth = random_truth(engine);

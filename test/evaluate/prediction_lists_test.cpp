@@ -1,4 +1,4 @@
-// Lists of what other programs found, and lists for them.
+// Prediction lists of other programs, and lists for them.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -19,7 +19,7 @@ using Names = std::vector<std::string>;
 const Names kQueries = {"q/a.jpg", "q/b.jpg", "q/c.jpg"};
 const Names kReferences = {"db/left/1.jpg", "db/left/2.jpg", "db/right/1.jpg", "db/right/2.jpg"};
 
-// Row after row, "-" where there is no score.
+// Row by row, "-" for a missing score.
 std::string rows_of(const ScoreMatrix& matrix) {
   std::vector<std::string> rows(matrix.queries());
   matrix.for_each_row(1, {}, "", [&](size_t, size_t query, std::span<const uint64_t> keys) {
@@ -49,14 +49,14 @@ struct List {
 
 }  // namespace
 
-TEST_CASE("frames are found by the end of their paths") {
+TEST_CASE("frames are identified by the end of their paths") {
   const FrameNames names(kReferences);
   CHECK(names.count() == 4U);
   CHECK(names.find("db/left/2.jpg") == 1U);
   CHECK(names.find("/data/db/right/2.jpg") == 3U);
   CHECK(names.find("right/1.jpg") == 2U);
-  CHECK_FALSE(names.find("1.jpg"));        // of two folders
-  CHECK_FALSE(names.find("other/1.jpg"));  // of none
+  CHECK_FALSE(names.find("1.jpg"));        // in two folders
+  CHECK_FALSE(names.find("other/1.jpg"));  // in no folder
   CHECK_FALSE(names.find("3.jpg"));
   CHECK(FrameNames({"q/a.jpg"}).find("/elsewhere/a.jpg") == 0U);
   const FrameNames numbers({});
@@ -65,7 +65,7 @@ TEST_CASE("frames are found by the end of their paths") {
   for (const char* word : {"-1", "1.5", "", "a", "99999999999"}) CHECK_FALSE(numbers.find(word));
 }
 
-TEST_CASE("names are the lines of a list, whether or not files are there") {
+TEST_CASE("names are the lines of a list, whether or not the files exist") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "db.txt", "# names\r\none/1.jpg\r\n\nwith blank/2.jpg\ntwo/1.jpg\n");
   const auto names = [&](const FrameRange& range) {
@@ -82,7 +82,7 @@ TEST_CASE("names are the lines of a list, whether or not files are there") {
   CHECK(found[0].ends_with("/9.png"));
 }
 
-TEST_CASE("lists of pairs have ranks, those with scores have scores") {
+TEST_CASE("lists of pairs have ranks, and those with scores have scores") {
   const List pairs(
       "q/b.jpg db/right/1.jpg\nq/b.jpg db/left/1.jpg\n\n# nothing\nq/a.jpg left/2.jpg\n");
   CHECK(rows_of(pairs.matrix()) == " - 1 - - | 2 - 1 - | - - - -");
@@ -137,7 +137,7 @@ TEST_CASE("lists that are none are refused, with the line") {
         }) == ErrorKind::input);
 }
 
-TEST_CASE("the best pairs are those of sorted rows") {
+TEST_CASE("the best pairs equal those of sorted rows") {
   RandomEngine engine(3);
   constexpr size_t kRows = 7;
   constexpr size_t kColumns = 40;

@@ -35,8 +35,10 @@ Recommendation recommend(const Cells& cells) { return vpr::recommend(cells, Scor
 
 }  // namespace
 
-TEST_CASE("recommended is what has no incorrect hit here, at any stricter and the next looser") {
-  // 0.2 is the last that has an error-free neighbour: the error is at 0.4.
+TEST_CASE(
+    "the recommended setting has no incorrect hit, nor have any stricter ones and the next looser "
+    "one") {
+  // 0.2 is the last one with an error-free neighbor: the error is at 0.4.
   const Recommendation choice = ::recommend(ladder(20, {{3, 0}, {7, 0}, {9, 0}, {20, 1}, {50, 9}}));
   CHECK(choice.advice == Advice::recommended);
   CHECK(choice.cell == 1);
@@ -46,7 +48,7 @@ TEST_CASE("recommended is what has no incorrect hit here, at any stricter and th
 }
 
 TEST_CASE("a setting without an error above one with an error is not recommended") {
-  // As clusters do, when a wrong one merges into a right one. Hits of real sweeps only grow.
+  // For clusters, an incorrect one may merge into a correct one. Hits of real sweeps only increase.
   const Recommendation choice =
       ::recommend(ladder(10, {{5, 0}, {9, 4}, {24, 0}, {30, 0}, {40, 0}}));
   CHECK(!choice.cell);
@@ -55,7 +57,7 @@ TEST_CASE("a setting without an error above one with an error is not recommended
   CHECK(choice.first_error == 1);
 }
 
-TEST_CASE("most correct hits win, then the shortest window, then the strictest threshold") {
+TEST_CASE("the most correct hits win, then the shortest window, then the strictest threshold") {
   const auto scores =
       joined(joined(ladder(40, {{4, 0}, {8, 0}, {8, 0}, {9, 1}}), ladder(5, {{7, 0}, {7, 0}})),
              ladder(20, {{8, 0}, {8, 0}, {8, 0}}));
@@ -64,7 +66,8 @@ TEST_CASE("most correct hits win, then the shortest window, then the strictest t
   CHECK(!choice.first_error);
 }
 
-TEST_CASE("windows that would be wrong without their place are errors, and no neighbour is asked") {
+TEST_CASE(
+    "windows that are incorrect without their place are errors, without the next looser setting") {
   Cells scores = ladder(10, {{3, 0}, {7, 0}, {9, 0}, {20, 0}});
   const std::vector<uint64_t> untrained = {0, 0, 2, 5};
   for (size_t t = 0; t < scores.size(); ++t) scores[t].untrained = untrained[t];
@@ -81,17 +84,17 @@ TEST_CASE("windows that would be wrong without their place are errors, and no ne
   CHECK(choice.advice == Advice::always_errors);
 }
 
-TEST_CASE("stricter is a larger t_p") {
+TEST_CASE("a larger t_p is stricter") {
   Cells cells;
   for (const auto& [t_p, correct, incorrect] : std::vector<std::tuple<double, uint64_t, uint64_t>>{
            {0.5, 30, 8}, {0.9, 20, 0}, {0.99, 12, 0}, {0.6, 25, 3}})
     cells.push_back(cell_of(correct, incorrect, 0, t_p));
   const Recommendation choice = recommend(cells, ScoreOrder::similarity);
   CHECK(choice.cell == 2);
-  CHECK(choice.first_error == 3);  // 0.6, the next looser one of 0.9
+  CHECK(choice.first_error == 3);  // 0.6, the next looser one after 0.9
 }
 
-TEST_CASE("where no setting is recommended, it is said why") {
+TEST_CASE("without a recommendation, the reason is stated") {
   const auto advice = [](const Cells& scores) {
     const Recommendation choice = ::recommend(scores);
     CHECK(!choice.cell);
@@ -105,7 +108,7 @@ TEST_CASE("where no setting is recommended, it is said why") {
   CHECK(advice(ladder(5, {{0, 0}, {4, 0}})) == Advice::grid_ends);
   CHECK(advice(ladder(5, {{4, 0}})) == Advice::grid_ends);
   CHECK(advice({cell_of(4, 0, 5, {})}) == Advice::only_automatic);
-  // An automatic threshold has no place among the numbers.
+  // An automatic threshold is not one of the numbers.
   CHECK(advice({cell_of(4, 0, 5, {}), cell_of(4, 0, 5, 0.3)}) == Advice::grid_ends);
   CHECK(::recommend(ladder(5, {{0, 0}, {4, 0}})).near_miss == 1);
   CHECK(!::recommend(ladder(5, {{0, 0}, {4, 0}})).first_error);

@@ -32,7 +32,7 @@ FeatureSettings settings_of(size_t kind) {
 
 }  // namespace
 
-TEST_CASE("every kind finds features, of its length and type, the same each time") {
+TEST_CASE("every kind finds features of its length and type, the same each time") {
   const cv::Mat image = textured(320, 240);
   for (size_t kind = 0; kind < kEnumNames<FeatureKind>.size(); ++kind) {
     const FeatureSettings settings = settings_of(kind);
@@ -48,7 +48,7 @@ TEST_CASE("every kind finds features, of its length and type, the same each time
   }
 }
 
-TEST_CASE("images without features, and tiny ones, give none, of the right type") {
+TEST_CASE("images without features, and tiny ones, yield none, with the correct type") {
   for (size_t kind = 0; kind < kEnumNames<FeatureKind>.size(); ++kind) {
     for (const cv::Size size :
          {cv::Size(1, 1), cv::Size(2, 50), cv::Size(17, 16), cv::Size(64, 48)}) {

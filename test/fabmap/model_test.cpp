@@ -42,9 +42,9 @@ struct Example {
 
 }  // namespace
 
-TEST_CASE("a word's probabilities, worked out by hand") {
-  // One word, P(z) = 0.2, naive Bayes. A view that shows it: P(e) = 1, so P(z | L) = 0.39.
-  // One that does not: P(e) = 0.61 * 0.2 / (0.61 * 0.2 + 0.8) = 0.122 / 0.922.
+TEST_CASE("the probabilities of a word equal values computed by hand") {
+  // One word, P(z) = 0.2, naive Bayes. A view with the word: P(e) = 1, so P(z | L) = 0.39. A view
+  // without it: P(e) = 0.61 * 0.2 / (0.61 * 0.2 + 0.8) = 0.122 / 0.922.
   ChowLiuTree tree{{0}, {0.2}, {0.2}, {0.2}};
   const FabmapModel model = make_fabmap_model(tree, {}, WordModel::naive_bayes);
   const double there = 0.122 / 0.922;
@@ -55,7 +55,7 @@ TEST_CASE("a word's probabilities, worked out by hand") {
   CHECK(std::exp(model.log_p_new[0][2]) == Approx(0.39 * 0.2));
 }
 
-TEST_CASE("detectors that can't be meant are refused") {
+TEST_CASE("invalid detectors are refused") {
   const ChowLiuTree tree{{0}, {0.2}, {0.2}, {0.2}};
   for (const DetectorModel detector :
        {DetectorModel{0, 0}, DetectorModel{1, 0}, DetectorModel{0.3, 0.4}, DetectorModel{0.3, -0.1},
@@ -64,7 +64,7 @@ TEST_CASE("detectors that can't be meant are refused") {
           ErrorKind::usage);
 }
 
-TEST_CASE("every variant agrees with the definition within its stated error") {
+TEST_CASE("every variant agrees with the reference implementation within its documented error") {
   for (const WordModel words : {WordModel::tree, WordModel::naive_bayes}) {
     for (const DetectorModel detector : {DetectorModel{}, DetectorModel{0.5, 0.05}}) {
       for (uint64_t seed = 0; seed < 3; ++seed) {
@@ -86,7 +86,7 @@ TEST_CASE("every variant agrees with the definition within its stated error") {
           const auto kept = fbo_log_likelihoods(input);
           const double best = *std::max_element(expected.begin(), expected.end());
           for (size_t v = 0; v < kept.size(); ++v) {
-            // Kept exactly, or dropped: then it was behind, and stands at best + ln 1e-6.
+            // Either exact, or dropped: then it was far below the best and is best + ln 1e-6.
             const bool exact = std::abs(kept[v] - expected[v]) < 1e-9;
             REQUIRE((exact || std::abs(kept[v] - (best + std::log(1e-6))) < 1e-9));
             if (expected[v] > best - 5) REQUIRE(exact);
@@ -97,7 +97,7 @@ TEST_CASE("every variant agrees with the definition within its stated error") {
   }
 }
 
-TEST_CASE("the bail-out gap meets its bound, and is never below ln 1e6") {
+TEST_CASE("the bail-out gap satisfies its bound, and is never below ln 1e6") {
   CHECK(bail_out_gap(0, 0) == Approx(-std::log(1e-6)));
   CHECK(bail_out_gap(1e-9, 1) == Approx(-std::log(1e-6)));
   for (const double variance : {10.0, 100.0, 5000.0}) {
@@ -110,12 +110,12 @@ TEST_CASE("the bail-out gap meets its bound, and is never below ln 1e6") {
   }
 }
 
-TEST_CASE("the mean of likelihoods is taken without overflow") {
+TEST_CASE("the mean of likelihoods does not overflow") {
   CHECK(log_mean_exp(std::vector<double>{-5000, -5000}) == Approx(-5000));
   CHECK(log_mean_exp(std::vector<double>{0, -1e300}) == Approx(-std::log(2)));
 }
 
-TEST_CASE("what words say adds up to the log-odds against a mean-field new place") {
+TEST_CASE("the evidence of all words adds up to the log-odds against the mean-field new place") {
   const Example example(80, 10, 7);
   for (const WordModel words : {WordModel::tree, WordModel::naive_bayes}) {
     const FabmapModel model = make_fabmap_model(example.tree, {}, words);
@@ -134,7 +134,7 @@ TEST_CASE("what words say adds up to the log-odds against a mean-field new place
   }
 }
 
-TEST_CASE("views that are not known yet change nothing for those that are") {
+TEST_CASE("unknown views do not affect known views") {
   const Example example(80, 10, 8);
   ViewWords fewer;
   for (size_t v = 0; v < 4; ++v) fewer.add(example.views.view(v));

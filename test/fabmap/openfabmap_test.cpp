@@ -30,7 +30,7 @@ TEST_CASE("OpenFABMAP's tree, vocabulary and frames are read") {
         }) == ErrorKind::usage);
 }
 
-TEST_CASE("impossible trees are refused") {
+TEST_CASE("invalid trees are refused") {
   const TemporaryFolder folder;
   const auto refused = [&](const std::vector<double>& values, size_t rows) {
     write_array<double>(folder / "t.npy", values, {rows, values.size() / rows});
@@ -58,7 +58,7 @@ TEST_CASE("vocabularies without finite words are refused") {
   CHECK(error_kind(read) == ErrorKind::data);
 }
 
-TEST_CASE("OpenFABMAP's YAML is refused with its converter") {
+TEST_CASE("OpenFABMAP's YAML is refused, and its converter is suggested") {
   const TemporaryFolder folder;
   write_text(folder / "tree.yml", "%YAML:1.0\n---\n");
   write_text(folder / "tree.yml.gz", "\x1f\x8b");

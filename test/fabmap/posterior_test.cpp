@@ -11,7 +11,7 @@
 
 using namespace vpr;
 
-TEST_CASE("the posterior is normalised, smoothed, and has the new place first") {
+TEST_CASE("the posterior is normalized, smoothed, and has the new place first") {
   const std::vector<double> log_p = {-1000, -1000 + std::log(3)};
   const auto posterior = fabmap_posterior(log_p, -1000 + std::log(4), {}, {});
   REQUIRE(posterior.size() == 3);
@@ -20,25 +20,26 @@ TEST_CASE("the posterior is normalised, smoothed, and has the new place first") 
   CHECK(posterior[2] == Approx(0.99 * 3 / 8 + 0.01 / 3));
 }
 
-TEST_CASE("the motion model prefers neighbours, worked out by hand") {
+TEST_CASE("the motion model favors neighbors, computed by hand") {
   PosteriorSettings settings;
   settings.smoothing = 1;
   settings.motion_model = true;
   const std::vector<double> equal = {0, 0, 0};
   const std::vector<double> previous = {0.1, 0.6, 0.2, 0.1};  // new place, views
-  // b = 0.5: (p[i-1] + p[i] + p[i+1]) / 3, ends use themselves: 1.4/3, 0.9/3, 0.4/3; new: 0.9.
+  // b = 0.5: (p[i-1] + p[i] + p[i+1]) / 3, where ends replace missing neighbors: 1.4/3, 0.9/3,
+  // 0.4/3; new: 0.9.
   const auto posterior = fabmap_posterior(equal, 0, previous, settings);
   const double sum = 1.4 / 3 + 0.9 / 3 + 0.4 / 3 + 0.9;
   CHECK(posterior[0] == Approx(0.9 / sum));
   CHECK(posterior[1] == Approx(1.4 / 3 / sum));
   CHECK(posterior[3] == Approx(0.4 / 3 / sum));
-  // Without a frame before, or with a single view, there is no motion.
+  // Without a previous frame, or with a single view, there is no motion.
   CHECK(fabmap_posterior(equal, 0, {}, settings)[1] == Approx(0.25));
   CHECK(fabmap_posterior(std::vector<double>{0}, 0, std::vector<double>{0.5, 0.5}, settings)[1] ==
         Approx(0.5));
 }
 
-TEST_CASE("a view is recognised after c_w frames in a row above t_p, strictly") {
+TEST_CASE("a view is recognized after c_w consecutive frames strictly above t_p") {
   ViewWindow window;
   const auto add = [&](std::vector<double> posterior) { window.add(posterior, 0.5, 2); };
   add({0, 0.6, 0.5});
@@ -49,7 +50,7 @@ TEST_CASE("a view is recognised after c_w frames in a row above t_p, strictly") 
   CHECK(window.run == std::vector<uint32_t>{0, 0});
 }
 
-TEST_CASE("exponentials are those of the standard library, alike on every SIMD target") {
+TEST_CASE("exponentials equal those of the standard library on every SIMD target") {
   RandomEngine engine(3);
   for (const size_t count : {1, 2, 7, 8, 9, 16, 100, 1001}) {
     std::vector<double> logs(count);

@@ -59,16 +59,16 @@ bool same_tree(const ChowLiuTree& a, const ChowLiuTree& b) {
 
 }  // namespace
 
-TEST_CASE("the nearest word is that of a search over all, on every SIMD target") {
+TEST_CASE("the nearest word equals the result of an exhaustive search, on every SIMD target") {
   for (const auto& [words, dims, points] : std::vector<std::tuple<int, int, int>>{
            {1, 1, 1}, {31, 3, 6}, {32, 64, 9}, {33, 61, 4}, {100, 128, 17}}) {
-    const cv::Mat centres = random_floats(words, dims, 1);
+    const cv::Mat centers = random_floats(words, dims, 1);
     const cv::Mat rows = random_floats(points, dims, 2);
-    const Vocabulary vocabulary = make_vocabulary(centres);
+    const Vocabulary vocabulary = make_vocabulary(centers);
     use_simd_target("");
     const auto found = nearest_words(vocabulary, rows);
     for (int p = 0; p < points; ++p) {
-      const auto distance = [&](int w) { return cv::norm(centres.row(w), rows.row(p)); };
+      const auto distance = [&](int w) { return cv::norm(centers.row(w), rows.row(p)); };
       for (int w = 0; w < words; ++w)
         REQUIRE(distance(static_cast<int>(found[static_cast<size_t>(p)])) <= distance(w) + 1e-4);
     }
@@ -82,13 +82,13 @@ TEST_CASE("the nearest word is that of a search over all, on every SIMD target")
 
 TEST_CASE("equal words: the lower one is nearest; no descriptors: no words") {
   const Vocabulary floats = make_vocabulary(cv::Mat(70, 5, CV_32F, cv::Scalar(2)));
-  CHECK(quantise(floats, cv::Mat(3, 5, CV_32F, cv::Scalar(1))) == WordSet{0});
-  CHECK(quantise(floats, cv::Mat(0, 5, CV_32F)).empty());
+  CHECK(quantize(floats, cv::Mat(3, 5, CV_32F, cv::Scalar(1))) == WordSet{0});
+  CHECK(quantize(floats, cv::Mat(0, 5, CV_32F)).empty());
   const Vocabulary bits = make_vocabulary(cv::Mat(70, 61, CV_8U, cv::Scalar(2)));
-  CHECK(quantise(bits, cv::Mat(3, 61, CV_8U, cv::Scalar(1))) == WordSet{0});
+  CHECK(quantize(bits, cv::Mat(3, 61, CV_8U, cv::Scalar(1))) == WordSet{0});
 }
 
-TEST_CASE("two clear clusters give their means, for floats and for bits") {
+TEST_CASE("two clear clusters yield their means, for floats and for bits") {
   const cv::Mat floats = (cv::Mat_<float>(4, 1) << 0, 1, 10, 12);
   cv::Mat words = kmeans_words(floats, {2, 20, 1}, {});
   CHECK(std::set<float>{words.at<float>(0), words.at<float>(1)} == std::set<float>{0.5F, 11.0F});
@@ -99,7 +99,7 @@ TEST_CASE("two clear clusters give their means, for floats and for bits") {
         std::set<int>{0b0011, 0b11110001});
 }
 
-TEST_CASE("the same seed gives the same words for any threads and SIMD target") {
+TEST_CASE("the same seed yields the same words for any threads and SIMD target") {
   for (const cv::Mat& points : {random_floats(900, 20, 1), random_bits(900, 32, 2)}) {
     const cv::Mat words = kmeans_words(points, {50, 8, 3}, {});
     CHECK_FALSE(same(words, kmeans_words(points, {50, 8, 4}, {})));
@@ -114,18 +114,18 @@ TEST_CASE("the same seed gives the same words for any threads and SIMD target") 
   }
 }
 
-TEST_CASE("as many words as descriptors, and copies among them") {
+TEST_CASE("k-means with as many words as descriptors returns the descriptors, with duplicates") {
   const cv::Mat points = random_floats(10, 3, 1);
   CHECK(kmeans_words(points, {10, 5, 1}, {}).rows == 10);
   CHECK(kmeans_words(cv::Mat(10, 3, CV_32F, cv::Scalar(1)), {4, 5, 1}, {}).rows == 4);
 }
 
-TEST_CASE("more words than descriptors are an error that says what to do") {
+TEST_CASE("more words than descriptors are an error with advice") {
   const std::string text = error_text([] { kmeans_words(random_floats(5, 2, 1), {6, 5, 1}, {}); });
   CHECK(has(text, "--words"));
 }
 
-TEST_CASE("radius clustering makes the words of the plain way") {
+TEST_CASE("radius clustering equals the reference implementation") {
   for (const double radius : {0.5, 1.0, 2.0}) {
     const cv::Mat points = random_floats(3000, 5, 4);
     CHECK(same(radius_words(points, radius, 10'000, {}), plain_radius_words(points, radius)));
@@ -134,39 +134,39 @@ TEST_CASE("radius clustering makes the words of the plain way") {
   CHECK(same(radius_words(bits, 9, 10'000, {}), plain_radius_words(bits, 9)));
 }
 
-TEST_CASE("radius clustering, worked out by hand") {
+TEST_CASE("radius clustering of a few points equals the result computed by hand") {
   const cv::Mat points = (cv::Mat_<float>(4, 1) << 0, 1, 1.5, 0.25);
-  // 0 and 1.5 become centres (1 is not farther than 1 from 0); 1 is nearer to 1.5.
+  // 0 and 1.5 become centers (the distance of 1 to 0 is not above 1); 1 is nearer to 1.5.
   const cv::Mat words = radius_words(points, 1, 10, {});
   REQUIRE(words.rows == 2);
   CHECK(words.at<float>(0) == 0.125F);
   CHECK(words.at<float>(1) == 1.25F);
 }
 
-TEST_CASE("a radius larger than everything makes one word") {
+TEST_CASE("a radius larger than all distances yields one word") {
   const cv::Mat points = random_floats(50, 3, 6);
   CHECK(radius_words(points, 1e200, 10, {}).rows == 1);
   CHECK(plain_radius_words(points, 1e200).rows == 1);
 }
 
-TEST_CASE("radius clustering refuses what makes no words, or too many") {
+TEST_CASE("radius clustering refuses input that yields no words, or too many") {
   const cv::Mat points = random_floats(100, 3, 6);
   CHECK(error_kind([&] { radius_words(points, 0, 10, {}); }) == ErrorKind::usage);
   CHECK(error_kind([&] { radius_words(points, 1e-9, 10, {}); }) == ErrorKind::usage);
   CHECK(error_kind([&] { radius_words(cv::Mat(0, 3, CV_32F), 1, 10, {}); }) == ErrorKind::usage);
 }
 
-TEST_CASE("mutual information, worked out by hand") {
+TEST_CASE("mutual information equals values computed by hand") {
   // Two words that always occur together, in half of four frames.
   const double p = 0.98 * 0.5 + 0.01;
   const double expected = 0.5 * std::log(0.5 / (p * p)) * 2;
   CHECK(MutualInformation(4)(2, 2, 2) == Approx(expected));
-  // Independent words: all four cells a quarter.
+  // Independent words: each of the four cells has a quarter of the frames.
   CHECK(MutualInformation(4)(2, 2, 1) == Approx(4 * 0.25 * std::log(0.25 / (p * p))).margin(1e-15));
 }
 
-TEST_CASE("a tree of three words, worked out by hand") {
-  // Words 1 and 2 go together; word 0 is in one frame of its own.
+TEST_CASE("a tree of three words equals the tree computed by hand") {
+  // Words 1 and 2 occur together; word 0 occurs alone in one frame.
   const std::vector<WordSet> frames = {{1, 2}, {1, 2}, {0}, {}};
   const ChowLiuTree tree = train_chow_liu(frames, 3, {});
   CHECK(tree.parent[1] == 1);  // the smaller word of the best edge is the root
@@ -188,7 +188,8 @@ TEST_CASE("a single word is its own root") {
   CHECK(tree.parent == std::vector<uint32_t>{0});
 }
 
-TEST_CASE("the fast tree is the obvious one, ties included, on every SIMD target") {
+TEST_CASE(
+    "the fast tree equals the reference implementation, with its ties, on every SIMD target") {
   for (const std::string& target : simd_targets()) {
     use_simd_target(target);
     for (const auto& [frames, words] : std::vector<std::pair<size_t, size_t>>{
@@ -201,7 +202,7 @@ TEST_CASE("the fast tree is the obvious one, ties included, on every SIMD target
   use_simd_target("");
 }
 
-TEST_CASE("an index lists the views of each word, worked out by hand") {
+TEST_CASE("an index lists the views of each word, computed by hand") {
   ViewWords views;
   views.add(std::vector<uint32_t>{0, 2});
   views.add(std::vector<uint32_t>{});
@@ -212,7 +213,7 @@ TEST_CASE("an index lists the views of each word, worked out by hand") {
   CHECK(is_sound(index));
 }
 
-TEST_CASE("views beyond a block are listed within theirs") {
+TEST_CASE("views after the first block are listed by their index in their block") {
   RandomEngine engine(1);
   ViewWords views;
   for (size_t v = 0; v < 2 * kIndexBlock + 3; ++v)
@@ -231,7 +232,7 @@ TEST_CASE("views beyond a block are listed within theirs") {
   CHECK(listed == views.views());
 }
 
-TEST_CASE("an index that leads out of its views is not sound") {
+TEST_CASE("an index with views out of range is not sound") {
   ViewWords views;
   views.add(std::vector<uint32_t>{0, 1});
   views.add(std::vector<uint32_t>{1});

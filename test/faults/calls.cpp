@@ -22,16 +22,16 @@
 namespace faults {
 namespace {
 
-constexpr int kMostFiles = 1024;
+constexpr int kMaxFiles = 1024;
 constexpr unsigned long kShutDown = 0x8004587d;  // FS_IOC_SHUTDOWN
 
 struct State {
   Plan plan;
-  Notes* notes = nullptr;  ///< nowhere: not armed
+  Notes* notes = nullptr;  ///< null: not armed
   std::string absolute;    ///< the folder
-  int folder = -1;         ///< open, for the end of its file system
+  int folder = -1;         ///< an open descriptor, to shut down its file system
   std::atomic<uint64_t> calls{0};
-  std::array<std::atomic<bool>, kMostFiles> is_below{};  ///< files that are open below the folder
+  std::array<std::atomic<bool>, kMaxFiles> is_below{};  ///< open files in the folder
   std::mutex mutex;
 } state;  // NOLINT
 
@@ -40,7 +40,7 @@ bool starts_with_folder(const std::string& path, const std::string& folder) {
          (path.size() == folder.size() || path[folder.size()] == '/');
 }
 
-bool is_below(int file) { return file >= 0 && file < kMostFiles && state.is_below[file]; }
+bool is_below(int file) { return file >= 0 && file < kMaxFiles && state.is_below[file]; }
 
 bool is_below(int folder, const char* path) {
   if (state.notes == nullptr || path == nullptr) return false;
@@ -50,16 +50,16 @@ bool is_below(int folder, const char* path) {
 }
 
 int opened(int file, bool below) {
-  if (file >= 0 && file < kMostFiles) state.is_below[file] = below;
+  if (file >= 0 && file < kMaxFiles) state.is_below[file] = below;
   return file;
 }
 
 void note(const char* name, const char* path, bool fails) {
   const std::lock_guard lock(state.mutex);
   Notes& notes = *state.notes;
-  const int size = std::snprintf(notes.text + notes.bytes, Notes::kMostBytes - notes.bytes,
+  const int size = std::snprintf(notes.text + notes.bytes, Notes::kMaxBytes - notes.bytes,
                                  "%s%c%s\n", name, fails ? '!' : ' ', path);
-  if (size > 0 && notes.bytes + size < Notes::kMostBytes) notes.bytes += size;
+  if (size > 0 && notes.bytes + size < Notes::kMaxBytes) notes.bytes += size;
 }
 
 void end_file_system(unsigned int how) {
@@ -69,7 +69,7 @@ void end_file_system(unsigned int how) {
 
 enum class Effect { none, fails, halves };
 
-/// Counts a call below the folder and does what is planned for it.
+/// Counts a call on a file in the folder and applies the plan.
 Effect meet(const char* name, const char* path, bool takes_space) {
   const uint64_t number = ++state.calls;
   const Plan& plan = state.plan;
@@ -113,7 +113,7 @@ Effect meet(const char* name, const char* path, bool takes_space) {
   return Effect::none;
 }
 
-/// A call with a path: an error as planned, or what `call` gives.
+/// A call with a path: a planned error, or the result of `call`.
 template <class Call>
 auto at_path(const char* name, int folder, const char* path, bool takes_space, Call&& call) {
   if (is_below(folder, path) && meet(name, path, takes_space) == Effect::fails)
@@ -127,7 +127,7 @@ auto at_file(const char* name, int file, bool takes_space, Call&& call) {
   return call();
 }
 
-/// A call that writes `size` bytes, or half of them: `write` takes how many.
+/// A call that writes `size` bytes, or half of them: `write` receives their number.
 template <class Write>
 ssize_t at_write(const char* name, int file, size_t size, Write&& write) {
   const Effect effect = is_below(file) ? meet(name, "", true) : Effect::none;
@@ -207,7 +207,7 @@ int openat(int folder, const char* path, int flags, ...) {
 int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 int openat64(int folder, const char* path, int flags, ...) __attribute__((alias("openat")));
 
-// The C library opens these by calls of its own.
+// The C library opens these by internal calls.
 FILE* fopen(const char* path, const char* mode) {
   static const auto next = reinterpret_cast<decltype(&fopen)>(::dlsym(RTLD_NEXT, "fopen"));
   const bool creates = std::strpbrk(mode, "wa") != nullptr;
@@ -227,7 +227,7 @@ int close(int file) {
   const bool fails = is_below(file) && meet("close", "", false) == Effect::fails;
   opened(file, false);
   const int error_number = errno;
-  const int result = static_cast<int>(::syscall(SYS_close, file));  // it is closed all the same
+  const int result = static_cast<int>(::syscall(SYS_close, file));  // closed in any case
   if (fails) errno = error_number;
   return fails ? -1 : result;
 }

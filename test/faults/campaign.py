@@ -1,4 +1,4 @@
-"""Tries cases: workers with programs and a folder each, which share the inputs."""
+"""Runs cases with workers, which have their own programs and folders and share the inputs."""
 import dataclasses
 import pathlib
 import re
@@ -23,7 +23,7 @@ class Verdict:
 
 
 class Worker:
-    """A working folder with programs of its own."""
+    """A working folder with its own programs."""
 
     def __init__(self, options, work, kind):
         self.work = pathlib.Path(work)
@@ -38,7 +38,7 @@ class Worker:
         return outputs.snapshot(self.work / "out", writer.has_times)
 
     def prepare(self, writer, where, saved):
-        """Both states, and a run that meets no fault."""
+        """Both states, and a run without a fault."""
         out = self.work / "out"
         outputs.clear(out)
         for name, original in writer.start:
@@ -52,7 +52,7 @@ class Worker:
         new, hidden = self.look(writer)
         if hidden or any(old.get(name) == new[name] for name in new
                          if name == writer.main or not writer.has_times):
-            sys.exit(f"faults: {writer.name}: old and new outputs can't be told apart: {old} {new}")
+            sys.exit(f"faults: {writer.name}: old and new outputs are equal: {old} {new}")
         for reader in writer.readers:
             outputs.clear(self.work / "read")
             self.must(reader.command, writer)
@@ -94,7 +94,7 @@ class Worker:
 
     def check_next(self, case, known, stands):
         out = self.work / "out"
-        if all(name in stands for name in known.old):  # else the next run puts back what is missing
+        if all(name in stands for name in known.old):  # otherwise the next run restores missing outputs
             outputs.clear(out, keep_hidden=True)
             outputs.fill(out, known.saved)
         run = self.run(case.line())
@@ -102,7 +102,7 @@ class Worker:
 
 
 class Campaign:
-    """All cases of a kind, and workers that try them."""
+    """All cases of a kind, and workers that run them."""
 
     def __init__(self, options, scratch):
         self.options = options
@@ -113,7 +113,7 @@ class Campaign:
         self.numbers = iter(range(sys.maxsize))
 
     def worker(self):
-        """Of this thread. All read what the first one made."""
+        """The worker of this thread. All workers read the outputs of the first one."""
         if not hasattr(self.local, "worker"):
             work = self.scratch / f"worker{next(self.numbers)}"
             work.mkdir()

@@ -1,4 +1,4 @@
-"""Every fault that every command can meet, in an order that a seed gives."""
+"""All faults of all commands, in an order determined by a seed."""
 import dataclasses
 import pathlib
 import random
@@ -9,17 +9,17 @@ import programs
 
 FAULTS = {"calls": ["kill", "torn", "interrupt", "eintr", "eio", "dead", "enospc", "shorten"],
           "full": ["full"], "power": ["power", "power_off"]}
-# Nothing is there; or old outputs, with --force; or the same on a file system whose renames have no
-# flags, as most network file systems.
+# No outputs; old outputs, with --force; or old outputs on a file system without rename flags, like
+# most network file systems.
 WHERE = {"calls": ("new", "over", "plain"), "full": ("new", "over"), "power": ("new", "over")}
 
 
 @dataclasses.dataclass(frozen=True)
 class Case:
     writer: commands.Writer
-    where: str  # where there is nothing, or over old outputs: see WHERE
+    where: str  # without or over old outputs: see WHERE
     fault: str
-    number: int  # of the call, from 1; of a small disk, pages that are free, from 1
+    number: int  # of the call, from 1; for a small disk, free pages, from 1
     call: str
     is_after_end: bool = False
 
@@ -38,7 +38,7 @@ class Case:
 
 @dataclasses.dataclass
 class Known:
-    """Of one command over old outputs, or where there is nothing: both states and a whole run."""
+    """Known data of one command, with or without old outputs: both states and a complete run."""
     saved: pathlib.Path
     old: dict
     new: dict
@@ -60,7 +60,7 @@ def all_cases(kind, writer, where, known):
 
 
 def spread(groups, seed):
-    """All cases of all groups in an order in which any beginning is spread over the groups."""
+    """All cases of all groups, interleaved so that any prefix is spread over the groups."""
     engine = random.Random(seed)
     for group in groups:
         engine.shuffle(group)

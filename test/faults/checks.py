@@ -1,12 +1,12 @@
-"""What must hold after a run that met a fault. Each check gives sentences, one for a finding."""
+"""Conditions after a run with a fault. Each check yields one sentence per finding."""
 import re
 
-# A call that fails must fail the run, unless nothing depends on it.
+# A failing call must fail the run, unless nothing depends on it.
 NEEDED = {"create", "fopen", "write", "pwrite", "writev", "mkdir", "rename", "fsync", "fdatasync",
           "syncfs", "fallocate", "ftruncate"}
-TAKES_SPACE = NEEDED - {"rename"}  # what a full disk can refuse
+TAKES_SPACE = NEEDED - {"rename"}  # calls that a full disk can refuse
 WRITES = {"write", "pwrite", "writev"}
-AGAIN = {"write", "pwrite", "fsync", "fallocate", "flock"}  # what signals may interrupt
+AGAIN = {"write", "pwrite", "fsync", "fallocate", "flock"}  # calls that signals may interrupt
 CLEANS_UP = {"unlink", "rmdir", "open", "opendir"}
 KILLING = {"kill", "torn", "power", "power_off"}
 BREAKING = {"eio", "dead", "enospc"}
@@ -45,7 +45,7 @@ def error_lines(run):
 
 
 def check_sentence(case, run, expected):
-    """One sentence that says what went wrong with which output, or nothing."""
+    """Requires one sentence with the error and the output, or none."""
     lines = error_lines(run)
     if run.status == 0:
         if run.stderr != expected.stderr:
@@ -64,24 +64,24 @@ def check_sentence(case, run, expected):
         yield f"was interrupted, but says {sentence!r}"
     if run.status == 3 and not re.search(r"out/?\b.*: can't be (written|read)", sentence):
         yield f"does not say which output can't be written: {sentence!r}"
-    if re.search(r"\.vpr-(partial|old)", sentence) and "what it was is" not in sentence:
+    if re.search(r"\.vpr-(partial|old)", sentence) and "the old folder is" not in sentence:
         yield f"names a temporary: {sentence!r}"
 
 
 def outcome_of(outputs, old, new):
-    """In a word: what stands there."""
+    """One word for the state of the outputs."""
     return "old" if outputs == old else "new" if outputs == new else "mixed"
 
 
 def is_set_aside(case, run, hidden):
-    """Whether a folder has no name: it was being replaced where names can't be exchanged, and the
-    process was killed, or could not put it back and says where it is."""
+    """Whether a folder has no name: it was being replaced on a file system that cannot exchange names,
+    and the process was killed, or could not restore it and reports its location."""
     return case.plain and any(name.startswith(".vpr-old") for name in hidden) and (
-        run.status < 0 or re.search(r"what it was is out/\.vpr-old", run.stderr))
+        run.status < 0 or re.search(r"the old folder is out/\.vpr-old", run.stderr))
 
 
 def check_outputs(case, run, outputs, hidden, old, new):
-    """Old or new, each output whole; after a killed run a mixture whose main output is the old."""
+    """Old or new, each output whole; after a killed run, a mixture with the old main output."""
     for name, content in outputs.items():
         if content not in (old.get(name), new.get(name)):
             yield f"out/{name} is neither old nor new"
@@ -99,7 +99,7 @@ def check_outputs(case, run, outputs, hidden, old, new):
             yield f"does not say that {', '.join(untold)} is new: {run.stderr.strip()!r}"
     main = case.writer.main
     if outcome == "mixed" and outputs.get(main) == new[main] and new[main] != old.get(main):
-        yield f"the main output out/{main} is new, and not all others are"
+        yield f"the main output out/{main} is new, but not all others are"
 
 
 def may_leave(fault, run):
@@ -114,7 +114,7 @@ def check_hidden(case, run, hidden):
 
 
 def check_reader(reader, run, outputs, old, new):
-    """What a reader accepts was finished: all that it reads is old, or all is new."""
+    """A reader accepts only complete outputs: all that it reads is old, or all is new."""
     parts = [{name: state.get(name) for name in reader.reads} for state in (outputs, old, new)]
     whole = parts[0] in parts[1:] and None not in parts[0].values()
     if whole and run.status != 0:
@@ -126,7 +126,7 @@ def check_reader(reader, run, outputs, old, new):
 
 
 def check_next(run, outputs, hidden, new):
-    """The same command again, without a fault, does its work and tidies up."""
+    """The same command without a fault succeeds and removes all temporaries."""
     if run.status != 0 or outputs != new:
         yield f"the next run ends with {run.status}: {run.stderr.strip()!r}"
     if hidden:

@@ -1,4 +1,4 @@
-"""The commands that write, each with what it replaces and what may read its outputs."""
+"""The commands that write, with the outputs that they replace and their readers."""
 import dataclasses
 import pathlib
 
@@ -25,14 +25,14 @@ TINY_WORLD = """{"schema": "vpr.world/1", "name": "%s", "seed": 3, "fps": 1,
    "frames": 1}]}
 """
 
-LISTS = {  # of other programs: name below in -> content
+LISTS = {  # from other programs: name in the folder "in" -> content
     "loops1.csv": "query,match,score\n6,1,0.5\n8,2,0.4\n",
     "loops2.csv": "query,match,score\n6,1,0.5\n8,3,0.4\n",
     "pairs1.txt": "00000.png 00001.png 0.5\n00001.png 00002.png 0.5\n00002.png 00003.png 0.9\n",
     "pairs2.txt": "00000.png 00002.png 0.5\n00001.png 00002.png 0.5\n00002.png 00004.png 0.8\n",
 }
 SEQUENCES = "fastable --c-l 3"
-INPUTS = [  # what commands read: made once, in this order
+INPUTS = [  # inputs of the commands, made once, in this order
     "vpr-synth in/world.json -o in/walks",
     f"vpr-train {SEQUENCES} --train in/walks/one --train in/walks/two -o in/s.vprdb",
     f"vpr-train {SEQUENCES} --train in/walks/one -o in/one.vprdb",
@@ -58,7 +58,7 @@ INPUTS = [  # what commands read: made once, in this order
 
 @dataclasses.dataclass(frozen=True)
 class Reader:
-    """A command that opens outputs: it must refuse them where they do not belong together."""
+    """A command that reads outputs: it must refuse outputs of different runs."""
     reads: tuple
     command: str
 
@@ -66,8 +66,8 @@ class Reader:
 @dataclasses.dataclass(frozen=True)
 class Writer:
     """`command` has {word}s, which are words[word][0] for the old outputs, words[word][1] for the
-    new. `main` is the output that is put in its place last. `start` is what stands there before either:
-    (name below out, what it is a copy of)."""
+    new. `main` is the output that is renamed last. `start` lists the files before the first run:
+    (name in out, file to copy)."""
     name: str
     command: str
     main: str
@@ -199,7 +199,7 @@ WRITERS = [
 
 
 def make_inputs(folder, run):
-    """Everything that commands read, in `folder`/in; `run` runs a command line there."""
+    """Makes the inputs of all commands in `folder`/in; `run` runs a command line there."""
     inputs = pathlib.Path(folder) / "in"
     inputs.mkdir()
     (inputs / "world.json").write_text(WORLD)

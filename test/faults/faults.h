@@ -1,5 +1,5 @@
-// What is loaded before a program (LD_PRELOAD) to have one of its file calls fail: calls.cpp stands
-// in front of the C library's calls, server.cpp runs the program's main once a request.
+// A library that is loaded before a program (LD_PRELOAD) and makes one of its file calls fail:
+// calls.cpp wraps the C library's calls, server.cpp runs the program's main once per request.
 #pragma once
 
 #include <cstdint>
@@ -17,26 +17,26 @@ enum class Fault : char {
   dead,       ///< this call and all later ones fail with EIO
   enospc,     ///< this call and all later ones that take space fail with ENOSPC
   shorten,    ///< half of a write
-  power,      ///< the file system goes down: what is in its journal's log stays
-  power_off,  ///< the same, and the log is lost, too
+  power,      ///< the file system goes down with its journal's log
+  power_off,  ///< the file system goes down without its log
 };
 
-/// What is to happen in one run. Calls that touch nothing below the folder are not counted.
+/// The plan of one run. Counts only calls on files in the folder.
 struct Plan {
-  std::string folder;  ///< as the program names it, relative
+  std::string folder;  ///< as named by the program, relative
   Fault fault = Fault::none;
   uint64_t number = 0;             ///< of the call, from 1
-  bool has_plain_renames = false;  ///< no flags: as on a network file system
+  bool has_plain_renames = false;  ///< without flags, as on a network file system
 };
 
-/// Notes of calls, one a line: its name, whether it failed by plan ("!") or not (" "), its path.
+/// Records of calls, one per line: name, whether it failed as planned ("!") or not (" "), path.
 struct Notes {
-  static constexpr uint64_t kMostBytes = 1 << 20;
+  static constexpr uint64_t kMaxBytes = 1 << 20;
   uint64_t bytes = 0;
-  char text[kMostBytes];
+  char text[kMaxBytes];
 };
 
-/// From here on, calls of this process are counted and noted.
+/// Starts to count and record the calls of this process.
 void arm(const Plan& plan, Notes& notes);
 
 }  // namespace faults

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Has each command that writes meet a fault at each of its file calls, and checks what is there
-afterwards. Cases are drawn by a seed; any of them is repeated by its two numbers.
+"""Runs each command that writes with a fault at each of its file calls, and checks its outputs.
+A seed selects the cases; seed and case number repeat one of them.
 
   faults.py                        500 cases, spread evenly over commands and faults
-  faults.py --cases 0              all there are
-  faults.py --seed 7 --case 42     one of them, with what it did
+  faults.py --cases 0              all cases
+  faults.py --seed 7 --case 42     one of them, with its calls
 """
 import argparse
 import collections
@@ -35,7 +35,7 @@ def parse_options():
     parser.add_argument("--cases", type=int, default=500, help="so many; 0: all (default 500)")
     parser.add_argument("--case", type=int, help="only this one")
     parser.add_argument("--only", default="", help="only commands whose name has this (a regular "
-                        "expression); numbers of cases are others then")
+                        "expression); which changes the numbers of cases")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--folder", default="/dev/shm" if os.access("/dev/shm", os.W_OK) else None,
                         help="for scratch files (default: memory)")
@@ -84,7 +84,7 @@ def describe(verdict):
 
 
 def reason_to_skip(options, scratch):
-    """Why cases of this kind can't be tried here."""
+    """The reason why cases of this kind cannot run on this machine."""
     if options.kind == "calls":
         return None
     probe = pathlib.Path(scratch) / "probe"
@@ -93,7 +93,7 @@ def reason_to_skip(options, scratch):
 
 
 def told(verdicts, count, options):
-    """Says what was found as soon as it is, and now and then how far it is."""
+    """Reports findings at once, and the progress at intervals."""
     for number, verdict in enumerate(verdicts):
         if verdict.findings:
             tell(verdict, number, options)
@@ -119,7 +119,7 @@ def main():
             tempfile.TemporaryDirectory(dir=options.folder, prefix="vpr-faults-"))
         reason = reason_to_skip(options, scratch)
         if reason:
-            print(f"faults: {options.kind}: skipped, for it can't be done here: {reason}")
+            print(f"faults: {options.kind}: skipped: {reason}")
             return 77
         trial = stack.enter_context(contextlib.closing(campaign.Campaign(options, scratch)))
         pool = stack.enter_context(concurrent.futures.ThreadPoolExecutor(options.workers))

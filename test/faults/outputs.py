@@ -1,4 +1,4 @@
-"""What stands in a folder of outputs, in a form that two runs of one command share."""
+"""The contents of a folder of outputs, in a form that is equal for two runs of one command."""
 import hashlib
 import json
 import os
@@ -18,14 +18,14 @@ def without_numbers(value):
 
 
 def normal(path, content, has_times):
-    """Times, machines and paths left out of JSON; times in pictures, too. What is no JSON to its
-    end stays as it is, and is like no other."""
+    """Removes times, machines and paths from JSON, and times from images. Incomplete JSON does not
+    change, and differs from all others."""
     if path.endswith(".json"):
         try:
             value = json.loads(content)
         except ValueError:
             return content
-        frames = value.get("settings", {}).get("frames")  # tells an old benchmark from a new one
+        frames = value.get("settings", {}).get("frames")  # differs between the old and the new benchmark
         for key in ("machine", "timing"):
             value.pop(key, None)
         return json.dumps([without_numbers(value), frames] if has_times else value).encode()
@@ -35,7 +35,7 @@ def normal(path, content, has_times):
 
 
 def snapshot(folder, has_times=False):
-    """Output below a folder (a file or a whole folder in it) -> checksum of what it holds, and the
+    """Output below a folder (a file or a whole folder in it) -> checksum of its content, and the
     names of temporaries."""
     outputs, hidden = {}, []
     for entry in sorted(os.listdir(folder)):

@@ -1,4 +1,4 @@
-"""Where a case takes place: a plain folder, a small disk, or a disk that goes down."""
+"""The place of a case: a plain folder, a small disk, or a disk that loses power."""
 import contextlib
 import ctypes
 import fcntl
@@ -12,7 +12,7 @@ import time
 import outputs
 
 SHUT_DOWN = 0x8004587D  # FS_IOC_SHUTDOWN
-KEEP_LOG, LOSE_LOG = 1, 2  # what is in the journal's log is flushed, or lost
+KEEP_LOG, LOSE_LOG = 1, 2  # flush or lose the journal's log
 PAGE = 4096
 IMAGE_BYTES = 16 << 20
 MUCH = 64 << 20  # bytes of a disk that is not full
@@ -31,8 +31,8 @@ def mount_memory(folder, size, flags=0):
 
 
 def unmount(folder):
-    """Tries for some seconds: a process that another worker has just forked may still hold what is
-    open there, until it runs its program."""
+    """Retries for some seconds: a process that another worker has just forked may still have files open
+    there until it runs its program."""
     for _ in range(500):
         if libc.umount2(str(folder).encode(), 0) == 0:
             return
@@ -41,7 +41,7 @@ def unmount(folder):
 
 
 def pages_of(folder):
-    """Pages that the files below a folder take."""
+    """Pages used by the files in a folder."""
     return sum(-(-os.path.getsize(os.path.join(root, name)) // PAGE)
                for root, _, names in os.walk(folder) for name in names)
 
@@ -56,17 +56,17 @@ class Folder:
 
     @contextlib.contextmanager
     def case(self, old, fault, number):
-        """Within it, `out` holds the old outputs."""
+        """A context in which `out` holds the old outputs."""
         outputs.clear(self.out)
         outputs.fill(self.out, old)
         yield
 
     def after_run(self, fault, number, run):
-        """What happens between the program's end and the look at its outputs."""
+        """Called between the program's end and the check of its outputs."""
 
 
 class SmallDisk(Folder):
-    """`out` is a file system with room for so many pages beside the old outputs."""
+    """`out` is a file system with room for `number` pages in addition to the old outputs."""
 
     @contextlib.contextmanager
     def case(self, old, fault, number):
@@ -82,7 +82,7 @@ class SmallDisk(Folder):
 
 
 class FailingDisk(Folder):
-    """`out` is a file system of its own, in a file, whose computer loses its power."""
+    """`out` is a separate file system in a file, whose computer loses power."""
 
     def __init__(self, work):
         super().__init__(work)
@@ -120,7 +120,7 @@ class FailingDisk(Folder):
 
 
 def why_not(kind, work):
-    """A reason why such a place can't be had here; nothing if it can."""
+    """The reason why this kind of place is not available, or None."""
     try:
         place = PLACES[kind](work)
         old = pathlib.Path(work) / "nothing"

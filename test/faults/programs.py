@@ -51,8 +51,8 @@ class Programs:
         return self.servers[program]
 
     def run(self, line, folder, fault="none", number=0, plain=False):
-        """Runs a command line in `folder`; of calls below folder/out the one of `number` (from 1)
-        meets the fault. `plain`: renames have no flags."""
+        """Runs a command line in `folder`; among the calls below folder/out, call `number` (from 1)
+        has the fault. `plain`: renames have no flags."""
         words = [line.split()[0], *line.split()[1:], "--threads", "1"]
         texts = [folder, "out", FAULTS.index(fault), number, int(plain), *words]
         request = b"".join(str(text).encode() + b"\0" for text in texts)

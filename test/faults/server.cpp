@@ -1,5 +1,5 @@
-// Runs a program's main once a request, in a child of the process that has loaded its libraries:
-// they are most of the time of a short run.
+// Runs a program's main once per request, in a child of the process that has loaded its libraries:
+// loading takes most of the time of a short run.
 #include <cerrno>
 #include <cstdlib>
 #include <vector>
@@ -19,7 +19,7 @@ using Main = int (*)(int, char**, char**);
 
 constexpr int kRequests = STDIN_FILENO;
 constexpr int kAnswers = STDOUT_FILENO;
-constexpr unsigned int kMostSeconds = 60;  // of one run
+constexpr unsigned int kMaxSeconds = 60;  // of one run
 
 Main program_main = nullptr;  // NOLINT
 
@@ -45,9 +45,9 @@ void write_all(int file, const void* bytes, size_t size) {
   }
 }
 
-/// A request: its size in 4 bytes, then texts that end with a zero byte each: working folder,
-/// folder whose calls count, fault (its place in the enum), number of the call, whether renames are
-/// plain (0 or 1), and the command line.
+/// A request: its size in 4 bytes, then zero-terminated strings: working folder, folder whose calls
+/// count, fault (its index in the enum), number of the call, whether renames are plain (0 or 1),
+/// and the command line.
 bool read_request(std::vector<std::string>& texts) {
   uint32_t size = 0;
   if (!read_all(kRequests, &size, sizeof(size))) return false;
@@ -66,7 +66,7 @@ void redirect(int stream, const char* path, int flags) {
   ::close(file);
 }
 
-/// In the child. Its two streams go to files in the working folder.
+/// Runs in the child. Redirects its two streams to files in the working folder.
 [[noreturn]] void run(std::vector<std::string>& texts, char** environment, Notes& notes) {
   if (::chdir(texts[0].c_str()) != 0) ::_exit(99);
   redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
@@ -75,15 +75,15 @@ void redirect(int stream, const char* path, int flags) {
   std::vector<char*> arguments;
   for (size_t i = 5; i < texts.size(); ++i) arguments.push_back(texts[i].data());
   arguments.push_back(nullptr);
-  ::alarm(kMostSeconds);
+  ::alarm(kMaxSeconds);
   arm({texts[1], static_cast<Fault>(std::stoi(texts[2])), std::stoull(texts[3]), texts[4] == "1"},
       notes);
   std::exit(program_main(static_cast<int>(arguments.size() - 1), arguments.data(), environment));
 }
 
-/// An answer: the status that waitpid gives, the bytes of notes, and these.
+/// An answer: the status of waitpid, the size of the notes, and the notes.
 int serve(int, char**, char** environment) {
-  ::unsetenv("LD_PRELOAD");  // what a program starts is left alone
+  ::unsetenv("LD_PRELOAD");  // does not apply to child programs
   void* const shared =
       ::mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) return 1;
@@ -108,7 +108,7 @@ int serve(int, char**, char** environment) {
 }  // namespace
 }  // namespace faults
 
-/// The C library's, which calls main.
+/// Replaces the C library's function that calls main.
 extern "C" int __libc_start_main(faults::Main main, int argc, char** argv,
                                  void (*init)(),  // NOLINT
                                  void (*fini)(), void (*rtld_fini)(), void* stack_end) {

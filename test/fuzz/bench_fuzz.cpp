@@ -1,4 +1,4 @@
-// Any bytes as a benchmark that vpr-bench compares.
+// Any bytes as a benchmark result for vpr-bench.
 #include "base/json.h"
 #include "bench/bench_result.h"
 #include "bench/bench_tables.h"

@@ -1,4 +1,4 @@
-// A file of --config: settings of every method, and a small query with those that are accepted.
+// Any bytes as a file for --config: settings of every method, and a small query with accepted ones.
 #include "base/json.h"
 #include "bench/generated.h"
 #include "common/parser.h"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Has every fuzz target read the inputs of its corpus once, so that targets stay built and what
-# was found stays mended.
+# Runs every fuzz target once on the inputs of its corpus, so that targets still build and fixed bugs
+# stay fixed.
 #   corpora.sh PROGRAMS
 set -euo pipefail
 cd "$(dirname "$0")/corpus"

@@ -1,4 +1,4 @@
-// What runs a target where there is no libFuzzer: every input of the folders that are named, once.
+// Runs a target without libFuzzer: every input in the given folders, once.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// The files of a database, of either family, with whatever checksums they need to be looked at; and
-// a small query of what can be opened.
+// The files of a database of either family, with valid checksums added, and a small query if it can
+// be opened.
 #include "base/checksum.h"
 #include "base/json.h"
 #include "fuzz.h"
@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kQueryFrames = 4;
 
-// The manifest lists the files that there are, and is sealed.
+// Lists the existing files in the manifest, and adds its checksum.
 void seal(std::vector<fuzz::Part>& parts) {
   for (fuzz::Part& part : parts) {
     std::optional<Json> manifest = parse_json(part.bytes);

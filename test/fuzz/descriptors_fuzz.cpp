@@ -1,4 +1,4 @@
-// Any bytes as descriptors: every kind that they may be, and their distances to themselves.
+// Any bytes as descriptors of every kind, and their distances to themselves.
 #include "describe/frame_descriptors.h"
 #include "describe/imported.h"
 #include "fuzz.h"
@@ -10,7 +10,7 @@ void vpr::fuzz::run(std::string_view input) {
   for (const std::string_view kind :
        {kBitKind, kNarrowVectorKind, kVectorKind, kPointKind, kDirectionKind}) {
     DescriptorSet set;
-    const bool has_unit = descriptor_kind(kind).shape.element == ElementType::coordinates;
+    const bool has_unit = descriptor_kind(kind).shape.element == ElementType::points16;
     if (refuses([&] {
           const double unit = has_unit ? coordinate_unit(kind, {&sequence, 1}, {}) : 0;
           set = import_descriptors(sequence, kind, Unreadable::skip, {}, unit);

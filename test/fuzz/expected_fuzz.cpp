@@ -1,4 +1,4 @@
-// What vpr-eval --expect expects, of a report.
+// Any bytes as a file for vpr-eval --expect, compared with a report.
 #include "base/json.h"
 #include "evaluate/expectation.h"
 #include "fuzz.h"
@@ -7,7 +7,7 @@ using namespace vpr;
 
 namespace {
 
-/// A report of a score matrix has what those of results have not, and the other way round.
+/// A report of a score matrix has keys that reports of results do not have, and vice versa.
 const Json& report() {
   static const Json kReport = {
       {"schema", "vpr.report/1"},

@@ -28,7 +28,7 @@ fs::path make_folder() {
   return name;
 }
 
-/// Of the process; it is removed at its end.
+/// The folder of the process, which is removed at its end.
 struct OwnFolder {
   fs::path path = make_folder();
   ~OwnFolder() {

@@ -1,4 +1,4 @@
-// Any bytes as a matrix of scores that takes windows: what is read of it is what its units say.
+// Any bytes as a matrix of scores for windows: its values must agree with its units.
 #include "fuzz.h"
 #include "match/match.h"
 #include "match/row_kernels.h"
@@ -9,7 +9,7 @@ using namespace vpr;
 
 namespace {
 
-constexpr size_t kMostPairs = 20'000;
+constexpr size_t kMaxPairs = 20'000;
 
 void match(const GivenDistances& given, const FrameDistances& distances, size_t window_length) {
   MatchSettings settings;
@@ -26,13 +26,13 @@ void match(const GivenDistances& given, const FrameDistances& distances, size_t 
 void read_matrix(const std::filesystem::path& path, const ScoreFormat& format) {
   const GivenDistances given(path, format, {});
   given.fingerprint({});
-  if (given.queries() * given.references() > kMostPairs) return;
+  if (given.queries() * given.references() > kMaxPairs) return;
   std::vector<uint16_t> row(given.references());
   for (size_t q = 0; q < given.queries(); ++q) {
     given.read(q, 0, row.size(), row.data());
     for (size_t r = 0; r < row.size(); ++r) {
       fuzz::require(row[r] <= given.units().largest);
-      // Computed in two ways, what lies between two steps may be rounded to either.
+      // Computed in two ways, a value between two steps may be rounded to either.
       const uint32_t plain = given.distance(q, r);
       fuzz::require(row[r] <= plain + 1 && plain <= row[r] + uint32_t{1});
     }

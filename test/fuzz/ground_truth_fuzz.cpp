@@ -1,5 +1,5 @@
-// Any bytes as a ground truth of one format: they are refused with an Error, or
-// give a ground truth that is sound.
+// Any bytes as a ground truth of one format: they are refused with an Error, or yield a valid
+// ground truth.
 #include <algorithm>
 
 #include "fuzz.h"
@@ -9,7 +9,7 @@
 using namespace vpr;
 using fuzz::require;
 
-/// Its name; each program has its own.
+/// The format of this program; each program has its own.
 extern const char* const kFuzzedFormat;
 
 namespace {
@@ -26,10 +26,10 @@ void require_sound(const InspectedGroundTruth& found) {
         require(pairs[i - 1].last() < pairs[i].first);
     }
   }
-  summarise(found);
+  summarize(found);
 }
 
-// Sides that the corpus has, and those that the file says itself.
+// Reads with the sizes of the corpus, and with sizes stated by the file.
 void read(const GroundTruthArgument& argument, size_t query_frames, size_t train_frames) {
   fuzz::refuses([&] {
     const InspectedGroundTruth found =
@@ -51,11 +51,11 @@ void fuzz::run(std::string_view input) {
     if (option == "radius_m") argument.options.radius_m = 25;
     if (option == "angle_deg") argument.options.angle_deg = 40;
   }
-  refuses([&] { recognise_format(argument.path); });  // of no format at all
+  refuses([&] { detect_format(argument.path); });  // any format
   read(argument, 3, 4);
   read(argument, 3, 3);
   read(argument, kUnknownFrames, kUnknownFrames);
-  // The rest: anchors without poses, and poses by times.
+  // Other options: anchors without poses, and poses by time.
   if (argument.format == "anchors") {
     argument.options = {};
     read(argument, 3, 4);

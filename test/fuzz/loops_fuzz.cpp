@@ -1,4 +1,4 @@
-// A trajectory, its times and a list of loop closures, each any bytes: what is read is judged.
+// A trajectory, its times and a list of loop closures, each any bytes; valid ones are evaluated.
 #include "evaluate/loops.h"
 #include "fuzz.h"
 #include "truth/times.h"

@@ -1,4 +1,4 @@
-// An archive of matrices, as bytes and packed of parts whose checksums fit, as a ground truth.
+// An archive of matrices as ground truth: raw bytes, and parts packed with valid checksums.
 #include "base/zip_file.h"
 #include "fuzz.h"
 #include "truth/ground_truth.h"

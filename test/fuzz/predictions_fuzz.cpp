@@ -1,4 +1,4 @@
-// Any bytes as a list of what a program found, and as the file of one query.
+// Any bytes as a prediction list, and as the file of one query.
 #include "evaluate/score_sources.h"
 #include "fuzz.h"
 

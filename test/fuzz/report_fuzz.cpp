@@ -1,4 +1,4 @@
-// Two reports that vpr-eval compares.
+// Two reports for vpr-eval compare.
 #include <stdexcept>
 
 #include "base/json.h"

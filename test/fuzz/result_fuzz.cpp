@@ -1,5 +1,5 @@
-// A result of vpr-query, of any method, with its companions and whatever checksums they
-// need to be looked at; and the report of what can be read.
+// A result of vpr-query, of any method, with its companions and valid checksums added; and the
+// report of readable ones.
 #include "base/checksum.h"
 #include "base/json.h"
 #include "fuzz.h"
@@ -10,9 +10,9 @@ using namespace vpr;
 
 namespace {
 
-constexpr size_t kMostFrames = 1000;  // that are worth the time of a report
+constexpr size_t kMaxFrames = 1000;  // limit for the time of a report
 
-// r.json names the checksums of its companions, and is sealed.
+// Lists the checksums of the companions in r.json, and adds its own.
 void seal(std::vector<fuzz::Part>& parts) {
   for (fuzz::Part& part : parts) {
     std::optional<Json> json = parse_json(part.bytes);
@@ -30,7 +30,7 @@ void seal(std::vector<fuzz::Part>& parts) {
 void report(const Result& result) {
   size_t frames = result.query_frames;
   for (const auto& sequence : result.targets) frames += sequence.frames;
-  if (frames > kMostFrames) return;
+  if (frames > kMaxFrames) return;
   const JudgedBy by{GroundTruthArgument{"aligned", {}, 1}, {}, {}};
   report_json(report_of(evaluate_result(result, {}, by, {}), {}));
 }

@@ -1,4 +1,4 @@
-// Poses, places and walls that a data set names: any bytes as each of them.
+// Any bytes as poses, places and walls of a data set.
 #include "base/monitor.h"
 #include "fuzz.h"
 #include "truth/route.h"
@@ -7,7 +7,7 @@ void vpr::fuzz::run(std::string_view input) {
   const std::filesystem::path path = memory_file(input);
   refuses([&] { read_pose_csv(path, {{}, 1000}); });
   refuses([&] { read_pose_csv(path.string() + "@1:9:2", {4, 1000}); });
-  refuses([&] { read_travelled(path, 3, {}); });
+  refuses([&] { read_traveled(path, 3, {}); });
   refuses([&] { read_place_positions(path); });
   refuses([&] { read_walls(path); });
 }

@@ -1,4 +1,4 @@
-// Any bytes as a score matrix of some program.
+// Any bytes as a score matrix.
 #include "evaluate/score_matrix.h"
 #include "fuzz.h"
 
@@ -6,7 +6,7 @@ using namespace vpr;
 
 namespace {
 
-// (Judging its rows takes the time of a thousand readings, and sees nothing but whole keys.)
+// (Evaluating its rows takes as long as a thousand readings and finds nothing new.)
 void read_rows(const std::filesystem::path& path, const ScoreFormat& format) {
   const ScoreMatrix matrix(path, format);
   matrix.fingerprint({});

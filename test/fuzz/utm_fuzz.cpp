@@ -1,4 +1,4 @@
-// Any bytes as the name of an image that carries its place.
+// Any bytes as the name of an image with its position.
 #include "fuzz.h"
 #include "truth/utm_names.h"
 

@@ -1,4 +1,4 @@
-// Any bytes as a world of vpr-synth; of one that is accepted, plans, walks and all texts.
+// Any bytes as a world of vpr-synth; for valid ones, plans, walks and all texts.
 #include <algorithm>
 
 #include "fuzz.h"
@@ -8,8 +8,8 @@ using namespace vpr;
 
 namespace {
 
-constexpr double kMostPlanM = 30;  // of a room that is worth the time of a plan
-constexpr double kMostPoses = 200;
+constexpr double kMaxPlanM = 30;  // maximum size of a room, to limit the time
+constexpr double kMaxPoses = 200;
 
 double most_poses(const World& world, const Walk& walk) {
   if (walk.frames > 0) return static_cast<double>(walk.frames);
@@ -25,11 +25,11 @@ bool is_small(const World& world) {
   for (const Floor& floor : world.floors) {
     rooms += floor.rooms.size();
     for (const Room& room : floor.rooms)
-      if (room.width > kMostPlanM || room.depth > kMostPlanM) return false;
+      if (room.width > kMaxPlanM || room.depth > kMaxPlanM) return false;
   }
   double poses = 0;
   for (const Walk& walk : world.walks) poses += most_poses(world, walk);
-  return rooms < 20 && poses < kMostPoses;
+  return rooms < 20 && poses < kMaxPoses;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Files of checksums, a line a frame, so that a change of a number shows where it starts.
+// Files of checksums, one line per frame, which show the first frame that changed.
 #pragma once
 
 #include <cstddef>
@@ -9,28 +9,28 @@
 
 namespace vpr::test {
 
-/// What was computed for one frame.
+/// The result for one frame.
 struct FrameChecksum {
-  std::string frame;  ///< its name, of one or more words
-  std::string text;   ///< a checksum, or several
+  std::string frame;  ///< its name, one or more words
+  std::string text;   ///< one or several checksums
 };
 
-/// What stands in test/golden/NAME.crc; lines that start with # are left out.
+/// The contents of test/golden/NAME.crc without lines that start with #.
 std::vector<FrameChecksum> read_checksums(const std::string& name);
 
-/// Empty if both are the same; else a sentence that names the first frame that changed, how many
-/// did, and how to take the new ones. `name`: of the file.
+/// Empty if both are equal; otherwise a sentence with the first changed frame, the number of
+/// changed frames, and how to accept them. `name`: of the file.
 std::string first_change(const std::string& name, const std::vector<FrameChecksum>& expected,
                          const std::vector<FrameChecksum>& found);
 
-/// Compares with the file; with VPR_GOLDEN=write, as scripts/golden.sh calls it, writes it instead.
+/// Compares with the file; with VPR_GOLDEN=write, as in scripts/golden.sh, writes it instead.
 void check_golden(const std::string& name, const std::string& what,
                   const std::vector<FrameChecksum>& found);
 
 /// The first eight digits of a checksum (base/checksum.h).
 std::string short_checksum(std::span<const std::byte> bytes);
 
-/// The same of whole numbers, as they lie in memory.
+/// The short checksum of integers, as stored in memory.
 template <class T>
 std::string short_checksum(const std::vector<T>& values) {
   static_assert(std::is_integral_v<T>);

@@ -1,5 +1,5 @@
-// Codes, distances, scores, words and posteriors of a small recording, frame by frame, against
-// checksums that stand in files: for every SIMD target, method and number of threads the same.
+// Codes, distances, scores, words and posteriors of a small recording, frame by frame, compared
+// with checksums in files: the same for every SIMD target, method and number of threads.
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -72,7 +72,7 @@ DescriptorSet make_query() {
   return ldb_set(codes, {frame_names(kQuery), {kUnreadable}});
 }
 
-// Every row of distances or biased scores, by query window.
+// One entry per query window, with its row of distances or biased scores.
 std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
   const SequenceDatabase database = make_database();
   const DescriptorSet query = make_query();
@@ -104,7 +104,7 @@ SequenceQuerySettings settings_with(const std::string& method, Score score) {
   return settings;
 }
 
-// Squares of pretraining frames, one in two of every fourth frame, are the words.
+// The words are squares of pretraining frames: every other square of every fourth frame.
 Vocabulary make_words() {
   cv::Mat words;
   for (size_t frame = 0; frame < kPretrain.frames; frame += 4) {
@@ -118,7 +118,7 @@ Vocabulary make_words() {
 std::vector<WordSet> words_of(const Walk& walk, const Vocabulary& vocabulary) {
   std::vector<WordSet> frames;
   for (size_t frame = 0; frame < walk.frames; ++frame)
-    frames.push_back(quantise(vocabulary, square_features(draw_frame(walk, frame))));
+    frames.push_back(quantize(vocabulary, square_features(draw_frame(walk, frame))));
   return frames;
 }
 
@@ -134,7 +134,7 @@ FabmapDatabase make_fabmap_database(const Vocabulary& vocabulary) {
   return database;
 }
 
-// In millionths: logarithms and exponentials of other machines may differ in the last digits.
+// In millionths: on other machines, logarithms and exponentials may differ in the last digits.
 std::string posterior_checksum(std::span<const double> posterior) {
   std::vector<int32_t> millionths;
   for (const double p : posterior) millionths.push_back(static_cast<int32_t>(std::lround(p * 1e6)));
@@ -157,7 +157,7 @@ std::vector<FrameChecksum> posteriors(const FabmapDatabase& database, const Sequ
 
 }  // namespace
 
-TEST_CASE("codes of a small recording are those that stand in the file") {
+TEST_CASE("codes of a small recording equal the golden file") {
   std::vector<FrameChecksum> lines;
   for (const Walk& walk : {kTrain[0], kTrain[1], kQuery}) {
     const std::vector<LdbCode> codes = describe(walk);
@@ -168,7 +168,7 @@ TEST_CASE("codes of a small recording are those that stand in the file") {
   check_golden("codes", "Frame: its LDB code.", lines);
 }
 
-TEST_CASE("distances of its windows are those that stand in the file, by every exact method") {
+TEST_CASE("distances of its windows equal the golden file, for every exact method") {
   for_each_setting([] {
     for (const SequenceMethod& method : sequence_methods()) {
       if (method.has_paths) continue;
@@ -179,7 +179,7 @@ TEST_CASE("distances of its windows are those that stand in the file, by every e
   });
 }
 
-TEST_CASE("standardized scores of its windows are those that stand in the files") {
+TEST_CASE("z-scores of its windows equal the golden files") {
   for_each_setting([] {
     for (const Score score : {Score::standardized, Score::standardized_offline})
       check_golden(
@@ -190,7 +190,7 @@ TEST_CASE("standardized scores of its windows are those that stand in the files"
   });
 }
 
-TEST_CASE("FAB-MAP's words and posteriors are those that stand in the files") {
+TEST_CASE("FAB-MAP's words and posteriors equal the golden files") {
   for_each_setting([] {
     const Vocabulary vocabulary = make_words();
     const FabmapDatabase database = make_fabmap_database(vocabulary);
@@ -211,7 +211,7 @@ TEST_CASE("FAB-MAP's words and posteriors are those that stand in the files") {
   });
 }
 
-TEST_CASE("a change names the first frame that changed, and how many did") {
+TEST_CASE("a mismatch names the first frame that changed and the number of changed frames") {
   const std::vector<FrameChecksum> expected = {{"a 0", "11"}, {"a 1", "22"}, {"a 2", "33"}};
   CHECK(first_change("x", expected, expected) == "");
   auto found = expected;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kWidth = 80;
 constexpr int kHeight = 60;
-constexpr int kStep = 8;  // columns a frame
+constexpr int kStep = 8;  // columns per frame
 constexpr int kSquare = 8;
 constexpr int kWallLength = kWidth + kStep * 24;
 constexpr int kPanels = 120;
@@ -18,7 +18,7 @@ int below(RandomEngine& engine, int bound) {
   return static_cast<int>(uniform_below(engine, static_cast<uint64_t>(bound)));
 }
 
-// Panels of one grey each, one over the other.
+// Overlapping panels of one gray level each.
 cv::Mat paint_wall(uint64_t seed) {
   RandomEngine engine = named_engine(seed, "wall");
   cv::Mat wall(kHeight, kWallLength, CV_8UC1, cv::Scalar(120));
@@ -27,9 +27,9 @@ cv::Mat paint_wall(uint64_t seed) {
     const int top = below(engine, kHeight);
     const int right = std::min(left + 4 + below(engine, 30), kWallLength);
     const int bottom = std::min(top + 4 + below(engine, 24), kHeight);
-    const auto grey = static_cast<uint8_t>(below(engine, 256));
+    const auto gray = static_cast<uint8_t>(below(engine, 256));
     for (int row = top; row < bottom; ++row)
-      std::fill(wall.ptr(row) + left, wall.ptr(row) + right, grey);
+      std::fill(wall.ptr(row) + left, wall.ptr(row) + right, gray);
   }
   return wall;
 }
@@ -44,8 +44,8 @@ cv::Mat draw_frame(const Walk& walk, size_t frame) {
   for (int row = 0; row < kHeight; ++row) {
     for (int column = 0; column < kWidth; ++column) {
       const int off = walk.noise == 0 ? 0 : below(engine, 2 * walk.noise + 1) - walk.noise;
-      const int grey = wall.at<uint8_t>(row, left + column) * walk.light / 256 + off;
-      picture.at<uint8_t>(row, column) = static_cast<uint8_t>(std::clamp(grey, 0, 255));
+      const int gray = wall.at<uint8_t>(row, left + column) * walk.light / 256 + off;
+      picture.at<uint8_t>(row, column) = static_cast<uint8_t>(std::clamp(gray, 0, 255));
     }
   }
   return picture;

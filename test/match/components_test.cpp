@@ -1,4 +1,4 @@
-// Components of training frames: what they are, and that every machine finds the same.
+// Principal components of training frames: definition, and equal results on every machine.
 #include "match/components.h"
 
 #include <algorithm>
@@ -25,18 +25,18 @@ std::vector<double> distances_within(const DescriptorRows& rows) {
   return distances;
 }
 
-// Summed over all landmarks, as the header says it.
+// Sums over all landmarks, as in the header.
 ComponentValues plain_components(const TrainComponents& components, DescriptorRow row) {
   ComponentValues values = {};
   const auto& kind = distance_of(components.shape.element);
   for (size_t l = 0; l < components.landmarks.size(); ++l)
-    for (size_t k = 0; k < kMostComponents; ++k)
+    for (size_t k = 0; k < kMaxComponents; ++k)
       values[k] += components.weights[l][k] * kind.unrounded(components.rows()[l], row);
   return values;
 }
 
-// Every second frame is of one of two places, whose codes differ in 600 bits; each has 20 of its
-// own.
+// Frames alternate between two places, whose codes differ in 600 bits; each frame has 20 bits of
+// its own.
 std::vector<LdbCode> two_places(size_t count) {
   RandomEngine engine(3);
   std::vector<LdbCode> codes(count, LdbCode{});
@@ -58,7 +58,7 @@ double shared(const TrainComponents& components, size_t j, size_t k) {
 
 }  // namespace
 
-TEST_CASE("the first component of two places tells them apart") {
+TEST_CASE("the first component separates two places") {
   const std::vector<LdbCode> codes = two_places(60);
   const DescriptorSpan train{codes, {}};
   const TrainComponents components = compute_components({&train, 1}, 0, {});
@@ -69,9 +69,9 @@ TEST_CASE("the first component of two places tells them apart") {
     INFO(i);
     CHECK(first * loadings[i] * (i % 2 == 0 ? 1 : -1) > 100);
   }
-  // The places are some 570 bits farther apart than their own frames are, half of which is on
-  // either side of the mean. With w close to the sum of all eigenvalues, 60 / (60 + 15) of it are
-  // taken away at most, and a little less for what the frames have of their own.
+  // The places are about 570 bits farther apart than their own frames, half of it on either side of
+  // the mean. With w close to the sum of all eigenvalues, at most 60 / (60 + 15) of it is
+  // subtracted, and slightly less because of the frames' own bits.
   const CommonWeights weights =
       common_weights(components, 1, make_projector(components)(train.rows[0]));
   const double unit = common_unit(train.rows.shape);
@@ -79,28 +79,28 @@ TEST_CASE("the first component of two places tells them apart") {
   CHECK(unit * common_sum(components, weights, 0) == Approx(-285 * 60.0 / 75).epsilon(0.05));
 }
 
-TEST_CASE("components are unit vectors at right angles, the strongest first") {
+TEST_CASE("components are orthogonal unit vectors, the strongest first") {
   const test::Example example = test::make_example({300, 5, 400}, 1, 8);
   const TrainComponents components = compute_components(example.spans(), 0, {});
   CHECK(components.landmarks.size() == kMostLandmarks);
   CHECK(std::is_sorted(components.landmarks.begin(), components.landmarks.end()));
   CHECK(components.landmarks.front() == 0);
   CHECK(components.landmarks.back() < 705);
-  for (size_t j = 0; j < kMostComponents; ++j)
-    for (size_t k = 0; k < kMostComponents; ++k)
+  for (size_t j = 0; j < kMaxComponents; ++j)
+    for (size_t k = 0; k < kMaxComponents; ++k)
       CHECK(shared(components, j, k) == Approx(j == k ? 1 : 0).margin(1e-4));
   for (const ComponentValues& weights : components.weights)
     for (const double weight : weights)
       REQUIRE(weight * (1 << 20) == std::floor(weight * (1 << 20)));
 }
 
-TEST_CASE("the first component holds as much as the best that a thousand iterations find") {
+TEST_CASE("the first component explains as much as the best of a thousand iterations") {
   const test::Example example = test::make_example({150}, 1, 4);
   const TrainComponents components = compute_components(example.spans(), 0, {});
   const DescriptorRows rows = components.rows();
   const size_t n = rows.size();
   const std::vector<double> distances = distances_within(rows);
-  // The plain power iteration on -1/2 (distances, less row and column means, plus the mean).
+  // Power iteration on -1/2 (distances, minus row and column means, plus the mean).
   const auto similarity_times = [&](const std::vector<double>& vector) {
     double mean = 0;
     for (const double value : vector) mean += value / static_cast<double>(n);
@@ -130,19 +130,19 @@ TEST_CASE("the first component holds as much as the best that a thousand iterati
   CHECK(norm(similarity_times(found)) == Approx(norm(similarity_times(best))).epsilon(0.02));
 }
 
-TEST_CASE("loadings of landmarks are their weights, as shares of the largest") {
+TEST_CASE("loadings of landmarks are proportional to their weights") {
   const test::Example example = test::make_example({90, 30}, 1, 5);
   const TrainComponents components = compute_components(example.spans(), 0, {});
   REQUIRE(components.landmarks.size() == 120);
   double largest = 0;
   for (const ComponentValues& weights : components.weights)
     largest = std::max(largest, std::abs(weights[0]));
-  // What is not in the first component after few iterations is in the next ones.
+  // Variance that a few iterations miss in the first component is in the next ones.
   for (size_t l = 0; l < 120; ++l)
     CHECK(components.loadings[0][l] == Approx(127 * components.weights[l][0] / largest).margin(12));
 }
 
-TEST_CASE("sums by tables are those of the plain distances") {
+TEST_CASE("sums by tables equal sums of direct distances") {
   const test::Example example = test::make_example({40}, 20, 6);
   const TrainComponents components = compute_components(example.spans(), 0, {});
   const Projector project = make_projector(components);
@@ -150,20 +150,19 @@ TEST_CASE("sums by tables are those of the plain distances") {
     CHECK(project(code) == plain_components(components, code));
 }
 
-TEST_CASE("sums by tables of vectors are those of the unrounded plain distances") {
+TEST_CASE("sums by tables for vectors equal sums of unrounded distances") {
   RandomEngine engine(9);
   std::vector<uint8_t> bytes(50 * 24);
   for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(uniform_below(engine, 256));
   std::fill_n(bytes.begin() + 7 * 24, 24, uint8_t{0});  // no direction
-  const DescriptorRows rows({ElementType::whole_numbers, 24}, bytes);
+  const DescriptorRows rows({ElementType::int8, 24}, bytes);
   const DescriptorSpan train{rows, {}};
   const TrainComponents components = compute_components({&train, 1}, 0, {});
   const Projector project = make_projector(components);
   for (size_t i = 0; i < rows.size(); ++i) {
     const ComponentValues found = project(rows[i]);
     const ComponentValues expected = plain_components(components, rows[i]);
-    for (size_t k = 0; k < kMostComponents; ++k)
-      CHECK(found[k] == Approx(expected[k]).margin(1e-6));
+    for (size_t k = 0; k < kMaxComponents; ++k) CHECK(found[k] == Approx(expected[k]).margin(1e-6));
   }
 }
 
@@ -179,7 +178,7 @@ TEST_CASE("components are the same for any number of threads") {
   }
 }
 
-TEST_CASE("frames that do not differ, one frame and none have no component") {
+TEST_CASE("equal frames, a single frame and no frames have no component") {
   for (const size_t count : {0, 1, 30}) {
     const std::vector<LdbCode> codes(count, LdbCode{});
     const DescriptorSpan train{codes, {}};
@@ -190,7 +189,7 @@ TEST_CASE("frames that do not differ, one frame and none have no component") {
   }
 }
 
-TEST_CASE("who stands still in training adds no landmarks") {
+TEST_CASE("a stop in training adds no landmarks") {
   const test::Example example = test::make_example({60}, 1, 5);
   std::vector<LdbCode> slow;
   for (size_t i = 0; i < 60; ++i)
@@ -204,7 +203,7 @@ TEST_CASE("who stands still in training adds no landmarks") {
   CHECK(often.factor == once.factor);
 }
 
-TEST_CASE("frames that can't be read are no landmarks") {
+TEST_CASE("unreadable frames are not landmarks") {
   test::Example example = test::make_example({20, 4}, 1, 2);
   example.train_unreadable = {{0, 5}, {3}};
   const TrainComponents components = compute_components(example.spans(), 0, {});
@@ -213,7 +212,7 @@ TEST_CASE("frames that can't be read are no landmarks") {
     CHECK(std::count(components.landmarks.begin(), components.landmarks.end(), frame) == 0);
 }
 
-TEST_CASE("products of loadings and weights round to the nearest, a half up") {
+TEST_CASE("products of loadings and weights are rounded to nearest, ties up") {
   CHECK(common_product(127, 4095) == 4063);
   CHECK(common_product(-127, 4095) == -4063);
   CHECK(common_product(1, 64) == 1);

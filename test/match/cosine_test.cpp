@@ -23,7 +23,7 @@ using namespace vpr;
 
 namespace {
 
-/// Vectors of whole numbers, one after the other.
+/// Vectors of integers, one after the other.
 struct Vectors {
   DescriptorShape shape;
   std::vector<uint8_t> bytes;
@@ -34,13 +34,13 @@ struct Vectors {
 };
 
 Vectors make_vectors(const std::vector<std::vector<int>>& rows) {
-  Vectors vectors{{ElementType::whole_numbers, rows.front().size()}, {}};
+  Vectors vectors{{ElementType::int8, rows.front().size()}, {}};
   for (const auto& row : rows)
     for (const int number : row) vectors.bytes.push_back(static_cast<uint8_t>(number));
   return vectors;
 }
 
-// A walk: every frame's numbers are near those of the one before.
+// A sequence: the values of every frame are near those of the previous one.
 Vectors walk_vectors(size_t count, size_t length, uint64_t seed) {
   RandomEngine engine(seed);
   const auto below = [&](uint64_t bound) { return static_cast<int>(uniform_below(engine, bound)); };
@@ -54,16 +54,16 @@ Vectors walk_vectors(size_t count, size_t length, uint64_t seed) {
   return make_vectors(rows);
 }
 
-// The same of 16-bit numbers, which are imported.
+// The same sequence as 16-bit integers, by import.
 Vectors wide_walk(size_t count, size_t length, uint64_t seed) {
   const Vectors narrow = walk_vectors(count, length, seed);
-  Vectors wide{{ElementType::wide_numbers, length}, {}};
+  Vectors wide{{ElementType::int16, length}, {}};
   std::vector<double> row(length);
   std::vector<int16_t> numbers(length);
   for (size_t i = 0; i < count; ++i) {
     for (size_t x = 0; x < length; ++x)
       row[x] = static_cast<int8_t>(narrow.bytes[i * length + x]) + 0.25;
-    quantise_numbers(row, std::span(numbers));
+    quantize_numbers(row, std::span(numbers));
     const auto* bytes = reinterpret_cast<const uint8_t*>(numbers.data());
     wide.bytes.insert(wide.bytes.end(), bytes, bytes + 2 * length);
   }
@@ -90,18 +90,18 @@ RowConsumer collecting(Cells& cells, std::mutex& mutex) {
 
 }  // namespace
 
-TEST_CASE("cosine distances worked out by hand") {
+TEST_CASE("cosine distances equal values computed by hand") {
   CHECK(distance({3, 4}, {6, 8}) == 0);              // the same direction
-  CHECK(distance({3, 4}, {-3, -4}) == 65535);        // the opposite one
+  CHECK(distance({3, 4}, {-3, -4}) == 65535);        // the opposite direction
   CHECK(distance({1, 0}, {0, 127}) == 32768);        // a right angle: 32767.5, rounded up
   CHECK(distance({1, 0}, {1, 1}) == 9597);           // 32767.5 * (1 - sqrt(1/2)) = 9597.4
   CHECK(distance({3, 4, 0}, {4, 3, 0}) == 1311);     // 32767.5 * (1 - 24/25) = 1310.7
-  CHECK(distance({0, 0}, {5, 5}) == 32768);          // no direction at all
-  CHECK(distance({-128, -128}, {-128, -128}) == 0);  // the largest numbers
+  CHECK(distance({0, 0}, {5, 5}) == 32768);          // no direction
+  CHECK(distance({-128, -128}, {-128, -128}) == 0);  // the largest values
   CHECK(distance({-128}, {127}) == 65535);
 }
 
-TEST_CASE("cosine distances are those of the oracle, for any length, on every SIMD target") {
+TEST_CASE("cosine distances equal the reference implementation, for any length and SIMD target") {
   for (const size_t length : {1, 2, 15, 16, 17, 31, 33, 64, 127, 256, 1001}) {
     const Vectors one = walk_vectors(77, length, 1);
     const Vectors two = walk_vectors(9, length, 2);
@@ -129,7 +129,8 @@ TEST_CASE("cosine distances are those of the oracle, for any length, on every SI
   }
 }
 
-TEST_CASE("cosine distances of 16-bit numbers are those of the oracle, on every SIMD target") {
+TEST_CASE(
+    "cosine distances of 16-bit vectors equal the reference implementation, for any SIMD target") {
   for (const size_t length : {1, 15, 32, 33, 127, 512, 1001}) {
     const Vectors one = wide_walk(77, length, 1);
     const Vectors two = wide_walk(9, length, 2);
@@ -152,11 +153,11 @@ TEST_CASE("cosine distances of 16-bit numbers are those of the oracle, on every 
   }
 }
 
-TEST_CASE("the longest vectors of the largest 8-bit numbers have exact products") {
+TEST_CASE("the longest vectors of the largest 8-bit integers have exact products") {
   for (const auto& [a, b] : {std::pair(-128, -127), std::pair(127, -128), std::pair(-128, 127)}) {
     const auto made = [](int number) {
       return make_vectors(
-          {std::vector<int>(kMostNumbers, number), std::vector<int>(kMostNumbers, number / 2)});
+          {std::vector<int>(kMaxNumbers, number), std::vector<int>(kMaxNumbers, number / 2)});
     };
     const Vectors train = made(a);
     const Vectors query = made(b);
@@ -175,15 +176,16 @@ TEST_CASE("the longest vectors of the largest 8-bit numbers have exact products"
 }
 
 TEST_CASE(
-    "the largest vectors of 16-bit numbers have exact products, and longer ones are refused") {
+    "the largest vectors of 16-bit integers have exact products, and longer ones are refused") {
   const auto vectors = [](const std::vector<int16_t>& numbers, size_t length) {
-    Vectors made{{ElementType::wide_numbers, length}, {}};
+    Vectors made{{ElementType::int16, length}, {}};
     made.bytes.resize(2 * numbers.size());
     std::memcpy(made.bytes.data(), numbers.data(), made.bytes.size());
     return made;
   };
   std::vector<int16_t> numbers(64, 0);
-  numbers[0] = numbers[1] = 32767;  // 46339.5 long; the other way round, the product is negative
+  // length 46339.5; in the opposite order, the product is negative
+  numbers[0] = numbers[1] = 32767;
   numbers[32] = numbers[33] = -32767;
   const Vectors longest = vectors(numbers, 32);
   for (const std::string& target : simd_targets()) {
@@ -205,7 +207,7 @@ TEST_CASE(
   CHECK(test::error_kind([&] { frame_distances({}, longer.span()); }) == ErrorKind::data);
 }
 
-TEST_CASE("the mean distance to all vectors is that of their distances, but for rounding") {
+TEST_CASE("the mean distance to all vectors equals the mean of their distances up to rounding") {
   const bool is_wide = GENERATE(false, true);
   const auto make = is_wide ? wide_walk : walk_vectors;
   const Vectors one = make(200, 40, 4);
@@ -222,7 +224,7 @@ TEST_CASE("the mean distance to all vectors is that of their distances, but for 
   }
 }
 
-TEST_CASE("windows of vectors are compared by every exact method as the definition says") {
+TEST_CASE("every exact method compares windows of vectors by definition") {
   const Vectors one = walk_vectors(60, 24, 6);
   const Vectors two = walk_vectors(37, 24, 7);
   const Vectors query = walk_vectors(45, 24, 8);
@@ -248,11 +250,11 @@ TEST_CASE("windows of vectors are compared by every exact method as the definiti
     }
     const MatchSettings hashed{length, size_t{1} << 30, select_kernels()};
     CHECK(test::error_text([&] { match_lsh(distances, hashed, {}, [](const ScoreRow&) {}); }) ==
-          "lsh hashes bits: it takes raw distances of binary descriptors only; use fastable");
+          "lsh needs raw distances of binary descriptors; use fastable");
   }
 }
 
-TEST_CASE("standardized scores of vectors are those of the oracle") {
+TEST_CASE("z-scores of vectors equal the reference implementation") {
   const bool is_wide = GENERATE(false, true);
   const auto make = is_wide ? wide_walk : walk_vectors;
   const Vectors one = make(80, 32, 9);
@@ -282,13 +284,13 @@ TEST_CASE("standardized scores of vectors are those of the oracle") {
   }
 }
 
-TEST_CASE("vectors and codes are not compared, nor vectors that are too long") {
+TEST_CASE("vectors cannot be compared with codes, and too long vectors are refused") {
   const Vectors vectors = walk_vectors(3, 176, 11);
   const std::vector<LdbCode> codes = test::random_codes(3, 1);
   const DescriptorSpan train{codes, {}};
   CHECK(test::error_kind([&] { frame_distances({&train, 1}, vectors.span()); }) == ErrorKind::data);
-  const Vectors longest{{ElementType::whole_numbers, 131'072}, {}};
-  const Vectors allowed{{ElementType::whole_numbers, 131'071}, {}};
+  const Vectors longest{{ElementType::int8, 131'072}, {}};
+  const Vectors allowed{{ElementType::int8, 131'071}, {}};
   CHECK(test::error_kind([&] { frame_distances({}, longest.span()); }) == ErrorKind::data);
   CHECK_FALSE(test::error_kind([&] { frame_distances({}, allowed.span()); }));
 }

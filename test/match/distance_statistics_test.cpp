@@ -14,7 +14,7 @@ using namespace vpr;
 
 namespace {
 
-// By the definition, in double precision.
+// The reference implementation, in double precision.
 TrainStatistics plain_statistics(std::span<const DescriptorSpan> sequences, size_t reach) {
   struct Frame {
     size_t sequence;
@@ -61,7 +61,7 @@ TrainStatistics plain_statistics(std::span<const DescriptorSpan> sequences, size
 
 }  // namespace
 
-TEST_CASE("statistics of training frames are those of the definition") {
+TEST_CASE("statistics of training frames equal the reference implementation") {
   const std::vector<LdbCode> one = test::walk_codes(300, 1);
   const std::vector<LdbCode> two = test::walk_codes(90, 2);
   const std::vector<size_t> unreadable = {0, 150};
@@ -86,7 +86,7 @@ TEST_CASE("statistics of training frames are those of the definition") {
   }
 }
 
-TEST_CASE("the reach of neighbours grows with the sequence") {
+TEST_CASE("the number of neighbors grows with the sequence") {
   const std::vector<LdbCode> codes = test::walk_codes(500, 3);
   const DescriptorSpan span{codes, {}};
   const TrainStatistics expected = plain_statistics(std::span(&span, 1), 10);
@@ -94,7 +94,7 @@ TEST_CASE("the reach of neighbours grows with the sequence") {
   for (size_t i = 0; i < 500; ++i) REQUIRE(found.bias[i] == Approx(expected.bias[i]).margin(1e-4));
 }
 
-TEST_CASE("long training data are sampled, the same for the same seed") {
+TEST_CASE("long training data are sampled, equally for equal seeds") {
   const std::vector<LdbCode> codes = test::walk_codes(3000, 4);
   const DescriptorSpan span{codes, {}};
   const std::span<const DescriptorSpan> train(&span, 1);
@@ -114,7 +114,7 @@ TEST_CASE("long training data are sampled, the same for the same seed") {
   CHECK(sampled_frames(train, settings) != frames);
 }
 
-TEST_CASE("training data too short to tell have no bias") {
+TEST_CASE("too short training data have no bias") {
   for (const size_t count : {1, 3, 6}) {
     const std::vector<LdbCode> codes = test::walk_codes(count, 5);
     const DescriptorSpan span{codes, {}};
@@ -127,7 +127,7 @@ TEST_CASE("training data too short to tell have no bias") {
   }
 }
 
-TEST_CASE("settings of the statistics out of range are refused") {
+TEST_CASE("statistics settings out of range are refused") {
   const auto refused = [](const StatisticsSettings& settings) {
     return test::error_kind([&] { compute_statistics({}, settings, {}); }) == ErrorKind::usage;
   };
@@ -157,14 +157,14 @@ TEST_CASE("mean distances to whole sets are exact") {
   CHECK(row_mean(frame_distances({}, {query, {}}), 0) == 0);
 }
 
-TEST_CASE("the distance of two codes is that of the oracle") {
+TEST_CASE("the distance of two codes equals the reference implementation") {
   const std::vector<LdbCode> codes = test::random_codes(20, 9);
   for (size_t a = 0; a < codes.size(); ++a)
     for (size_t b = 0; b < codes.size(); ++b)
       REQUIRE(frame_distance(codes, a, b) == plain_hamming(codes[a], codes[b]));
 }
 
-TEST_CASE("what was measured with LDB is the same share of other largest distances") {
+TEST_CASE("constants for LDB are scaled to other largest distances") {
   CHECK(reference_bit(largest_distance(kLdbShape)) == 1);
   CHECK(unknown_distance(1386) == 400);
   CHECK(unknown_deviation(1386) == 64);
@@ -176,7 +176,7 @@ TEST_CASE("what was measured with LDB is the same share of other largest distanc
   CHECK(found.variance[2] == Approx(64.0 * 64 * 63 * 63 / 1386 / 1386));
 }
 
-TEST_CASE("statistics of distances too large for 32-bit squares are those of the definition") {
+TEST_CASE("statistics of distances with squares above 32 bits equal the reference implementation") {
   // 60 000 bits: all of them, or none.
   const DescriptorShape shape{ElementType::bits, 60'000};
   std::vector<uint8_t> bytes(200 * shape.row_bytes(), 0);

@@ -1,4 +1,5 @@
-// The filter over places and rates: against all paths, against plain code, and by hand.
+// The filter over places and rates, compared with all paths, the reference implementation, and
+// values computed by hand.
 #include "match/filter.h"
 
 #include <cmath>
@@ -17,7 +18,7 @@ using namespace vpr;
 
 namespace {
 
-// Sequences of so many unrelated frames: every frame is a view.
+// Sequences of unrelated frames: every frame is a keyframe.
 test::Example unrelated(const std::vector<size_t>& frames) {
   test::Example example;
   for (size_t s = 0; s < frames.size(); ++s)
@@ -31,7 +32,7 @@ FilterState start(const test::Example& example, const FilterSettings& settings =
   return start_filter(frame_distances(spans, {spans[0].rows.first(0), {}}), settings, 1);
 }
 
-// Scores in the middle of what has one likelihood.
+// Scores in the middle of the ranges with equal likelihood.
 std::vector<uint16_t> random_scores(size_t count, RandomEngine& engine) {
   std::vector<uint16_t> scores(count);
   for (uint16_t& score : scores)
@@ -43,7 +44,7 @@ std::vector<uint16_t> random_scores(size_t count, RandomEngine& engine) {
 
 double deviations(uint32_t value) { return (static_cast<double>(value) - kScoreBias) / kScoreUnit; }
 
-/// Where a path is: nowhere, or at a place and a rate.
+/// A state of a path: off the map, or at a place with a rate.
 struct Stay {
   bool nowhere = true;
   size_t place = 0;
@@ -64,12 +65,12 @@ double chance_of_step(const Stay& from, const Stay& to, size_t places,
   return (1 - settings.enter) * (settings.jump * anywhere + (1 - settings.jump) * turns * steps);
 }
 
-/// All paths through `views` views, one after the other: the mass of each last stay.
+/// All paths through the keyframes so far: the mass of each last state.
 struct AllPaths {
   size_t places = 0;
   FilterSettings settings;
-  std::vector<std::vector<uint16_t>> scores;  ///< by view
-  std::vector<double> masses;                 ///< by place, and that of being nowhere
+  std::vector<std::vector<uint16_t>> scores;  ///< by keyframe
+  std::vector<double> masses;                 ///< by place, and off the map
 
   double likelihood(const Stay& stay, size_t view) const {
     if (stay.nowhere) return 1;
@@ -122,7 +123,7 @@ TEST_CASE("the filter sums over all paths") {
     double total = 0;
     for (const double mass : paths.masses) total += mass;
     INFO(places << " places, " << views << " views");
-    constexpr double kClose = 0.004;  // two of 1/1024, and of what a mantissa is rounded by
+    constexpr double kClose = 0.004;  // twice 1/1024, and the rounding of mantissas
     for (size_t place = 0; place < places; ++place)
       CHECK(
           deviations(state.values[kLongestStep + place]) ==
@@ -133,7 +134,7 @@ TEST_CASE("the filter sums over all paths") {
   }
 }
 
-TEST_CASE("the filter is its plain twin, across runs that no step crosses") {
+TEST_CASE("the filter equals the reference implementation, and no step crosses a run") {
   test::Example example = unrelated({40, 1, 2, 300, 3});
   example.train_unreadable[3] = {0, 17, 18, 299};
   RandomEngine engine(5);
@@ -177,7 +178,7 @@ TEST_CASE("every SIMD target and any number of threads give the same values") {
   }
 }
 
-TEST_CASE("a filter that starts anew has forgotten all views") {
+TEST_CASE("a restarted filter has forgotten all keyframes") {
   RandomEngine engine(2);
   FilterState state = start(unrelated({30}));
   const std::vector<uint16_t> first = random_scores(30, engine);
@@ -190,7 +191,7 @@ TEST_CASE("a filter that starts anew has forgotten all views") {
   CHECK(state.values == values);
 }
 
-TEST_CASE("settings of the filter out of range are refused") {
+TEST_CASE("filter settings out of range are refused") {
   const auto refused = [](double FilterSettings::*key, double value) {
     FilterSettings settings;
     settings.*key = value;

@@ -1,4 +1,4 @@
-// When the filter is believed, worked out by hand, and as its plain twin says.
+// Confirmation of tracks, computed by hand and compared with the reference implementation.
 #include "match/filter_track.h"
 
 #include <algorithm>
@@ -15,13 +15,13 @@ namespace {
 
 constexpr uint32_t kUnit = kScoreUnit;
 
-/// Two sequences of 40 and 30 places, two frames each; nothing is believed of any of them.
+/// Two sequences of 40 and 30 places, two frames each.
 struct Places {
   FilterState state;
   PathTrack track;
   double z = -2;
   std::vector<int32_t> supports;
-  double change = 0.25;  ///< as the training walk
+  double change = 0.25;  ///< as in the training sequence
 
   Places() {
     for (const auto& [sequence, count] : {std::pair<size_t, size_t>{0, 40}, {1, 30}}) {
@@ -47,7 +47,7 @@ struct Places {
     return state.cells.runs[sequence].first + place;
   }
 
-  /// What a view that comes now says, if it is likelier than being nowhere by `margin`.
+  /// The next keyframe of the query, with this margin over the off-map state.
   QueryView view(size_t query_frame, uint32_t margin) {
     const auto read_path = [this, margin](size_t, bool begins) {
       if (begins) supports.clear();
@@ -67,21 +67,21 @@ struct Places {
 
 }  // namespace
 
-TEST_CASE("a path is believed after 18 views, and as long as it goes on") {
+TEST_CASE("a track is confirmed after 18 keyframes, for as long as it continues") {
   Places places;
   for (size_t view = 0; view < 29; ++view) {
     places.see(0, view, view);
     INFO(view);
-    // Views of the query and of the training sequence that were passed: 2 view + 1 of 36.
+    // Keyframes of the query and passed keyframes of the training sequence: 2 view + 1 of 36.
     CHECK(places.track.last.margin == (view >= 18 ? 24 * kUnit : 0));
     CHECK(places.track.last.nowhere == kScoreBias + 25 * kUnit);
   }
-  places.see(0, 39, 29);  // 11 places on is another path, 10 would not be
+  places.see(0, 39, 29);  // a jump of 11 places is another path, 10 would not be
   CHECK(places.track.last.margin == 0);
   CHECK(places.track.views == 1);
 }
 
-TEST_CASE("who stands still needs twice as many views of his own") {
+TEST_CASE("a stationary query needs twice as many keyframes") {
   Places places;
   places.state.settings.establish_evidence = 1000;
   for (size_t view = 0; view < 40; ++view) {
@@ -90,7 +90,7 @@ TEST_CASE("who stands still needs twice as many views of his own") {
   }
 }
 
-TEST_CASE("a path of much evidence is believed sooner") {
+TEST_CASE("a track with high evidence is confirmed earlier") {
   const auto first_believed = [](double z, uint32_t margin) {
     Places places;
     places.z = z;
@@ -101,20 +101,20 @@ TEST_CASE("a path of much evidence is believed sooner") {
     }
     return view;
   };
-  CHECK(first_believed(-3.25, 8 * kUnit) == 8);    // 2 a view
-  CHECK(first_believed(-7, 8 * kUnit) == 6);       // 3 at most
+  CHECK(first_believed(-3.25, 8 * kUnit) == 8);    // 2 per keyframe
+  CHECK(first_believed(-7, 8 * kUnit) == 6);       // the maximum of 3
   CHECK(first_believed(-7, 8 * kUnit - 1) == 37);  // by its length
   Places places;
   places.z = -4;
   for (size_t view = 0; view < 5; ++view) places.see(0, view, view);
-  places.z = 3;  // 3 at most; evidence of 13.75 is 1.75 after four of them
+  places.z = 3;  // the maximum of 3; evidence of 13.75 is 1.75 after four keyframes
   for (size_t view = 5; view < 9; ++view) places.see(0, view, view);
   CHECK(places.track.evidence == 7 * kUnit / 4);
   places.see(0, 9, 9);
   CHECK(places.track.evidence == 0);
 }
 
-TEST_CASE("less of the margin does for a path of twice the length") {
+TEST_CASE("a track of twice the length needs less margin") {
   const uint32_t enough = 6554;  // 0.8 of 8 deviations
   Places places;
   for (size_t view = 0; view < 40; ++view) {
@@ -129,7 +129,7 @@ TEST_CASE("less of the margin does for a path of twice the length") {
   }
 }
 
-TEST_CASE("a short path is believed where it has the margin, and a long one anywhere") {
+TEST_CASE("a short track is confirmed with the margin, a long one at any margin") {
   Places places;
   for (size_t view = 0; view < 40; ++view) {
     places.see(0, view, view, view % 2 == 0 ? 8 * kUnit : 7 * kUnit);
@@ -139,24 +139,24 @@ TEST_CASE("a short path is believed where it has the margin, and a long one anyw
   }
 }
 
-TEST_CASE("a path is believed only where its last 24 views support it") {
+TEST_CASE("a track is confirmed only if its last 24 keyframes support it") {
   Places places;
   places.z = -1.25;
   for (size_t view = 0; view < 20; ++view) places.see(0, view, view);
   CHECK(places.track.last.margin == 0);
   places.z = -2;
-  // Of 24 views n of 2 and the others of 1.25 are 1.5 on average with n = 8.
+  // 24 keyframes, n with 2 and the others with 1.25, have a mean of 1.5 for n = 8.
   for (size_t view = 20; view < 28; ++view) {
     places.see(0, view, view);
     CHECK((places.track.last.margin > 0) == (view == 27));
   }
 }
 
-TEST_CASE("a path that its frames do not support any more is not believed, and given up") {
+TEST_CASE("a track without support from recent frames is not confirmed, and is dropped") {
   Places places;
   for (size_t view = 0; view < 20; ++view) places.see(0, view, view, 32 * kUnit);
   REQUIRE(places.track.last.margin > 0);
-  places.z = 0.25;  // support 0.875, and 1.89 on average: a share of 0.46
+  places.z = 0.25;  // support 0.875, with a mean of 1.89: a share of 0.46
   places.see(0, 20, 20, 21 * kUnit);
   CHECK(places.track.last.margin == 21 * kUnit);  // and 0.66 of the margin
   places.z = -0.9;                                // shares of 0.48 and 0.67
@@ -168,7 +168,7 @@ TEST_CASE("a path that its frames do not support any more is not believed, and g
   CHECK(places.track.last.margin == 0);
   CHECK(places.track.is_established);
   CHECK(places.track.last.track == 1);  // not recognized, but the same track
-  places.change = 0.125;                // less change than that of the training walk is no better
+  places.change = 0.125;  // a smaller change than in the training sequence has no effect
   places.z = -2;
   places.see(0, 23, 23, 8 * kUnit);  // shares of 0.81 and 0.27
   CHECK(places.track.last.margin == 0);
@@ -180,7 +180,7 @@ TEST_CASE("a path that its frames do not support any more is not believed, and g
   CHECK(places.track.last.track == 0);
 }
 
-TEST_CASE("a track that is confirmed again, or elsewhere, has the next number") {
+TEST_CASE("a track that is confirmed again, or at another place, has the next number") {
   Places places;
   for (size_t view = 0; view < 20; ++view) {
     places.see(0, view, view);
@@ -192,7 +192,7 @@ TEST_CASE("a track that is confirmed again, or elsewhere, has the next number") 
   }
 }
 
-TEST_CASE("what is believed is as its plain twin says") {
+TEST_CASE("confirmed tracks equal the reference implementation") {
   size_t believed = 0;
   size_t views = 0;
   for (uint64_t seed = 1; seed <= 40; ++seed) {
@@ -228,7 +228,7 @@ TEST_CASE("what is believed is as its plain twin says") {
   CHECK(believed < views / 2);
 }
 
-TEST_CASE("what is near the best place, or the same one, is not elsewhere") {
+TEST_CASE("places near the best one, or of an overlapping sequence, are in the exclusion zone") {
   Places places;
   const auto margin_with = [&](size_t sequence, size_t place) {
     for (size_t view = 0; view < 20; ++view) places.see(0, view, view, 9 * kUnit);
@@ -247,7 +247,7 @@ TEST_CASE("what is near the best place, or the same one, is not elsewhere") {
   CHECK(margin_with(1, 3) == 24 * kUnit);
 }
 
-TEST_CASE("within a view the query goes on at its rate, to its end") {
+TEST_CASE("within a keyframe, the position advances at the rate, up to its end") {
   Places places;
   places.see(0, 0, 0);
   const auto frame_at = [&](size_t query_frame) {
@@ -261,7 +261,7 @@ TEST_CASE("within a view the query goes on at its rate, to its end") {
   CHECK(*places.track.last.rate == 0.25);
   CHECK(frame_at(49) == 12);
   CHECK(frame_at(50) == 13);
-  places.see(1, 29, 60);  // the last view of all
+  places.see(1, 29, 60);  // the last keyframe of all
   CHECK(frame_at(60) == 138);
   CHECK(frame_at(90) == 139);
 }

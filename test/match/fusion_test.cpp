@@ -1,4 +1,4 @@
-// What FAB-MAP's words take from scores: by hand, and against the oracle.
+// The effect of FAB-MAP's words on scores: by hand, and compared with the reference implementation.
 #include "match/fusion.h"
 
 #include <cmath>
@@ -12,8 +12,8 @@ using namespace vpr;
 
 namespace {
 
-/// Views of so many words, each in half of all frames and independent of others: view 0 shows all,
-/// view 1 none. Each is a sequence of one frame.
+/// Views of independent words that occur in half of all frames: view 0 shows all words, view 1
+/// none. Each is a sequence of one frame.
 std::shared_ptr<FusedViews> all_and_none(uint32_t words) {
   auto views = std::make_shared<FusedViews>();
   FabmapDatabase& fabmap = views->fabmap;
@@ -33,7 +33,7 @@ std::shared_ptr<FusedViews> all_and_none(uint32_t words) {
   return views;
 }
 
-// A fusion of walks of random words.
+// A fusion of sequences with random words.
 FusionBasis random_basis(uint64_t seed, double weight) {
   RandomEngine engine(seed);
   auto views = std::make_shared<FusedViews>();
@@ -64,9 +64,9 @@ FusionBasis random_basis(uint64_t seed, double weight) {
 
 }  // namespace
 
-TEST_CASE("what words make of scores, by hand") {
-  // P(z|L) is 0.39 where the view shows the word, and 0.39 * 0.61 / 1.61 = 0.14776 elsewhere: a
-  // word that the frame shows speaks for view 0 by ln(0.39 / 0.14776) = 0.97054 nats.
+TEST_CASE("the effect of words on scores equals values computed by hand") {
+  // P(z|L) is 0.39 if the view shows the word, otherwise 0.39 * 0.61 / 1.61 = 0.14776: a word in
+  // the frame favors view 0 by ln(0.39 / 0.14776) = 0.97054 nats.
   const auto row_is = [](const std::shared_ptr<FusedViews>& views, double weight, double behind) {
     const FusionRow row =
         fusion_row(make_fusion_basis(views, 0.2, {0, 0}), views->words[0], weight);
@@ -80,8 +80,8 @@ TEST_CASE("what words make of scores, by hand") {
   row_is(all_and_none(6), 0.2, 5.82327);
   row_is(all_and_none(6), 1, 5.82327);
   row_is(all_and_none(6), 0, 5.82327);
-  row_is(all_and_none(60), 0.5, 40);  // cut off
-  // A frame without words says nothing, and one that can't be read counts nowhere.
+  row_is(all_and_none(60), 0.5, 40);  // clamped
+  // A frame without words has no evidence, and an unreadable one is never counted.
   const FusionRow silent = fusion_row(make_fusion_basis(all_and_none(60), 0.2, {0, 0}), {}, 1);
   CHECK(silent.added == std::vector<double>{0, 0});
   CHECK(silent.scale == 1);
@@ -93,8 +93,8 @@ TEST_CASE("what words make of scores, by hand") {
   CHECK(other.likeliest == 1);
 }
 
-TEST_CASE("FAB-MAP is trusted as far as matches agree, by hand") {
-  // Of 100 frames 11 are near one of the first walk, and 5 near one of the second.
+TEST_CASE("the weight of FAB-MAP follows the agreement of matches, computed by hand") {
+  // Among 100 frames, 11 are near one of the first sequence, and 5 near one of the second.
   const std::vector<FusedWalk> walks = {{0, 60, 5}, {2, 40, 2}};
   FusionBasis basis;
   basis.weight = 0.2;
@@ -102,13 +102,13 @@ TEST_CASE("FAB-MAP is trusted as far as matches agree, by hand") {
   CHECK(agreement.ratio() == 0.6);
   CHECK(std::abs(fusion_weight(basis, agreement) - 0.2 * std::pow(0.6, 1.5)) < 1e-12);
   agreement.count({{}, {}}, walks);
-  agreement.count({10, 70}, walks);  // nothing before, and not together
+  agreement.count({10, 70}, walks);  // no previous frame, and different places
   CHECK(std::abs(agreement.together + 0.11) < 1e-12);
   CHECK(agreement.likeliest_steps == 0);
   agreement.count({15, 73}, walks);  // a step of 5, and one of 3
   CHECK(std::abs(agreement.likeliest_steps - 0.89) < 1e-12);
   CHECK(std::abs(agreement.closest_steps + 0.11) < 1e-12);
-  agreement.count({61, 59}, walks);  // beside each other, in two walks
+  agreement.count({61, 59}, walks);  // adjacent frames of different sequences
   CHECK(std::abs(agreement.likeliest_steps - 0.78) < 1e-12);
   CHECK(std::abs(agreement.closest_steps + 0.22) < 1e-12);
   CHECK(std::abs(agreement.together + 0.27) < 1e-12);
@@ -124,7 +124,7 @@ TEST_CASE("FAB-MAP is trusted as far as matches agree, by hand") {
   CHECK(fusion_weight(basis, agreement) == 1);
 }
 
-TEST_CASE("the closest frame of a row that comes in parts is the first of the smallest score") {
+TEST_CASE("the closest frame of a row in parts is the first one with the smallest score") {
   ClosestFrame closest;
   CHECK_FALSE(closest.frame());
   closest.add(7, 50);
@@ -139,7 +139,7 @@ TEST_CASE("the closest frame of a row that comes in parts is the first of the sm
   CHECK_FALSE(closest.frame());
 }
 
-TEST_CASE("rows in whole numbers are those of the definition") {
+TEST_CASE("integer rows equal the reference implementation") {
   for (const double weight : {0.2, 0.01, 1.0}) {
     const FusionBasis all = random_basis(7, weight);
     const FusionBasis some = fusion_of(all, {1, 0, 1, 1});
@@ -163,7 +163,7 @@ TEST_CASE("rows in whole numbers are those of the definition") {
   }
 }
 
-TEST_CASE("a training walk as the query does not know its own views") {
+TEST_CASE("a training sequence as query ignores its own views") {
   const FusionBasis all = random_basis(7, 0.25);
   const FusionBasis some = fusion_of(all, {0, 1, 1, 1});
   const auto& views = *std::as_const(all).evidence->of;
@@ -171,7 +171,7 @@ TEST_CASE("a training walk as the query does not know its own views") {
     for (const FusionBasis* basis : {&all, &some}) {
       FusionBasis without = *basis;
       size_t frame = 0;
-      size_t before = 0;  // of all training frames
+      size_t before = 0;  // in all training frames
       for (const FusedWalk& walk : all.walks) {
         const bool is_matched = basis == &all || walk.sequence > 0;
         for (size_t i = 0; i < walk.frames && is_matched; ++i, ++frame)

@@ -1,4 +1,4 @@
-// Distances that another program computed.
+// Precomputed distances.
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -43,29 +43,29 @@ constexpr DescriptorShape kShape = {ElementType::frame_numbers, 1};
 
 }  // namespace
 
-TEST_CASE("scores become whole numbers, from the best to the worst") {
-  // Distances keep their 0, and 3 is the largest: units of 3/65535.
+TEST_CASE("scores become integers from the best to the worst") {
+  // Distances keep their 0, and 3 is the largest: the unit is 3/65535.
   const GivenDistances distances = of({1.5, 3, 0.75, 2}, {2, 2});
   CHECK(distances.units().best == 0);
   CHECK(distances.units().unit == 3.0 / 65535);
   CHECK_FALSE(distances.units().is_exact);
-  CHECK(row_of(distances, 0) == std::vector<uint32_t>{32768, 65535});  // 32767.5, up
+  CHECK(row_of(distances, 0) == std::vector<uint32_t>{32768, 65535});  // 32767.5, rounded up
   CHECK(row_of(distances, 1) == std::vector<uint32_t>{16384, 43690});
   // The best similarity is distance 0.
   const GivenDistances similar = of({0.5, -0.5, 0, 0.25}, {2, 2}, {true, false, {}});
   CHECK(similar.units().best == 0.5);
   CHECK(row_of(similar, 0) == std::vector<uint32_t>{0, 65535});
   CHECK(row_of(similar, 1) == std::vector<uint32_t>{32768, 16384});
-  // Distances below 0 start from the smallest.
+  // Negative distances start from the smallest.
   CHECK(row_of(of({-1, 1}, {1, 2}), 0) == std::vector<uint32_t>{0, 65535});
-  // As near as numbers can be.
+  // The smallest difference of doubles.
   CHECK(row_of(of({1.5, 0, 5e-324}, {1, 3}), 0) == std::vector<uint32_t>{65535, 0, 0});
   CHECK(row_of(of({0, 5e-324}, {1, 2}), 0) == std::vector<uint32_t>{0, 0});
-  // All equal: there is nothing to tell apart.
+  // Equal scores have equal distances.
   CHECK(row_of(of({0, 0}, {1, 2}), 0) == std::vector<uint32_t>{0, 0});
 }
 
-TEST_CASE("whole numbers whose range fits 16 bits are exact") {
+TEST_CASE("integers with a range of 16 bits are exact") {
   const test::TemporaryFolder folder;
   test::write_array(folder / "s.npy", std::vector<int32_t>{3, 700, 41, 65535}, {2, 2});
   const GivenDistances given(folder / "s.npy", {}, {});
@@ -78,14 +78,14 @@ TEST_CASE("whole numbers whose range fits 16 bits are exact") {
   CHECK(row_of({folder / "s.npy", {true, false, {}}, {}}, 0) == std::vector<uint32_t>{6, 0, 4});
 }
 
-TEST_CASE("what has no score is as far away as the worst") {
+TEST_CASE("a missing score has the largest distance") {
   const GivenDistances given = of({1, kNan, 7, kInfinity, kNan, kNan, kNan, 7, kNan, 2, kNan, 4},
                                   {3, 4}, {false, false, 7.0});
   CHECK(given.empty_queries() == std::vector<size_t>{1});
   CHECK(given.empty_references() == std::vector<size_t>{2});
   CHECK(row_of(given, 0) == std::vector<uint32_t>{16384, 65535, 65535, 65535});
   CHECK(row_of(given, 2) == std::vector<uint32_t>{65535, 32768, 65535, 65535});
-  // By columns, the same.
+  // The same matrix by columns.
   const GivenDistances turned = of({1, kNan, kNan, kNan, kNan, 2, 7, kNan, kNan, kInfinity, 7, 4},
                                    {4, 3}, {false, true, 7.0});
   CHECK(turned.empty_queries() == given.empty_queries());
@@ -93,7 +93,7 @@ TEST_CASE("what has no score is as far away as the worst") {
   CHECK(row_of(turned, 2) == row_of(given, 2));
 }
 
-TEST_CASE("matrices that are none are refused") {
+TEST_CASE("invalid matrices are refused") {
   const auto kind = [](const std::vector<double>& values, const std::vector<size_t>& shape,
                        const ScoreFormat& format = {}) {
     return test::error_kind([&] { of(values, shape, format); });
@@ -110,7 +110,7 @@ TEST_CASE("matrices that are none are refused") {
   CHECK(test::error_kind([] { GivenDistances("/nowhere.npy", {}, {}); }) == ErrorKind::input);
 }
 
-TEST_CASE("tiles are the distances of single pairs, whatever frames and order are asked for") {
+TEST_CASE("tiles equal distances of single pairs, for any frames and order") {
   RandomEngine engine(1);
   constexpr size_t kQueries = 21;
   constexpr size_t kReferences = 1100;
@@ -144,7 +144,7 @@ TEST_CASE("tiles are the distances of single pairs, whatever frames and order ar
   }
 }
 
-TEST_CASE("of a matrix, nothing is known of training frames among themselves") {
+TEST_CASE("a matrix has no distances between training frames") {
   const std::vector<uint8_t> rows = numbers(0, 9);
   const DescriptorSpan walk{{kShape, rows}, {}};
   CHECK(test::error_kind([&] { frame_distances({&walk, 1}, walk); }) == ErrorKind::usage);
@@ -152,7 +152,7 @@ TEST_CASE("of a matrix, nothing is known of training frames among themselves") {
   CHECK(frame_distance(walk.rows, 3, 4) == 65535);
 }
 
-TEST_CASE("standardized scores of given Hamming distances are those of the codes") {
+TEST_CASE("z-scores of precomputed Hamming distances equal those of the codes") {
   const std::vector<LdbCode> train = test::walk_codes(90, 1);
   const std::vector<LdbCode> query = test::walk_codes(40, 2);
   const DescriptorSpan walk{{train}, {}};
@@ -162,7 +162,7 @@ TEST_CASE("standardized scores of given Hamming distances are those of the codes
     for (size_t i = 0; i < train.size(); ++i)
       matrix.push_back(static_cast<int32_t>(
           hamming_distance(DescriptorRows(query)[j], DescriptorRows(train)[i])));
-  matrix.push_back(1386);  // a frame that nobody asks for, so that both have one largest distance
+  matrix.push_back(1386);  // an unused frame, so that both have the same largest distance
   matrix.resize(41 * 90, 0);
   const test::TemporaryFolder folder;
   test::write_array(folder / "s.npy", matrix, {41, 90});

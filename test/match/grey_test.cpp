@@ -1,4 +1,4 @@
-// Distances of pictures: mean absolute differences.
+// Distances of images: mean absolute differences.
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +16,7 @@ using namespace vpr;
 
 namespace {
 
-/// Pictures, one after the other.
+/// Images, one after the other.
 struct Pictures {
   DescriptorShape shape;
   std::vector<uint8_t> bytes;
@@ -26,10 +26,10 @@ struct Pictures {
   }
 };
 
-// A walk: every picture is near the one before.
+// A sequence: every image is near the previous one.
 Pictures walk(size_t count, size_t pixels, uint64_t seed) {
   RandomEngine engine(seed);
-  Pictures pictures{{ElementType::grey_levels, pixels}, {}};
+  Pictures pictures{{ElementType::gray_levels, pixels}, {}};
   std::vector<int> row(pixels);
   for (int& level : row) level = static_cast<int>(uniform_below(engine, 256));
   for (size_t i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ uint32_t distance(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) 
 
 }  // namespace
 
-TEST_CASE("distances of pictures worked out by hand") {
+TEST_CASE("distances of images equal values computed by hand") {
   CHECK(distance({7}, {7}) == 0);
   CHECK(distance({0, 0}, {255, 255}) == 65280);
   CHECK(distance({10, 20}, {13, 19}) == 512);    // a mean of 2
@@ -56,10 +56,10 @@ TEST_CASE("distances of pictures worked out by hand") {
   CHECK(distance({2, 0, 0}, {0, 0, 0}) == 171);  // 170.67
   std::vector<uint8_t> one(512, 0);
   one[0] = 1;
-  CHECK(distance(one, std::vector<uint8_t>(512, 0)) == 1);  // a half, up
+  CHECK(distance(one, std::vector<uint8_t>(512, 0)) == 1);  // a tie, rounded up
 }
 
-TEST_CASE("distances of pictures are those of the oracle, on every SIMD target") {
+TEST_CASE("distances of images equal the reference implementation, on every SIMD target") {
   for (const size_t pixels : {1, 63, 64, 65, 200, 2048}) {
     const Pictures one = walk(77, pixels, 1);
     const Pictures two = walk(9, pixels, 2);
@@ -83,7 +83,7 @@ TEST_CASE("distances of pictures are those of the oracle, on every SIMD target")
   }
 }
 
-TEST_CASE("the mean distance to all pictures is that of their distances, but for rounding") {
+TEST_CASE("the mean distance to all images equals the mean of their distances up to rounding") {
   const Pictures one = walk(200, 64, 4);
   const Pictures query = walk(20, 64, 5);
   const std::vector<size_t> unreadable = {3, 99};
@@ -97,7 +97,7 @@ TEST_CASE("the mean distance to all pictures is that of their distances, but for
   }
 }
 
-TEST_CASE("components of pictures are sums over landmarks") {
+TEST_CASE("components of images are sums over landmarks") {
   const Pictures landmarks = walk(30, 64, 6);
   const Pictures asked = walk(5, 64, 7);
   RandomEngine engine(8);
@@ -108,7 +108,7 @@ TEST_CASE("components of pictures are sums over landmarks") {
   const Projector project = grey_projector(landmarks.span().rows, weights);
   for (size_t j = 0; j < 5; ++j) {
     const ComponentValues found = project(asked.span().rows[j]);
-    for (size_t k = 0; k < kMostComponents; ++k) {
+    for (size_t k = 0; k < kMaxComponents; ++k) {
       double sum = 0;
       for (size_t i = 0; i < 30; ++i)
         sum += weights[i][k] * plain_grey_unrounded(landmarks.span().rows[i], asked.span().rows[j]);
@@ -117,7 +117,7 @@ TEST_CASE("components of pictures are sums over landmarks") {
   }
 }
 
-TEST_CASE("standardized scores of pictures are those of the oracle") {
+TEST_CASE("z-scores of images equal the reference implementation") {
   const Pictures one = walk(80, 64, 9);
   const Pictures query = walk(50, 64, 10);
   const DescriptorSpan train = one.span();

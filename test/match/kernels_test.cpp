@@ -9,7 +9,7 @@
 
 using namespace vpr;
 
-TEST_CASE("the plain Hamming distance counts bits, not bytes") {
+TEST_CASE("the reference Hamming distance counts bits, not bytes") {
   LdbCode a{};
   LdbCode b{};
   CHECK(plain_hamming(a, b) == 0);
@@ -22,11 +22,11 @@ TEST_CASE("the plain Hamming distance counts bits, not bytes") {
   CHECK(plain_hamming(a, b) == 1408);
 }
 
-TEST_CASE("every SIMD target counts as the plain distance does") {
+TEST_CASE("every SIMD target counts like the reference implementation") {
   const std::vector<LdbCode> train = test::random_codes(29, 1);
   std::vector<LdbCode> queries = test::random_codes(5, 2);
   queries.push_back(train[13]);
-  queries.emplace_back().fill(0xff);  // padding bits set: counted too
+  queries.emplace_back().fill(0xff);  // padding bits that are set count as well
   queries.emplace_back().fill(0);
   const DescriptorSpan span{train, {}};
   const std::vector<uint32_t> all = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -49,7 +49,7 @@ TEST_CASE("every SIMD target counts as the plain distance does") {
   }
 }
 
-TEST_CASE("every SIMD target slides, adds and searches as a loop does, for any count") {
+TEST_CASE("every SIMD target slides, adds and searches like a loop, for any count") {
   RandomEngine engine(3);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
@@ -102,13 +102,14 @@ TEST_CASE("comparisons are unsigned") {
   }
 }
 
-TEST_CASE("an unknown SIMD target is refused with the choices") {
+TEST_CASE("an unknown SIMD target is refused with a list of the known ones") {
   const std::string text = test::error_text([] { use_simd_target("AVX9"); });
   for (const std::string& target : simd_targets()) CHECK(text.find(target) != std::string::npos);
   CHECK(select_kernels().target == simd_targets().front());
 }
 
-TEST_CASE("codes of any length count as the plain distance does, in any stretch and order") {
+TEST_CASE(
+    "distances of codes of any length equal the reference implementation, in any range and order") {
   RandomEngine engine(4);
   for (const size_t bits : {1, 63, 64, 65, 256, 1344, 1408, 1409, 8191, 65472}) {
     const DescriptorShape shape{ElementType::bits, bits};
@@ -144,7 +145,7 @@ TEST_CASE("codes of any length count as the plain distance does, in any stretch 
   }
 }
 
-TEST_CASE("descriptors that can't be compared are refused") {
+TEST_CASE("descriptors of different shapes are refused") {
   const std::vector<uint8_t> bytes(8192, 0);
   const DescriptorSpan train{{{ElementType::bits, 64}, std::span(bytes).first(16)}, {}};
   const DescriptorSpan other{{{ElementType::bits, 128}, std::span(bytes).first(16)}, {}};

@@ -1,4 +1,4 @@
-// The method filter on walks.
+// The method filter on sequences.
 #include "match/match_filter.h"
 
 #include <map>
@@ -55,7 +55,7 @@ Believed believed(const test::Example& example) {
   return found;
 }
 
-// A code of the walk, with some bits changed.
+// A code of the sequence with some bits changed.
 LdbCode seen_again(LdbCode code, RandomEngine& engine) {
   for (int i = 0; i < 30; ++i) {
     const uint64_t bit = uniform_below(engine, kLdbBits);
@@ -66,7 +66,7 @@ LdbCode seen_again(LdbCode code, RandomEngine& engine) {
 
 }  // namespace
 
-TEST_CASE("a walk is found at half its pace, at twice its pace, and nowhere off the map") {
+TEST_CASE("a route is recognized at half and at double speed, and off-map frames are not") {
   test::Example example;
   example.train = {test::walk_codes(200, 1), test::walk_codes(150, 2)};
   example.train_unreadable.resize(2);
@@ -98,7 +98,7 @@ TEST_CASE("a walk is found at half its pace, at twice its pace, and nowhere off 
   }
 }
 
-TEST_CASE("frames that can't be read have no rows, and end what was known") {
+TEST_CASE("unreadable frames have no rows and reset the filter") {
   test::Example example = test::make_example({60, 1, 45}, 50, 3);
   example.train_unreadable[0] = {0, 30};
   example.train_unreadable[1] = {0};
@@ -108,7 +108,7 @@ TEST_CASE("frames that can't be read have no rows, and end what was known") {
   CHECK(found.cells.size() == 47 * (58 + 45));
   CHECK_FALSE(found.cells.contains({20, 0, 5}));
   CHECK_FALSE(found.cells.contains({5, 0, 30}));
-  // The frame behind the gap is a first one.
+  // The frame after the gap is a first frame.
   test::Example rest = example;
   rest.query.erase(rest.query.begin(), rest.query.begin() + 21);
   rest.query_unreadable = {28};
@@ -122,7 +122,7 @@ TEST_CASE("one frame against one frame is a row of one value") {
   CHECK(found.reports.at(0).margin == 0);
 }
 
-TEST_CASE("training frames that can't be read at all give no row") {
+TEST_CASE("unreadable training frames have no row") {
   test::Example example = test::make_example({2}, 3, 3);
   example.train_unreadable[0] = {0, 1};
   CHECK(believed(example).cells.empty());

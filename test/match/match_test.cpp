@@ -82,8 +82,8 @@ void check_all_methods(const Example& example, size_t length, const RowKernels& 
 
 }  // namespace
 
-TEST_CASE("the definition, worked out by hand") {
-  // Codes of which the first byte counts 1, 3, 7 bits: distances to zero are 1, 2, 3.
+TEST_CASE("the definition equals values computed by hand") {
+  // Codes with 1, 3 and 7 in the first byte: their distances to zero are 1, 2 and 3.
   std::vector<LdbCode> train(3, LdbCode{});
   train[0][0] = 0b1;
   train[1][0] = 0b11;
@@ -95,7 +95,7 @@ TEST_CASE("the definition, worked out by hand") {
   CHECK(test::plain_fastable(train, query, 2) == test::plain_openable(train, query, 2));
 }
 
-TEST_CASE("the recurrence gives the definition, cell by cell") {
+TEST_CASE("the recurrence equals the definition, cell by cell") {
   const std::vector<LdbCode> train = test::walk_codes(40, 1);
   const std::vector<LdbCode> query = test::walk_codes(33, 2);
   for (size_t length = 1; length <= 34; ++length)
@@ -103,7 +103,7 @@ TEST_CASE("the recurrence gives the definition, cell by cell") {
             test::plain_openable(train, query, length));
 }
 
-TEST_CASE("every method gives the definition for every window length, on every SIMD target") {
+TEST_CASE("every method equals the definition for every window length, on every SIMD target") {
   const Example example = make_example({37}, 29, 1);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
@@ -129,7 +129,7 @@ TEST_CASE("one frame against one frame") {
   for (const size_t length : {1, 2}) check_all_methods(example, length, select_kernels());
 }
 
-TEST_CASE("sets larger than a chunk, a strip and a tile give the definition, on any threads") {
+TEST_CASE("sets larger than a chunk, a strip and a tile equal the definition, for any threads") {
   Example example = make_example({5000, 700, 3001}, 150, 4);
   example.train_unreadable[0] = {2047, 2048, 4095};
   example.query_unreadable = {63};
@@ -145,8 +145,8 @@ TEST_CASE("sets larger than a chunk, a strip and a tile give the definition, on 
   }
 }
 
-TEST_CASE("a database that is shared between threads online gives the definition") {
-  // More than the 65536 frames from which two threads share a row.
+TEST_CASE("online matching with several threads equals the definition") {
+  // Above 65536 frames, two threads share a row.
   const std::vector<LdbCode> train = test::walk_codes(70'001, 5);
   const std::vector<LdbCode> query = test::walk_codes(40, 6);
   const DescriptorSpan span{train, {}};
@@ -170,7 +170,7 @@ TEST_CASE("a database that is shared between threads online gives the definition
   }
 }
 
-TEST_CASE("several window lengths in one pass give the rows of each alone") {
+TEST_CASE("several window lengths in one pass yield the rows of each one alone") {
   Example example = make_example({300, 7, 90}, 150, 9);
   example.train_unreadable[0] = {100};
   example.query_unreadable = {70};
@@ -189,11 +189,11 @@ TEST_CASE("several window lengths in one pass give the rows of each alone") {
   }
 }
 
-TEST_CASE("hashing finds cells of the definition, each once, the same on any threads") {
+TEST_CASE("hashing finds cells of the definition, each once, the same for any threads") {
   Example example = make_example({60, 3, 200}, 40, 7);
   example.train_unreadable[2] = {90};
   example.query_unreadable = {20};
-  // Windows that are there exactly share every bucket, and must be found.
+  // Identical windows share every bucket and must be found.
   std::copy_n(example.train[2].begin() + 100, 12, example.query.begin());
   for (const size_t length : {1, 4, 12}) {
     const Cells expected = by_definition(example, length);
@@ -210,13 +210,13 @@ TEST_CASE("hashing finds cells of the definition, each once, the same on any thr
     }
     settings.seed = 2;
     if (length > 1) CHECK(by_lsh(example, settings) != found);
-    // With as many probes as bits, every window is in a bucket that is looked up.
+    // With as many probes as bits, every window is in a probed bucket.
     settings.lsh = {1, 3, 3};
     CHECK(by_lsh(example, settings) == expected);
   }
 }
 
-TEST_CASE("settings of hashing out of range are refused") {
+TEST_CASE("hashing settings out of range are refused") {
   const Example example = make_example({9}, 9, 1);
   for (const LshSettings& lsh : {LshSettings{0, 6, 1}, LshSettings{999, 6, 1},
                                  LshSettings{1, 29, 1}, LshSettings{1, 6, 5}}) {
@@ -226,7 +226,7 @@ TEST_CASE("settings of hashing out of range are refused") {
   }
 }
 
-TEST_CASE("an unknown method is refused with the choices") {
+TEST_CASE("an unknown method is refused with a list of the known ones") {
   const std::string text = test::error_text([] { find_sequence_method("fastabel"); });
   for (const SequenceMethod& method : sequence_methods())
     CHECK(text.find(method.name) != std::string::npos);

@@ -1,5 +1,5 @@
-// A walk against its own past: windows and scores against their definitions, and nothing from later
-// frames.
+// A sequence against its own past: windows and scores compared with their definitions, without any
+// influence of later frames.
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -35,14 +35,14 @@ struct Walk {
   std::vector<DescriptorSpan> spans() const { return {span()}; }
 };
 
-// Half a walk twice, so that there are loops.
+// Half a sequence twice, so that there are loops.
 Walk make_walk(size_t frames, const LoopGap& gap, uint64_t seed) {
   Walk walk{test::walk_codes((frames + 1) / 2, seed), {}, past_frames(gap, {}, frames)};
   for (size_t f = 0; walk.codes.size() < frames; ++f) walk.codes.push_back(walk.codes[f]);
   return walk;
 }
 
-// Frames come every 10 to 60 ms.
+// Frames at intervals of 10 to 60 ms.
 std::vector<int64_t> uneven_times(size_t frames, uint64_t seed) {
   RandomEngine engine(seed);
   std::vector<int64_t> times;
@@ -59,7 +59,7 @@ bool is_broken(const Walk& walk, size_t first, size_t length) {
                      [&](size_t f) { return f >= first && f < first + length; });
 }
 
-// Every pair of windows of which the earlier ends in the other's past.
+// All pairs of windows in which the earlier one ends in the past of the later one.
 Cells by_definition(const Walk& walk, size_t length) {
   Cells cells;
   for (size_t j = 0; j + length <= walk.codes.size(); ++j)
@@ -113,7 +113,7 @@ Cells scores_of(const Walk& walk, size_t length, const StandardizationSettings& 
                   {length, size_t{1} << 30, select_kernels()});
 }
 
-// The largest difference of a fast score from the plain one, in tolerances; all cells are there.
+// The largest difference between fast and reference scores, in tolerances; requires all cells.
 double worst_score(const Walk& walk, size_t length, const StandardizationSettings& settings) {
   const Cells fast = scores_of(walk, length, settings);
   const Cells raw = by_definition(walk, length);
@@ -137,7 +137,7 @@ double worst_score(const Walk& walk, size_t length, const StandardizationSetting
 
 }  // namespace
 
-TEST_CASE("a gap of frames, by hand") {
+TEST_CASE("a gap of frames, computed by hand") {
   CHECK(past_frames({{}, 2}, {}, 5) == std::vector<uint32_t>{0, 0, 1, 2, 3});
   CHECK(past_frames({{}, 1}, {}, 3) == std::vector<uint32_t>{0, 1, 2});
   // No frame is in its own past.
@@ -148,7 +148,7 @@ TEST_CASE("a gap of frames, by hand") {
   CHECK(past_frames({5 * kSecond, 0}, times, 5) == std::vector<uint32_t>{0, 0, 1, 2, 4});
 }
 
-TEST_CASE("gaps are numbers of frames or of seconds") {
+TEST_CASE("gaps are numbers of frames or seconds") {
   CHECK(parse_loop_gap("300", "--gap").frames == 300);
   CHECK(!parse_loop_gap("300", "--gap").nanoseconds);
   CHECK(parse_loop_gap("2.5s", "--gap").nanoseconds == 5 * kSecond / 2);
@@ -156,19 +156,20 @@ TEST_CASE("gaps are numbers of frames or of seconds") {
     CHECK_THROWS_AS(parse_loop_gap(text, "--gap"), Error);
 }
 
-TEST_CASE("windows of two frames of a walk of five, by hand") {
-  // Codes of which the first byte counts 0, 1, 2, 3, 0 bits.
+TEST_CASE("windows of two frames of a sequence of five, computed by hand") {
+  // Codes with 0, 1, 2, 3 and 0 bits set in the first byte.
   Walk walk{std::vector<LdbCode>(5, LdbCode{}), {}, past_frames({{}, 2}, {}, 5)};
   walk.codes[1][0] = 0b1;
   walk.codes[2][0] = 0b11;
   walk.codes[3][0] = 0b111;
-  // The window that ends at frame 3 matches the one that ends at 1, the last also that at 2.
+  // The window that ends at frame 3 matches the one that ends at 1; the last one also matches the
+  // one that ends at 2.
   const Cells expected = {{{2, 0, 0}, 2 + 2}, {{3, 0, 0}, 3 + 1}, {{3, 0, 1}, 2 + 2}};
   CHECK(by_definition(walk, 2) == expected);
   check_methods(walk, 2);
 }
 
-TEST_CASE("every exact method gives the definition for every gap and length, on any target") {
+TEST_CASE("every exact method equals the definition for every gap and length, on any target") {
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
     for (const size_t gap : {0, 1, 2, 7, 30, 35, 36, 37, 50}) {
@@ -180,7 +181,7 @@ TEST_CASE("every exact method gives the definition for every gap and length, on 
   }
 }
 
-TEST_CASE("gaps of time are those of each window's last frames") {
+TEST_CASE("gaps in time are measured between the last frames of windows") {
   for (const uint64_t seed : {1, 2, 3}) {
     Walk walk = make_walk(90, {{}, 1}, seed);
     const std::vector<int64_t> times = uneven_times(90, seed);
@@ -194,7 +195,8 @@ TEST_CASE("gaps of time are those of each window's last frames") {
   }
 }
 
-TEST_CASE("walks longer than a chunk, a strip and a tile give the definition, on any threads") {
+TEST_CASE(
+    "sequences larger than a chunk, a strip and a tile equal the definition, for any threads") {
   const Walk walk = make_walk(2300, {{}, 140}, 5);
   const Cells expected = by_definition(walk, 3);
   const Cells scores = scores_of(walk, 3, {});
@@ -208,7 +210,7 @@ TEST_CASE("walks longer than a chunk, a strip and a tile give the definition, on
   }
 }
 
-TEST_CASE("walks of one frame, and of none that may be matched, have no cell") {
+TEST_CASE("sequences with one frame, or without permitted matches, have no cell") {
   for (const auto& [frames, gap] : {std::pair<size_t, size_t>{1, 1}, {1, 0}, {5, 5}, {5, 900}}) {
     const Walk walk = make_walk(frames, {{}, gap}, 3);
     check_methods(walk, 1);
@@ -216,7 +218,7 @@ TEST_CASE("walks of one frame, and of none that may be matched, have no cell") {
   }
 }
 
-TEST_CASE("scores of the past are those in double precision, by any settings") {
+TEST_CASE("causal z-scores equal the reference implementation, for any settings") {
   std::vector<StandardizationSettings> all(9);
   all[1].centre = false;
   all[2].learn = false;
@@ -234,7 +236,7 @@ TEST_CASE("scores of the past are those in double precision, by any settings") {
   }
 }
 
-TEST_CASE("all targets give the same scores of the past") {
+TEST_CASE("all targets yield the same causal z-scores") {
   const Walk walk = make_walk(200, {{}, 9}, 4);
   const Cells expected = scores_of(walk, 5, {});
   for (const std::string& target : simd_targets()) {
@@ -243,7 +245,7 @@ TEST_CASE("all targets give the same scores of the past") {
   }
 }
 
-TEST_CASE("a walk that ends earlier has the same scores up to there") {
+TEST_CASE("a shorter sequence has the same scores up to its end") {
   const Walk walk = make_walk(160, {{}, 15}, 6);
   const Cells whole = scores_of(walk, 4, {});
   for (const size_t frames : {20, 81, 159}) {
@@ -256,20 +258,20 @@ TEST_CASE("a walk that ends earlier has the same scores up to there") {
   }
 }
 
-TEST_CASE("scores of the past of three frames, by hand") {
+TEST_CASE("causal z-scores of three frames equal values computed by hand") {
   // Frames 0, 1 and 2 have 0, 200 and 400 bits set.
   Walk walk{std::vector<LdbCode>(3, LdbCode{}), {}, past_frames({{}, 1}, {}, 3)};
   std::fill_n(walk.codes[1].begin(), 25, uint8_t{255});
   std::fill_n(walk.codes[2].begin(), 50, uint8_t{255});
-  // Frame 1 has one distance, which is its mean: x = 0. Frame 2 has 400 and 200, which are 100 off
-  // their mean. Frame 0 starts with a variance of (20 * 64^2 + 0) / 21, frame 1 with one of (20 *
-  // 64^2 + 20000) / 23, so that z is 1.6011 and -1.5022.
+  // Frame 1 has one distance, its mean: x = 0. Frame 2 has 400 and 200, which differ by 100 from
+  // their mean. Frame 0 starts with a variance of (20 * 64^2 + 0) / 21, frame 1 with (20 * 64^2 +
+  // 20000) / 23, so z is 1.6011 and -1.5022.
   const Cells expected = {
       {{1, 0, 0}, kScoreBias}, {{2, 0, 0}, kScoreBias + 1640}, {{2, 0, 1}, kScoreBias - 1538}};
   CHECK(scores_of(walk, 1, {}) == expected);
 }
 
-TEST_CASE("components of a whole walk are refused for its past") {
+TEST_CASE("components of a whole sequence are refused for its past") {
   StandardizationSettings settings;
   CHECK_NOTHROW(check_past_settings(settings));
   settings.components = 0;

@@ -30,10 +30,10 @@ void append(Points& points, const std::vector<int16_t>& row) {
   points.bytes.insert(points.bytes.end(), first, first + 2 * row.size());
 }
 
-// A walk: every point is near the one before, none farther than 30000 from the origin.
+// A sequence: every point is near the previous one, none farther than 30000 from the origin.
 Points walk(size_t count, size_t length, uint64_t seed) {
   RandomEngine engine(seed);
-  Points points{{ElementType::coordinates, length}, {}};
+  Points points{{ElementType::points16, length}, {}};
   const int most = static_cast<int>(30000 / std::sqrt(static_cast<double>(length)));
   std::vector<int> row(length);
   for (int& x : row) x = static_cast<int>(uniform_below(engine, 2 * most + 1)) - most;
@@ -50,7 +50,7 @@ Points walk(size_t count, size_t length, uint64_t seed) {
 }
 
 uint32_t distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) {
-  Points points{{ElementType::coordinates, a.size()}, {}};
+  Points points{{ElementType::points16, a.size()}, {}};
   append(points, a);
   append(points, b);
   const DescriptorRows rows = points.span().rows;
@@ -61,7 +61,7 @@ uint32_t distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) 
 
 }  // namespace
 
-TEST_CASE("distances of points worked out by hand") {
+TEST_CASE("distances of points equal values computed by hand") {
   CHECK(distance({3, 4}, {0, 0}) == 5);
   CHECK(distance({1, 1}, {0, 0}) == 1);        // 1.41
   CHECK(distance({1, 1, 1}, {0, 0, 0}) == 2);  // 1.73
@@ -69,7 +69,7 @@ TEST_CASE("distances of points worked out by hand") {
   CHECK(distance({32767, 0}, {-32767, 0}) == 65534);
 }
 
-TEST_CASE("distances of points are those of the oracle, on every SIMD target") {
+TEST_CASE("distances of points equal the reference implementation, on every SIMD target") {
   for (const size_t length : {1, 31, 32, 33, 200, 4096}) {
     const Points one = walk(77, length, 1);
     const Points two = walk(9, length, 2);
@@ -100,13 +100,13 @@ TEST_CASE("distances of points are those of the oracle, on every SIMD target") {
 }
 
 TEST_CASE("a point that is too long for exact products is refused") {
-  Points far{{ElementType::coordinates, 3}, {}};
+  Points far{{ElementType::points16, 3}, {}};
   append(far, {32767, 32767, 32767});
   const DescriptorSpan span = far.span();
   CHECK(test::error_kind([&] { frame_distances({&span, 1}, span); }) == ErrorKind::data);
 }
 
-TEST_CASE("standardized scores of points are those of the oracle") {
+TEST_CASE("z-scores of points equal the reference implementation") {
   const Points train = walk(120, 40, 5);
   const Points query = walk(30, 40, 6);
   const DescriptorSpan span = train.span();

@@ -31,7 +31,7 @@ MatchSettings settings_of(size_t length, std::vector<Rate> rates) {
   return settings;
 }
 
-// z or distance of every pair of frames, as the distances give them, row after row.
+// z or distance of every pair of frames, row by row.
 std::vector<std::vector<uint16_t>> all_pairs(const FrameDistances& distances) {
   std::vector<std::vector<uint16_t>> pairs;
   for (uint32_t query = 0; query < distances.query_frames; ++query) {
@@ -42,7 +42,7 @@ std::vector<std::vector<uint16_t>> all_pairs(const FrameDistances& distances) {
   return pairs;
 }
 
-// The definition: every sum anew.
+// The definition: computes every sum directly.
 RatedCells plain_rates(const std::vector<std::vector<uint16_t>>& pairs,
                        const FrameDistances& frames, size_t length,
                        const std::vector<Rate>& rates) {
@@ -55,7 +55,7 @@ RatedCells plain_rates(const std::vector<std::vector<uint16_t>>& pairs,
             uint32_t sum = 0;
             bool fits = true;
             for (size_t m = 0; m < length && fits; ++m) {
-              // k p / q to the nearest, a half up.
+              // k p / q rounded to nearest, ties up.
               const size_t o = (2 * m * rates[r].train + rates[r].query) / (2 * rates[r].query);
               fits = i >= train.first + o;
               if (fits) sum += pairs[j - m][i - o];
@@ -92,8 +92,8 @@ test::Example gappy_example(uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("A rate of 1/2, by hand") {
-  // Bits that differ: train frames have 0, 1, 2 set bits, query frames none.
+TEST_CASE("a rate of 1/2, computed by hand") {
+  // Numbers of differing bits: training frames have 0, 1, 2 set bits, query frames none.
   std::vector<LdbCode> train(3);
   std::vector<LdbCode> query(4);
   DescriptorSet shown = test::make_query(train);
@@ -111,7 +111,7 @@ TEST_CASE("A rate of 1/2, by hand") {
   CHECK(rate_span({3, 2}, 3) == 4);
 }
 
-TEST_CASE("Windows of several rates are the sums of their definition, and rate 1 is FastABLE") {
+TEST_CASE("windows of several rates equal the sums of their definition, and rate 1 is FastABLE") {
   for (const uint64_t seed : {1, 2, 3}) {
     const test::Example example = gappy_example(seed);
     const std::vector<DescriptorSpan> spans = example.spans();
@@ -137,7 +137,7 @@ TEST_CASE("Windows of several rates are the sums of their definition, and rate 1
   }
 }
 
-TEST_CASE("Standardized scores take rates, too, and several lengths share a pass") {
+TEST_CASE("z-scores support rates, and several lengths share a pass") {
   const test::Example example = gappy_example(4);
   const std::vector<DescriptorSpan> spans = example.spans();
   const DescriptorSpan query{example.query, example.query_unreadable};
@@ -159,7 +159,7 @@ TEST_CASE("Standardized scores take rates, too, and several lengths share a pass
     CHECK(fast[l] == plain_rates(pairs, scores(), lengths[l], kRates));
 }
 
-TEST_CASE("A walk at another pace is followed by the window of its rate alone") {
+TEST_CASE("only the window with its rate follows a sequence at another speed") {
   const std::vector<LdbCode> train = test::walk_codes(120, 9, 90);
   std::vector<LdbCode> query;
   for (size_t k = 0; k < 40; ++k) query.push_back(train[20 + (3 * k + 1) / 2]);
@@ -177,7 +177,7 @@ TEST_CASE("A walk at another pace is followed by the window of its rate alone") 
   CHECK(cells.at(best.second).second == 3);  // 3/2
 }
 
-TEST_CASE("What is no rate is refused, and so is what does not fit the memory") {
+TEST_CASE("invalid rates, and rates that exceed the memory, are refused") {
   CHECK(parse_rate("2/4") == Rate{1, 2});
   CHECK(parse_rate("16") == Rate{16, 1});
   for (const char* text : {"", "0", "1/0", "17", "1/17", "-1", "1.5", "1/2/3", "a", "1/", "/2"}) {

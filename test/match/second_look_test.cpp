@@ -1,4 +1,5 @@
-// A path read again: by hand, against its plain twin, and what scores are made of.
+// Re-scoring of a path: by hand, compared with the reference implementation, and the statistics of
+// scores.
 #include <cmath>
 #include <limits>
 
@@ -20,12 +21,12 @@ namespace {
 
 constexpr uint16_t kWorst = std::numeric_limits<uint16_t>::max();
 
-/// Sequences of so many places, two frames each, and a path's views.
+/// Sequences of places with two frames each, and the keyframes of a path.
 struct Path {
   FilterState filter;
   SecondLook look;
-  std::vector<uint16_t> scores;  ///< of the next view, to all frames
-  std::vector<ScoreScale> made;  ///< what makes them
+  std::vector<uint16_t> scores;  ///< of the next keyframe, to all frames
+  std::vector<ScoreScale> made;  ///< their statistics
   std::vector<ScoreScale> known;
 
   explicit Path(const std::vector<size_t>& places, const FilterSettings& settings = {}) {
@@ -61,25 +62,25 @@ struct Path {
 
 }  // namespace
 
-TEST_CASE("what places support is scored with what is known now") {
+TEST_CASE("supporting places are scored with current statistics") {
   Path path({5, 4});
   const size_t best = path.cell(1, 2);
   const size_t frame = path.filter.cells.frames[best];
   path.scores[frame] = static_cast<uint16_t>(kScoreBias - 2 * kScoreUnit);
-  path.made[frame] = {4, 10};  // a centred distance of -16
+  path.made[frame] = {4, 10};  // a centered distance of -16
   path.see(best);
   path.known[frame] = {4, 10};
   CHECK(path.read().supports == std::vector<int32_t>{2 * kScoreUnit});
   path.known[frame] = {-8, 16};
   CHECK(path.read().supports == std::vector<int32_t>{kScoreUnit / 2});
-  path.scores[frame] = static_cast<uint16_t>(kScoreBias + kScoreUnit);  // of 14
+  path.scores[frame] = static_cast<uint16_t>(kScoreBias + kScoreUnit);  // z = 14
   path.see(best);
   path.known[frame] = {-2, 8};
   CHECK(path.read().supports ==
         std::vector<int32_t>{7 * kScoreUnit / 4, -2 * static_cast<int32_t>(kScoreUnit)});
 }
 
-TEST_CASE("no more than the last 48 views are read") {
+TEST_CASE("at most the last 48 keyframes are re-scored") {
   Path path({60});
   for (size_t view = 0; view < 60; ++view) {
     path.scores[2 * view] = static_cast<uint16_t>(kScoreBias - view);
@@ -91,7 +92,7 @@ TEST_CASE("no more than the last 48 views are read") {
   CHECK(reading.supports.back() == 59);
 }
 
-TEST_CASE("a path that fits is likelier than being nowhere, and one that does not is not") {
+TEST_CASE("a matching path is likelier than the off-map state, another one is not") {
   for (const double z : {-3.0, 1.0}) {
     Path path({30, 20});
     uint32_t margin = 0;
@@ -107,7 +108,7 @@ TEST_CASE("a path that fits is likelier than being nowhere, and one that does no
   }
 }
 
-TEST_CASE("the margin of a path is what plain code finds") {
+TEST_CASE("the margin of a path equals the reference implementation") {
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     RandomEngine engine(seed);
     FilterSettings settings;
@@ -133,7 +134,7 @@ TEST_CASE("the margin of a path is what plain code finds") {
         scores[view.first + k - run.first] =
             static_cast<uint16_t>(kScoreBias + std::lround(view.distances[k] * kScoreUnit));
     }
-    // Only the places around the path are asked for.
+    // Only the places around the path are used.
     size_t first = run.count;
     size_t end = 0;
     for (const SeenView& view : path.look.views) {
@@ -151,7 +152,7 @@ TEST_CASE("the margin of a path is what plain code finds") {
   }
 }
 
-TEST_CASE("views from before a training frame that can't be read count as support only") {
+TEST_CASE("keyframes before an unreadable training frame only count as support") {
   test::Example example;
   example.train = {test::random_codes(30, 7)};
   example.train_unreadable = {{10}};
@@ -172,7 +173,7 @@ TEST_CASE("views from before a training frame that can't be read count as suppor
   CHECK(both.margin == one.margin);
 }
 
-TEST_CASE("scores say what made them, and what would with a start of little weight") {
+TEST_CASE("scores report their statistics, and those with a small weight of the training data") {
   test::Example example;
   example.train = {test::walk_codes(60, 1, 25), test::walk_codes(50, 2, 25)};
   example.train_unreadable.resize(2);

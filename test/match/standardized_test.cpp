@@ -1,4 +1,4 @@
-// Standardized scores: fast against plain, and what the method promises.
+// Z-scores: fast against reference implementation, and properties of the method.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -57,7 +57,8 @@ double score(uint32_t biased, size_t length) {
   return (static_cast<double>(biased) - static_cast<double>(length) * kScoreBias) / kScoreUnit;
 }
 
-// Every fast cell against the oracle. Returns how far the worst is off, in units a frame.
+// Compares every fast cell with the reference implementation. Returns the largest error, in units
+// per frame.
 double check_against_oracle(const Example& example, const ScoreBasis& basis, size_t length) {
   const std::vector<DescriptorSpan> spans = example.spans();
   const PlainUpdates updates =
@@ -92,15 +93,15 @@ std::vector<LdbCode> slow_walk(size_t count, uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("a score worked out by hand") {
-  // Two frames far apart, and a query in between; nothing is learned.
+TEST_CASE("a score equals the value computed by hand") {
+  // Two distant frames with a query between them; without learning.
   Example example;
   example.train = {std::vector<LdbCode>(2, LdbCode{})};
   example.train_unreadable = {{}};
   for (size_t byte = 0; byte < 10; ++byte) example.train[0][1][byte] = 0xff;
   example.query = {LdbCode{}};
   for (size_t byte = 0; byte < 2; ++byte) example.query[0][byte] = 0xff;
-  // Distances 16 and 64, mean 40: x = -24 and 24. No component is taken away.
+  // Distances 16 and 64, mean 40: x = -24 and 24. No component is subtracted.
   ScoreBasis basis = make_basis(example);
   basis.settings.components = 0;
   basis.mean = {-4, 8};
@@ -114,7 +115,7 @@ TEST_CASE("a score worked out by hand") {
         Approx(1.6).margin(0.5 / kScoreUnit));
 }
 
-TEST_CASE("the start holds a share of every frame's bias, and the mean variance") {
+TEST_CASE("the initial state is a share of each frame's bias, and the mean variance") {
   TrainStatistics statistics;
   statistics.typical_distance = 300;
   statistics.bias = {-40, 12, 28};
@@ -130,8 +131,9 @@ TEST_CASE("the start holds a share of every frame's bias, and the mean variance"
   CHECK(make_score_basis({}, false, {}).variance == 0);
 }
 
-TEST_CASE("what is learned, worked out by hand") {
-  // Every frame is a view, learned one frame later, of weight 1 against a start of weight 1.
+TEST_CASE("learned statistics equal values computed by hand") {
+  // Every frame is a keyframe, learned one frame later, with weight 1 against an initial weight of
+  // 1.
   Example example;
   example.train = {std::vector<LdbCode>(2, LdbCode{})};
   example.train_unreadable = {{}};
@@ -156,7 +158,8 @@ TEST_CASE("what is learned, worked out by hand") {
   CHECK(score(cells.at({1, 0, 1}), 1) == Approx(2 / std::sqrt(12)).margin(0.5 / kScoreUnit));
 }
 
-TEST_CASE("scores are those of the oracle within a unit a frame, on every SIMD target") {
+TEST_CASE(
+    "scores equal the reference implementation within one unit per frame, on every SIMD target") {
   Example example = make_example({70, 9, 40}, 60, 1);
   example.train_unreadable[0] = {3, 4};
   example.query_unreadable = {20, 59};
@@ -176,7 +179,7 @@ TEST_CASE("scores are those of the oracle within a unit a frame, on every SIMD t
   }
 }
 
-TEST_CASE("every step can be left out, and still is what the oracle says") {
+TEST_CASE("every step can be disabled, and the scores still equal the reference implementation") {
   const Example example = make_example({50, 30}, 70, 3);
   for (const int without : {0, 1, 2, 3, 4, 5, 6, 7, 8}) {
     StandardizationSettings settings;
@@ -194,7 +197,7 @@ TEST_CASE("every step can be left out, and still is what the oracle says") {
   }
 }
 
-TEST_CASE("sets larger than a chunk give the same on any threads") {
+TEST_CASE("sets larger than a chunk yield the same scores for any threads") {
   Example example = make_example({5000, 700, 3001}, 60, 4);
   example.train_unreadable[0] = {2047, 2048, 4095};
   const ScoreBasis basis = make_basis(example);
@@ -208,8 +211,9 @@ TEST_CASE("sets larger than a chunk give the same on any threads") {
   }
 }
 
-TEST_CASE("a database that is shared between threads gives the same scores") {
-  const Example example = make_example({70'001}, 14, 5);  // beyond 65536 frames, two threads a row
+TEST_CASE("a database that is shared between threads yields the same scores") {
+  // above 65536 frames, two threads share a row
+  const Example example = make_example({70'001}, 14, 5);
   const ScoreBasis basis = make_basis(example);
   Cells expected;
   for (const size_t threads : {1, 2, 3}) {
@@ -249,7 +253,7 @@ TEST_CASE("scores do not change when later frames arrive; offline ones do") {
   }
 }
 
-TEST_CASE("several window lengths in one pass give the scores of each alone") {
+TEST_CASE("several window lengths in one pass yield the scores of each one alone") {
   Example example = make_example({300, 7, 90}, 150, 9);
   example.query_unreadable = {70};
   const std::vector<size_t> lengths = {5, 1, 40, 5, 149};
@@ -293,7 +297,7 @@ TEST_CASE("constant images all have the score 0") {
       REQUIRE(value == 4 * kScoreBias);
 }
 
-TEST_CASE("scores beyond 32 deviations are cut off, not wrapped around") {
+TEST_CASE("scores beyond 32 deviations are clamped, without overflow") {
   Example example = make_example({40}, 1, 8);
   ScoreBasis basis = make_basis(example);
   for (size_t i = 0; i < 40; ++i) basis.mean[i] = i % 2 == 0 ? 1386 : -1386;
@@ -304,7 +308,7 @@ TEST_CASE("scores beyond 32 deviations are cut off, not wrapped around") {
   check_against_oracle(example, basis, 1);
 }
 
-TEST_CASE("a query that stands still keeps the present place, however long") {
+TEST_CASE("a stationary query keeps the current place for any time") {
   // A walk again, with some bits changed, that stops at frame 60 for 600 frames.
   Example example;
   example.train = {slow_walk(200, 11)};
@@ -335,7 +339,7 @@ TEST_CASE("a query that stands still keeps the present place, however long") {
   CHECK(place_at_once == 60);
   CHECK(place_later == 60);
   CHECK(score_later == score_at_once);  // nothing is learned while nothing new is seen
-  // With every frame a view, as much as 600 frames of the present place are learned, and it is
+  // If every frame is a keyframe, as much as 600 frames of the present place are learned, and it is
   // lost.
   StandardizationSettings every_frame;
   every_frame.view_change = 0;
@@ -343,7 +347,7 @@ TEST_CASE("a query that stands still keeps the present place, however long") {
   CHECK(score_lost > score_at_once / 2);
 }
 
-TEST_CASE("a memory limit that has no room for the ring is said") {
+TEST_CASE("a memory limit without room for the ring is an error") {
   const Example example = make_example({100}, 20, 1);
   const size_t length = 5;
   const auto try_memory = [&](size_t memory, size_t c_l) {
@@ -355,7 +359,7 @@ TEST_CASE("a memory limit that has no room for the ring is said") {
   CHECK(test::error_text([&] { try_memory(0, length); }).find("--max-memory") != std::string::npos);
 }
 
-TEST_CASE("settings of standardized scores out of range are refused") {
+TEST_CASE("settings of z-scores out of range are refused") {
   const auto refused = [](auto&& change) {
     StandardizationSettings settings;
     change(settings);
@@ -374,7 +378,7 @@ TEST_CASE("settings of standardized scores out of range are refused") {
   CHECK(refused([](StandardizationSettings& s) { s.lag_views = 0; }));
 }
 
-TEST_CASE("learning a whole query says how far it is, and stops when asked to") {
+TEST_CASE("learning a whole query reports progress and can be stopped") {
   const Example example = make_example({40, 30}, 50, 3);
   const ScoreBasis basis = make_basis(example, {}, true);
   const std::vector<DescriptorSpan> spans = example.spans();

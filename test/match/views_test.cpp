@@ -5,7 +5,7 @@
 
 using namespace vpr;
 
-TEST_CASE("a stop is one view, and so is a frame that looks like one of the last five") {
+TEST_CASE("a stop is one keyframe, and so is a frame similar to one of the last five") {
   // Random codes differ in about 693 of 1386 bits; a few changed bits are the same view.
   const std::vector<LdbCode> places = test::random_codes(9, 1);
   std::vector<LdbCode> walk = {places[0], places[0], places[1], places[1], places[1], places[2],
@@ -20,7 +20,7 @@ TEST_CASE("a stop is one view, and so is a frame that looks like one of the last
         std::vector<uint32_t>{0});
 }
 
-TEST_CASE("a frame is a new view from a quarter of the typical distance on, included") {
+TEST_CASE("a frame is a new keyframe from a quarter of the typical distance on, inclusive") {
   std::vector<LdbCode> walk = {LdbCode{}, LdbCode{}};
   for (size_t b = 0; b < 12; ++b) walk[1][b] = 0xff;  // 96 bits
   CHECK(view_starts({walk, {}}, 384).size() == 2);

@@ -17,7 +17,7 @@ using test::has;
 using test::pixels_of;
 using test::svg_of;
 
-TEST_CASE("a heat map has a cell for every setting, the darker the more hits") {
+TEST_CASE("a heat map has a cell for every setting, darker for more hits") {
   Sweep sweep;
   sweep.query_name = "walk";
   for (const double threshold : {0.4, 0.5}) {
@@ -38,7 +38,7 @@ TEST_CASE("a heat map has a cell for every setting, the darker the more hits") {
   CHECK(cv::countNonZero(found) > 1000);
 }
 
-TEST_CASE("labels that would cover each other are left out") {
+TEST_CASE("overlapping labels are omitted") {
   Chart chart{"c", "t"};
   chart.series.push_back({"a", {{0, 100}, {0, 99}, {50, 100}}});
   chart.series[0].labels = {"first", "second", "third"};
@@ -48,7 +48,7 @@ TEST_CASE("labels that would cover each other are left out") {
   CHECK(has(svg, ">third<"));
 }
 
-TEST_CASE("ranges are those of the values, and a little more") {
+TEST_CASE("ranges are those of the values with a small margin") {
   CHECK(range_of({}, {}) == std::pair(0.0, 1.0));
   CHECK(range_of({"", true}, {}) == std::pair(1.0, 10.0));
   CHECK(range_of({"", false, true}, {50, 100}) == std::pair(0.0, 104.0));
@@ -61,7 +61,7 @@ TEST_CASE("ranges are those of the values, and a little more") {
   CHECK(range_of(fixed, {7}) == std::pair(5.0, 1.0));
 }
 
-TEST_CASE("ticks are round") {
+TEST_CASE("ticks are round numbers") {
   const auto texts = [](bool is_log, double from, double to, size_t most) {
     std::string text;
     for (const ChartTick& tick : ticks_of(is_log, {from, to}, most)) text += tick.text + " ";
@@ -76,7 +76,7 @@ TEST_CASE("ticks are round") {
   CHECK(texts(true, 2, 5, 1) == "2 5 ");
 }
 
-TEST_CASE("names of any length leave room for what is drawn") {
+TEST_CASE("names of any length leave room for the plot") {
   Chart chart{"c", "t"};
   chart.series.push_back({"a", {{0, 0}, {1, 1}}});
   chart.y.ticks = {{0, "short"}, {1, std::string(20000, 'x')}, {1, "äöü" + std::string(99, 'y')}};
@@ -90,7 +90,7 @@ TEST_CASE("names of any length leave room for what is drawn") {
   CHECK(text_width(layout.y_ticks[2].text, 13) == text_width(layout.y_ticks[1].text, 13));
 }
 
-TEST_CASE("charts are drawn side by side and row by row, whatever is empty") {
+TEST_CASE("charts are drawn in rows and columns, also empty ones") {
   Chart chart{"c", "first"};
   const auto height = [](const std::vector<Chart>& charts, size_t columns) {
     const cv::Mat image = pixels_of(chart_png(charts, columns));
@@ -105,7 +105,7 @@ TEST_CASE("charts are drawn side by side and row by row, whatever is empty") {
   CHECK(height({chart}, 1) == std::pair(1200, 720));
 }
 
-TEST_CASE("every style and mark of a series has its colour in the picture") {
+TEST_CASE("every style and mark of a series has its color in the image") {
   for (const SeriesStyle style : {SeriesStyle::line, SeriesStyle::wide_line, SeriesStyle::bar,
                                   SeriesStyle::boxes, SeriesStyle::line_and_points}) {
     Chart chart{"c", "t"};
@@ -124,7 +124,7 @@ TEST_CASE("every style and mark of a series has its colour in the picture") {
   }
 }
 
-TEST_CASE("what is no SVG can't be drawn, and hostile titles are text") {
+TEST_CASE("invalid SVG cannot be drawn, and hostile titles are text") {
   CHECK(test::error_kind([] { png_of_svg("no picture", 1); }) == ErrorKind::internal);
   Chart chart{"c", "<script>alert(1)</script> & \"so\" \x01\xff"};
   chart.series.push_back({"<b>", {{1, 1}}});
@@ -133,7 +133,7 @@ TEST_CASE("what is no SVG can't be drawn, and hostile titles are text") {
   CHECK_FALSE(chart_png({chart}).empty());
 }
 
-TEST_CASE("pictures are complete, or an error") {
+TEST_CASE("images are complete, or an error") {
   const test::TemporaryFolder folder;
   Chart chart{"line", "t"};
   chart.series.push_back({"a", {{0, 1}, {1, 2}}});

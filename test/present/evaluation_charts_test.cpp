@@ -22,8 +22,8 @@ using test::svg_of;
 
 namespace {
 
-/// Windows of 3 frames; queries 2 to 9, right, wrong or ignored as the letters say; capital
-/// letters are recognised.
+/// Windows of 3 frames; queries 2 to 9 are correct, incorrect or ignored, by letter; capital
+/// letters are recognized.
 Judgement walk(const std::string& letters) {
   Judgement judgement;
   ScoreLayout& layout = judgement.layout;
@@ -72,7 +72,7 @@ const Series* find(const Chart& chart, Meaning meaning) {
 
 }  // namespace
 
-TEST_CASE("frames of several sequences stand one behind the other, with round ticks") {
+TEST_CASE("frames of several sequences follow each other, with round ticks") {
   const std::vector<FrameBand> bands = frame_bands(walk("rr").layout);
   REQUIRE(bands.size() == 2);
   CHECK(bands[1].name == "friday");
@@ -95,21 +95,21 @@ TEST_CASE("frames of several sequences stand one behind the other, with round ti
   CHECK(ticks_of({}, 5).empty());
 }
 
-TEST_CASE("of two ticks that are near each other, a band's first stays") {
+TEST_CASE("if two ticks are close, the first one of a band stays") {
   const std::vector<AxisTick> ticks = ticks_of({{"a", 0, 0, 0, 21}, {"b", 1, 21, 0, 20}}, 4);
   std::vector<double> positions;
   for (const AxisTick& tick : ticks) positions.push_back(tick.position);
   CHECK(positions == std::vector<double>{0.5, 10.5, 21.5, 31.5});
 }
 
-TEST_CASE("ticks of an axis cost what they show") {
+TEST_CASE("the cost of an axis depends on its visible ticks") {
   const std::vector<AxisTick> ticks = ticks_of({{"a", 0, 0, 7, size_t{1} << 60}}, 5);
   REQUIRE(ticks.size() > 3);
   CHECK(ticks[0].frame == 7);
   CHECK(ticks[1].frame == 200000000000000000);
 }
 
-TEST_CASE("a timeline has the palette's colours by meaning, and the ground truth") {
+TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground truth") {
   const Judgement judgement = walk("rRwWrRRR");
   const GroundTruth truth = aligned(judgement);
   const Chart chart = timeline_chart(report_of(judgement, truth), judgement, truth);
@@ -124,7 +124,7 @@ TEST_CASE("a timeline has the palette's colours by meaning, and the ground truth
   CHECK(chart.y.bands[1].name == "friday");
   CHECK(chart.y.bands[1].begin == 30);
   CHECK(chart.x.range == std::pair(0.0, 10.0));
-  // Frame 3 is right, frame 5 wrong, and 7 to 9 are right again.
+  // Frame 3 is correct, frame 5 incorrect, and 7 to 9 are correct again.
   std::vector<std::pair<double, double>> runs;
   for (const ChartRun& run : chart.runs) runs.emplace_back(run.begin, run.end);
   CHECK(runs == std::vector<std::pair<double, double>>{{3, 4}, {5, 6}, {7, 10}});
@@ -133,7 +133,7 @@ TEST_CASE("a timeline has the palette's colours by meaning, and the ground truth
   CHECK(has(svg, ">mine on it&#39;s</text>"));
   CHECK(has(svg, ">friday</text>"));
   CHECK(has(svg, ">recognised, wrong</text>"));  // in the legend
-  // A page has its own title, legend and colours.
+  // A page has its own title, legend and colors.
   const std::string page = page_svg(chart);
   CHECK(has(page, "<svg class=\"timeline\""));
   CHECK_FALSE(has(page, ">recognised, wrong</text>"));
@@ -141,7 +141,7 @@ TEST_CASE("a timeline has the palette's colours by meaning, and the ground truth
   CHECK(has(page, "id=\"here\""));
 }
 
-TEST_CASE("a matrix has axes in frames, a legend and, of scores, a scale") {
+TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
   const Judgement judgement = walk("rRwWrRRR");
   const GroundTruth truth = aligned(judgement);
   const ScorePicture picture = draw_scores(judgement, truth, nullptr, 100, {});
@@ -150,8 +150,8 @@ TEST_CASE("a matrix has axes in frames, a legend and, of scores, a scale") {
   CHECK(chart.x.bands[1].name == "friday");
   CHECK(chart.y.range == std::pair(8.0, 0.0));
   CHECK(chart.image->columns == 46);
-  CHECK(chart.image->width == 46 * 14);  // pixels are enlarged by whole numbers,
-  CHECK(chart.image->height == 8 * 19);  // so that either side can be looked at
+  CHECK(chart.image->width == 46 * 14);  // pixels are enlarged by integers,
+  CHECK(chart.image->height == 8 * 19);  // so that both sides are visible
   CHECK(find(chart, Meaning::truth) != nullptr);
   CHECK_FALSE(has(svg_of(chart), "distance"));
   chart.image->greys = std::pair(3.0, 7.0);
@@ -159,7 +159,7 @@ TEST_CASE("a matrix has axes in frames, a legend and, of scores, a scale") {
   CHECK(has(svg_of(chart), ">7</text>"));
 }
 
-TEST_CASE("a matrix shows scores, the ground truth, and above it what is recognised") {
+TEST_CASE("a matrix shows scores and ground truth, with recognitions on top") {
   Judgement judgement = walk("rrrrrrrr");
   judgement.layout.columns = {{0, 0, 28}};
   judgement.layout.scope.sequences.resize(1);
@@ -184,7 +184,7 @@ TEST_CASE("a matrix shows scores, the ground truth, and above it what is recogni
   CHECK(at(0, 7) == cv::Vec3b(0, 0, 0));  // the smallest distance is black
   CHECK(at(26, 0) == cv::Vec3b(255, 255, 255));
   CHECK(at(10, 0)[0] > at(9, 0)[0]);
-  CHECK(at(27, 0) != cv::Vec3b(255, 255, 255));  // and none has a colour of its own
+  CHECK(at(27, 0) != cv::Vec3b(255, 255, 255));  // and none has a separate color
   CHECK(at(27, 0)[0] != at(27, 0)[2]);
   CHECK(picture.shown == std::vector<Meaning>{Meaning::right, Meaning::wrong, Meaning::truth});
   CHECK(picture.image.greys == std::pair(0.0, 26.0));
@@ -199,7 +199,7 @@ TEST_CASE("a matrix shows scores, the ground truth, and above it what is recogni
   }
 }
 
-TEST_CASE("the closest of the cells in a pixel is shown, however rows are cut") {
+TEST_CASE("a pixel shows the closest of its cells, for any partition of rows") {
   ScoreLayout layout;
   layout.scope = {6, {{"a", 4, true}, {"b", 5, true}}};
   layout.columns = {{0, 0, 4}, {1, 4, 5}};
@@ -218,7 +218,7 @@ TEST_CASE("the closest of the cells in a pixel is shown, however rows are cut") 
   CHECK(scores[5] == 1);
 }
 
-TEST_CASE("correct against incorrect starts at zero and names thresholds") {
+TEST_CASE("the chart of correct against incorrect starts at zero and names thresholds") {
   Sweep sweep;
   sweep.query_name = "walk";
   for (const double threshold : {0.4, 0.5, 0.6}) {
@@ -246,7 +246,7 @@ TEST_CASE("correct against incorrect starts at zero and names thresholds") {
   CHECK(has(svg, ">t_r 0.6</text>"));
 }
 
-TEST_CASE("a map has a bar of metres, and places only of FAB-MAP") {
+TEST_CASE("a map has a scale bar in meters, and places only for FAB-MAP") {
   RouteMap map;
   map.train = {{RoutePoint{0, 0, ""}, RoutePoint{40, 0, ""}}};
   map.query = {RoutePoint{0, 1, ""}, RoutePoint{20, 1, ""}, RoutePoint{40, 1, ""}};
@@ -258,13 +258,13 @@ TEST_CASE("a map has a bar of metres, and places only of FAB-MAP") {
   CHECK(find(chart, Meaning::unmapped)->points.size() == 1);
   CHECK(find(chart, Meaning::right)->points.size() == 1);
   CHECK(has(svg_of(chart), ">10 m</text>"));
-  const ChartLayout layout = layout_of(chart, false);  // a metre is as long on both axes
+  const ChartLayout layout = layout_of(chart, false);  // a meter has the same length on both axes
   CHECK(layout.x(10) - layout.x(0) == Approx(layout.y(0) - layout.y(10)));
   panel.shows_places = true;
   CHECK(find(route_charts(map, {panel}).front(), Meaning::place) != nullptr);
 }
 
-TEST_CASE("frames at which nothing can be recognised are not drawn as missed") {
+TEST_CASE("frames without possible recognition are not drawn as missed") {
   Judgement judgement = walk("rRwWrR");  // frames 0 and 1 end no window
   GroundTruth truth = aligned(judgement);
   const size_t frames = judgement.fixes.size();
@@ -300,7 +300,7 @@ TEST_CASE("a map can be stopped") {
   CHECK_THROWS_AS(route_charts(map, {panel}, monitor), Error);
 }
 
-TEST_CASE("risk against coverage, and what thresholds accept, are those counted by hand") {
+TEST_CASE("risk against coverage, and accepted matches by threshold, equal those counted by hand") {
   Judgement judgement = walk("rRwr");
   for (QueryOutcome& query : judgement.outcomes.queries) query.has_match = true;
   judgement.single_best = single_best_curve(judgement.outcomes);
@@ -321,7 +321,7 @@ TEST_CASE("risk against coverage, and what thresholds accept, are those counted 
   CHECK(thinned.back().accepted == std::array<size_t, 3>{3, 1, 0});
 }
 
-TEST_CASE("of very many loops a map draws some, and says so") {
+TEST_CASE("a map with very many loops draws some and reports so") {
   LoopsEvaluation evaluation;
   for (int frame = 0; frame < 10'000; ++frame)
     evaluation.trajectory.poses.push_back(Pose{{0.01 * frame, 0.0001 * frame, 0}, {}, {}});

@@ -20,7 +20,7 @@ using namespace vpr;
 
 namespace {
 
-/// Twenty queries, best matches as the letters say (c right, w wrong), scores as they come.
+/// Twenty queries with best matches by letter (c correct, w incorrect) and increasing scores.
 Judgement example(const std::string& letters, size_t window_length = 1) {
   Judgement judgement;
   ScoreLayout& layout = judgement.layout;
@@ -68,7 +68,7 @@ std::vector<size_t> chosen(const std::vector<GalleryItem>& items, GalleryKind ki
 
 }  // namespace
 
-TEST_CASE("text in a page can neither open an element nor leave an attribute") {
+TEST_CASE("text in a page can neither open an element nor end an attribute") {
   CHECK(html_escaped("<a href=\"x\" id='y'>&") ==
         "&lt;a href=&quot;x&quot; id=&#39;y&#39;&gt;&amp;");
   CHECK(html_escaped("a\x01z\xff") == "a\xef\xbf\xbdz\xef\xbf\xbd");
@@ -79,7 +79,7 @@ TEST_CASE("data in a page cannot end its script") {
   CHECK(script_json(Json{{"a", "</script><!--"}}) == "{\"a\":\"\\u003c/script>\\u003c!--\"}");
 }
 
-TEST_CASE("base64 is that of RFC 4648's examples") {
+TEST_CASE("base64 equals RFC 4648's examples") {
   const auto encode = [](const std::string& text) {
     return base64(std::as_bytes(std::span(text)));
   };
@@ -91,12 +91,12 @@ TEST_CASE("base64 is that of RFC 4648's examples") {
   CHECK(encode("\xff\xfe") == "//4=");
 }
 
-TEST_CASE("what is put into a page is not looked through again") {
+TEST_CASE("inserted text is not expanded again") {
   CHECK(fill_page("a{{x}}b{{y}}c", {{"x", "{{y}}"}, {"y", "2"}}) == "a{{y}}b2c");
   CHECK(fill_page("a {{ b", {}) == "a {{ b");
 }
 
-TEST_CASE("the gallery has the worst mistakes and the best and weakest hits, well apart") {
+TEST_CASE("the gallery has the worst errors and the best and weakest hits, far apart") {
   const Judgement judgement = example("cwwwwwwccccccccccccccccccccw");
   const auto items = choose_gallery(judgement, example_truth(judgement), 3);
   CHECK(chosen(items, GalleryKind::mistake) == std::vector<size_t>{1, 6, 27});
@@ -113,14 +113,14 @@ TEST_CASE("queries without a match have no true place in the gallery") {
   CHECK_FALSE(choose_gallery(judgement, truth, 3)[0].truth);
 }
 
-TEST_CASE("a strip ends at the anchor and spans the window") {
+TEST_CASE("a strip ends at the anchor and covers the window") {
   CHECK(strip_frames(7, 1, 5) == std::vector<size_t>{7});
   CHECK(strip_frames(7, 3, 5) == std::vector<size_t>{5, 6, 7});
   CHECK(strip_frames(39, 40, 5) == std::vector<size_t>{0, 10, 20, 30, 39});
   CHECK(strip_frames(2, 40, 5) == std::vector<size_t>{0, 1, 2});
 }
 
-TEST_CASE("thumbnails are small, and frames that cannot be read are gaps") {
+TEST_CASE("thumbnails are small, and unreadable frames are gaps") {
   const test::TemporaryFolder folder;
   test::write_image(folder / "1.png", 1, 400, 300);
   test::write_text(folder / "2.png", "no image");
@@ -161,7 +161,7 @@ TEST_CASE("a report is written again as it was read") {
   CHECK(report_json(parse_report(json, "r.json")).dump() == json.dump());
 }
 
-TEST_CASE("a page names nothing outside itself, however hostile its names are") {
+TEST_CASE("a page has no external references, even with hostile names") {
   const test::TemporaryFolder folder;
   const std::string hostile = "<img src=x onerror=alert(1)>\"'&{{data}}.png";
   for (int i = 0; i < 6; ++i)
@@ -187,7 +187,7 @@ TEST_CASE("a page names nothing outside itself, however hostile its names are") 
   CHECK(page.find("data:image/png;base64,") != std::string::npos);
 }
 
-TEST_CASE("a page of nothing is a page") {
+TEST_CASE("an empty page is a valid page") {
   const Judgement judgement = example("");
   GroundTruth truth;
   const Evaluation evaluation = evaluation_of(judgement, truth);
@@ -212,7 +212,7 @@ std::string page_of(const Judgement& judgement, const GroundTruth& truth,
 
 }  // namespace
 
-TEST_CASE("a page opens with its sentence and states the protocol once") {
+TEST_CASE("a page begins with its summary and states the protocol once") {
   const Judgement judgement = example("cwcwcwcw");
   GroundTruth truth = example_truth(judgement);
   truth.protocol = "pairs from my desk";
@@ -243,7 +243,7 @@ TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
   CHECK(matrix.find(">monday</text>") != std::string::npos);
 }
 
-TEST_CASE("a page costs what it shows, however many frames a sequence claims to have") {
+TEST_CASE("the cost of a page depends on its content, not on the claimed number of frames") {
   Judgement judgement = example("cwcwcwcw", 3);
   constexpr size_t kClaimed = std::numeric_limits<int32_t>::max();
   judgement.layout.scope.sequences[0].frames = kClaimed;
@@ -253,7 +253,7 @@ TEST_CASE("a page costs what it shows, however many frames a sequence claims to 
   CHECK(page.size() < 1000000);
 }
 
-TEST_CASE("a page can be stopped where it draws") {
+TEST_CASE("a page can be stopped during drawing") {
   const Judgement judgement = example("cwcwcwcw");
   const GroundTruth truth = example_truth(judgement);
   const std::atomic<bool> stop{true};
@@ -264,7 +264,7 @@ TEST_CASE("a page can be stopped where it draws") {
         ErrorKind::interrupted);
 }
 
-TEST_CASE("without a ground truth a page shows matches and judges nothing") {
+TEST_CASE("without ground truth, a page shows matches without evaluation") {
   Judgement judgement = example("cccccccc");
   const GroundTruth truth = unknown_ground_truth(judgement.layout.scope);
   for (QueryOutcome& query : judgement.outcomes.queries) query.verdict = Verdict::ignored;
@@ -296,7 +296,7 @@ TEST_CASE("a page has risk against coverage, with the area of the metric") {
   CHECK(page.find("risk: share of mistakes among them") != std::string::npos);
 }
 
-TEST_CASE("a page of thinned sequences knows the frames of the recordings, for what it saves") {
+TEST_CASE("a page of thinned sequences has the recordings' frames for saved labels") {
   Judgement judgement = example("cwcwcw");
   const GroundTruth truth = example_truth(judgement);
   CHECK(page_of(judgement, truth).find("\"query_sources\"") == std::string::npos);

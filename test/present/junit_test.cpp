@@ -5,7 +5,7 @@
 
 using namespace vpr;
 
-TEST_CASE("a value that is met is a test case, another one a failure, whatever they hold") {
+TEST_CASE("a value that is met is a test case, another one a failure, with any content") {
   const std::vector<CheckedValue> values = {{"counts.hits", "3", "3", true},
                                             {"a<b&\"c\"\x01", "at least 5", "4", false}};
   CHECK(junit_xml("x > y on 'z'", "e.json", values) ==

@@ -57,7 +57,7 @@ Triple lab(Triple rgb) {
   return {116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])};
 }
 
-/// The smallest difference (CIE 1976) that anybody sees.
+/// The smallest difference (CIE 1976) for any eye.
 double difference(uint32_t a, uint32_t b) {
   double least = 1e9;
   for (const Transform& eye : {kNormal, kProtan, kDeutan, kTritan}) {
@@ -73,7 +73,7 @@ constexpr uint32_t kDarkPaper = 0x14181e;
 
 }  // namespace
 
-TEST_CASE("the palette has every meaning in its place, and no colour twice") {
+TEST_CASE("the palette has an entry for every meaning, and no color twice") {
   std::set<uint32_t> colours;
   for (size_t i = 0; i < palette().size(); ++i) {
     CHECK(static_cast<size_t>(palette()[i].meaning) == i);
@@ -84,7 +84,7 @@ TEST_CASE("the palette has every meaning in its place, and no colour twice") {
   CHECK(bgr_of(Meaning::right) == cv::Vec3b(0xc7, 0x68, 0x16));
 }
 
-TEST_CASE("colours that stand side by side differ for every eye, on light and on dark") {
+TEST_CASE("adjacent colors differ for every eye, on light and dark backgrounds") {
   const std::vector<std::vector<Meaning>> pictures = {
       {Meaning::right, Meaning::wrong, Meaning::weak_right, Meaning::weak_wrong, Meaning::truth,
        Meaning::unjudged},
@@ -107,7 +107,7 @@ TEST_CASE("colours that stand side by side differ for every eye, on light and on
     }
 }
 
-TEST_CASE("a page's variables are the palette's colours") {
+TEST_CASE("a page's variables equal the palette's colors") {
   const std::string css = palette_css();
   const size_t dark = css.find("prefers-color-scheme: dark");
   for (const PaletteColour& row : palette()) {
@@ -117,7 +117,7 @@ TEST_CASE("a page's variables are the palette's colours") {
   }
 }
 
-TEST_CASE("the sentence says how often, how wrong and when first") {
+TEST_CASE("the summary states the recall, the errors and the first recognition") {
   Judgement judgement;
   judgement.fixes = {Fix::none, Fix::wrong, Fix::right, Fix::none, Fix::unjudged};
   CHECK(summary_sentence(judgement, true, {}) ==

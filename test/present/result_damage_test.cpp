@@ -1,4 +1,4 @@
-// What does not fit is refused, by a reader that is never led astray.
+// Invalid files are refused by a robust reader.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -12,7 +12,7 @@ using namespace vpr;
 using namespace vpr::test;
 namespace fs = std::filesystem;
 
-TEST_CASE("a result of places that was tampered with is refused") {
+TEST_CASE("a modified result of places is refused") {
   const test::TemporaryFolder folder;
   for (const auto& change : std::vector<void (*)(Result&)>{
            [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
@@ -42,7 +42,7 @@ TEST_CASE("companions of another run are refused") {
   CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
 }
 
-TEST_CASE("a file of another run beside a result is refused, and may be removed") {
+TEST_CASE("a file of another run next to a result is refused, and may be removed") {
   const test::TemporaryFolder folder;
   const fs::path path = folder / "r.json";
   {
@@ -64,7 +64,7 @@ TEST_CASE("a file of another run beside a result is refused, and may be removed"
   read_result(path);
 }
 
-TEST_CASE("results that were tampered with are refused, never a crash") {
+TEST_CASE("modified results are refused without a crash") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
   const Json whole = Json::parse(test::read_text(path));
@@ -101,7 +101,7 @@ TEST_CASE("results that were tampered with are refused, never a crash") {
   }
 }
 
-TEST_CASE("a result whose text was changed is refused, unless only machine and timing were") {
+TEST_CASE("a result with modified text is refused, except in machine and timing") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
   Json json = Json::parse(test::read_text(path));
@@ -113,7 +113,7 @@ TEST_CASE("a result whose text was changed is refused, unless only machine and t
   CHECK(test::error_text([&] { read_result(path); }).find("checksum") != std::string::npos);
 }
 
-TEST_CASE("random damage gives an error or a result, never a crash") {
+TEST_CASE("random damage yields an error or a result, never a crash") {
   const test::TemporaryFolder folder;
   const fs::path path = write_example(folder);
   RandomEngine engine(1);

@@ -1,4 +1,4 @@
-// Results that tests of their files write.
+// Results for tests of their files.
 #pragma once
 
 #include "base/json.h"
@@ -25,7 +25,7 @@ inline Result example_result() {
   return result;
 }
 
-/// Two places of three views, five frames, of which one shows no word and one is unreadable.
+/// Two places with three views; five frames, one without words and one unreadable.
 inline Result places_example() {
   Result result;
   result.settings = FabmapQuerySettings{};

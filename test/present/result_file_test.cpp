@@ -17,7 +17,7 @@ TEST_CASE("companions are named after the result") {
   CHECK(companion_path("a/r.v2.json", "best.npy") == "a/r.v2.best.npy");
 }
 
-TEST_CASE("a result that was written is read back") {
+TEST_CASE("a result can be read back after writing") {
   const test::TemporaryFolder folder;
   const Result result = read_result(write_example(folder)).result;
   const Result expected = example_result();
@@ -33,7 +33,7 @@ TEST_CASE("a result that was written is read back") {
                                  "r.hits.npy", "r.json"});
 }
 
-TEST_CASE("A replayed query keeps which frames it shows, and what does not fit is refused") {
+TEST_CASE("a resampled query stores its selection, and an invalid one is refused") {
   const test::TemporaryFolder folder;
   Result expected = example_result();
   expected.replay = Replay{"varying", 7, 9, {0, 0, 4, 8, 8}};
@@ -55,7 +55,7 @@ TEST_CASE("A replayed query keeps which frames it shows, and what does not fit i
   }
 }
 
-TEST_CASE("margins are written beside the best matches, and missing ones are no number") {
+TEST_CASE("margins are written next to the best matches, and missing ones are NaN") {
   const test::TemporaryFolder folder;
   Result result = example_result();
   CHECK(read_result(write_example(folder)).result.margins.empty());
@@ -79,7 +79,7 @@ TEST_CASE("margins are written beside the best matches, and missing ones are no 
   }
 }
 
-TEST_CASE("a result of places is written by the same writer, and read back by the same reader") {
+TEST_CASE("a result of places uses the same writer and reader") {
   const test::TemporaryFolder folder;
   const Result expected = places_example();
   const Json json = write(folder / "r.json", expected, Existing::refuse);
@@ -101,7 +101,7 @@ TEST_CASE("a result of places is written by the same writer, and read back by th
         std::vector<int32_t>{0, 0, 0, 1, 0, 0, 1, 2, 2, 0, 1, 2});
 }
 
-TEST_CASE("standardized scores are written as they are, may be negative, and are read back") {
+TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   const test::TemporaryFolder folder;
   Result scored = example_result();
   auto& settings = std::get<SequenceQuerySettings>(scored.settings);
@@ -135,7 +135,7 @@ TEST_CASE("standardized scores are written as they are, may be negative, and are
   CHECK(result.targets[0].distance_limit == scored.targets[0].distance_limit);
 }
 
-TEST_CASE("settings of raw distances do not tell of standardized scores") {
+TEST_CASE("settings of raw distances omit those of z-scores") {
   const Json raw = settings_in_force(SequenceQuerySettings{});
   CHECK(raw["t_r_scale"] == "relative");
   for (const char* key : {"score", "standardization"}) CHECK_FALSE(raw.contains(key));
@@ -145,7 +145,7 @@ TEST_CASE("settings of raw distances do not tell of standardized scores") {
   CHECK(settings_in_force(settings)["t_r_scale"] == "mean-z");
 }
 
-TEST_CASE("where views begin is written beside the result and read back") {
+TEST_CASE("the first frames of keyframes are written with the result and read back") {
   const test::TemporaryFolder folder;
   Result result = example_result();
   result.views = ResultViews{{0, 3}, {{0, 1, 5}, {0}}};
@@ -167,7 +167,7 @@ TEST_CASE("where views begin is written beside the result and read back") {
   }
 }
 
-TEST_CASE("a cluster says which frames its windows cover") {
+TEST_CASE("a cluster lists the frames of its windows") {
   const Json place = result_json(example_result(), {})["clusters"][0]["query"];
   CHECK(place["first"] == 0);
   CHECK(place["first_frame"] == 0);

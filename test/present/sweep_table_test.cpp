@@ -30,7 +30,7 @@ Sweep example() {
 
 }  // namespace
 
-TEST_CASE("as CSV a sweep has one row a cell, with hits and places") {
+TEST_CASE("a sweep as CSV has one row per cell, with hits and places") {
   CHECK(render_table(cells_table({example()}), TableFormat::csv) ==
         "query,c_l,t_r,scale,hits_correct,hits_incorrect,hits_ignored,places_correct,places_mixed,"
         "places_incorrect,places_ignored,distinct,best_match_correct,best_match_queries,"
@@ -40,7 +40,7 @@ TEST_CASE("as CSV a sweep has one row a cell, with hits and places") {
         "\"a walk, \"\"quoted\"\"\",5,0.5,relative,24,8,2,2,1,0,1,2,7,9,1,yes,no\n");
 }
 
-TEST_CASE("FAB-MAP's rows have the same columns, and nothing under places") {
+TEST_CASE("FAB-MAP's rows have the same columns, empty for places") {
   Sweep sweep;
   sweep.query_name = "q";
   CellCounts fabmap{3, 0.9, {}, {}};
@@ -54,7 +54,7 @@ TEST_CASE("FAB-MAP's rows have the same columns, and nothing under places") {
                                                   "", "", "", "2", "0", "0", "0", "no", "no"});
 }
 
-TEST_CASE("tables have hits beside places, and say which right places have wrong hits") {
+TEST_CASE("tables have hits next to places, and the incorrect hits of correct places") {
   const std::vector<Table> tables = sweep_tables({example()});
   REQUIRE(tables.size() == 3);
   CHECK(tables[0].columns == std::vector<std::string>{"t_r", "5 right", "5 wrong"});
@@ -67,7 +67,7 @@ TEST_CASE("tables have hits beside places, and say which right places have wrong
   CHECK(both.rows.size() == 6);
 }
 
-TEST_CASE("the recommendation says where the first error is") {
+TEST_CASE("the recommendation names the first error") {
   const std::string text = recommendation_text(example());
   CHECK(text.find("recommended: c_l 5, t_r 0.3 (relative): 4 correct hits") != std::string::npos);
   CHECK(text.find("first error of c_l 5 is at t_r 0.5: 8 incorrect hits, 24 correct") !=

@@ -17,7 +17,7 @@ TEST_CASE("a text table aligns numbers to the right, by characters") {
         "\xc3\xa4       123\n");
 }
 
-TEST_CASE("tables stand below each other under every column that one of them has") {
+TEST_CASE("tables are combined with every column of any of them") {
   const Table first = {"same", {"a", "b"}, {{"1", "2"}}};
   const Table second = {"same", {"b", "c"}, {{"3", "4"}, {"5", "6"}}};
   const Table stacked = stack_tables({first, second}, "name", {"x", "y", "z"});
@@ -26,7 +26,7 @@ TEST_CASE("tables stand below each other under every column that one of them has
   CHECK(stack_tables({first, {"other", {"a"}, {}}}, "name", {"x"}).title.empty());
 }
 
-TEST_CASE("a name in a table can neither steer a terminal nor leave its cell") {
+TEST_CASE("a name in a table can neither control a terminal nor leave its cell") {
   const Table hostile = {"t\x1b[2J", {"na\nme"}, {{"a\x1b[31m\nb"}}};
   CHECK(render_table(hostile, TableFormat::text) ==
         "t\\x1b[2J\n"
@@ -38,7 +38,7 @@ TEST_CASE("a name in a table can neither steer a terminal nor leave its cell") {
   CHECK(render_table(hostile, TableFormat::csv) == "\"na\nme\"\n\"a\x1b[31m\nb\"\n");
 }
 
-TEST_CASE("CSV quotes what it must and has no title") {
+TEST_CASE("CSV quotes fields if necessary and has no title") {
   CHECK(render_table(kTable, TableFormat::csv) == "name,n\n\"a|b, c\",7\n\xc3\xa4,123\n");
 }
 
@@ -54,7 +54,7 @@ TEST_CASE("LaTeX escapes its special characters") {
   CHECK(text.find("x \\& y \\\\") != std::string::npos);
 }
 
-TEST_CASE("a LaTeX table has rules of booktabs, and a label that can be referred to") {
+TEST_CASE("a LaTeX table has booktabs rules and a label for references") {
   CHECK(render_table({"fastable on query (pairs, tolerance 3)", {"n"}, {{"1"}}},
                      TableFormat::latex) ==
         "% \\usepackage{booktabs}\n\\begin{table}\n\\centering\n"
@@ -64,7 +64,7 @@ TEST_CASE("a LaTeX table has rules of booktabs, and a label that can be referred
         "\\end{tabular}\n\\end{table}\n");
 }
 
-TEST_CASE("the best cells are bold, with a star in text, and CSV has numbers only") {
+TEST_CASE("the best cells are bold, marked by a star in text, and CSV has numbers only") {
   Table table{"T", {"of", "R@1", "gap"}, {{"a|b", "0.5", "-"}, {"c", "0.25", "3"}}};
   table.best = {{0, 1}, {1, 2}};
   CHECK(render_table(table, TableFormat::text) ==

@@ -17,7 +17,7 @@ bool shows(const cv::Mat& picture, Meaning meaning) {
 
 }  // namespace
 
-TEST_CASE("words for and against a place have the palette's colours") {
+TEST_CASE("words for and against a place have the palette's colors") {
   const cv::Mat grey(48, 64, CV_8U, cv::Scalar(128));
   const auto drawn = [&](bool speaks_for) {
     const MarkedImage image{grey, {{{32, 24}, 7, speaks_for}}, "frame"};

@@ -14,7 +14,7 @@ double likelihood(const FilterSettings& settings, uint16_t score) {
   return std::exp(-settings.sharpness * (std::min(z, 8.0) - settings.unmatched));
 }
 
-// What comes to a cell at a rate by steps within its run, before anything is seen.
+// The mass that steps within the run bring to a cell at a rate, before the observation.
 double stepped(const PlainFilter& filter, const CellRun& run, size_t rate, size_t to) {
   const FilterRate& steps = filter_rates()[rate];
   double sum = 0;
@@ -35,14 +35,14 @@ bool is_same_path(const PlainView& before, const PlainView& view, const FilterSe
          std::abs(gap) <= static_cast<double>(settings.near_views);
 }
 
-// In views: the mean of those of the query and those of the training sequence.
+// In keyframes: the mean of the query's and the training sequence's number.
 double path_length(std::span<const PlainView> path) {
   const double passed =
       static_cast<double>(path.back().cell) - static_cast<double>(path.front().cell);
   return (static_cast<double>(path.size()) + std::max(passed, 0.0)) / 2;
 }
 
-// In scores, as the one below.
+// In scores, as the function below.
 double present_support(const PlainView& view) {
   double mean = 0;
   for (const int32_t support : view.supports) mean = std::floor((mean + support) / 2);
@@ -67,7 +67,7 @@ double path_evidence(const PlainView& view) {
   return evidence;
 }
 
-// Of the last 16 views before the last one.
+// Uses the last 16 keyframes before the last one.
 double margin_share(std::span<const PlainView> path) {
   const std::span<const PlainView> before = path.first(path.size() - 1);
   const std::span<const PlainView> last = before.last(std::min<size_t>(before.size(), 16));

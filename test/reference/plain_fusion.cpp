@@ -13,7 +13,7 @@
 namespace vpr {
 namespace {
 
-// The scores of the first query frames before they are fused.
+// The scores of the first query frames before the fusion.
 FrameDistances unfused(std::span<const DescriptorSpan> train, const DescriptorSpan& query,
                        const ScoreBasis& basis, const Monitor& monitor) {
   ScoreBasis alone = basis;
@@ -75,9 +75,9 @@ double PlainFusion::operator()(double z, size_t sequence, size_t i, size_t j) co
 }
 
 double fusion_tolerance(const FusionBasis& basis) {
-  // Likelihoods are off by 0.6, the largest by as much, and their mean by less; a score is rounded
-  // again. Of the scale, by which scores of 64 deviations may be taken, 1.2 / 1024 nats change no
-  // more than half of that times the weight, which is 1 at most.
+  // Likelihoods have an error of 0.6, the largest has the same, and their mean a smaller one; a
+  // score is rounded once more. The scale multiplies scores of up to 64 deviations: an error of 1.2
+  // / 1024 nats changes it by at most half of that times the weight, which is at most 1.
   return basis.evidence == nullptr ? 0 : 0.5 + 2 + 64 * 1.2 / 2;
 }
 

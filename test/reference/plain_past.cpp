@@ -15,7 +15,7 @@ bool is_readable(const DescriptorSpan& walk, size_t frame) {
   return !std::binary_search(walk.unreadable.begin(), walk.unreadable.end(), frame);
 }
 
-// Of a frame to the readable frames of its past.
+// Distances of a frame to the readable frames of its past.
 std::vector<double> past_distances(const DescriptorSpan& walk, size_t frame, size_t past) {
   std::vector<double> distances;
   for (size_t i = 0; i < past; ++i)
@@ -29,7 +29,7 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-// Every view, and what is learned when it comes.
+// The keyframes, and what each one adds to the statistics.
 void plan_views(PlainPast& shared, const DescriptorSpan& walk,
                 const StandardizationSettings& settings) {
   std::vector<size_t> views;
@@ -55,7 +55,7 @@ void plan_views(PlainPast& shared, const DescriptorSpan& walk,
 PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
                      const StandardizationSettings& settings, const Monitor& monitor) {
   const size_t frames = walk.rows.size();
-  std::vector<std::vector<double>> x(frames);  // h, then less the row's mean
+  std::vector<std::vector<double>> x(frames);  // h, then minus the row's mean
   PlainPast shared;
   shared.row_means.resize(frames);
   parallel_for(frames, monitor, [&](size_t j) {

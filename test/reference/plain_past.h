@@ -1,5 +1,5 @@
-// Standardized scores of a walk against its own past as they are defined, in double precision and
-// pair by pair: the oracle of past_scores.h.
+// The reference implementation of past_scores.h: z-scores of a sequence against its own past, in
+// double precision and pair by pair.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,22 @@
 
 namespace vpr {
 
-/// What all columns share, by frame of the walk.
+/// The common data of all columns, by frame.
 struct PlainPast {
-  std::vector<double> row_means;     ///< r; 0 of a row without a past
+  std::vector<double> row_means;     ///< r; 0 for a row without a past
   std::vector<double> means_so_far;  ///< R; 0 before the first row with a past
   std::vector<double> variances;     ///< V
   std::vector<uint8_t> has_past;     ///< of a readable frame
-  /// The frame whose distances are learned before this one is scored.
+  /// The frame whose distances are added to the statistics before this one is scored.
   std::vector<std::optional<size_t>> learned;
 };
 
-/// `past`: by frame, how many frames from the first on it may match.
+/// `past`: for each frame, the number of frames from the first on that it may match.
 PlainPast plain_past(const DescriptorSpan& walk, std::span<const uint32_t> past,
                      const StandardizationSettings& settings, const Monitor& monitor);
 
-/// z of the frames up to `last` to frame `column`, within [-32, 32); 0 of frames that are not
-/// behind it.
+/// z of the frames up to `last` to frame `column`, within [-32, 32); 0 for frames that are not
+/// after it.
 std::vector<double> plain_past_scores(const DescriptorSpan& walk, std::span<const uint32_t> past,
                                       const StandardizationSettings& settings,
                                       const PlainPast& shared, size_t column, size_t last);

@@ -28,7 +28,7 @@ double smoothed(size_t n, size_t of) {
   return 0.98 * (of == 0 ? 0 : static_cast<double>(n) / static_cast<double>(of)) + 0.01;
 }
 
-// Parents of all words that the edges connect with `word`.
+// Sets the parents of all words that the edges connect with `word`.
 void orient(const std::vector<Edge>& edges, uint32_t word, std::vector<uint32_t>& parent) {
   for (const Edge& edge : edges) {
     if (edge.a != word && edge.b != word) continue;
@@ -85,12 +85,12 @@ ChowLiuTree plain_chow_liu(std::span<const WordSet> frames, size_t words) {
 
 cv::Mat plain_radius_words(const cv::Mat& descriptors, double radius) {
   const double limit = descriptors.type() == CV_8U ? radius : radius * radius;
-  std::vector<size_t> centres;
+  std::vector<size_t> centers;
   const auto nearest_of = [&](size_t i) {
-    size_t best = centres.size();
+    size_t best = centers.size();
     double least = std::numeric_limits<double>::infinity();
-    for (size_t c = 0; c < centres.size(); ++c) {
-      const double distance = squared_distance(descriptors, i, descriptors, centres[c]);
+    for (size_t c = 0; c < centers.size(); ++c) {
+      const double distance = squared_distance(descriptors, i, descriptors, centers[c]);
       if (distance >= least) continue;
       least = distance;
       best = c;
@@ -99,12 +99,12 @@ cv::Mat plain_radius_words(const cv::Mat& descriptors, double radius) {
   };
   const auto n = static_cast<size_t>(descriptors.rows);
   for (size_t i = 0; i < n; ++i)
-    if (centres.empty() || nearest_of(i).second > limit) centres.push_back(i);
-  std::vector<NearestCentre> assigned;
+    if (centers.empty() || nearest_of(i).second > limit) centers.push_back(i);
+  std::vector<NearestCenter> assigned;
   for (size_t i = 0; i < n; ++i)
     assigned.push_back({0, static_cast<uint32_t>(nearest_of(i).first)});
-  cv::Mat words = rows_of(descriptors, centres);
-  move_centres(descriptors, assigned, words, {});
+  cv::Mat words = rows_of(descriptors, centers);
+  move_centers(descriptors, assigned, words, {});
   return words;
 }
 

@@ -32,10 +32,10 @@ double tolerance_of(size_t window_length, const ScoreBasis& basis) {
   return static_cast<double>(window_length) * (1 + fusion_tolerance(basis.fusion));
 }
 
-/// What sums are of: of training frame i of a sequence and query frame j.
+/// The terms of sums: a value of training frame i of a sequence and query frame j.
 using PairValue = std::function<double(size_t sequence, size_t i, size_t j)>;
 
-// The sum of the window of a rate that ends at training frame i and query frame j; nothing where it
+// The sum of the window of a rate that ends at training frame i and query frame j; nullopt if it
 // begins before training frame `first`.
 std::optional<double> plain_sum(const PairValue& value, const Rate& rate, size_t length,
                                 size_t sequence, size_t first, size_t i, size_t j) {
@@ -45,13 +45,13 @@ std::optional<double> plain_sum(const PairValue& value, const Rate& rate, size_t
   return sum;
 }
 
-// Where the readable run begins that frame i of a sequence is in.
+// The start of the readable run that contains frame i of a sequence.
 size_t run_start(const DescriptorSpan& sequence, size_t i) {
   const auto behind = std::ranges::upper_bound(sequence.unreadable, i);
   return behind == sequence.unreadable.begin() ? 0 : *(behind - 1) + 1;
 }
 
-// The best of all rates; nothing where no window fits.
+// The best sum over all rates; nullopt if no window fits.
 std::optional<double> plain_best(const PairValue& value, const RatedWindows& windows,
                                  std::span<const DescriptorSpan> train, const Cell& cell) {
   const size_t i = cell.train_window + windows.length - 1;
@@ -64,7 +64,7 @@ std::optional<double> plain_best(const PairValue& value, const RatedWindows& win
   return best;
 }
 
-/// z of all query frames that a cell needs to a training frame, computed once.
+/// z of a training frame to all query frames that a cell needs, computed once.
 class PlainScores {
  public:
   PlainScores(std::span<const DescriptorSpan> train, const DescriptorRows& query,
@@ -86,11 +86,11 @@ class PlainScores {
   const PlainUpdates& updates_;
   const ScoreBasis& basis_;
   const PlainFusion& fusion_;
-  std::map<size_t, std::vector<double>> known_;  // by training frame of the one sequence asked for
+  std::map<size_t, std::vector<double>> known_;  // by training frame of the last sequence
 };
 
-// Of windows of several rates, or of one, that are fused or not; with a basis, of scores. A cell
-// that no window of any rate fits is not wrong.
+// Windows of one or several rates, with or without fusion; with a basis, of scores. A cell without
+// a fitting window of any rate is not wrong.
 std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWindows& windows,
                                     std::span<const DescriptorSpan> train,
                                     const DescriptorSpan& query, const ScoreBasis* basis,
@@ -108,7 +108,7 @@ std::vector<Cell> wrong_rated_cells(std::span<const Cell> cells, const RatedWind
       right[c] = plain_best(distance, windows, train, cells[c]);
       return;
     }
-    // Only an offline score depends on frames behind the window.
+    // Only an offline score depends on frames after the window.
     const size_t known =
         basis->offline ? query.rows.size() : cells[c].query_window + windows.length;
     PlainScores scores(train, query.rows.first(known), updates, *basis, fusion);

@@ -1,4 +1,4 @@
-// What is said if a query recognizes nothing, or everything.
+// Advice if a query recognizes nothing, or everything.
 #include "run/advice.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-// Twenty query windows against ten training windows.
+// Twenty query windows and ten training windows.
 Result planned_result(std::optional<double> threshold) {
   Result result;
   SequenceQuerySettings settings;
@@ -38,7 +38,7 @@ QueryResources resources() {
   return resources;
 }
 
-// What is said of frames first, first + step, ... of a sequence of 160.
+// The advice for frames first, first + step, ... of a sequence of 160.
 std::string finding(const test::Example& walk, size_t first, size_t step) {
   std::vector<LdbCode> frames;
   for (size_t f = first; f < walk.train[0].size(); f += step) frames.push_back(walk.train[0][f]);
@@ -49,7 +49,7 @@ std::string finding(const test::Example& walk, size_t first, size_t step) {
 
 }  // namespace
 
-TEST_CASE("more than a fifth of all pairs as hits is too much") {
+TEST_CASE("more than a fifth of all pairs as hits is too many") {
   Result result = planned_result(200);
   for (uint32_t j = 0; j < 20; ++j)
     for (uint32_t i = 0; i < 2; ++i) result.hits.push_back({j, 0, i, 0, 300});
@@ -61,7 +61,7 @@ TEST_CASE("more than a fifth of all pairs as hits is too much") {
   CHECK_FALSE(too_many_hits(Result{}));
 }
 
-TEST_CASE("without a threshold nothing is said to be too far") {
+TEST_CASE("without a threshold, no match is reported as too far") {
   CHECK(has(nothing_recognized(planned_result(10)), "no score is below t_r"));
   CHECK(nothing_recognized(planned_result(std::nullopt)) ==
         "Without a threshold there are no recognitions, only best matches.");
@@ -74,7 +74,7 @@ TEST_CASE("without a threshold nothing is said to be too far") {
   CHECK(has(nothing_recognized(by_margin), "the opposite direction"));
 }
 
-TEST_CASE("the filter tells another speed from another place") {
+TEST_CASE("the filter distinguishes another speed from another place") {
   const test::Example walk = test::make_example({160}, 0, 3);
   CHECK(has(finding(walk, 0, 1), "The filter recognizes "));
   const std::string twice = finding(walk, 0, 2);

@@ -1,4 +1,4 @@
-// Calibrated thresholds: what they are, and that queries with them give what was counted.
+// Calibrated thresholds, and the counts of queries that use them.
 #include "run/calibrate.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ QueryResources resources() {
   return r;
 }
 
-// Frames 20 to 59 of the query show training frames 30 to 69, with noise; the others show nothing.
+// Frames 20 to 59 of the query show training frames 30 to 69, with noise; the others show no place.
 struct Walks {
   std::vector<LdbCode> train = test::walk_codes(120, 1, 150);
   SequenceDatabase database = test::make_database({train});
@@ -67,7 +67,7 @@ std::vector<SequenceQuerySettings> decisions() {
 
 }  // namespace
 
-TEST_CASE("a query with the calibrated settings recognises what the calibration counted") {
+TEST_CASE("a query with the calibrated settings has the recognitions of the calibration") {
   const Walks walks;
   const GroundTruth truth = walks.truth();
   for (const SequenceQuerySettings& settings : decisions())
@@ -90,7 +90,8 @@ TEST_CASE("a query with the calibrated settings recognises what the calibration 
     }
 }
 
-TEST_CASE("the margin is just above the largest one that is wrong, or would be without its place") {
+TEST_CASE(
+    "the margin is just above the largest incorrect one, also of windows without their place") {
   const Walks walks;
   SequenceQuerySettings settings;
   settings.decision = Decision::margin;
@@ -125,7 +126,7 @@ TEST_CASE("calibrations are the same for any number of threads") {
   }
 }
 
-TEST_CASE("a calibration is refused where it can say nothing") {
+TEST_CASE("a calibration without sufficient data is refused") {
   const Walks walks;
   SequenceQuerySettings settings = decisions().front();
   const auto calibrate = [&](const GroundTruth& truth, double precision) {
@@ -137,7 +138,8 @@ TEST_CASE("a calibration is refused where it can say nothing") {
   CHECK_THROWS_WITH(calibrate(nothing, 1), Catch::Contains("no trained place"));
   for (const double precision : {0.0, 1.01, -1.0})
     CHECK_THROWS_WITH(calibrate(walks.truth(), precision), Catch::Contains("precision"));
-  // Where the truth is of another walk, what is called right is not, and the rest comes closer.
+  // With the ground truth of another sequence, correct matches are incorrect, and other ones are
+  // closer.
   const CalibratedWalk walk = calibrate(walks.truth(60), 1);
   CHECK(!walk.chosen);
 }

@@ -10,8 +10,8 @@ namespace {
 
 const JudgedBy kAligned = {GroundTruthArgument{"aligned", {}, 0}, {}, {}};
 
-/// Four frames, of which the first two are recognised where they are, the third elsewhere, and the
-/// last nowhere.
+/// Four frames: the first two are recognized correctly, the third incorrectly, and the last one is
+/// not recognized.
 Result example() {
   Result result;
   SequenceQuerySettings settings;
@@ -37,7 +37,7 @@ std::vector<uint64_t> numbers(const LabelCounts& counts) {
 
 }  // namespace
 
-TEST_CASE("a result is judged and counted by one ground truth") {
+TEST_CASE("a result is evaluated and counted by one ground truth") {
   const Evaluation found = evaluate_result(example(), {}, kAligned, {});
   CHECK(found.query_name == "walk");
   CHECK(found.truth.is_known);
@@ -55,7 +55,7 @@ TEST_CASE("a result is judged and counted by one ground truth") {
   CHECK_FALSE(found.result->by_view);
 }
 
-TEST_CASE("poses of the query give metres") {
+TEST_CASE("poses of the query yield distances in meters") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "poses.csv", "frame,x,y\n0,0,0\n1,3,4\n2,3,5\n3,3,7\n");
   JudgedBy by = kAligned;
@@ -65,14 +65,14 @@ TEST_CASE("poses of the query give metres") {
   CHECK(found.judgement.localisation.longest_gap_m == 5);
 }
 
-TEST_CASE("without a ground truth a result is shown, and nothing is right or wrong") {
+TEST_CASE("without ground truth, a result is shown without evaluation") {
   const Evaluation found = evaluate_result(example(), {}, {}, {});
   CHECK_FALSE(found.truth.is_known);
   CHECK(numbers(found.result->counts.hits) == std::vector<uint64_t>{0, 0, 3});
   CHECK(found.judgement.fixes[0] == Fix::unjudged);
 }
 
-TEST_CASE("of a result without clusters every hit is judged by itself") {
+TEST_CASE("without clusters, every hit of a result is evaluated separately") {
   Result result = example();
   result.settings = FabmapQuerySettings{};
   result.clusters.reset();
@@ -84,7 +84,7 @@ TEST_CASE("of a result without clusters every hit is judged by itself") {
   CHECK(found.result->counts.distinct == 2);
 }
 
-TEST_CASE("scores alone are judged by their best matches, and a saved matrix by its pairs") {
+TEST_CASE("scores alone are evaluated by their best matches, and a saved matrix by its pairs") {
   const test::TemporaryFolder folder;
   const std::vector<int32_t> scores = {5, 9, 9, 9,  //
                                        9, 6, 9, 9,  //

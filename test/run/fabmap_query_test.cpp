@@ -18,8 +18,8 @@ WordSet random_words(size_t words, uint64_t share, RandomEngine& engine) {
   return set;
 }
 
-/// A database of views that show a third of the words each; those of `unreadable` show none, as
-/// frames do that could not be decoded.
+/// A database of views that show a third of the words each; undecodable views (`unreadable`) show
+/// none.
 FabmapDatabase make_database(size_t words, size_t views, const std::vector<size_t>& unreadable,
                              uint64_t seed) {
   RandomEngine engine(seed);
@@ -37,7 +37,7 @@ FabmapDatabase make_database(size_t words, size_t views, const std::vector<size_
   return database;
 }
 
-// The same without the views that could not be decoded.
+// The same database without undecodable views.
 FabmapDatabase without_unreadable(const FabmapDatabase& database) {
   FabmapDatabase fewer = database;
   const std::vector<size_t> unreadable = database.unreadable_views();
@@ -54,13 +54,13 @@ FabmapDatabase without_unreadable(const FabmapDatabase& database) {
 
 }  // namespace
 
-TEST_CASE("views that could not be decoded change no variant's likelihoods of the others") {
+TEST_CASE("undecodable views do not change the likelihoods of other views, for any variant") {
   const std::vector<size_t> unreadable = {0, 7};
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     const FabmapDatabase database = make_database(200, 12, unreadable, seed);
     const FabmapDatabase fewer = without_unreadable(database);
     RandomEngine engine(seed);
-    // Few words or none: a view that shows nothing is the likest, and would drop the others.
+    // Few words or none: a view without words is the likeliest, and would drop the others.
     for (const WordSet& query :
          {WordSet{}, random_words(200, 60, engine), random_words(200, 3, engine)}) {
       for (const FabmapVariant& variant : fabmap_variants()) {
@@ -80,13 +80,13 @@ TEST_CASE("views that could not be decoded change no variant's likelihoods of th
   }
 }
 
-TEST_CASE("frames without a word are counted apart from those that can't be decoded") {
+TEST_CASE("frames without words are counted separately from undecodable ones") {
   FabmapDatabase database = make_database(50, 4, {1}, 1);
   add_group(database, {"more", false, {"a", "b", "c"}, {2, 2}}, std::vector<WordSet>{{}, {3}, {}});
   CHECK(featureless_frames(database) == std::vector<size_t>{0, 1});
 }
 
-TEST_CASE("A replayed query of FAB-MAP shows the words of the recording again") {
+TEST_CASE("a resampled FAB-MAP query repeats the words of the recording") {
   const FabmapDatabase database = make_database(100, 12, {}, 3);
   RandomEngine engine(5);
   SequenceWords recording;
@@ -95,7 +95,7 @@ TEST_CASE("A replayed query of FAB-MAP shows the words of the recording again") 
   recording.frames[9].clear();
   recording.unreadable = {9};
   FabmapQuerySettings settings;
-  settings.posterior.motion_model = false;  // so that a frame does not depend on those before it
+  settings.posterior.motion_model = false;  // so that a frame does not depend on earlier ones
   const auto best_of = [&](const SequenceWords& words) {
     return query_fabmap(database, words, "q", settings, 1, {}, {}).result;
   };

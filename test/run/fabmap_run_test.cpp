@@ -1,4 +1,4 @@
-// FAB-MAP's queries, hits, explanations and sweeps on databases small enough to compute by hand.
+// FAB-MAP's queries, hits, explanations and sweeps on tiny databases.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -13,8 +13,8 @@ using namespace vpr;
 
 namespace {
 
-/// Two words, each in half of all frames and without a parent. View 0 shows word 0 and view 1 word
-/// 1: two views of the place "lift". View 2, of a walk, shows both.
+/// Two words without parents, each in half of all frames. View 0 shows word 0 and view 1 word 1:
+/// two views of the place "lift". View 2, of a sequence, shows both.
 FabmapDatabase two_words() {
   FabmapDatabase database;
   database.tree = {{0, 1}, {0.5, 0.5}, {0.5, 0.5}, {0.5, 0.5}};
@@ -24,8 +24,8 @@ FabmapDatabase two_words() {
   return database;
 }
 
-/// With P(z|e) = 0.4 and P(z|not e) = 0: P(e|L) is 1 where the view shows the word and 0.375
-/// elsewhere (0.6 x 0.5 / (0.6 x 0.5 + 0.5)), and so P(z|L) is 0.4 and 0.15; of a new place 0.2.
+/// With P(z|e) = 0.4 and P(z|not e) = 0, P(e|L) is 1 if the view shows the word, otherwise 0.375
+/// (0.6 x 0.5 / (0.6 x 0.5 + 0.5)). Therefore P(z|L) is 0.4 or 0.15; for a new place 0.2.
 FabmapQuerySettings by_hand() {
   FabmapQuerySettings settings;
   settings.word_model = WordModel::naive_bayes;
@@ -36,7 +36,7 @@ FabmapQuerySettings by_hand() {
   return settings;
 }
 
-/// Likelihoods of the new place and the three views, where a frame shows word 0 alone.
+/// Likelihoods of the new place and the three views for a frame with word 0 only.
 constexpr std::array<double, 4> kWord0 = {0.2 * 0.8, 0.4 * 0.85, 0.15 * 0.6, 0.4 * 0.6};
 constexpr std::array<double, 4> kWord1 = {0.8 * 0.2, 0.6 * 0.15, 0.85 * 0.4, 0.6 * 0.4};
 constexpr std::array<double, 4> kNothing = {0.8 * 0.8, 0.6 * 0.85, 0.85 * 0.6, 0.6 * 0.6};
@@ -47,7 +47,7 @@ double share(const std::array<double, 4>& likelihoods, size_t which) {
   return likelihoods[which] / sum;
 }
 
-/// Frame 2 can't be decoded, frame 5 shows no word.
+/// Frame 2 cannot be decoded, frame 5 shows no word.
 SequenceWords query_words() { return {{{0}, {0}, {}, {0}, {1}, {}, {0}}, {}, {2}}; }
 
 Result run(const FabmapDatabase& database, const FabmapQuerySettings& settings,
@@ -63,7 +63,7 @@ std::vector<std::pair<uint32_t, uint32_t>> frames_and_views(const std::vector<Ma
 
 }  // namespace
 
-TEST_CASE("posteriors of FAB-MAP are those computed by hand, for every variant") {
+TEST_CASE("posteriors of FAB-MAP equal values computed by hand, for every variant") {
   const FabmapDatabase database = two_words();
   FabmapQuerySettings settings = by_hand();
   const std::vector<const std::array<double, 4>*> expected = {&kWord0, &kWord0,   nullptr, &kWord0,
@@ -82,7 +82,7 @@ TEST_CASE("posteriors of FAB-MAP are those computed by hand, for every variant")
   }
 }
 
-TEST_CASE("a result of FAB-MAP holds places, best views and the probability of a new place") {
+TEST_CASE("a FAB-MAP result holds places, best views and the probability of a new place") {
   const Result result = run(two_words(), by_hand());
   CHECK(result.query_frames == 7);
   CHECK(result.query_unreadable == std::vector<size_t>{2});
@@ -106,26 +106,27 @@ TEST_CASE("a result of FAB-MAP holds places, best views and the probability of a
   CHECK(result.places->new_place[5] == Approx(share(kNothing, 0)));
 }
 
-TEST_CASE("a hit is a view above t_p in c_w frames in a row, which an unreadable frame breaks") {
-  // 0.34 of 0.83: view 0 where word 0 is seen, view 1 where word 1 is.
+TEST_CASE("a hit is a view above t_p in c_w consecutive frames, none of them unreadable") {
+  // 0.34 of 0.83: view 0 for word 0, view 1 for word 1.
   FabmapQuerySettings settings = by_hand();
   using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
   CHECK(frames_and_views(run(two_words(), settings).hits) ==
         Pairs{{0, 0}, {1, 0}, {3, 0}, {4, 1}, {6, 0}});
-  settings.window = 2;  // frames 3 and 4 are of one place, but not of one view
+  settings.window = 2;  // frames 3 and 4 show one place, but not one view
   CHECK(frames_and_views(run(two_words(), settings).hits) == Pairs{{1, 0}});
   settings.window = 1;
   settings.place_threshold = share(kWord0, 1) + 1e-9;
   CHECK(run(two_words(), settings).hits.empty());
-  settings.place_threshold = 0.25;  // both views of a walk and of the place: one hit a place
+  // a view of the sequence and both of the place: one hit per place
+  settings.place_threshold = 0.25;
   const Result both = run(two_words(), settings);
   CHECK(frames_and_views(both.hits) ==
         Pairs{{0, 0}, {0, 2}, {1, 0}, {1, 2}, {3, 0}, {3, 2}, {4, 1}, {4, 2}, {6, 0}, {6, 2}});
 }
 
-TEST_CASE("a frame without words is never a hit, and breaks a window") {
+TEST_CASE("a frame without words is never a hit and ends a run of frames") {
   // Frame 5 shows no word. Views 0 and 1 have 0.51 / 2.02 of its posterior each, and the view of
-  // the walk has more than 0.25 in frames 4 and 6.
+  // the sequence has more than 0.25 in frames 4 and 6.
   FabmapQuerySettings settings = by_hand();
   settings.place_threshold = 0.25;
   REQUIRE(share(kNothing, 1) > 0.25);
@@ -142,7 +143,7 @@ TEST_CASE("a frame without words is never a hit, and breaks a window") {
   CHECK(hits_from_4(2) == Pairs{{4, 2}});
 }
 
-TEST_CASE("of several views of a place the likeliest one stands for it") {
+TEST_CASE("among several views of a place, the likeliest one represents it") {
   std::vector<Match> hits;
   ViewWindow window;
   const std::vector<double> posterior = {0.1, 0.2, 0.3, 0.25, 0.15};
@@ -153,7 +154,7 @@ TEST_CASE("of several views of a place the likeliest one stands for it") {
   CHECK(hits.size() == 2);
 }
 
-TEST_CASE("with the loop mode a frame finds what lies more than the gap behind it") {
+TEST_CASE("in loop mode, a frame matches frames that are older than the gap") {
   FabmapDatabase database = two_words();
   database.groups.clear();
   database.views = {};
@@ -171,18 +172,18 @@ TEST_CASE("with the loop mode a frame finds what lies more than the gap behind i
   REQUIRE(result.best[3]);
   CHECK(result.best[3]->view == 0);
   REQUIRE(result.best[6]);
-  CHECK(result.best[6]->train == 0);  // of the frames 0, 1 and 3, which show the same, the first
+  CHECK(result.best[6]->train == 0);  // the first of the equal frames 0, 1 and 3
   CHECK(result.places->names.at(6) == "q#6");
 }
 
-TEST_CASE("an explanation lists what each word says for and against the likeliest places") {
+TEST_CASE("an explanation lists the evidence of each word for and against the likeliest places") {
   const FabmapDatabase database = two_words();
   std::vector<double> posterior;
   for (size_t i = 0; i < 4; ++i) posterior.push_back(share(kWord0, i));
   const Explanation found = explain_frame(database, {0}, 3, posterior, by_hand());
   CHECK(found.frame == 3);
   CHECK(found.new_place == posterior[0]);
-  REQUIRE(found.places.size() == 2);  // of the three views, two are of one place
+  REQUIRE(found.places.size() == 2);  // two of the three views show one place
   const PlaceExplanation& lift = found.places[0];
   CHECK(lift.match == Match{3, 0, 0, 0, posterior[1]});
   CHECK(lift.place == "lift");
@@ -191,7 +192,7 @@ TEST_CASE("an explanation lists what each word says for and against the likelies
   REQUIRE(lift.for_it.size() == 2);
   CHECK(lift.for_it[0].word == 0);
   CHECK(lift.for_it[0].log_odds == Approx(std::log(0.4 / 0.2)));
-  CHECK(lift.for_it[1].log_odds == Approx(std::log(0.85 / 0.8)));  // the word is in neither
+  CHECK(lift.for_it[1].log_odds == Approx(std::log(0.85 / 0.8)));  // neither shows the word
   CHECK(lift.against.empty());
   const PlaceExplanation& walk = found.places[1];
   CHECK(walk.view == "walk: #0");

@@ -1,4 +1,4 @@
-// Standardized scores fused with FAB-MAP's: of training walks, and of whole queries.
+// Z-scores fused with FAB-MAP: training sequences, and whole queries.
 #include "run/fuse.h"
 
 #include <cmath>
@@ -20,7 +20,7 @@ using namespace vpr;
 
 namespace {
 
-/// Two walks and a query that comes by parts of both; some frames can't be read.
+/// Two sequences and a query through parts of both; some frames are unreadable.
 struct Walks {
   SequenceDatabase database;
   DescriptorSet query;
@@ -69,7 +69,7 @@ Result query_all(const Walks& walks, const SequenceQuerySettings& settings, size
 
 }  // namespace
 
-TEST_CASE("automatic thresholds and margins ask what a training walk does not know of itself") {
+TEST_CASE("automatic thresholds and margins do not use a training frame's own view") {
   const Walks walks;
   const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
   ScoreBasis alone = basis;
@@ -89,7 +89,7 @@ TEST_CASE("automatic thresholds and margins ask what a training walk does not kn
   }
 }
 
-TEST_CASE("fused scores are scores and the row that frames before let trust, cut off") {
+TEST_CASE("fused scores are scores plus evidence with the weight of earlier frames, clamped") {
   const Walks walks;
   const ScoreBasis basis = *score_basis(&*walks.database.statistics, fused_settings(1));
   const std::vector<DescriptorSpan> train = descriptor_spans(walks.database);
@@ -113,15 +113,15 @@ TEST_CASE("fused scores are scores and the row that frames before let trust, cut
     for (size_t i = 0; i < 160; ++i)
       if (i != 31 && i != 32 && (!closest || plain[i] < plain[*closest])) closest = i;
     best = {row.likeliest, closest};
-    both.tile({&frame, 1}, 0, 72, fast.data(), 192);  // in two stretches
+    both.tile({&frame, 1}, 0, 72, fast.data(), 192);  // in two parts
     both.tile({&frame, 1}, 72, 160, fast.data() + 72, 192);
     check_row(fast, plain, row);
   }
-  CHECK(agreement.likeliest_steps > 5);  // something is learned
+  CHECK(agreement.likeliest_steps > 5);  // the agreement has been estimated
   CHECK(agreement.closest_steps > 5);
 }
 
-TEST_CASE("whole queries are verified, by every method, score and number of threads") {
+TEST_CASE("whole queries equal the definition, for every method, score and number of threads") {
   const Walks walks;
   const SequenceQuerySettings settings = fused_settings(5);
   const Result result = query_all(walks, settings);
@@ -150,8 +150,8 @@ TEST_CASE("whole queries are verified, by every method, score and number of thre
   CHECK(recognised_windows(query_all(walks, other)) > 10);
 }
 
-TEST_CASE("words decide where frames look alike") {
-  // Every training frame is the same picture: distances say nothing.
+TEST_CASE("words decide between frames that look alike") {
+  // All training frames have the same image: distances carry no information.
   const std::vector<std::vector<LdbCode>> train = {
       std::vector<LdbCode>(40, test::walk_codes(1, 1).front())};
   Walks walks;
@@ -174,7 +174,7 @@ TEST_CASE("words decide where frames look alike") {
     CHECK(result.best[window]->train == window);
 }
 
-TEST_CASE("databases that can't be fused are refused") {
+TEST_CASE("databases of other sequences are refused for fusion") {
   Walks walks;
   const auto refused = [&](const auto& change) {
     FabmapDatabase fabmap = test::make_fabmap(walks.database);
@@ -186,7 +186,7 @@ TEST_CASE("databases that can't be fused are refused") {
   CHECK(refused([](FabmapDatabase& f) { f.groups[1].frame_names[4] = "x"; }) == ErrorKind::data);
   CHECK(refused([](FabmapDatabase& f) { f.groups[1].frame_names.pop_back(); }) == ErrorKind::data);
   CHECK(refused([](FabmapDatabase& f) { f.groups[0].unreadable = {31}; }) == ErrorKind::data);
-  // Groups of other names stand before and between, and frames of one place are views, too.
+  // There are groups with other names, and frames of a place are views as well.
   CHECK_FALSE(refused([](FabmapDatabase& f) {
     FabmapDatabase more;
     more.tree = f.tree;

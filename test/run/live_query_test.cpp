@@ -1,4 +1,4 @@
-// A query frame by frame says of every window what the whole query says of it.
+// A query frame by frame has the results of the whole query for every window.
 #include "run/live_query.h"
 
 #include <algorithm>
@@ -24,8 +24,8 @@ QueryResources resources() {
   return r;
 }
 
-/// Two walks, and a query that goes through part of the first, stops, goes on through the second,
-/// and has frames that can't be read.
+/// Two sequences, and a query through part of the first one with a stop, then through the second
+/// one; some frames are unreadable.
 struct Walks {
   SequenceDatabase database;
   DescriptorSet query;
@@ -82,7 +82,7 @@ void check_window(const Result& live, const Result& whole, size_t window) {
   CHECK(is_same(live.path->rates[0], whole.path->rates[window]));
 }
 
-// Gives how many windows were recognised.
+// Returns the number of recognized windows.
 size_t check_live_query(const Walks& walks, const SequenceQuerySettings& settings) {
   const Result whole =
       run_query(plan_query(walks.database, walks.query, "q", settings, resources(), {}),
@@ -108,11 +108,11 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
 
 }  // namespace
 
-TEST_CASE("frames that come say what the whole query says: thresholds of distances") {
+TEST_CASE("live frames have the results of the whole query: thresholds of distances") {
   const Walks two;
   SequenceQuerySettings settings;
   settings.window_length = 6;
-  CHECK(check_live_query(two, settings) > 40);  // automatic: bits
+  CHECK(check_live_query(two, settings) > 40);  // automatic threshold in bits
   settings.method = "fastable-online";
   settings.only_sequences = {"b"};
   CHECK(check_live_query(two, settings) > 30);
@@ -122,7 +122,7 @@ TEST_CASE("frames that come say what the whole query says: thresholds of distanc
   CHECK(check_live_query(two, settings) > 30);
 }
 
-TEST_CASE("frames that come say what the whole query says: margins, scores and the filter") {
+TEST_CASE("live frames have the results of the whole query: margins, scores and the filter") {
   const Walks walks;
   SequenceQuerySettings settings;
   settings.window_length = 6;
@@ -132,14 +132,14 @@ TEST_CASE("frames that come say what the whole query says: margins, scores and t
   CHECK(check_live_query(walks, settings) > 40);
   settings.only_sequences = {"a"};
   CHECK(check_live_query(walks, settings) > 5);
-  settings.standardization.view_change = 0;  // every frame is a view
+  settings.standardization.view_change = 0;  // every frame is a keyframe
   CHECK(check_live_query(walks, settings) > 5);
   SequenceQuerySettings filter;
   filter.method = "filter";
   CHECK(check_live_query(walks, filter) > 0);
 }
 
-TEST_CASE("frames that come say what the whole query says: fused with FAB-MAP") {
+TEST_CASE("live frames have the results of the whole query: fused with FAB-MAP") {
   Walks walks;
   fuse_views(walks.database, test::make_fabmap(walks.database), "f");
   const DescriptorRows rows = walks.query.rows();
@@ -161,7 +161,7 @@ TEST_CASE("frames that come say what the whole query says: fused with FAB-MAP") 
   CHECK(check_live_query(walks, filter) > 0);
 }
 
-TEST_CASE("what depends on later frames is not followed") {
+TEST_CASE("settings that need later frames are refused") {
   const Walks walks;
   const auto refused = [&](const SequenceQuerySettings& settings) {
     return test::error_kind([&] {
@@ -185,7 +185,7 @@ TEST_CASE("what depends on later frames is not followed") {
   CHECK(refused(rates) == ErrorKind::usage);
 }
 
-TEST_CASE("a stop of any length keeps no more frames than views that wait") {
+TEST_CASE("a stop of any length keeps at most as many frames as pending keyframes") {
   const Walks walks;
   SequenceQuerySettings filter;
   filter.method = "filter";

@@ -1,5 +1,5 @@
-// A walk against its own past in one call: what is found by definition, what is refused, and that
-// later frames change nothing.
+// A sequence against its own past in one call: results by definition, refused settings, and
+// independence of later frames.
 #include "run/loop_query.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using test::make_query;
 
 namespace {
 
-// 30 frames, the same with a few other bits, and 10 new ones.
+// 30 frames, the same frames with a few other bits, and 10 new ones.
 std::vector<LdbCode> two_laps() {
   std::vector<LdbCode> codes = test::walk_codes(30, 1);
   for (size_t f = 0; f < 30; ++f) {
@@ -53,7 +53,7 @@ Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settin
   return test::run_verified(plan, resources, cells, monitor).result;
 }
 
-// Of each window the closest that ends at least `gap` frames before it does; of equals the first.
+// For each window, the closest one that ends at least `gap` frames earlier; the first one on a tie.
 std::vector<std::optional<Match>> slow_best(const std::vector<LdbCode>& codes, size_t length,
                                             size_t gap) {
   std::vector<std::optional<Match>> best;
@@ -69,7 +69,7 @@ std::vector<std::optional<Match>> slow_best(const std::vector<LdbCode>& codes, s
 
 }  // namespace
 
-TEST_CASE("best matches of a walk in its past are those by definition, by every exact method") {
+TEST_CASE("best matches of a sequence in its past equal the definition, for every exact method") {
   const std::vector<LdbCode> codes = two_laps();
   for (const char* method : {"fastable", "fastable-online", "openable"})
     for (const size_t gap : {1, 15, 31, 69, 70, 200})
@@ -79,11 +79,11 @@ TEST_CASE("best matches of a walk in its past are those by definition, by every 
         INFO(method << ", gap " << gap << ", c_l " << length);
         const Result result = find_loops(make_query(codes), settings);
         CHECK(result.best == slow_best(codes, length, gap));
-        CHECK(result.hits.empty());  // nobody said how close they must be
+        CHECK(result.hits.empty());  // there is no threshold
       }
 }
 
-TEST_CASE("hits of a walk in its past are pairs below t_r, in bits a frame") {
+TEST_CASE("hits of a sequence in its past are pairs below t_r, in bits per frame") {
   const std::vector<LdbCode> codes = two_laps();
   SequenceQuerySettings settings = loop_settings(4, 15);
   settings.distance_threshold = 60;
@@ -96,14 +96,14 @@ TEST_CASE("hits of a walk in its past are pairs below t_r, in bits a frame") {
     }
   CHECK(result.hits == hits);
   CHECK(hits.size() >= 27);
-  // Each is a window of the second lap at that of the first.
+  // Each is a window of the second lap matched with the first.
   for (const ListedLoop& loop : loops_of(result)) CHECK(loop.query == loop.match + 30);
   CHECK(loops_of(result).size() == 27);
   CHECK(loops_of(result).front().query == 33);
   CHECK(loops_of(result).front().score == Approx(48));
 }
 
-TEST_CASE("a margin in the past is over what is farther than the gap from the best match") {
+TEST_CASE("a margin in the past excludes the gap around the best match") {
   const std::vector<LdbCode> codes = two_laps();
   SequenceQuerySettings settings = loop_settings(3, 12);
   settings.decision = Decision::margin;
@@ -124,7 +124,7 @@ TEST_CASE("a margin in the past is over what is farther than the gap from the be
   CHECK_FALSE(result.hits.empty());
 }
 
-TEST_CASE("what is found of a walk does not change as it goes on") {
+TEST_CASE("results of a sequence do not change as it continues") {
   const std::vector<LdbCode> codes = two_laps();
   for (const Score score : {Score::raw, Score::standardized}) {
     SequenceQuerySettings settings = loop_settings(3, 12);
@@ -139,7 +139,7 @@ TEST_CASE("what is found of a walk does not change as it goes on") {
   }
 }
 
-TEST_CASE("a gap of seconds is one of time stamps") {
+TEST_CASE("a gap in seconds uses time stamps") {
   const std::vector<LdbCode> codes = two_laps();
   std::vector<int64_t> times;
   for (size_t f = 0; f < codes.size(); ++f) times.push_back(static_cast<int64_t>(f) * kSecond / 2);
@@ -151,7 +151,7 @@ TEST_CASE("a gap of seconds is one of time stamps") {
   CHECK_FALSE(json.contains("loop_gap"));
 }
 
-TEST_CASE("unreadable frames of a walk match nothing, and nothing matches them") {
+TEST_CASE("unreadable frames of a sequence match nothing and are not matched") {
   DescriptorSet walk = make_query(two_laps());
   walk.frames.unreadable = {5, 40};
   for (const Score score : {Score::raw, Score::standardized}) {
@@ -167,7 +167,7 @@ TEST_CASE("unreadable frames of a walk match nothing, and nothing matches them")
   }
 }
 
-TEST_CASE("a gap longer than the walk finds nothing and says so") {
+TEST_CASE("a gap longer than the sequence finds nothing and reports so") {
   std::string said;
   Monitor monitor;
   monitor.warn = [&](const std::string& text) { said += text; };
@@ -179,7 +179,7 @@ TEST_CASE("a gap longer than the walk finds nothing and says so") {
   CHECK_THROWS_AS(find_loops(make_query(one), loop_settings(2, 1)), Error);
 }
 
-TEST_CASE("what would need later frames, or other training data, is refused") {
+TEST_CASE("settings that need later frames or other training data are refused") {
   std::vector<SequenceQuerySettings> all(14, loop_settings(3, 12));
   all[0].loop_gap = 0;
   all[1].loop_gap_s = 3;
@@ -201,13 +201,13 @@ TEST_CASE("what would need later frames, or other training data, is refused") {
     INFO(i);
     CHECK_THROWS_AS(find_loops(make_query(two_laps()), all[i]), Error);
   }
-  // Where there is a database, there is no loop.
+  // With a database there is no loop.
   const DescriptorSet walk = make_query(two_laps());
   const SequenceDatabase database = own_walk(walk, "w");
   CHECK_THROWS_AS(plan_query(database, walk, "w", loop_settings(3, 12), {}, {}), Error);
 }
 
-TEST_CASE("a list of loops is one of the frames of its trajectory") {
+TEST_CASE("a list of loops refers to the frames of its trajectory") {
   const Result result = find_loops(make_query(two_laps()), loop_settings(3, 12));
   Trajectory trajectory;
   trajectory.name = "poses";

@@ -1,4 +1,4 @@
-// Queries by margin: every margin of a query against its definition, and what it makes a hit.
+// Queries by margin: every margin compared with its definition, and the resulting hits.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -36,14 +36,14 @@ SequenceQuerySettings by_margin(size_t length, std::optional<double> margin) {
   return settings;
 }
 
-// Two walks and a query that has some of the first, noisy.
+// Two sequences and a noisy query through part of the first one.
 struct Walks {
   std::vector<std::vector<LdbCode>> train = {test::walk_codes(90, 1), test::walk_codes(70, 2)};
   std::vector<LdbCode> query = test::walk_codes(60, 3);
   Walks() { std::copy_n(train[0].begin() + 20, 30, query.begin() + 15); }
 };
 
-// By the definition, from all distances of a query window; `width` of every sequence.
+// The definition, from all distances of a query window; `width` of every sequence.
 std::optional<double> slow_margin(const Walks& walks, size_t window, size_t length, size_t width) {
   std::optional<Match> best;
   std::vector<Match> row;
@@ -65,7 +65,7 @@ std::optional<double> slow_margin(const Walks& walks, size_t window, size_t leng
 
 }  // namespace
 
-TEST_CASE("every exact method gives each query window its margin, whatever decides") {
+TEST_CASE("every exact method gives each query window its margin, for any decision") {
   const Walks walks;
   const SequenceDatabase database = test::make_database(walks.train);
   const DescriptorSet query = make_query(walks.query);
@@ -86,7 +86,7 @@ TEST_CASE("every exact method gives each query window its margin, whatever decid
   }
 }
 
-TEST_CASE("by margin, a place that is seen again is recognised, and nothing else") {
+TEST_CASE("by margin, only a place that is seen again is recognized") {
   const Walks walks;
   const SequenceDatabase database = test::make_database(walks.train);
   for (const std::optional<double> margin : {std::optional<double>(), std::optional(60.0)}) {
@@ -101,7 +101,7 @@ TEST_CASE("by margin, a place that is seen again is recognised, and nothing else
   }
 }
 
-TEST_CASE("two walks of one place do not cost each other their margin") {
+TEST_CASE("two sequences of one place do not reduce each other's margin") {
   const Walks walks;
   const DescriptorSet query = make_query(walks.query);
   const auto hits = [&](const SequenceDatabase& database, std::vector<std::string> same_place) {
@@ -121,7 +121,7 @@ TEST_CASE("two walks of one place do not cost each other their margin") {
   CHECK(test::error_kind([&] { hits(twice, {"a=a"}); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a database that knows half-widths and shared places gives what one without does") {
+TEST_CASE("stored half-widths and overlaps have the results of computed ones") {
   const Walks walks;
   const std::vector<std::vector<LdbCode>> train = {walks.train[0], walks.train[1], walks.train[0]};
   const SequenceDatabase old = test::make_database(train);
@@ -136,12 +136,12 @@ TEST_CASE("a database that knows half-widths and shared places gives what one wi
   CHECK(result.hits == derived.hits);
   CHECK(result.margins == derived.margins);
   CHECK(result.targets[1].margin == derived.targets[1].margin);
-  // What the database says is taken.
+  // The query uses the stored value.
   database.shared_places->clear();
   CHECK(query_by(database, query, settings).hits.empty());
 }
 
-TEST_CASE("with nothing elsewhere there is no margin, and no hit by margin") {
+TEST_CASE("without windows outside the exclusion zone there is no margin and no hit by margin") {
   const Walks walks;
   SequenceQuerySettings settings = by_margin(10, 0.0);
   settings.margin_width = 10'000;

@@ -42,7 +42,7 @@ QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    {}, monitor);
 }
 
-// Hits by the definition and a division per cell.
+// Hits by definition, with a division per cell.
 std::vector<Match> slow_hits(const std::vector<std::vector<LdbCode>>& train,
                              const std::vector<LdbCode>& query, size_t length, double threshold) {
   std::vector<Match> hits;
@@ -63,7 +63,7 @@ std::vector<Match> slow_hits(const std::vector<std::vector<LdbCode>>& train,
 
 }  // namespace
 
-TEST_CASE("relative thresholds use the finished maximum of each training sequence") {
+TEST_CASE("relative thresholds use the final maximum of each training sequence") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   std::vector<LdbCode> query = test::walk_codes(50, 3);
@@ -82,7 +82,7 @@ TEST_CASE("relative thresholds use the finished maximum of each training sequenc
   }
 }
 
-TEST_CASE("automatic thresholds find a revisit and nothing between the training sequences") {
+TEST_CASE("automatic thresholds recognize a revisit and nothing between the training sequences") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(60, 2)};
   std::vector<LdbCode> query = test::walk_codes(50, 3);
@@ -94,13 +94,13 @@ TEST_CASE("automatic thresholds find a revisit and nothing between the training 
   CHECK(result.targets[0].scale == ThresholdScale::bits);
   REQUIRE_FALSE(result.clusters->all.empty());
   for (const Cluster& cluster : result.clusters->all) CHECK(cluster.target == 1);
-  // The threshold is strict: the closest windows of the training sequences are no hits.
+  // The threshold is strict: the closest windows of the training sequences are not hits.
   const DescriptorSet first = make_query(train[0]);
   settings.only_sequences = {"b"};
   CHECK(query_all(database, first, settings).result.hits.empty());
 }
 
-TEST_CASE("a window length without thresholds is computed") {
+TEST_CASE("a missing window length is computed") {
   const SequenceDatabase database =
       make_database({test::walk_codes(60, 1), test::walk_codes(60, 2)}, 10);
   std::vector<std::string> warnings;
@@ -117,8 +117,8 @@ TEST_CASE("a window length without thresholds is computed") {
       computed.result.targets[1].threshold);
 }
 
-TEST_CASE("training walks that look different don't make everything a hit") {
-  // Frames of one building differ by some 180 bits, of two buildings by some 690.
+TEST_CASE("training sequences that look different do not make every match a hit") {
+  // Frames of one building differ by about 180 bits, frames of two buildings by about 690.
   std::vector<std::vector<LdbCode>> walks(2);
   for (size_t w = 0; w < 2; ++w) {
     const LdbCode base = test::random_codes(1, 50 + w)[0];
@@ -133,7 +133,7 @@ TEST_CASE("training walks that look different don't make everything a hit") {
   SequenceQuerySettings settings;
   settings.window_length = 5;
   const Result result = query_all(database, make_query(walks[0]), settings).result;
-  CHECK(result.hits.size() == 36);  // each window its own; with the closest windows all 1296
+  CHECK(result.hits.size() == 36);  // each window matches itself; with the closest windows all 1296
   CHECK(*result.targets[0].threshold < 180);
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("the automatic threshold needs two training sequences, and raw distanc
   CHECK_NOTHROW(query_all(one, query, settings));
 }
 
-TEST_CASE("only queries with an automatic threshold are warned that sequences show one place") {
+TEST_CASE("only queries with an automatic threshold warn that sequences show one place") {
   std::vector<std::vector<LdbCode>> walks = {test::walk_codes(60, 1, 150),
                                              test::walk_codes(60, 2, 150)};
   std::copy_n(walks[0].begin() + 20, 15, walks[1].begin() + 40);
@@ -181,7 +181,7 @@ TEST_CASE("only queries with an automatic threshold are warned that sequences sh
   CHECK(said.empty());
 }
 
-TEST_CASE("long walks are left to the queries that ask") {
+TEST_CASE("long sequences are compared only in queries that need it") {
   const std::vector<LdbCode> codes = test::random_codes(1, 1);
   const auto walks = [&](size_t frames) {
     static std::vector<LdbCode> many;
@@ -193,7 +193,7 @@ TEST_CASE("long walks are left to the queries that ask") {
   CHECK_FALSE(is_left_to_queries(std::vector<DescriptorSpan>(1, walks(100'000)[0])));
 }
 
-TEST_CASE("a search can be limited to sequences, whose indices stay those of the database") {
+TEST_CASE("a search can be limited to sequences, which keep their indices in the database") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
                                                    test::walk_codes(30, 2)};
   const SequenceDatabase database = make_database(train, 5);
@@ -207,7 +207,7 @@ TEST_CASE("a search can be limited to sequences, whose indices stay those of the
   CHECK_FALSE(result.targets[0].searched);
 }
 
-TEST_CASE("identical training and query windows only: the maximum is 0 and so is every quotient") {
+TEST_CASE("identical training and query windows: the maximum and all quotients are 0") {
   const std::vector<LdbCode> same(8, test::random_codes(1, 1)[0]);
   const SequenceDatabase database = make_database({same}, 3);
   SequenceQuerySettings settings;
@@ -216,7 +216,7 @@ TEST_CASE("identical training and query windows only: the maximum is 0 and so is
   CHECK(query_all(database, make_query(same), settings).result.hits.size() == 36);
 }
 
-TEST_CASE("settings that can't be meant are usage errors that say what to do") {
+TEST_CASE("invalid settings are usage errors with advice") {
   const SequenceDatabase one = make_database({test::walk_codes(30, 1)}, 5);
   const DescriptorSet query = make_query(test::walk_codes(20, 2));
   const auto kind = [&](auto change) {
@@ -245,7 +245,7 @@ TEST_CASE("settings that can't be meant are usage errors that say what to do") {
   CHECK(kind([](auto& s) { s.clustering.eps = -1; }) == ErrorKind::usage);
 }
 
-TEST_CASE("chosen cells are different, valid, and the same for a seed") {
+TEST_CASE("random cells are distinct, valid, and the same for a seed") {
   const std::vector<FrameRun> train = {{0, 10, 0, 0}, {12, 5, 1, 2}};
   const std::vector<FrameRun> query = {{0, 4, 0, 0}, {6, 6, 0, 6}};
   const auto cells = choose_cells({train, query}, 4, 20, 7);
@@ -261,7 +261,7 @@ TEST_CASE("chosen cells are different, valid, and the same for a seed") {
   CHECK(choose_cells({train, query}, 11, 10, 7).empty());
 }
 
-TEST_CASE("a wrong cell is found") {
+TEST_CASE("a wrong cell is detected") {
   const std::vector<LdbCode> train = test::random_codes(10, 1);
   const std::vector<LdbCode> query = test::random_codes(10, 2);
   const DescriptorSpan span{train, {}};
@@ -273,7 +273,8 @@ TEST_CASE("a wrong cell is found") {
   CHECK(wrong[0].score == plain_window_distance(train, 4, query, 2, 4));
 }
 
-TEST_CASE("LSH gives some of the hits and best matches of an exact search, and its recall") {
+TEST_CASE(
+    "LSH finds some of the hits and best matches of an exact search, and reports its recall") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   const SequenceDatabase database = make_database(train, 5);
@@ -319,11 +320,11 @@ TEST_CASE("LSH gives some of the hits and best matches of an exact search, and i
   settings = fine;
   settings.score = Score::standardized;
   CHECK(is_refused());
-  // Drivers of exact methods do not know it.
+  // Drivers of exact methods do not support it.
   CHECK(test::error_kind([&] { query_all(database, query, fine); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a query that is described otherwise than the database is refused in one sentence") {
+TEST_CASE("a query with other descriptors than the database is refused in one sentence") {
   const SequenceDatabase database = make_database({test::walk_codes(30, 1)}, 4);
   const DescriptorKind other{"other", "", kLdbShape, nullptr};
   DescriptorSet query = make_query(test::walk_codes(20, 2));
@@ -337,8 +338,8 @@ TEST_CASE("a query that is described otherwise than the database is refused in o
         "by the same");
 }
 
-TEST_CASE("windows whose sums do not fit the files are refused") {
-  DescriptorKind vectors{"vectors", "", {ElementType::whole_numbers, 2}, nullptr};
+TEST_CASE("windows with sums that exceed the file format are refused") {
+  DescriptorKind vectors{"vectors", "", {ElementType::int8, 2}, nullptr};
   const std::vector<uint8_t> bytes(200, 1);
   SequenceDatabase database;
   database.sequences = {{"a", std::vector<std::string>(100), {}}};
@@ -355,10 +356,10 @@ TEST_CASE("windows whose sums do not fit the files are refused") {
   CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for frames described by"));
   settings.window_length = 5;
   const Result result = query_all(database, query, settings).result;
-  CHECK(result.hits.size() == 96 * 96);  // all vectors are the same
+  CHECK(result.hits.size() == 96 * 96);  // all vectors are equal
 }
 
-TEST_CASE("A replayed query gives the rows of the recording again, frame by frame") {
+TEST_CASE("a resampled query repeats the rows of the recording, frame by frame") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(70, 1)};
   const SequenceDatabase database = make_database(train, 1);
   const auto record = [] {
@@ -393,7 +394,8 @@ TEST_CASE("A replayed query gives the rows of the recording again, frame by fram
   }
 }
 
-TEST_CASE("A warp of nothing leaves a query as it is, and short ones say what they lack") {
+TEST_CASE(
+    "an empty warp does not change a query, and too short queries are refused with the reason") {
   const DescriptorSet same = replayed(make_query(test::walk_codes(3, 3)), "", 1);
   CHECK_FALSE(same.frames.replay);
   CHECK(ldb_codes(same) == test::walk_codes(3, 3));

@@ -1,4 +1,4 @@
-// Queries with standardized scores: thresholds, searched sequences, verification.
+// Queries with z-scores: thresholds, searched sequences, verification.
 #include <algorithm>
 #include <cmath>
 
@@ -44,7 +44,7 @@ QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
 
 }  // namespace
 
-TEST_CASE("standardized scores find a revisit, and every method gives the same") {
+TEST_CASE("z-scores recognize a revisit, with the same result for every method") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   std::vector<LdbCode> query = test::walk_codes(50, 3);
@@ -64,7 +64,7 @@ TEST_CASE("standardized scores find a revisit, and every method gives the same")
   CHECK(query_all(database, make_query(query), settings).result.hits == result.hits);
 }
 
-TEST_CASE("windows of several rates are those of the definition, by distances and by scores") {
+TEST_CASE("windows of several rates equal the definition, for distances and for scores") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   SequenceDatabase database = make_database(train);
@@ -82,7 +82,7 @@ TEST_CASE("windows of several rates are those of the definition, by distances an
   }
 }
 
-TEST_CASE("rows are centred over all training frames, whichever sequences are searched") {
+TEST_CASE("rows are centered over all training frames, also in a limited search") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1), test::walk_codes(50, 2),
                                                    test::walk_codes(30, 3)};
   const SequenceDatabase database = make_database(train);
@@ -99,7 +99,7 @@ TEST_CASE("rows are centred over all training frames, whichever sequences are se
   CHECK(one.hits == expected);
 }
 
-TEST_CASE("a wrong score is found, and a right one is not") {
+TEST_CASE("a wrong score is detected, and a correct one is accepted") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(30, 1),
                                                    test::walk_codes(30, 2)};
   const SequenceDatabase database = make_database(train);
@@ -109,13 +109,13 @@ TEST_CASE("a wrong score is found, and a right one is not") {
   for (const Score score : {Score::standardized, Score::standardized_offline}) {
     settings.score = score;
     const QueryRun run = query_all(database, query, settings, 100'000);
-    CHECK(run.verified_cells == 2 * 27 * 37);  // every one
+    CHECK(run.verified_cells == 2 * 27 * 37);  // all of them
     const auto cell_of = [&](const Match& hit) {
       return Cell{hit.query, hit.target, hit.train, uint32_t(hit.score + double(score_offset(4)))};
     };
     const Cell right = cell_of(run.result.hits[300]);
     std::vector<Cell> cells = {cell_of(run.result.hits[100]), right};
-    cells[1].score += 10;  // two units a frame
+    cells[1].score += 10;  // two units per frame
     const auto wrong = wrong_scores(cells, descriptor_spans(database), {query.rows(), {}}, 4,
                                     *score_basis(&*database.statistics, settings), {});
     REQUIRE(wrong.size() == 1);
@@ -124,7 +124,7 @@ TEST_CASE("a wrong score is found, and a right one is not") {
   }
 }
 
-TEST_CASE("statistics that a database lacks are computed") {
+TEST_CASE("missing statistics of a database are computed") {
   SequenceDatabase database = make_database({test::walk_codes(30, 1)});
   const auto stored = database.statistics;
   ensure_statistics(database, {});
@@ -138,7 +138,7 @@ TEST_CASE("statistics that a database lacks are computed") {
   CHECK(database.statistics == stored);
 }
 
-TEST_CASE("settings that do not fit the score are usage errors") {
+TEST_CASE("settings of another score are usage errors") {
   const SequenceDatabase database =
       make_database({test::walk_codes(30, 1), test::walk_codes(30, 2)});
   const DescriptorSet query = make_query(test::walk_codes(20, 2));
@@ -169,7 +169,7 @@ TEST_CASE("settings that do not fit the score are usage errors") {
         ErrorKind::usage);
 }
 
-TEST_CASE("a sweep of scores counts what single queries find") {
+TEST_CASE("a sweep of scores has the counts of single queries") {
   const std::vector<std::vector<LdbCode>> train = {test::walk_codes(60, 1),
                                                    test::walk_codes(45, 2)};
   std::vector<LdbCode> codes = test::walk_codes(50, 3);

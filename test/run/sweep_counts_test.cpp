@@ -1,4 +1,4 @@
-// What sweeps count, against single queries and against what chance allows.
+// Counts of sweeps, compared with single queries and with random chance.
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
@@ -17,7 +17,7 @@ WordSet some_words(size_t words, RandomEngine& engine) {
   return set;
 }
 
-/// A walk of 20 views, and a place of three.
+/// A sequence of 20 views, and a place with three views.
 FabmapDatabase make_database(RandomEngine& engine) {
   FabmapDatabase database;
   std::vector<WordSet> pretrain;
@@ -33,7 +33,7 @@ FabmapDatabase make_database(RandomEngine& engine) {
   return database;
 }
 
-/// The walk again: of every frame a few words differ. Frame 7 can't be decoded.
+/// The sequence again with a few other words per frame. Frame 7 cannot be decoded.
 SequenceWords make_query(const FabmapDatabase& database, RandomEngine& engine) {
   SequenceWords query;
   for (size_t f = 0; f < 20; ++f) {
@@ -55,7 +55,7 @@ GroundTruth same_frames(const GroundTruthScope& scope) {
   return truth;
 }
 
-/// Ten windows of c_l frames; right hits and wrong ones in the windows that are named.
+/// Ten windows of c_l frames, with correct and incorrect hits in the given windows.
 SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
                             const std::vector<uint32_t>& wrong, size_t windows = 10) {
   Result result;
@@ -74,7 +74,7 @@ SweepIntervals intervals_of(size_t length, const std::vector<uint32_t>& right,
 
 }  // namespace
 
-TEST_CASE("a sweep of FAB-MAP gives what single queries give, cell by cell") {
+TEST_CASE("a sweep of FAB-MAP equals single queries, cell by cell") {
   RandomEngine engine(4);
   const FabmapDatabase database = make_database(engine);
   const SequenceWords query = make_query(database, engine);
@@ -105,22 +105,22 @@ TEST_CASE("a sweep of FAB-MAP gives what single queries give, cell by cell") {
   CHECK(cells[3].counts.hits.ignored > 0);
 }
 
-TEST_CASE("an interval is the middle 95 % of the counts that chance gives") {
-  // Of ten windows, drawn one by one, one has hits: it is drawn Binomial(10, 0.1) times, at most 2
-  // times in 93.0 % of all cases and at most 3 times in 98.7 %.
+TEST_CASE("an interval is the central 95% of random counts") {
+  // One of ten windows, drawn one by one, has hits: it is drawn Binomial(10, 0.1) times, at most 2
+  // times in 93.0% of all cases and at most 3 times in 98.7%.
   const SweepIntervals single = intervals_of(1, {4}, {7, 7});
   CHECK(single.block == 1);
   CHECK((single.correct_hits.low == 0 && single.correct_hits.high == 3));
   CHECK((single.incorrect_hits.low == 0 && single.incorrect_hits.high == 6));
-  // Half of them have one: Binomial(10, 0.5), below 2 in 1.1 %, below 3 in 5.5 %.
+  // Half of them have one: Binomial(10, 0.5), below 2 in 1.1%, below 3 in 5.5%.
   const SweepIntervals half = intervals_of(1, {0, 2, 4, 6, 8}, {});
   CHECK((half.correct_hits.low == 2 && half.correct_hits.high == 8));
   CHECK((half.incorrect_hits.low == 0 && half.incorrect_hits.high == 0));
-  // Two blocks of two of four windows, each with the hit in two of four cases: once or twice, where
-  // four single windows would have it up to three times.
+  // Two blocks of two of four windows, each with the hit in two of four cases: once or twice, while
+  // four single windows have it up to three times.
   CHECK(intervals_of(2, {0}, {}, 4).correct_hits.high == 2);
   CHECK(intervals_of(1, {0}, {}, 4).correct_hits.high == 3);
-  // One block of all: whatever begins it, every window is drawn once.
+  // A single block: for any start, every window is drawn once.
   const SweepIntervals whole = intervals_of(10, {0, 3, 4}, {9});
   CHECK((whole.correct_hits.low == 3 && whole.correct_hits.high == 3));
   CHECK((whole.incorrect_hits.low == 1 && whole.incorrect_hits.high == 1));

@@ -1,4 +1,4 @@
-// A sweep's cells are those of queries run one by one.
+// A sweep's cells equal single queries.
 #include "run/sweep.h"
 
 #include <catch2/catch.hpp>
@@ -35,7 +35,7 @@ GroundTruth make_truth(const GroundTruthScope& scope) {
 
 }  // namespace
 
-TEST_CASE("a sweep of sequences gives what single queries give, cell by cell") {
+TEST_CASE("a sweep of sequences equals single queries, cell by cell") {
   const SequenceDatabase database = make_database();
   std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
   codes.erase(codes.begin(), codes.begin() + 10);
@@ -90,7 +90,7 @@ TEST_CASE("an empty grid is refused") {
         }) == ErrorKind::usage);
 }
 
-TEST_CASE("a sweep warns of everything that its settings would be warned of, and once") {
+TEST_CASE("a sweep gives each warning of its settings once") {
   SequenceDatabase database = make_database();
   DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
   for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
@@ -100,7 +100,7 @@ TEST_CASE("a sweep warns of everything that its settings would be warned of, and
   std::vector<std::string> said;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { said.push_back(sentence); };
-  // Two of the training sequences have runs of 49 frames at most.
+  // Two of the training sequences have runs of at most 49 frames.
   database.sequences[2].unreadable = {40};
   sweep_sequences(database, query, "q", {}, {{5, 50, 55}, {0.3, 0.6, std::nullopt}}, make_truth,
                   resources, monitor);
@@ -115,7 +115,7 @@ TEST_CASE("a sweep warns of everything that its settings would be warned of, and
   CHECK(times("can't be decoded") == 1);
 }
 
-TEST_CASE("the hits of all window lengths share the memory") {
+TEST_CASE("the hits of all window lengths share the memory limit") {
   const SequenceDatabase database = make_database();
   DescriptorSet query = ldb_set(test::walk_codes(90, 10, 40), {});
   for (size_t i = 0; i < query.rows().size(); ++i) query.frames.names.push_back(std::to_string(i));
@@ -136,7 +136,7 @@ TEST_CASE("the hits of all window lengths share the memory") {
   CHECK(!run({1, 2}, 2 * enough));
 }
 
-TEST_CASE("intervals of counts that are the same everywhere are the counts") {
+TEST_CASE("intervals of constant counts are the counts") {
   Result result;
   SequenceQuerySettings settings;
   settings.window_length = 3;
@@ -148,7 +148,7 @@ TEST_CASE("intervals of counts that are the same everywhere are the counts") {
   truth.pairs.resize(12);
   for (uint32_t frame = 0; frame < 12; ++frame)
     truth.pairs[frame].push_back({0, frame, PlaceLabel::same});
-  // Every window has a right hit, and two wrong ones.
+  // Every window has a correct and two incorrect hits.
   for (uint32_t window = 0; window < 10; ++window)
     for (const uint32_t train : {window, window + 5, window + 9})
       result.hits.push_back({window, 0, train, 0, 1});
@@ -160,7 +160,7 @@ TEST_CASE("intervals of counts that are the same everywhere are the counts") {
   CHECK((found.incorrect_hits.low == 20 && found.incorrect_hits.high == 20));
   CHECK(found.correct_places.high >= 1);
   CHECK((found.incorrect_places.low == 0 && found.incorrect_places.high == 0));
-  // Of frames that are compared one by one, blocks are of c_w frames, but at least 8.
+  // For single frames, blocks have c_w frames, but at least 8.
   FabmapQuerySettings fabmap;
   result.clusters.reset();
   result.settings = fabmap;
@@ -174,7 +174,7 @@ TEST_CASE("intervals of counts that are the same everywhere are the counts") {
   CHECK(count_intervals(result, truth, 7).block == 12);
 }
 
-TEST_CASE("a threshold of FAB-MAP is a number") {
+TEST_CASE("a FAB-MAP threshold is a number") {
   FabmapDatabase database;
   CHECK(test::error_kind([&] {
           sweep_fabmap(database, {}, "q", {}, {{1}, {std::nullopt}}, make_truth, 1, {});
@@ -184,7 +184,7 @@ TEST_CASE("a threshold of FAB-MAP is a number") {
         }) == ErrorKind::usage);
 }
 
-TEST_CASE("a sweep by margin gives what single queries by margin give") {
+TEST_CASE("a sweep by margin equals single queries by margin") {
   const SequenceDatabase database = make_database();
   std::vector<LdbCode> codes = test::walk_codes(90, 10, 40);
   codes.erase(codes.begin(), codes.begin() + 10);
@@ -212,7 +212,7 @@ TEST_CASE("a sweep by margin gives what single queries by margin give") {
     CHECK(numbers(*sweep.cells[c].counts.clusters) == numbers(*alone.clusters));
     CHECK_FALSE(sweep.cells[c].scale);
   }
-  // A smaller margin accepts more, and so it would without the places.
+  // A smaller margin accepts more, also without the places.
   for (const size_t c : {0, 1, 2, 5, 6, 7}) {
     CHECK(sweep.cells[c].untrained >= sweep.cells[c + 1].untrained);
     CHECK(sweep.cells[c].untrained.has_value());

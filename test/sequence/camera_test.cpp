@@ -1,5 +1,4 @@
-// A camera that is followed. There is none here: what reads frames is given captures that stand in
-// for one.
+// Reading frames from a camera, with simulated captures instead of hardware.
 #include <chrono>
 #include <thread>
 
@@ -20,8 +19,8 @@ namespace {
 
 constexpr auto kPace = std::chrono::milliseconds(2);
 
-/// Frames of one grey level, the n-th of level n, at a pace; into the same memory, as a driver
-/// does. What it is told to do happens while a frame is waited for.
+/// Returns frames of a single gray level, frame n with level n, at a constant rate and in the same
+/// memory, as a driver does. Requests a stop at frame `stop_at` if `stop` is set.
 class PacedCapture : public cv::VideoCapture {
  public:
   explicit PacedCapture(int frames, int broken = -1) : frames_(frames), broken_(broken) {}
@@ -30,7 +29,7 @@ class PacedCapture : public cv::VideoCapture {
     std::this_thread::sleep_for(kPace);
     if (stop != nullptr && grabbed_ + 1 == stop_at) {
       stop->store(true);
-      return false;  // as a wait that a signal ends
+      return false;  // like a wait interrupted by a signal
     }
     return ++grabbed_ < frames_;
   }
@@ -67,7 +66,7 @@ std::vector<std::string> names_of(LiveSource& source, size_t most) {
 
 }  // namespace
 
-TEST_CASE("frames of a camera come one by one, and keep their pictures") {
+TEST_CASE("frames of a camera arrive one by one and keep their images") {
   const auto camera = follow_camera(std::make_unique<PacedCapture>(100), argument());
   std::vector<LiveFrame> frames;
   const auto begin = std::chrono::steady_clock::now();
@@ -81,7 +80,7 @@ TEST_CASE("frames of a camera come one by one, and keep their pictures") {
   }
 }
 
-TEST_CASE("a range of a camera leaves frames out, and ends it") {
+TEST_CASE("a range of a camera selects frames and ends the stream") {
   const auto part = follow_camera(std::make_unique<PacedCapture>(100), argument("@2:9:3"));
   CHECK(names_of(*part, 10) == std::vector<std::string>{"#2", "#5", "#8"});
   const auto open = follow_camera(std::make_unique<PacedCapture>(100), argument("@0::4"));
@@ -90,14 +89,14 @@ TEST_CASE("a range of a camera leaves frames out, and ends it") {
   CHECK(next->picture->at<uint8_t>(0, 0) == 12);
 }
 
-TEST_CASE("a frame of a camera that can't be decoded is unreadable") {
+TEST_CASE("a frame of a camera that cannot be decoded is unreadable") {
   const auto camera = follow_camera(std::make_unique<PacedCapture>(100, 1), argument());
   CHECK_FALSE(camera->next({})->is_unreadable);
   CHECK(camera->next({})->is_unreadable);
   CHECK_FALSE(camera->next({})->is_unreadable);
 }
 
-TEST_CASE("who waits for a camera is stopped, and told when it falls silent") {
+TEST_CASE("a wait for a camera ends with a stop, and with an error after a timeout") {
   std::atomic<bool> stop = false;
   Monitor monitor;
   monitor.stop = &stop;
@@ -115,7 +114,7 @@ TEST_CASE("who waits for a camera is stopped, and told when it falls silent") {
         "camera: gives no frame any more, after 2 frames");
 }
 
-TEST_CASE("a video that OpenCV plays is followed as a camera is") {
+TEST_CASE("a video played by OpenCV is followed like a camera") {
   const TemporaryFolder folder;
   const std::string path = folder / "walk.avi";
   {
@@ -132,7 +131,7 @@ TEST_CASE("a video that OpenCV plays is followed as a camera is") {
   CHECK_THROWS_AS(camera->next({}), Error);
 }
 
-TEST_CASE("a device that is no camera is refused with a sentence") {
+TEST_CASE("a device that is not a camera is refused with a sentence") {
   CHECK(is_device("/dev/null"));
   CHECK_FALSE(is_device("/dev"));
   CHECK_FALSE(is_device("/dev/no such thing"));
@@ -141,6 +140,7 @@ TEST_CASE("a device that is no camera is refused with a sentence") {
   };
   CHECK(error_kind(open) == ErrorKind::input);
   CHECK(error_text(open).starts_with("/dev/null: is a device that can't be opened"));
-  const auto backends = cv::videoio_registry::getStreamBackends();  // opened by the device's name
+  // the device's name selects the backend
+  const auto backends = cv::videoio_registry::getStreamBackends();
   CHECK(std::find(backends.begin(), backends.end(), cv::CAP_V4L2) != backends.end());
 }

@@ -66,7 +66,7 @@ std::string big_endian(uint32_t value) {
   return bytes;
 }
 
-/// A small PNG whose header says that it is large.
+/// A small PNG whose header claims a large size.
 std::string png_that_claims(uint32_t width, uint32_t height) {
   std::vector<uint8_t> bytes;
   cv::imencode(".png", cv::Mat(8, 8, CV_8UC3, cv::Scalar(1, 2, 3)), bytes);
@@ -97,7 +97,7 @@ TEST_CASE("frames of a folder are decoded as OpenCV does, at their own index and
                       cv::imread((folder / pass.frames.names[i]).string(), cv::IMREAD_GRAYSCALE)));
 }
 
-TEST_CASE("a frame that can't be decoded is named, the first of several on any number of threads") {
+TEST_CASE("an undecodable frame is named, the first of several for any number of threads") {
   const std::string whole = jpeg_bytes(64, 48);
   const std::string png_start = "\x89PNG\r\n\x1a\n";
   const std::string bad =
@@ -118,7 +118,7 @@ TEST_CASE("a frame that can't be decoded is named, the first of several on any n
   }
 }
 
-TEST_CASE("a JPEG whose preview is complete but whose picture is cut counts as truncated") {
+TEST_CASE("a JPEG with a complete preview but a truncated image counts as truncated") {
   const std::string preview = jpeg_bytes(8, 8);
   std::string whole = jpeg_bytes(64, 48);
   const size_t length = preview.size() + 2;
@@ -133,7 +133,7 @@ TEST_CASE("a JPEG whose preview is complete but whose picture is cut counts as t
   CHECK(error_kind([&] { read_all({folder.path(), {}}); }) == ErrorKind::input);
 }
 
-TEST_CASE("images are accepted by their first bytes, whatever their names say") {
+TEST_CASE("images are accepted by their first bytes, not by their names") {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& bytes) {
     write_text(folder / "1.png", bytes);
@@ -144,7 +144,7 @@ TEST_CASE("images are accepted by their first bytes, whatever their names say") 
     REQUIRE(cv::imencode(extension, image, bytes));
     return std::string(bytes.begin(), bytes.end());
   };
-  cv::Mat image(128, 128, CV_8UC3);  // OpenJPEG compresses nothing much smaller
+  cv::Mat image(128, 128, CV_8UC3);  // OpenJPEG cannot compress much smaller images
   cv::randu(image, 0, 256);
   for (const char* extension : {".jpg", ".png", ".tiff", ".bmp", ".ppm", ".webp"})
     CHECK(read(encoded(extension, image)).empty());
@@ -182,7 +182,7 @@ TEST_CASE("a progressive JPEG is decoded, and refused with thousands of scans") 
             "the JPEG has 3010 scans, more than 100"));
 }
 
-TEST_CASE("a file that is truncated while it is read is damaged, and nothing worse") {
+TEST_CASE("a file that is truncated during reading is reported as damaged, without a crash") {
   const TemporaryFolder folder;
   cv::Mat image(2000, 3000, CV_8UC3);
   cv::randu(image, 0, 256);
@@ -201,7 +201,7 @@ TEST_CASE("a file that is truncated while it is read is damaged, and nothing wor
   }
 }
 
-TEST_CASE("a picture of more pixels than are allowed is refused, whatever its format") {
+TEST_CASE("an image with more pixels than the limit is refused in any format") {
   const std::string extension =
       GENERATE(as<std::string>(), ".png", ".jpg", ".bmp", ".pgm", ".tiff", ".webp");
   const TemporaryFolder folder;
@@ -221,7 +221,7 @@ TEST_CASE("a picture of more pixels than are allowed is refused, whatever its fo
   }
 }
 
-TEST_CASE("a small file that claims a large picture takes no memory") {
+TEST_CASE("a small file that claims a large image does not allocate memory for it") {
   const TemporaryFolder folder;
   const auto refusal = [&](uint32_t width, uint32_t height) {
     write_text(folder / "1.png", png_that_claims(width, height));
@@ -235,7 +235,7 @@ TEST_CASE("a small file that claims a large picture takes no memory") {
   CHECK(peak_memory_kib() - before < 50 * 1024);
 }
 
-TEST_CASE("limits of pixels that can't be kept are refused, and end with their scope") {
+TEST_CASE("invalid pixel limits are refused, and limits end with their scope") {
   CHECK(error_kind([] { const MegapixelLimit none(0); }) == ErrorKind::usage);
   CHECK(error_kind([] { const MegapixelLimit more(kMostMegapixels + 1); }) == ErrorKind::usage);
   const MegapixelLimit outer(2);
@@ -248,13 +248,13 @@ TEST_CASE("limits of pixels that can't be kept are refused, and end with their s
   CHECK(error_kind([] { check_frame_size("x", 2000, 1001); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a sequence without any readable frame is an error even if they may be skipped") {
+TEST_CASE("a sequence without readable frames is an error even with --skip-unreadable") {
   const TemporaryFolder folder;
   write_text(folder / "1.png", "");
   CHECK(error_kind([&] { read_all({folder.path(), {}}, Unreadable::skip); }) == ErrorKind::input);
 }
 
-TEST_CASE("a wish to stop ends the pass") {
+TEST_CASE("a stop request ends the pass") {
   const TemporaryFolder folder;
   write_image(folder / "1.png", 1);
   std::atomic<bool> stop{true};
@@ -265,15 +265,15 @@ TEST_CASE("a wish to stop ends the pass") {
         }) == ErrorKind::interrupted);
 }
 
-TEST_CASE("a video is read frame after frame, and cut to its range") {
+TEST_CASE("a video is read frame by frame, within its range") {
   const TemporaryFolder folder;
   const std::string path = folder / "walk.avi";
   {
     cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {32, 24});
     REQUIRE(writer.isOpened());
     for (int i = 0; i < 12; ++i) {
-      const int grey = 20 * i + 5;
-      writer.write(cv::Mat(24, 32, CV_8UC3, cv::Scalar(grey, grey, grey)));
+      const int gray = 20 * i + 5;
+      writer.write(cv::Mat(24, 32, CV_8UC3, cv::Scalar(gray, gray, gray)));
     }
   }
   const Pass all = read_all({path, {}});
@@ -287,7 +287,7 @@ TEST_CASE("a video is read frame after frame, and cut to its range") {
   CHECK(error_kind([&] { read_all({path, {12, std::nullopt, 1}}); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a video of larger frames than are allowed is refused before one is decoded") {
+TEST_CASE("a video with frames above the limit is refused before decoding") {
   const TemporaryFolder folder;
   const std::string path = folder / "walk.avi";
   {
@@ -301,7 +301,7 @@ TEST_CASE("a video of larger frames than are allowed is refused before one is de
     CHECK(has(error_text([&] { read_all({path, {}}, unreadable); }), "has 1280 x 1024 pixels"));
 }
 
-TEST_CASE("a file that is no video is an input error") {
+TEST_CASE("a file that is not a video is an input error") {
   const TemporaryFolder folder;
   write_text(folder / "walk.mp4", "not a video");
   CHECK(error_kind([&] { read_all({folder / "walk.mp4", {}}); }) == ErrorKind::input);

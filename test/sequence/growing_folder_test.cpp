@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// As programs do that write a file under another name first.
+// Writes a file under another name and renames it, as other programs do.
 void put(const fs::path& folder, const std::string& name) {
   write_text(folder / ".part", "x");
   fs::rename(folder / ".part", folder / name);
@@ -25,18 +25,18 @@ std::future<fs::path> next_of(GrowingFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("images are given in natural order, as soon as they are renamed into a folder") {
+TEST_CASE("images arrive in natural order, as soon as they are renamed into a folder") {
   const TemporaryFolder folder;
   put(folder.path(), "10.png");
   put(folder.path(), "9.png");
   put(folder.path(), "notes.txt");
   put(folder.path(), ".hidden.png");
   GrowingFolder growing(folder.path(), 1h);
-  CHECK(growing.next({}) == folder / "9.png");  // a later one is there
-  auto waiting = next_of(growing);              // for one later than 10.png, or that it rests
+  CHECK(growing.next({}) == folder / "9.png");  // a later one has arrived
+  auto waiting = next_of(growing);  // waits for an image later than 10.png, or for a stable size
   put(folder.path(), "11.png");
   CHECK(waiting.get() == folder / "10.png");
-  CHECK(growing.next({}) == folder / "11.png");  // renamed: at once
+  CHECK(growing.next({}) == folder / "11.png");  // renamed: returned at once
   for (int i = 12; i < 40; ++i) {
     auto next = next_of(growing);
     put(folder.path(), std::to_string(i) + ".png");
@@ -44,7 +44,7 @@ TEST_CASE("images are given in natural order, as soon as they are renamed into a
   }
 }
 
-TEST_CASE("a file that is being written is waited for") {
+TEST_CASE("an unfinished file is awaited") {
   const TemporaryFolder folder;
   GrowingFolder growing(folder.path(), 1h);
   write_image(folder / ".whole.png", 1);
@@ -57,7 +57,7 @@ TEST_CASE("a file that is being written is waited for") {
   CHECK(next.get() == image.size());
 }
 
-TEST_CASE("an image whose writer pauses is waited for, and a warning names it once") {
+TEST_CASE("an image whose writer pauses is awaited, and a warning names it once") {
   const TemporaryFolder folder;
   write_image(folder / ".whole.png", 1);
   const std::string image = read_text(folder / ".whole.png");
@@ -82,7 +82,7 @@ TEST_CASE("an image whose writer pauses is waited for, and a warning names it on
   CHECK(warnings == 1);
 }
 
-TEST_CASE("a damaged image is given when a later one is there, or when it was renamed") {
+TEST_CASE("a damaged image is returned after a later one has arrived, or after a rename") {
   const TemporaryFolder folder;
   write_text(folder / "1.png", "x");
   GrowingFolder growing(folder.path(), 1h);
@@ -91,14 +91,14 @@ TEST_CASE("a damaged image is given when a later one is there, or when it was re
   CHECK(growing.next({}) == folder / "2.png");
 }
 
-TEST_CASE("a file that was there is given when its size rests") {
+TEST_CASE("an existing file is returned when its size is stable") {
   const TemporaryFolder folder;
   write_image(folder / "1.png", 1);
   GrowingFolder growing(folder.path(), 0ms);
   CHECK(growing.next({}) == folder / "1.png");
 }
 
-TEST_CASE("an image that comes too late is left out, and said") {
+TEST_CASE("an image that arrives too late is omitted with a warning") {
   const TemporaryFolder folder;
   GrowingFolder growing(folder.path(), 1h);
   put(folder.path(), "5.png");
@@ -112,7 +112,7 @@ TEST_CASE("an image that comes too late is left out, and said") {
   CHECK(has(said, "3.png: came after 5.png"));
 }
 
-TEST_CASE("waiting ends with a stop, and with the folder") {
+TEST_CASE("waiting ends on a stop and when the folder is removed") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "f");
   GrowingFolder growing(folder / "f", 1h);

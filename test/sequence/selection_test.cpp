@@ -1,4 +1,4 @@
-// Thinned and warped replays of a sequence.
+// Thinning and resampling of a sequence.
 #include "sequence/selection.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ std::vector<uint32_t> kept_at(const std::vector<int64_t>& times_ms, double fps) 
   return thinned(times, fps).sources;
 }
 
-// Every tick looks at every frame.
+// The reference implementation: compares every tick with every frame.
 std::vector<uint32_t> plainly_kept(const std::vector<int64_t>& times, double fps) {
   std::vector<uint32_t> kept;
   const double interval = 1e9 / fps;
@@ -50,17 +50,17 @@ std::vector<uint32_t> sources_of(const std::string& warp, size_t frames, uint64_
 
 }  // namespace
 
-TEST_CASE("The frame nearest to each tick is kept, and none twice") {
-  // Ten frames a second.
+TEST_CASE("the frame nearest to each tick is selected, each at most once") {
+  // Ten frames per second.
   const std::vector<int64_t> even = {0, 100, 200, 300, 400, 500, 600, 700};
   CHECK(kept_at(even, 10) == std::vector<uint32_t>{0, 1, 2, 3, 4, 5, 6, 7});
   CHECK(kept_at(even, 5) == std::vector<uint32_t>{0, 2, 4, 6});
   CHECK(kept_at(even, 1) == std::vector<uint32_t>{0});
   CHECK(kept_at(even, 1000) == std::vector<uint32_t>{0, 1, 2, 3, 4, 5, 6, 7});
-  // Ticks at 0, 250 (half way), 500 and 750, which is too far behind the last frame.
+  // Ticks at 0, 250 (a tie), 500 and 750, which is too far after the last frame.
   CHECK(kept_at(even, 4) == std::vector<uint32_t>{0, 2, 5});
   CHECK(kept_at({0, 250, 500, 730}, 4) == std::vector<uint32_t>{0, 1, 2, 3});
-  // Times start anywhere, and a pause is one.
+  // Times may start anywhere and have a pause.
   CHECK(kept_at({9000, 9090, 9210, 20000, 20120, 20190}, 5) == std::vector<uint32_t>{0, 2, 3, 5});
   CHECK(kept_at({7}, 5) == std::vector<uint32_t>{0});
   CHECK(kept_at({}, 5).empty());
@@ -71,7 +71,7 @@ TEST_CASE("The frame nearest to each tick is kept, and none twice") {
   CHECK(replay_text(kept) == "thinned to 2 frames a second");
 }
 
-TEST_CASE("Frames are kept as a look at all frames for every tick keeps them") {
+TEST_CASE("selected frames equal those of the reference implementation") {
   std::mt19937 random(4);
   for (const double fps : {0.7, 3.0, 5.0, 9.7, 10.0, 14.0, 29.97, 90.0})
     for (const size_t frames : {1, 2, 3, 50, 200}) {
@@ -83,7 +83,7 @@ TEST_CASE("Frames are kept as a look at all frames for every tick keeps them") {
     }
 }
 
-TEST_CASE("A rate is the median of what lies between frames") {
+TEST_CASE("a rate is the median of the intervals between frames") {
   const std::vector<int64_t> times = {0, 40 * kMs, 80 * kMs, 120 * kMs, 5000 * kMs};
   CHECK(median_fps(times) == Approx(25));
   CHECK_FALSE(median_fps(std::vector<int64_t>{3}));
@@ -92,7 +92,7 @@ TEST_CASE("A rate is the median of what lies between frames") {
   CHECK(has(error_text([] { check_fps(1001, "--fps"); }), "at most 1000"));
 }
 
-TEST_CASE("A replay of kept frames is one of the recording") {
+TEST_CASE("a resampled selection refers to frames of the recording") {
   const Replay kept = thinned(std::vector<int64_t>{0, 100 * kMs, 200 * kMs, 300 * kMs}, 5);
   const Replay both = replay_of_kept(kept, replay("reversed", 2, 1));
   CHECK(both.sources == std::vector<uint32_t>{2, 0});
@@ -100,7 +100,7 @@ TEST_CASE("A replay of kept frames is one of the recording") {
   CHECK(replay_text(both) == "thinned to 5 frames a second, replayed by reversed, seed 1");
 }
 
-TEST_CASE("Kept frames of a file must rise and exist") {
+TEST_CASE("selected frames in a file must increase and exist") {
   const auto read = [](const std::vector<int32_t>& sources, uint64_t frames) {
     return kept_frames(sources, frames, 5).has_value();
   };
@@ -112,7 +112,7 @@ TEST_CASE("Kept frames of a file must rise and exist") {
   CHECK_FALSE(read({0, 1}, 2 * kMostThinned + 1));
 }
 
-TEST_CASE("Every warp keeps what its row states, for any length and seed") {
+TEST_CASE("every kind of warp has its documented properties, for any length and seed") {
   for (const WarpRule& rule : warp_rules())
     for (const size_t frames : {1, 2, 3, 39, 40, 41, 80, 81, 111, 1500})
       for (const uint64_t seed : {1, 2, 7}) {
@@ -132,7 +132,7 @@ TEST_CASE("Every warp keeps what its row states, for any length and seed") {
       }
 }
 
-TEST_CASE("A pace shows frame floor(k p), exactly") {
+TEST_CASE("a speed p shows frame floor(k p), exactly") {
   CHECK(sources_of("0.5", 3) == std::vector<uint32_t>{0, 0, 1, 1, 2, 2});
   CHECK(sources_of("0.67", 4) == std::vector<uint32_t>{0, 0, 1, 2, 2, 3});
   CHECK(sources_of("1", 3) == std::vector<uint32_t>{0, 1, 2});
@@ -144,10 +144,10 @@ TEST_CASE("A pace shows frame floor(k p), exactly") {
   CHECK(sources_of("0.29", 30)[100] == 29);
 }
 
-TEST_CASE("Reversed ends with the first frame, and kidnap shows every frame once") {
+TEST_CASE("reversed ends with the first frame, and kidnap shows every frame once") {
   CHECK(sources_of("reversed", 4) == std::vector<uint32_t>{3, 2, 1, 0});
   CHECK(sources_of("reversed", 1) == std::vector<uint32_t>{0});
-  // Two stretches have one order.
+  // Two parts have only one other order.
   const std::vector<uint32_t> two = sources_of("kidnap", 41);
   CHECK(two.front() == 40);
   CHECK(std::vector<uint32_t>(two.begin() + 1, two.begin() + 3) == std::vector<uint32_t>{0, 1});
@@ -155,10 +155,10 @@ TEST_CASE("Reversed ends with the first frame, and kidnap shows every frame once
   CHECK(std::set<uint32_t>(many.begin(), many.end()).size() == 1500);
   size_t cuts = 0;
   for (size_t k = 1; k < many.size(); ++k) cuts += many[k] != many[k - 1] + 1;
-  CHECK(cuts == 1500 / 40);  // 38 stretches
+  CHECK(cuts == 1500 / 40);  // 38 parts
 }
 
-TEST_CASE("Stops repeat one frame 10 to 40 times after 20 to 60 that are walked") {
+TEST_CASE("stops repeat one frame 10 to 40 times after 20 to 60 moving frames") {
   const std::vector<uint32_t> sources = sources_of("stops", 1500, 5);
   CHECK(std::set<uint32_t>(sources.begin(), sources.end()).size() == 1500);
   size_t walked = 0;
@@ -180,7 +180,7 @@ TEST_CASE("Stops repeat one frame 10 to 40 times after 20 to 60 that are walked"
   CHECK(stops >= 1500 / 60 - 1);
 }
 
-TEST_CASE("Varying uses every pace, never skips more than a frame, and differs by seed") {
+TEST_CASE("varying uses every speed, never skips more than a frame, and depends on the seed") {
   const std::vector<uint32_t> sources = sources_of("varying", 3000, 1);
   std::set<uint32_t> steps;
   for (size_t k = 1; k < sources.size(); ++k) steps.insert(sources[k] - sources[k - 1]);
@@ -191,7 +191,7 @@ TEST_CASE("Varying uses every pace, never skips more than a frame, and differs b
   CHECK(sources_of("1.5", 3000, 2) == sources_of("1.5", 3000, 1));
 }
 
-TEST_CASE("What is no warp is refused with what there is") {
+TEST_CASE("an unknown warp is refused with a list of the known ones") {
   for (const char* pace : {"0", "-1", "0.09", "10.1", "nan", "inf", "1e9"}) {
     INFO(pace);
     CHECK_THROWS_WITH(replay(pace, 10, 1), Catch::Contains("from 0.1 to 10"));
@@ -204,7 +204,7 @@ TEST_CASE("What is no warp is refused with what there is") {
   CHECK_NOTHROW(check_warp("kidnap"));
 }
 
-TEST_CASE("Frames that can't be read are so wherever they are shown again") {
+TEST_CASE("unreadable frames are unreadable wherever they are repeated") {
   const Replay slow = replay("0.5", 4, 1);
   CHECK(replayed_frames(slow, std::vector<size_t>{1, 3}) == std::vector<size_t>{2, 3, 6, 7});
   CHECK(replayed_frames(replay("2", 4, 1), std::vector<size_t>{1}).empty());

@@ -23,7 +23,7 @@ std::vector<std::string> file_names(const Sequence& sequence) {
 
 }  // namespace
 
-TEST_CASE("runs of digits compare by value, the rest by bytes") {
+TEST_CASE("runs of digits compare by value, other characters by byte") {
   std::vector<std::string> names = {"10.jpg", "2.jpg", "a10b2",   "a2b10",  "1.jpg",
                                     "B",      "a",     "010.jpg", "a10b10", "\xc3\xa4"};
   std::sort(names.begin(), names.end(), natural_less);
@@ -50,7 +50,7 @@ TEST_CASE("the order is strict and total") {
   }
 }
 
-TEST_CASE("a range is cut off the path") {
+TEST_CASE("a range is separated from the path") {
   const SequenceArgument all = parse_sequence_argument("walk");
   CHECK((all.path == "walk" && all.range.is_all()));
   const SequenceArgument part = parse_sequence_argument("walk@10:20:3");
@@ -62,25 +62,25 @@ TEST_CASE("a range is cut off the path") {
   CHECK(range_text({0, std::nullopt, 2}) == "@::2");
 }
 
-TEST_CASE("an at sign that starts no range belongs to the path") {
+TEST_CASE("an at sign that starts no range is part of the path") {
   CHECK(parse_sequence_argument("me@home").path == "me@home");
   CHECK(parse_sequence_argument("a@1").path == "a@1");
   CHECK(parse_sequence_argument("a@1:2:3:4").path == "a@1:2:3:4");
 }
 
-TEST_CASE("a path that exists as written wins") {
+TEST_CASE("a path that exists as written takes precedence over a range") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "walk@1:2");
   CHECK(parse_sequence_argument((folder / "walk@1:2").string()).range.is_all());
 }
 
-TEST_CASE("ranges that can't be meant are usage errors") {
+TEST_CASE("invalid ranges are usage errors") {
   const std::string text =
       GENERATE("w@5:5", "w@6:5", "w@0:9:0", "w@0:99999999999999999999", "w@18446744073709551615:");
   CHECK(error_kind([&] { parse_sequence_argument(text); }) == ErrorKind::usage);
 }
 
-TEST_CASE("a folder gives its images in natural order, and nothing else") {
+TEST_CASE("a folder yields its images in natural order and nothing else") {
   const TemporaryFolder folder;
   for (const char* name : {"10.png", "2.JPG", "1.jpeg", ".hidden.png", "notes.txt", "a.mp4"})
     write_text(folder / name, "");
@@ -95,14 +95,14 @@ TEST_CASE("a folder gives its images in natural order, and nothing else") {
         }) == ErrorKind::usage);
 }
 
-TEST_CASE("a step beyond the end gives one frame") {
+TEST_CASE("a step beyond the end selects one frame") {
   const TemporaryFolder folder;
   for (const char* name : {"1.png", "2.png"}) write_text(folder / name, "");
   const SequenceArgument argument{folder.path(), {1, std::nullopt, uint64_t{1} << 62}};
   CHECK(file_names(open_sequence(argument)) == std::vector<std::string>{"2.png"});
 }
 
-TEST_CASE("a list gives its files in its own order, relative to itself") {
+TEST_CASE("a list yields its files in its own order, relative to its folder") {
   const TemporaryFolder folder;
   write_text(folder / "list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
   fs::create_directory(folder / "a");
@@ -111,7 +111,7 @@ TEST_CASE("a list gives its files in its own order, relative to itself") {
   CHECK(sequence.files == std::vector<fs::path>{folder / "b/2.png", folder / "a/1.png"});
 }
 
-TEST_CASE("a byte order mark in front of a list is no part of a name") {
+TEST_CASE("a byte order mark before a list is not part of a name") {
   const TemporaryFolder folder;
   write_text(folder / "list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
   write_text(folder / "1.png", "");
@@ -119,13 +119,13 @@ TEST_CASE("a byte order mark in front of a list is no part of a name") {
   CHECK(sequence.files == std::vector<fs::path>{folder / "1.png", folder / "2.png"});
 }
 
-TEST_CASE("an array that is missing is a file that is missing") {
+TEST_CASE("a missing array is reported as a missing file") {
   const auto text = [](const char* path) { return error_text([&] { open_sequence({path, {}}); }); };
   CHECK(text("/nowhere/db.npy") == "/nowhere/db.npy: no such file");
   CHECK(text("/nowhere") == "/nowhere: no such folder, list or video");
 }
 
-TEST_CASE("what is no sequence is an input error that names it") {
+TEST_CASE("a path that is not a sequence is an input error with its name") {
   const TemporaryFolder folder;
   write_text(folder / "empty.txt", "\n#\n");
   write_text(folder / "pairs.csv", "query,reference\n1,2\n");
@@ -139,7 +139,7 @@ TEST_CASE("what is no sequence is an input error that names it") {
   CHECK(error_kind([&] { open_sequence({folder / name, {}}); }) == ErrorKind::input);
 }
 
-TEST_CASE("an empty file, as files of /proc are, is not opened as a video") {
+TEST_CASE("an empty file, such as files in /proc, is not opened as a video") {
   const TemporaryFolder folder;
   write_text(folder / "walk.mp4", "");
   for (const fs::path& path : {folder / "walk.mp4", fs::path("/proc/kmsg")}) {
@@ -148,7 +148,7 @@ TEST_CASE("an empty file, as files of /proc are, is not opened as a video") {
   }
 }
 
-TEST_CASE("sequences are named by their folder, with parents where two are equal") {
+TEST_CASE("sequences are named by their folder, with parents if two are equal") {
   const auto names = [](const std::vector<std::string>& texts) {
     std::vector<SequenceArgument> arguments;
     for (const auto& text : texts) arguments.push_back(parse_sequence_argument(text));
@@ -166,7 +166,7 @@ TEST_CASE("sequences are named by their folder, with parents where two are equal
   CHECK(error_kind([&] { names({"/a/w", "/a/w"}); }) == ErrorKind::usage);
 }
 
-TEST_CASE("sub-folders are sequences in natural order") {
+TEST_CASE("subfolders are sequences in natural order") {
   const TemporaryFolder folder;
   for (const char* name : {"w10", "w2", ".git"}) fs::create_directory(folder / name);
   write_text(folder / "file", "");

@@ -44,7 +44,7 @@ fs::path write_example(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a database that was written is read back") {
+TEST_CASE("a database can be read back after writing") {
   const TemporaryFolder folder;
   const SequenceDatabase database = read_sequence_database(write_example(folder));
   CHECK(database.descriptor.illumination_invariant);
@@ -65,7 +65,7 @@ TEST_CASE("a database that was written is read back") {
   CHECK(database.statistics == example().statistics);
 }
 
-TEST_CASE("a flipped bit anywhere is noticed") {
+TEST_CASE("any flipped bit is detected") {
   const TemporaryFolder folder;
   const fs::path path = write_example(folder);
   RandomEngine engine(1);
@@ -84,7 +84,7 @@ TEST_CASE("a flipped bit anywhere is noticed") {
   read_sequence_database(path);
 }
 
-TEST_CASE("a truncated or missing file is noticed") {
+TEST_CASE("a truncated or missing file is detected") {
   const TemporaryFolder folder;
   const fs::path path = write_example(folder);
   const std::string name = GENERATE("manifest.json", "codes.npy", "frames.txt", "statistics.npy");
@@ -97,7 +97,7 @@ TEST_CASE("a truncated or missing file is noticed") {
   CHECK(error_kind([&] { read_sequence_database(path); }).has_value());
 }
 
-TEST_CASE("a database of another version, and what is none, are told apart") {
+TEST_CASE("errors distinguish another version from a folder that is not a database") {
   const TemporaryFolder folder;
   const fs::path path = write_example(folder);
   std::string text = read_text(path / "manifest.json");
@@ -109,7 +109,7 @@ TEST_CASE("a database of another version, and what is none, are told apart") {
   CHECK(error_kind([&] { read_sequence_database(folder / "none"); }) == ErrorKind::input);
 }
 
-TEST_CASE("a database without what training finds is damaged") {
+TEST_CASE("a database without training results is damaged") {
   const TemporaryFolder folder;
   const auto kind = [&](auto change) {
     SequenceDatabase database = example();
@@ -125,7 +125,7 @@ TEST_CASE("a database without what training finds is damaged") {
   CHECK(kind([](Database& d) { d.sequences[0].typical_distance.reset(); }) == ErrorKind::data);
 }
 
-TEST_CASE("statistics that can't be are refused") {
+TEST_CASE("invalid statistics are refused") {
   const TemporaryFolder folder;
   const auto kind = [&](auto change) {
     SequenceDatabase database = example();
@@ -140,7 +140,7 @@ TEST_CASE("statistics that can't be are refused") {
   CHECK(kind([](TrainStatistics& s) { s.typical_distance = -1; }) == ErrorKind::data);
 }
 
-TEST_CASE("half-widths and shared places are read back, and refused where they can't be") {
+TEST_CASE("half-widths and overlapping sequences are read back, and refused if invalid") {
   const TemporaryFolder folder;
   const auto stored = [&](size_t half_width, std::vector<std::pair<size_t, size_t>> shared) {
     SequenceDatabase database = example();
@@ -181,12 +181,13 @@ TEST_CASE("the manifest names the descriptor of its frames") {
   rewrite([](Json& manifest) { manifest["descriptor"] = "netvlad"; });
   CHECK(error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
   CHECK(error_text([&] { read_sequence_database(path); }) ==
-        path.string() + ": its frames are described by netvlad, which this version does not know");
+        path.string() +
+            ": its frames are described by netvlad, which this version does not support");
   rewrite([](Json& manifest) { manifest["descriptor"] = 7; });
   CHECK(error_kind([&] { read_sequence_database(path); }) == ErrorKind::data);
 }
 
-TEST_CASE("an unknown descriptor is refused with the choices") {
+TEST_CASE("an unknown descriptor is refused with a list of the known ones") {
   CHECK(error_text([] { descriptor_kind("surf"); }) ==
         "unknown descriptor \"surf\"; choose one of ldb, thumbnail, hog, brief, orb");
   CHECK(&descriptor_kind("ldb") == &descriptor_kinds().front());

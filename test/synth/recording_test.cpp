@@ -30,7 +30,7 @@ std::map<std::string, std::string> texts_of(const World& world) {
   return texts;
 }
 
-// Two walks of three frames that stand at x 1, 2, 3 (train) and x 1, 2, 9 (query).
+// Two walks of three frames at x 1, 2, 3 (train) and x 1, 2, 9 (query).
 World three_frames() {
   World world;
   Floor floor;
@@ -58,10 +58,10 @@ World three_frames() {
 
 }  // namespace
 
-TEST_CASE("ground truth follows from poses: the same, ignored, different") {
+TEST_CASE("ground truth is determined by poses: same, ignore, different") {
   World world = three_frames();
   const auto walks = record_walks(world);
-  // Middle frames stand within a few centimetres of x 2.
+  // The middle frames are within a few centimeters of x 2.
   CHECK(walks[0].poses[1].position.x == Approx(2).margin(0.2));
   const auto texts = texts_of(world);
   const std::string& pairs = texts.at("query.ground_truth.csv");
@@ -69,10 +69,10 @@ TEST_CASE("ground truth follows from poses: the same, ignored, different") {
   CHECK_FALSE(has(pairs, "0,train,2"));
   CHECK(has(pairs, "2,train,2,same\n"));
   CHECK(texts.at("query.places.csv").find("query,reference,label\n0,0,same\n1,0,ignore\n") == 0);
-  CHECK_FALSE(has(texts.at("query.places.csv"), ",1,"));  // looks the other way
+  CHECK_FALSE(has(texts.at("query.places.csv"), ",1,"));  // opposite heading
 }
 
-TEST_CASE("walks of another floor or direction never show the same place") {
+TEST_CASE("walks on another floor or in another direction never show the same place") {
   World world = three_frames();
   std::swap(world.walks[1].path[0], world.walks[1].path[1]);
   CHECK(texts_of(world).at("query.ground_truth.csv") == "query,sequence,reference,label\n");
@@ -85,7 +85,7 @@ TEST_CASE("walks of another floor or direction never show the same place") {
   CHECK(texts_of(world).at("query.ground_truth.csv") == "query,sequence,reference,label\n");
 }
 
-TEST_CASE("pretraining leaves out what shows a place") {
+TEST_CASE("pretraining omits frames that show a place") {
   World world = three_frames();
   world.walks[0].use = WalkUse::pretrain;
   world.walks[0].frames = 20;
@@ -126,7 +126,7 @@ TEST_CASE("the shipped worlds have the paper's numbers of frames") {
   }
 }
 
-TEST_CASE("The shipped walks at other paces have exact ground truth, and a detour has none") {
+TEST_CASE("the shipped walks at other speeds have exact ground truth, and a detour has none") {
   const World world = read_world(source_path("configs/worlds/speeds.json"));
   const std::vector<RecordedWalk> walks = record_walks(world);
   std::map<std::string, size_t> frames;
@@ -139,7 +139,7 @@ TEST_CASE("The shipped walks at other paces have exact ground truth, and a detou
   const TemporaryFolder folder;
   for (const auto& [name, text] : recording_texts(world, walks))
     if (name.ends_with(".csv")) write_text(folder / name, text);
-  // Frames that show nothing of the training walk, in per cent.
+  // Percent of frames that show no place of the training walk.
   const auto unknown = [&](const std::string& walk) {
     const GroundTruthScope scope = {frames[walk], {{"trained", frames["trained"]}}};
     const GroundTruth truth =
@@ -154,41 +154,41 @@ TEST_CASE("The shipped walks at other paces have exact ground truth, and a detou
   }
   CHECK(unknown("detour") > 15);
   CHECK(unknown("detour") < 40);
-  CHECK(unknown("back") == 100);  // one looks the other way
+  CHECK(unknown("back") == 100);  // opposite direction
 }
 
-TEST_CASE("rendered corridors have the detail and the likeness of real ones") {
+TEST_CASE("rendered corridors have the detail and the similarity of real ones") {
   const World world = small();
   const Scene scene = make_scene(world, 0, Monitor());
   const auto cast = make_cast(world.seed);
   const Walk& walk = *std::find_if(world.walks.begin(), world.walks.end(),
                                    [](const Walk& w) { return w.name == "corridor"; });
   const auto poses = walk_poses(world, walk, scene.plan);
-  std::vector<double> features, neighbours;
+  std::vector<double> features, neighbors;
   std::vector<LdbCode> codes;
   for (size_t i = 0; i < 40; ++i) {
     const cv::Mat picture =
         render(make_camera(world), {scene, cast, {}, poses[i], walk.conditions, {}},
                named_engine(world.seed, std::to_string(i)));
     REQUIRE(picture.size() == cv::Size(640, 480));
-    cv::Mat grey;
-    cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
-    codes.push_back(describe_ldb(grey));
+    cv::Mat gray;
+    cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
+    codes.push_back(describe_ldb(gray));
     if (i % 8 == 0)
-      features.push_back(static_cast<double>(find_features(grey, FeatureSettings()).points.size()));
+      features.push_back(static_cast<double>(find_features(gray, FeatureSettings()).points.size()));
   }
   for (size_t i = 1; i < codes.size(); ++i) {
     int bits = 0;
     for (size_t byte = 0; byte < kLdbBytes; ++byte)
       bits += std::popcount(static_cast<uint8_t>(codes[i][byte] ^ codes[i - 1][byte]));
-    neighbours.push_back(bits);
+    neighbors.push_back(bits);
   }
   CHECK(median(features) >= 150);
-  CHECK(median(neighbours) >= 20);
-  CHECK(median(neighbours) <= 150);
+  CHECK(median(neighbors) >= 20);
+  CHECK(median(neighbors) <= 150);
 }
 
-TEST_CASE("worlds with mistakes are refused with a reason") {
+TEST_CASE("invalid worlds are refused with a reason") {
   const TemporaryFolder folder;
   const auto refused = [&](const std::function<void(Json&)>& change) {
     Json world = Json::parse(building(1, {"one", "back"}));

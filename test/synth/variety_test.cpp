@@ -1,5 +1,5 @@
-// What makes parts of a building, days and walks differ: each setting changes what it says, and
-// nothing else.
+// Variation between parts of a building, days and walks: each setting changes only its own
+// property.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -31,7 +31,7 @@ uint64_t windowless_seed(World world) {
   return world.seed;
 }
 
-// A corridor with a glass front at its far right end, and a hall apart from it; no windows.
+// A corridor with a glass front at its far right end, and a separate hall; no windows.
 World two_rooms() {
   World world;
   world.name = "test";
@@ -87,7 +87,7 @@ double brightness(const cv::Mat& view) {
   return (mean[0] + mean[1] + mean[2]) / 3;
 }
 
-// The most daylight in the wall that a ray meets.
+// The maximum daylight in the wall that a ray hits.
 int daylight_of(const Scene& scene, Point from, Point direction) {
   const cv::Mat& wall =
       scene.walls[static_cast<size_t>(cast_ray(scene.plan, from, direction)->wall)].levels[0];
@@ -100,7 +100,7 @@ int daylight_of(const Scene& scene, Point from, Point direction) {
 
 }  // namespace
 
-TEST_CASE("Rooms have finishes of their own as far as is asked for") {
+TEST_CASE("rooms differ in finish by the requested amount") {
   World world = two_rooms();
   const FloorNames names{"f", "f"};
   const auto tones = [&] {
@@ -119,7 +119,7 @@ TEST_CASE("Rooms have finishes of their own as far as is asked for") {
   CHECK(same(varied.floor, scene_of(world).floor));
 }
 
-TEST_CASE("Points belong to the hall where a hall and a corridor overlap") {
+TEST_CASE("points belong to the hall if a hall and a corridor overlap") {
   Floor floor = two_rooms().floors[0];
   floor.rooms.push_back({RoomKind::corridor, 0, 0, 2.5, 11});
   CHECK(room_at(floor, {6, 1}) == 0);
@@ -127,7 +127,7 @@ TEST_CASE("Points belong to the hall where a hall and a corridor overlap") {
   CHECK(room_at(floor, {1, 4}) == 2);
 }
 
-TEST_CASE("Bare walls have doors, windows and fittings alone") {
+TEST_CASE("bare walls have only doors, windows and fittings") {
   World world = two_rooms();
   const Scene furnished = scene_of(world);
   world.variety.bareness = 1;
@@ -146,7 +146,7 @@ TEST_CASE("Bare walls have doors, windows and fittings alone") {
   CHECK(detail(bare) < 0.9 * detail(furnished));
 }
 
-TEST_CASE("Wear marks walls, and neither glass nor the floor") {
+TEST_CASE("wear marks walls but neither glass nor the floor") {
   World world = two_rooms();
   const Scene fresh = scene_of(world);
   world.variety.wear = 1;
@@ -156,16 +156,16 @@ TEST_CASE("Wear marks walls, and neither glass nor the floor") {
     CHECK(same(fresh.walls[i], worn.walls[i]) == fresh.plan.walls[i].is_glass);
 }
 
-TEST_CASE("Daylight falls in through glass, and not through walls") {
+TEST_CASE("daylight enters through glass but not through walls") {
   World world = two_rooms();
   const auto across = [&](const Scene& scene) { return daylight_of(scene, {6, 1}, {0, 1}); };
   CHECK(across(scene_of(world)) == 0);
   world.variety.window_light = 1;
   const Scene daylit = scene_of(world);
   CHECK(across(daylit) > 20);
-  CHECK(across(daylit) < kGlassDaylight);  // lit, not seen through
+  CHECK(across(daylit) < kGlassDaylight);  // lit but not transparent
   CHECK(daylight_of(daylit, {4, 7}, {1, 0}) == 0);
-  // Beside the glass there is more of it than at the other end.
+  // Near the glass there is more daylight than at the other end.
   Conditions night;
   night.daylight = 0;
   const CameraPose near = standing(10.5, 1.25, 90), far = standing(2, 1.25, 90);
@@ -176,7 +176,7 @@ TEST_CASE("Daylight falls in through glass, and not through walls") {
   CHECK(loss(near) > loss(far) + 5);
 }
 
-TEST_CASE("What is far away outside does not move with the walker, and shows in glass alone") {
+TEST_CASE("the distant outside has no parallax and is visible only through glass") {
   World world = two_rooms();
   const Scene near = scene_of(world);
   world.variety.far_view = 1;
@@ -194,7 +194,7 @@ TEST_CASE("What is far away outside does not move with the walker, and shows in 
              picture(world, far, standing(10, 1.25, 180))));
 }
 
-TEST_CASE("Glass reflects the room, brighter, and in glass alone") {
+TEST_CASE("glass reflects the room and becomes brighter; nothing else changes") {
   World world = two_rooms();
   const Scene dull = scene_of(world);
   world.variety.reflections = 0.5;
@@ -213,7 +213,7 @@ TEST_CASE("Glass reflects the room, brighter, and in glass alone") {
                 .reshape(1)) == 0);
 }
 
-TEST_CASE("On another day things are otherwise, on the same day they are not") {
+TEST_CASE("another day changes objects; the same day does not") {
   World world = two_rooms();
   CHECK(changed_walls(scene_of(world), scene_of(world, 1)) == 0);
   world.variety.changes = 1;
@@ -227,7 +227,7 @@ TEST_CASE("On another day things are otherwise, on the same day they are not") {
   CHECK(changed_walls(before, scene_of(world, 1)) == 0);
 }
 
-TEST_CASE("The exposure lags behind what is seen") {
+TEST_CASE("the exposure lags behind the brightness") {
   const World world = two_rooms();
   const Scene scene = scene_of(world);
   const CameraPose glass = standing(11, 1.25, 0), wall = standing(6, 1.25, 180);
@@ -240,7 +240,7 @@ TEST_CASE("The exposure lags behind what is seen") {
   CHECK(between < std::max(own, after_glass));
 }
 
-TEST_CASE("A long shutter blurs by nods, too") {
+TEST_CASE("a long shutter also blurs changes of pitch") {
   const World world = two_rooms();
   const Scene scene = scene_of(world);
   CameraPose pose = standing(6, 1.25, 90);
@@ -262,7 +262,7 @@ TEST_CASE("A long shutter blurs by nods, too") {
   CHECK(edges(blurred, 1) > 0.7 * edges(sharp, 1));
 }
 
-TEST_CASE("A whole recording with everything on has the same bytes on any number of threads") {
+TEST_CASE("a recording with all settings on has the same bytes for any number of threads") {
   World world = two_rooms();
   world.variety = {1, 0.3, 1, 1, 1, 0.2, 0.5, 1};
   Walk& walk = world.walks[0];

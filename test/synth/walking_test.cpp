@@ -1,4 +1,4 @@
-// How people walk and hold a phone, and who comes in their way.
+// How a person walks and holds a phone, and the people who cross the path.
 #include "synth/walking.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using namespace vpr::test;
 
 namespace {
 
-/// Two corridors that meet at a corner, seen at 10 frames a second.
+/// Two corridors that meet at a corner, seen at 10 frames per second.
 World corridor_world() {
   World world;
   world.fps = 10;
@@ -35,7 +35,6 @@ Walk walk_along(const std::vector<std::vector<double>>& path, uint64_t frames) {
   return walk;
 }
 
-/// The poses of a walk on the world's first floor.
 std::vector<CameraPose> poses(const World& world, const Walk& walk) {
   return walk_poses(world, walk, make_floor_plan(world.floors[0]));
 }
@@ -47,7 +46,7 @@ Walk straight_walk() {
   return walk;
 }
 
-/// Metres from the frame before to this one.
+/// Distance from the previous frame to this one in meters.
 double step_m(const std::vector<CameraPose>& found, size_t i) {
   return found[i].way_m - found[i - 1].way_m;
 }
@@ -87,7 +86,7 @@ Walk with(uint64_t Walk::*who, uint64_t groups) {
 
 }  // namespace
 
-TEST_CASE("a walk without shake keeps to its path, from end to end") {
+TEST_CASE("a walk without shake follows its path from end to end") {
   Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 101);
   walk.shake = 0;
   const auto found = poses(corridor_world(), walk);
@@ -105,10 +104,10 @@ TEST_CASE("a walk without shake keeps to its path, from end to end") {
   }
 }
 
-TEST_CASE("speed gives the number of frames where none is stated") {
+TEST_CASE("the speed determines the number of frames if none is set") {
   Walk walk = walk_along({{1, 1.5}, {13, 1.5}}, 0);
   walk.speed_m_s = 1.2;
-  CHECK(poses(corridor_world(), walk).size() == 101);  // 12 m at 0.12 m a frame
+  CHECK(poses(corridor_world(), walk).size() == 101);  // 12 m at 0.12 m per frame
 }
 
 TEST_CASE("a corner is rounded, and the heading turns by 90 degrees without a jump") {
@@ -123,7 +122,7 @@ TEST_CASE("a corner is rounded, and the heading turns by 90 degrees without a ju
   CHECK(most < 12);
 }
 
-TEST_CASE("the same walk has the same poses, another name other ones") {
+TEST_CASE("equal walks have equal poses, another name other poses") {
   const World world = corridor_world();
   const Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 50);
   Walk other = walk;
@@ -138,7 +137,7 @@ TEST_CASE("the same walk has the same poses, another name other ones") {
   CHECK(differs);
 }
 
-TEST_CASE("a walk of one corner stands still, and one of one frame is at its start") {
+TEST_CASE("a walk with one corner stands still, and one with one frame is at its start") {
   Walk standing = walk_along({{5, 1.5}}, 20);
   standing.shake = 0;
   for (const CameraPose& pose : poses(corridor_world(), standing)) {
@@ -152,25 +151,25 @@ TEST_CASE("a walk of one corner stands still, and one of one frame is at its sta
   CHECK(found[0].position.x == Approx(1));
 }
 
-TEST_CASE("a corner that is given twice counts once") {
+TEST_CASE("a repeated corner counts once") {
   const Walk once = walk_along({{1, 1.5}, {18.5, 1.5}, {18.5, 11}}, 60);
   const Walk twice = walk_along({{1, 1.5}, {18.5, 1.5}, {18.5, 1.5}, {18.5, 11}}, 60);
   const auto a = poses(corridor_world(), once), b = poses(corridor_world(), twice);
   for (size_t i = 0; i < a.size(); ++i) CHECK(a[i].position.x == b[i].position.x);
 }
 
-TEST_CASE("a walk through a wall is an error that says where") {
+TEST_CASE("a walk through a wall is an error with the point") {
   const World world = corridor_world();
   CHECK(error_kind([&] { poses(world, walk_along({{1, 1.5}, {16, 8}}, 50)); }) == ErrorKind::usage);
 }
 
-TEST_CASE("differences of headings go the short way round") {
+TEST_CASE("differences of headings use the shorter direction") {
   CHECK(heading_difference(350, 20) == Approx(30));
   CHECK(heading_difference(-170, 170) == Approx(20));
   CHECK(heading_difference(0, 180) == Approx(180));
 }
 
-TEST_CASE("A walk has the paces that it states, each from its point on") {
+TEST_CASE("a walk has the specified speeds, each from its point on") {
   Walk walk = straight_walk();
   walk.speed_m_s = 1.2;
   walk.paces = {{5, 0.6}, {10, 2.2}};
@@ -187,7 +186,7 @@ TEST_CASE("A walk has the paces that it states, each from its point on") {
   CHECK(found.back().way_m <= 15);
 }
 
-TEST_CASE("A walk stands where and as long as it states, and its steps stand, too") {
+TEST_CASE("a walk stops at the specified points and for the specified time, without steps") {
   Walk walk = straight_walk();
   walk.shake = 1;
   walk.stops = {{4, 2.5}, {4, 0.2}, {9, 1}};
@@ -196,7 +195,7 @@ TEST_CASE("A walk stands where and as long as it states, and its steps stand, to
     return std::count_if(found.begin(), found.end(),
                          [&](const CameraPose& pose) { return pose.way_m == way; });
   };
-  CHECK(standing_at(4) == 25 + 1 + 2 + 1);  // each stop after the frame that comes to it
+  CHECK(standing_at(4) == 25 + 1 + 2 + 1);  // each stop follows the frame that reaches it
   CHECK(standing_at(9) == 10 + 1);
   const auto at = std::find_if(found.begin(), found.end(),
                                [](const CameraPose& pose) { return pose.way_m == 9; });
@@ -207,7 +206,7 @@ TEST_CASE("A walk stands where and as long as it states, and its steps stand, to
   }
 }
 
-TEST_CASE("A walk that is cut goes on elsewhere, further on or back, without blur") {
+TEST_CASE("a cut continues the walk further on or back, without blur") {
   Walk walk = straight_walk();
   walk.cuts = {{0, 3}, {6, 11}, {13, 8}, {9, 14}};
   const auto found = poses(corridor_world(), walk);
@@ -219,10 +218,10 @@ TEST_CASE("A walk that is cut goes on elsewhere, further on or back, without blu
       CHECK(found[i].turn_deg_s == 0);
     }
   CHECK(jumps == std::vector<double>{5, -5, 5});
-  CHECK(found.size() == Approx(7 / 0.12).margin(6));  // metres in all legs
+  CHECK(found.size() == Approx(7 / 0.12).margin(6));  // meters in all parts
 }
 
-TEST_CASE("Stops and cuts that a walk does not come by are refused") {
+TEST_CASE("stops and cuts that a walk does not reach are refused") {
   Walk walk = straight_walk();
   walk.stops = {{15.5, 1}};
   CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "15.00 m long"));
@@ -239,7 +238,7 @@ TEST_CASE("Stops and cuts that a walk does not come by are refused") {
   CHECK(has(error_text([&] { poses(corridor_world(), walk); }), "at most 100000"));
 }
 
-TEST_CASE("Steps are as uneven as is asked for") {
+TEST_CASE("speeds vary by the requested amount") {
   Walk walk = straight_walk();
   walk.frames = 101;
   const auto spread = [&](double unevenness) {
@@ -258,7 +257,7 @@ TEST_CASE("Steps are as uneven as is asked for") {
   CHECK(spread(0.5) > 1.8);
 }
 
-TEST_CASE("Walks differ in how the phone is held, as far as is asked for") {
+TEST_CASE("walks differ by the requested amount in how the phone is held") {
   World world = corridor_world();
   Walk walk = straight_walk();
   const auto plain = poses(world, walk);
@@ -269,7 +268,7 @@ TEST_CASE("Walks differ in how the phone is held, as far as is asked for") {
   REQUIRE(held.size() == plain.size());
   for (size_t i = 0; i < held.size(); ++i) {
     CHECK(held[i].way_m == plain[i].way_m);
-    // All along the walk alike, and within what a hand does.
+    // Constant along the walk, and within the limits of a hand.
     CHECK(held[i].height_m - plain[i].height_m == Approx(held[0].height_m - plain[0].height_m));
     CHECK(held[i].pitch_deg - plain[i].pitch_deg == Approx(held[0].pitch_deg - plain[0].pitch_deg));
     CHECK(std::abs(held[i].height_m - plain[i].height_m) <= 0.12);
@@ -280,7 +279,7 @@ TEST_CASE("Walks differ in how the phone is held, as far as is asked for") {
   CHECK(held[0].pitch_deg != other[0].pitch_deg);
 }
 
-TEST_CASE("A view of a place is held as its name says") {
+TEST_CASE("the name of a view determines how the phone is held") {
   World world = corridor_world();
   const CameraPose level = {};
   CHECK(held_by(world, "a", level).pitch_deg == 0);
@@ -291,7 +290,7 @@ TEST_CASE("A view of a place is held as its name says") {
   CHECK(held_by(world, "a", level).position.x == 0);
 }
 
-TEST_CASE("A hand trembles around where it looks, as fast as its angles say") {
+TEST_CASE("a hand trembles around the direction of view, at the rates of its angles") {
   World world = corridor_world();
   world.fps = 500;  // so that differences of angles are rates
   Walk walk = straight_walk();
@@ -317,7 +316,7 @@ TEST_CASE("A hand trembles around where it looks, as fast as its angles say") {
   CHECK(std::abs(sum / 2000) < 0.05);
 }
 
-TEST_CASE("A step jolts the camera as fast as its angles say, and not who stands") {
+TEST_CASE("a step jolts the camera at the rates of its angles, but not during a stop") {
   World world = corridor_world();
   world.fps = 1000;  // so that differences of angles are rates
   Walk walk = straight_walk();
@@ -336,10 +335,10 @@ TEST_CASE("A step jolts the camera as fast as its angles say, and not who stands
     strikes += std::abs(rate - (nod - before) * world.fps) > 4;
     CHECK(found[i].position.x == calm[i].position.x);
   }
-  CHECK(strikes == 3);  // where the rate leaps, between two frames
+  CHECK(strikes == 3);  // where the rate jumps between two frames
   CHECK(most > 0.2);
   CHECK(most < 1.7);
-  CHECK(level > 200);  // until the first step, and where one has died away
+  CHECK(level > 200);  // before the first step, and after each one has decayed
 
   world.fps = 10;
   walk.frames = 0;
@@ -356,21 +355,21 @@ TEST_CASE("A step jolts the camera as fast as its angles say, and not who stands
   CHECK(still == 20);
 }
 
-TEST_CASE("Jolts are those of their walk") {
+TEST_CASE("jolts depend on the walk") {
   const Jolt one(1, "a/up", 1), same(1, "a/up", 1), other(1, "b/up", 1);
   CHECK(one.at(0.9).angle_deg == 0);
   CHECK(one.at(2.05).angle_deg == same.at(2.05).angle_deg);
   CHECK(one.at(2.05).angle_deg != other.at(2.05).angle_deg);
   CHECK(one.at(2.05).angle_deg != one.at(3.05).angle_deg);
-  // A strike begins level, with a speed of 2 pi 8 Hz times 0.3 to 1.7 degrees.
+  // A jolt begins level, with a speed of 2 pi 8 Hz times 0.3 to 1.7 degrees.
   CHECK(one.at(2).angle_deg == 0);
   CHECK(one.at(2).rate_deg_s > 0.3 * 50.2);
   CHECK(one.at(2).rate_deg_s < 1.7 * 50.3);
   CHECK(std::abs(one.at(2.999).angle_deg) < 0.01);
 }
 
-TEST_CASE("The exposure follows the frames of its lag, back to a cut") {
-  const World world = corridor_world();  // 10 frames a second
+TEST_CASE("the exposure follows the frames within its lag, back to a cut") {
+  const World world = corridor_world();  // 10 frames per second
   Walk walk = straight_walk();
   walk.cuts = {{6, 11}};
   const auto found = poses(world, walk);
@@ -389,12 +388,12 @@ TEST_CASE("The exposure follows the frames of its lag, back to a cut") {
   CHECK(metered(first + 1).size() == 2);
 }
 
-TEST_CASE("Nobody is there who was not asked for") {
+TEST_CASE("there are no people unless requested") {
   const Scenery empty{Walk()};
   for (const CameraPose& pose : empty.poses) CHECK(empty.at(pose).empty());
 }
 
-TEST_CASE("People walk ahead of the camera for a while, in its way") {
+TEST_CASE("people walk ahead of the camera for a while, in its path") {
   const Scenery scenery(with(&Walk::ahead, 1));
   size_t seen = 0;
   double most = 0;
@@ -410,7 +409,7 @@ TEST_CASE("People walk ahead of the camera for a while, in its way") {
   CHECK(most < 4 + 0.3 + 20 * 0.15);
 }
 
-TEST_CASE("People cross the way from one side to the other, in front of the camera") {
+TEST_CASE("people cross the path from one side to the other, in front of the camera") {
   const Scenery scenery(with(&Walk::crossing, 1));
   std::vector<double> sideways, ahead;
   for (const CameraPose& pose : scenery.poses) {
@@ -424,8 +423,8 @@ TEST_CASE("People cross the way from one side to the other, in front of the came
   CHECK((std::is_sorted(sideways.begin(), sideways.end()) ||
          std::is_sorted(sideways.rbegin(), sideways.rend())));
   REQUIRE_FALSE(ahead.empty());
-  for (const double metres : ahead) {
-    CHECK(metres > 0.7);
-    CHECK(metres < 4.5);
+  for (const double meters : ahead) {
+    CHECK(meters > 0.7);
+    CHECK(meters < 4.5);
   }
 }

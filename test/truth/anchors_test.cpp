@@ -1,4 +1,4 @@
-// Anchors: a few pairs, and lines between them.
+// Anchors: a few pairs with linear interpolation between them.
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
@@ -8,14 +8,14 @@
 using namespace vpr;
 using test::Files;
 
-TEST_CASE("between two anchors frames lie on a line, and nowhere beyond") {
+TEST_CASE("frames between two anchors are interpolated, and frames outside have no place") {
   const Files files;
   files.text("anchors.csv", "query,reference\n1,0\n3,3\n");
   // Query 2 is at 1.5, rounded up to 2.
   CHECK(files.read("anchors.csv", 5, 4) == ".... S... ..S. ...S ....");
   GroundTruthArgument wider{"", "anchors.csv", 1};
   CHECK(files.read(wider, 5, 4) == ".... SS.. .SSS ..SS ....");
-  // Backwards, too.
+  // Backward as well.
   files.text("back.anchors.csv", "# walked back\nquery,reference\n0,3\n3,0\n");
   CHECK(files.read("back.anchors.csv", 4, 4) == "...S ..S. .S.. S...");
   files.text("one.csv", "query,reference\n1,2\n");
@@ -24,17 +24,18 @@ TEST_CASE("between two anchors frames lie on a line, and nowhere beyond") {
   CHECK(files.read(GroundTruthArgument{"anchors", "none.csv"}, 2, 2) == ".. ..");
 }
 
-TEST_CASE("anchors are recognised by their file's name, and are pairs under any other") {
+TEST_CASE("anchors are detected by the file's name, and are pairs under any other name") {
   const Files files;
   files.text("anchors.csv", "query,reference\n0,0\n2,2\n");
   files.text("pairs.csv", "query,reference\n0,0\n2,2\n");
   CHECK(files.read("anchors.csv", 3, 3) == "S.. .S. ..S");
   CHECK(files.read("pairs.csv", 3, 3) == "S.. ... ..S");
   CHECK(read_ground_truth({"", files.folder / "anchors.csv"}, {3, {{"ref", 3}}}).protocol ==
-        "anchors: 2 anchors, linear between them and nothing beyond, within 0 frames");
+        "anchors: 2 anchors, interpolated linearly, without places before and after them, within 0 "
+        "frames");
 }
 
-TEST_CASE("pairs that may be meant as anchors are warned of") {
+TEST_CASE("pairs that may be anchors cause a warning") {
   const Files files;
   const auto warnings = [&](const std::string& text, size_t frames, const std::string& format) {
     files.text("some.csv", text);
@@ -56,16 +57,16 @@ TEST_CASE("pairs that may be meant as anchors are warned of") {
   CHECK(warnings("query,reference\n0,0\n", 20, "") == 0);
 }
 
-TEST_CASE("a tolerance of anchors in metres goes by the poses of the training sequence") {
+TEST_CASE("a tolerance of anchors in meters uses the poses of the training sequence") {
   const Files files;
   files.text("anchors.csv", "query,reference\n0,0\n2,3\n");
-  // Half a metre between 1 and 2, so that the middle, 1.5, is at 1.25 metres.
+  // Half a meter between 1 and 2, so the middle, 1.5, is at 1.25 meters.
   files.text("r.csv", "frame,x,y\n0,0,0\n1,1,0\n2,1.5,0\n3,4,0\n5,1.25,0.25\n");
   GroundTruthArgument argument{"", "anchors.csv"};
   argument.options.reference = "r.csv";
   argument.options.radius_m = 0.25;
   CHECK(files.read(argument, 4, 6) == "S...i. .SS.iS ...Si. ......");
-  // The same places by a trajectory of another rate, half of whose poses stand between frames.
+  // The same places as a trajectory of another rate, with half of its poses between frames.
   files.text("r.tum",
              "10 0 0 0 0 0 0 1\n10.5 0.5 0 0 0 0 0 1\n11 1 0 0 0 0 0 1\n"
              "12 1.5 0 0 0 0 0 1\n13 4 0 0 0 0 0 1\n15 1.25 0.25 0 0 0 0 1\n");
@@ -86,7 +87,7 @@ TEST_CASE("a tolerance of anchors in metres goes by the poses of the training se
   CHECK(test::error_kind([&] { files.read(argument, 4, 6); }) == ErrorKind::usage);
 }
 
-TEST_CASE("anchors may name several sequences, and take the range of the query") {
+TEST_CASE("anchors may name several sequences and have the query's range") {
   const Files files;
   files.text("anchors.csv", "query,sequence,reference\n0,a,0\n0,b,2\n2,a,2\n1,b,1\n");
   const GroundTruth truth =
@@ -100,7 +101,7 @@ TEST_CASE("anchors may name several sequences, and take the range of the query")
   CHECK(files.read(part, 3, 6) == "..S... ...S.. ....S.");
 }
 
-TEST_CASE("anchors that fall, repeat or are out of range are refused with their line") {
+TEST_CASE("anchors that decrease, repeat or are out of range are refused with the line") {
   const Files files;
   const auto refused = [&](const std::string& lines, const std::string& words) {
     files.text("anchors.csv", "query,reference\n" + lines);
@@ -109,13 +110,13 @@ TEST_CASE("anchors that fall, repeat or are out of range are refused with their 
     INFO(text);
     CHECK(text.find(words) != std::string::npos);
   };
-  refused("2,2\n1,3\n", "line 3: query 1 is not behind the anchor before, 2");
+  refused("2,2\n1,3\n", "line 3: query 1 is not after the previous anchor, 2");
   refused("2,2\n2,3\n", "line 3");
   refused("2,5\n", "line 2: reference 5 is out of range; there are 5 frames");
   refused("0,0\n7,2\n", "query 5 is out of range; there are 5 frames");
   refused("-1,2\n", "line 2");
   refused("1,2,3\n", "line 2");
-  // Without numbers of frames, as many as the anchors need.
+  // Without known numbers of frames, as many as the anchors need.
   files.text("anchors.csv", "query,reference\n1,2\n3,4\n");
   const auto found = inspect_ground_truth({"", files.folder / "anchors.csv"},
                                           {kUnknownFrames, {{"", kUnknownFrames}}});

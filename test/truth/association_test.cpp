@@ -28,7 +28,7 @@ Trajectory at(const std::vector<std::pair<int64_t, double>>& times_and_xs) {
   return trajectory;
 }
 
-/// Every frame with every pose.
+/// Compares every frame with every pose.
 Poses plain_poses_at(const Trajectory& trajectory, const std::vector<int64_t>& frames,
                      const AssociationRules& rules) {
   Poses poses;
@@ -70,19 +70,20 @@ bool are_alike(const Poses& a, const Poses& b) {
 
 }  // namespace
 
-TEST_CASE("positions lie between the poses before and after, within the maximal difference") {
+TEST_CASE(
+    "positions are interpolated between the neighboring poses, within the maximum difference") {
   const Trajectory trajectory = at({{100, 0}, {200, 10}, {1000, 20}});
   AssociationRules rules;
   rules.max_difference_ns = 60;
   const std::vector<int64_t> frames = {39, 40, 100, 140, 150, 260, 261, 1000, 1060, 1061};
   const Poses poses = poses_at(trajectory, frames, rules);
   CHECK_FALSE(poses[0]);              // 61 before the first
-  CHECK(poses[1]->position[0] == 0);  // 60: the bound is included
+  CHECK(poses[1]->position[0] == 0);  // 60: the bound is inclusive
   CHECK(poses[2]->position[0] == 0);
   CHECK(poses[3]->position[0] == Approx(4));
   CHECK(poses[3]->position[1] == Approx(8));
-  CHECK(poses[3]->heading_deg == 0.0);            // of the nearest
-  CHECK(poses[4]->heading_deg == 0.0);            // of two as near, the earlier
+  CHECK(poses[3]->heading_deg == 0.0);            // of the nearest pose
+  CHECK(poses[4]->heading_deg == 0.0);            // of the earlier one on a tie
   CHECK(poses[5]->position[0] == Approx(10.75));  // 60 of 800
   CHECK_FALSE(poses[6]);
   CHECK(poses[7]->position[0] == 20);
@@ -92,7 +93,7 @@ TEST_CASE("positions lie between the poses before and after, within the maximal 
   CHECK(poses_at(trajectory, std::vector<int64_t>{100}, rules)[0]->position[0] == 10);
 }
 
-TEST_CASE("one pass over both finds what comparing every frame with every pose finds") {
+TEST_CASE("one pass over both times equals comparing every frame with every pose") {
   RandomEngine random = named_engine(3, "association");
   for (int trial = 0; trial < 200; ++trial) {
     Trajectory trajectory;
@@ -114,18 +115,18 @@ TEST_CASE("one pass over both finds what comparing every frame with every pose f
   }
 }
 
-TEST_CASE("frames without poses are warned of, with the median difference, or refused") {
+TEST_CASE("frames without poses cause a warning with the median difference, or an error") {
   const Trajectory trajectory = at({{0, 0}, {kSecond, 1}, {2 * kSecond, 2}});
   std::vector<std::string> warnings;
   Monitor monitor;
   monitor.warn = [&](const std::string& sentence) { warnings.push_back(sentence); };
   associate(trajectory, std::vector<int64_t>{0, kSecond, 5 * kSecond, 6 * kSecond}, {}, "walk",
             monitor);
-  CHECK(warnings.empty());  // a half, and no more
+  CHECK(warnings.empty());  // exactly half causes no warning
   associate(trajectory, std::vector<int64_t>{0, 5 * kSecond, 6 * kSecond}, {}, "walk", monitor);
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("walk: 2 of 3 frames have no pose within 0.02 s") != std::string::npos);
-  CHECK(warnings[0].find("of 0 to 6 s, and poses.txt is of 0 to 2 s") != std::string::npos);
+  CHECK(warnings[0].find("cover 0 to 6 s, but poses.txt covers 0 to 2 s") != std::string::npos);
   CHECK(warnings[0].find("the median difference to the nearest pose is 3 s") != std::string::npos);
   const auto apart = [&] {
     associate(trajectory, std::vector<int64_t>{5 * kSecond, 6 * kSecond}, {}, "walk", monitor);
@@ -134,7 +135,7 @@ TEST_CASE("frames without poses are warned of, with the median difference, or re
   CHECK(test::error_text(apart).find("use --offset") != std::string::npos);
 }
 
-TEST_CASE("frames between poses that are far apart need a larger difference") {
+TEST_CASE("frames between distant poses need a larger difference") {
   const Trajectory trajectory = at({{0, 0}, {kSecond / 10, 1}, {kSecond / 5, 2}});
   std::vector<std::string> warnings;
   Monitor monitor;
@@ -148,10 +149,11 @@ TEST_CASE("frames between poses that are far apart need a larger difference") {
       std::string::npos);
 }
 
-TEST_CASE("a trajectory of another rate than the images is ground truth by times") {
+TEST_CASE("a trajectory with another rate than the images is ground truth by time") {
   const Files files;
   const std::string rest = " 0 0 0 0 0 1\n";
-  // Ten metres a second, ten poses a second; images every 0.25 s, and every 0.5 s an hour later.
+  // Ten meters per second, ten poses per second; images every 0.25 s, and every 0.5 s an hour
+  // later.
   std::string query;
   std::string train;
   for (int i = 0; i <= 20; ++i) {
@@ -169,12 +171,12 @@ TEST_CASE("a trajectory of another rate than the images is ground truth by times
   argument.options.reference_times = files.folder / "r.times";
   argument.options.max_difference_s = 0.05;
   argument.options.reference_offset_s = 4600;
-  // Query frames at 0, 2.5, 5 and 7.5 metres; training frames at 0, 5 and 10.
+  // Query frames at 0, 2.5, 5 and 7.5 meters; training frames at 0, 5 and 10.
   CHECK(files.read(argument, 4, 3) == "S.. SS. .S. .SS");
   argument.options.reference_offset_s = 1e10;
   CHECK(test::error_text([&] { files.read(argument, 4, 3); }).find("--reference-offset") == 0);
   argument.options.reference_offset_s = 4600;
-  argument.options.max_difference_s = 0.01;  // 1000.25 and 1000.75 lie between poses
+  argument.options.max_difference_s = 0.01;  // 1000.25 and 1000.75 are between poses
   CHECK(files.read(argument, 4, 3) == "S.. iii .S. iii");
   CHECK(test::error_kind([&] { files.read(argument, 5, 3); }) == ErrorKind::data);
   argument.options.reference_offset_s.reset();
@@ -187,10 +189,11 @@ TEST_CASE("a trajectory of another rate than the images is ground truth by times
   CHECK(test::error_kind([&] { files.read(argument, 4, 21); }) == ErrorKind::usage);
   argument.options.max_difference_s.reset();
   argument.options.query_times.clear();
-  CHECK(files.read(argument, 21, 21).size() == 21 * 22 - 1);  // pose i is of frame i, as ever
+  // pose i belongs to frame i, as without times
+  CHECK(files.read(argument, 21, 21).size() == 21 * 22 - 1);
 }
 
-TEST_CASE("poses of KITTI have their times in another file, and those of EuRoC nanoseconds") {
+TEST_CASE("KITTI's poses have their times in another file, and EuRoC's are in nanoseconds") {
   const Files files;
   files.text("k.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 8 0 1 0 0 0 0 1 0\n");
   files.text("k.times", "1.5e+00\n2.5e+00\n");
@@ -212,12 +215,13 @@ TEST_CASE("poses of KITTI have their times in another file, and those of EuRoC n
   euroc.options = argument.options;
   euroc.options.reference = "e.csv";
   euroc.options.query_times = files.folder / "e.times";
-  CHECK(test::error_kind([&] { files.read(euroc, 2, 2); }) == ErrorKind::usage);  // times twice
+  // two sources of times
+  CHECK(test::error_kind([&] { files.read(euroc, 2, 2); }) == ErrorKind::usage);
   euroc.options.query_pose_times.clear();
   CHECK(files.read(euroc, 2, 2) == "S. SS");
 }
 
-TEST_CASE("names of images are times, and a video has times of its own") {
+TEST_CASE("names of images are times, and a video has its own times") {
   const Files files;
   std::filesystem::create_directory(files.folder / "walk");
   for (const char* name : {"1305031102.25.png", "1305031101.5.png", "1305031103.png"})
@@ -229,5 +233,5 @@ TEST_CASE("names of images are times, and a video has times of its own") {
   test::write_image(files.folder / "walk" / "last.png", 1);
   CHECK(test::error_text([&] {
           read_frame_times(files.folder / "walk", {});
-        }).find("last.png: \"last\" is no time") != std::string::npos);
+        }).find("last.png: \"last\" is not a valid time") != std::string::npos);
 }

@@ -16,7 +16,7 @@ Dataset parse(const test::TemporaryFolder& folder, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a data set description names its sequences relative to itself") {
+TEST_CASE("paths in a data set description are relative to it") {
   const test::TemporaryFolder folder;
   const Dataset dataset = parse(folder, R"({"schema": "vpr.dataset/1", "name": "d", "fps": 8,
     "pretrain": ["p"], "train": [{"name": "t", "sequence": "a/b@1:3"}],
@@ -59,7 +59,7 @@ TEST_CASE("a ground truth has the options of its format") {
   CHECK(argument.options.reference_offset_s == -3);
 }
 
-TEST_CASE("mistakes in a data set description are usage errors") {
+TEST_CASE("errors in a data set description are usage errors") {
   const std::string text = GENERATE(
       R"([])", R"({"name": "d"})", R"({"schema": "vpr.dataset/1"})",
       R"({"schema": "vpr.dataset/1", "name": "d", "trian": []})",

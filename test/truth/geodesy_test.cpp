@@ -17,44 +17,44 @@ double length_between(const std::array<double, 3>& a, const std::array<double, 3
   return std::sqrt(square);
 }
 
-double metres_apart(const Geographic& a, const Geographic& b) {
+double meters_apart(const Geographic& a, const Geographic& b) {
   return length_between(earth_position(a), earth_position(b));
 }
 
 }  // namespace
 
-TEST_CASE("positions on the earth are those of WGS84") {
+TEST_CASE("positions on the earth equal those of WGS84") {
   CHECK(length_between(earth_position({0, 0}), {6378137, 0, 0}) < 1e-8);
   CHECK(length_between(earth_position({90, 17}), {0, 0, 6356752.314245}) < 1e-6);
   CHECK(length_between(earth_position({45, 0}), {4517590.8788, 0, 4487348.4088}) < 1e-3);
   CHECK(length_between(earth_position({-45, 90}), {0, 4517590.8788, -4487348.4088}) < 1e-3);
 }
 
-TEST_CASE("distances are those of geodesy, but for the bend of the earth") {
+TEST_CASE("distances equal geodesic ones, except for the curvature of the earth") {
   // Flinders Peak to Buninyong, the worked example of Geoscience Australia: 54 972.271 m along the
-  // ellipsoid, of which the straight line is d^3 / (24 R^2) = 0.17 m shorter.
+  // ellipsoid; the straight line is d^3 / (24 R^2) = 0.17 m shorter.
   const Geographic flinders{-(37 + 57 / 60.0 + 3.72030 / 3600), 144 + 25 / 60.0 + 29.52440 / 3600};
   const Geographic buninyong{-(37 + 39 / 60.0 + 10.15610 / 3600),
                              143 + 55 / 60.0 + 35.38390 / 3600};
-  CHECK(metres_apart(flinders, buninyong) == Approx(54972.271 - 0.170).margin(0.005));
-  // A degree of longitude on the equator is 111 319.4908 m, of latitude there 110 574.27 m, and
-  // 111 693.9 m at the poles: a hundred thousandth of them.
-  CHECK(metres_apart({0, 10}, {0, 10.00001}) == Approx(1.113194908).margin(1e-6));
-  CHECK(metres_apart({-0.000005, 10}, {0.000005, 10}) == Approx(1.1057427).margin(1e-5));
-  CHECK(metres_apart({90, 0}, {89.99999, 0}) == Approx(1.116939).margin(1e-5));
+  CHECK(meters_apart(flinders, buninyong) == Approx(54972.271 - 0.170).margin(0.005));
+  // At the equator, a degree of longitude is 111 319.4908 m and a degree of latitude 110 574.27 m;
+  // at the poles it is 111 693.9 m. The test uses a hundred thousandth of them.
+  CHECK(meters_apart({0, 10}, {0, 10.00001}) == Approx(1.113194908).margin(1e-6));
+  CHECK(meters_apart({-0.000005, 10}, {0.000005, 10}) == Approx(1.1057427).margin(1e-5));
+  CHECK(meters_apart({90, 0}, {89.99999, 0}) == Approx(1.116939).margin(1e-5));
 }
 
-TEST_CASE("the antimeridian and the poles are places like others") {
-  CHECK(metres_apart({52, 179.999995}, {52, -179.999995}) ==
-        Approx(metres_apart({52, 9.999995}, {52, 10.000005})).margin(1e-6));
-  CHECK(metres_apart({52, 185}, {52, -175}) < 1e-6);
-  CHECK(metres_apart({90, 0}, {90, 120}) < 1e-6);
+TEST_CASE("the antimeridian and the poles are ordinary places") {
+  CHECK(meters_apart({52, 179.999995}, {52, -179.999995}) ==
+        Approx(meters_apart({52, 9.999995}, {52, 10.000005})).margin(1e-6));
+  CHECK(meters_apart({52, 185}, {52, -175}) < 1e-6);
+  CHECK(meters_apart({90, 0}, {90, 120}) < 1e-6);
   const LocalPlane pole(earth_position({90, 45}));
-  for (const double metres : pole.local(earth_position({89.9999, 45})))
-    CHECK(std::isfinite(metres));
+  for (const double meters : pole.local(earth_position({89.9999, 45})))
+    CHECK(std::isfinite(meters));
 }
 
-TEST_CASE("a plane has east, north and up, and keeps distances") {
+TEST_CASE("a plane has east, north and up, and preserves distances") {
   const auto origin = earth_position({52, 13});
   const LocalPlane plane(origin);
   CHECK(length_between(plane.local(origin), {0, 0, 0}) < 1e-9);
@@ -65,10 +65,10 @@ TEST_CASE("a plane has east, north and up, and keeps distances") {
   CHECK(north[1] == Approx(111.267).margin(0.01));
   CHECK(std::abs(north[0]) < 1e-9);
   CHECK(length_between(east, north) ==
-        Approx(metres_apart(Geographic{52, 13.001}, Geographic{52.001, 13})).margin(1e-8));
+        Approx(meters_apart(Geographic{52, 13.001}, Geographic{52.001, 13})).margin(1e-8));
 }
 
-TEST_CASE("ten kilometres from its origin a plane is 4 mm short and 8 m below") {
+TEST_CASE("ten kilometers from its origin, a plane is 4 mm short and 8 m below") {
   const LocalPlane plane(earth_position({0, 0}));
   const double angle_deg = 10000 / 6378137.0 * 180 / std::numbers::pi;
   const auto far = plane.local(earth_position({0, angle_deg}));
@@ -77,7 +77,7 @@ TEST_CASE("ten kilometres from its origin a plane is 4 mm short and 8 m below") 
   CHECK(length_between(far, {0, 0, 0}) == Approx(10000 - 0.001).margin(0.0001));
 }
 
-TEST_CASE("dates are read with their fraction and zone") {
+TEST_CASE("dates are read with fraction and time zone") {
   const auto time = parse_calendar_time("2024-05-01T12:34:56.789Z");
   REQUIRE(time);
   CHECK(*time == 1714566896789000000);

@@ -17,7 +17,7 @@ using test::Files;
 
 namespace {
 
-/// 0.0001 degrees of latitude are 11.13 m there, of longitude 6.87 m.
+/// 0.0001 degrees are 11.13 m of latitude and 6.87 m of longitude there.
 GroundTruthArgument fixes(const std::string& query, const std::string& reference, double radius) {
   GroundTruthArgument argument{"", query};
   argument.options.reference = reference;
@@ -35,7 +35,7 @@ void check_refused(const std::function<void()>& work, const std::string& words,
 
 }  // namespace
 
-TEST_CASE("fixes of frames, of either side, are compared in metres") {
+TEST_CASE("fixes of frames are compared in meters") {
   const Files files;
   files.text("q.csv", "frame,lat,lon\n0,52,13\n2,52.0001,13\n");
   files.text("r.csv", "\"Longitude\",frame,\"Latitude\"\n13.0001,0,52\n13,1,52.0001\n13,2,-52\n");
@@ -47,14 +47,14 @@ TEST_CASE("fixes of frames, of either side, are compared in metres") {
   check_refused([&] { files.read(fixes("m.csv", "r.csv", 1), 3, 3); }, "format gps");
 }
 
-TEST_CASE("fixes across the antimeridian are near each other") {
+TEST_CASE("fixes on both sides of the antimeridian are near each other") {
   const Files files;
   files.text("q.csv", "latitude,longitude\n0,179.99999\n0,-0.5\n");
   files.text("r.csv", "latitude,longitude\n0,-179.99999\n0,359.5\n");
   CHECK(files.read(fixes("q.csv", "r.csv", 3), 2, 2) == "S. .S");
 }
 
-TEST_CASE("fixes by the names of images leave others without a place") {
+TEST_CASE("with fixes by image names, other images have no place") {
   const Files files;
   for (const char* image : {"a1.jpg", "a2.jpg", "a10.jpg"}) {
     std::filesystem::create_directories(files.folder / "walk");
@@ -71,10 +71,10 @@ TEST_CASE("fixes by the names of images leave others without a place") {
   files.text("q.csv", "image,lat,lon\na3.jpg,52,13\n");
   check_refused([&] { files.read(argument, 3, 3); }, "line 2");
   files.text("q.csv", "image,lat,lon\na1.jpg,52,13\nb/a1.jpg,52,13\n");
-  check_refused([&] { files.read(argument, 3, 3); }, "line 3: the image a1.jpg is given twice");
+  check_refused([&] { files.read(argument, 3, 3); }, "line 3: the image a1.jpg is listed twice");
 }
 
-TEST_CASE("places that are none are refused with their line") {
+TEST_CASE("invalid positions are refused with the line") {
   const Files files;
   files.text("r.csv", "lat,lon\n52,13\n");
   const auto refused = [&](const std::string& rows, const std::string& words) {
@@ -87,10 +87,10 @@ TEST_CASE("places that are none are refused with their line") {
   refused("52,361\n", "line 2: the longitude 361 is not within");
   refused("nan,13\n", "line 2: the latitude \"nan\" is not a number");
   refused("52,\n", "line 2: the longitude \"\" is not a number");
-  refused(",\n,\n", "no fix of any frame");
+  refused(",\n,\n", "no fix for any frame");
 }
 
-TEST_CASE("a side of which most frames have no fix is warned of") {
+TEST_CASE("a side without fixes for most frames causes a warning") {
   const Files files;
   files.text("q.csv", "lat,lon\n52,13\n,\n,\n");
   files.text("r.csv", "lat,lon\n52,13\n60,13\n61,13\n62,13\n");
@@ -103,11 +103,11 @@ TEST_CASE("a side of which most frames have no fix is warned of") {
   CHECK(warnings.front().find("2 of 3 frames have no fix") != std::string::npos);
 }
 
-TEST_CASE("frames find their place on a track by their times") {
+TEST_CASE("frames are located on a track by time") {
   const Files files;
   files.text("t.csv",
              "time,lat,lon\n2024-05-01T12:00:00Z,52,13\n2024-05-01T12:00:02Z,52.0002,13\n");
-  // At the first fix, half way between the two, and long after.
+  // At the first fix, halfway between the two, and long after.
   files.text("q.times", "1714564800\n1714564801\n1714564900\n");
   files.text("r.csv",
              "lat,lon,time\n52.0001,13,2024-05-01T12:00:01Z\n52,13,2024-05-01T12:00:05Z\n");
@@ -121,7 +121,7 @@ TEST_CASE("frames find their place on a track by their times") {
   CHECK(files.read(argument, 2, 2) == ".S ..");
 }
 
-TEST_CASE("times of fixes that fall, repeat or miss are refused") {
+TEST_CASE("times of fixes that decrease, repeat or are missing are refused") {
   const Files files;
   files.text("r.csv", "lat,lon\n52,13\n");
   files.text("q.times", "1714564800\n");
@@ -132,11 +132,11 @@ TEST_CASE("times of fixes that fall, repeat or miss are refused") {
     check_refused([&] { files.read(argument, 1, 1); }, words);
   };
   refused("2024-05-01T12:00:02Z,52,13\n2024-05-01T12:00:02Z,52,13\n",
-          "t.csv, line 3: its time 1714564802 is that of the frame before");
+          "t.csv, line 3: its time 1714564802 equals the time of the previous frame");
   refused("2024-05-01T12:00:02Z,52,13\n2024-05-01T12:00:01Z,52,13\n",
-          "is before that of the frame before");
-  refused("2024-05-01T12:00:02Z,52,13\n,52,13\n", "line 3: \"\" is no time");
-  refused("noon,52,13\n", "line 2: \"noon\" is no time");
+          "is before the time of the previous frame");
+  refused("2024-05-01T12:00:02Z,52,13\n,52,13\n", "line 3: \"\" is not a valid time");
+  refused("noon,52,13\n", "line 2: \"noon\" is not a valid time");
 }
 
 TEST_CASE("formats that scripts convert are refused with the script") {
@@ -158,7 +158,7 @@ TEST_CASE("formats that scripts convert are refused with the script") {
   check_refused([&] { read_frame_times(files.folder / "photos", {}); }, "exif.py");
 }
 
-TEST_CASE("trajectories and maps of fixes lie on a plane at the first") {
+TEST_CASE("trajectories and maps of fixes are projected to a plane at the first fix") {
   const Files files;
   files.text("t.csv", "lat,lon\n52,13\n52.001,13\n");
   const Trajectory found = read_trajectory(files.folder / "t.csv", {});
@@ -176,5 +176,9 @@ TEST_CASE("trajectories and maps of fixes lie on a plane at the first") {
   CHECK(routes.routes[1].empty());
   CHECK(routes.routes[2][0]->y == Approx(111.267).margin(0.01));
   CHECK_FALSE(read_routes({path("m.csv")}).is_gps);
-  check_refused([&] { read_routes({path("a.csv"), path("m.csv")}); }, "m.csv x and y in metres");
+  check_refused(
+      [&] {
+        read_routes({path("a.csv"), path("m.csv")});
+      },
+      "m.csv has x and y in meters");
 }

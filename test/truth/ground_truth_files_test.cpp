@@ -1,4 +1,4 @@
-// Pairs, matrices and presets, on cases small enough to see, then at their edges.
+// Pairs, matrices and presets, first on tiny cases, then at their edges.
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -11,7 +11,7 @@ using test::draw;
 using test::Files;
 using test::write_truth;
 
-TEST_CASE("pairs are joined to runs, and found by their content") {
+TEST_CASE("pairs are joined to runs and detected by content") {
   const Files files;
   files.text("g.txt", "query,reference,label\n0,2,\n0,1,\n0,1,\n1,0,ignore\n");
   CHECK(files.read("g.txt", 2, 4) == ".SS. i...");
@@ -38,9 +38,9 @@ TEST_CASE("ranges of pairs are those of the query") {
   CHECK(test::error_kind([&] { files.read("m.npy@1:2", 1, 2); }) == ErrorKind::usage);
 }
 
-TEST_CASE("aligned sequences may be sampled differently") {
+TEST_CASE("aligned sequences may have different sampling") {
   GroundTruthArgument argument{"aligned", {}, 1};
-  argument.options.reference_step = 2.5;  // 0, 2.5, 5: to 0, 3, 5
+  argument.options.reference_step = 2.5;  // 0, 2.5, 5 become 0, 3, 5
   CHECK(draw(read_ground_truth(argument, {3, {{"ref", 7}}}), 3, 7) == "SS..... ..SSS.. ....SSS");
   argument.options.reference_step = 0;
   CHECK(test::error_kind([&] {
@@ -69,7 +69,7 @@ TEST_CASE("presets are aligned within their tolerance, with the step of their da
   CHECK(test::error_kind([] { find_presets("-all"); }) == ErrorKind::usage);
 }
 
-TEST_CASE("what can't be recognised, or has no effect, is a usage error") {
+TEST_CASE("an unknown format, or an option without effect, is a usage error") {
   const Files files;
   files.text("what.txt", "hello world\n");
   CHECK(test::error_kind([&] { files.read("what.txt", 2, 2); }) == ErrorKind::usage);
@@ -87,13 +87,13 @@ TEST_CASE("what can't be recognised, or has no effect, is a usage error") {
         std::string::npos);
 }
 
-TEST_CASE("an archive without any file is damaged ground truth") {
+TEST_CASE("an empty archive is damaged ground truth") {
   const Files files;
   files.text("none.npz", std::string("PK\x05\x06") + std::string(18, '\0'));
   CHECK(test::error_kind([&] { files.read("none.npz", 1, 1); }) == ErrorKind::data);
 }
 
-TEST_CASE("matrices of any number type, with a soft one") {
+TEST_CASE("matrices may have any number type and a soft matrix") {
   const Files files;
   files.matrix<uint8_t>("b.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "|b1");
   files.matrix<double>("d.npy", {1, 0, 0, 0, 1, 0}, 2, 3, "<f8");
@@ -101,7 +101,7 @@ TEST_CASE("matrices of any number type, with a soft one") {
   files.matrix<uint8_t>("soft.npy", {1, 1, 0, 0, 0, 1}, 2, 3, "|b1");
   for (const std::string name : {"b.npy", "d.npy", "i.npy"}) {
     CHECK(files.read(name, 2, 3) == "S.. .S.");
-    CHECK(files.read(name, 3, 2) == "S. .S ..");  // only the other way fits
+    CHECK(files.read(name, 3, 2) == "S. .S ..");  // only the transposed shape fits
   }
   GroundTruthArgument argument{"", "b.npy"};
   argument.options.soft = "soft.npy";
@@ -113,7 +113,7 @@ TEST_CASE("matrices of any number type, with a soft one") {
   CHECK(test::error_kind([&] { files.read(argument, 3, 2); }) == ErrorKind::data);
 }
 
-TEST_CASE("square matrices are read by rows of queries, or as they say") {
+TEST_CASE("rows of square matrices are queries unless the options or the file differ") {
   const Files files;
   files.matrix<uint8_t>("s.npy", {0, 1, 0, 0}, 2, 2, "|u1");
   CHECK(files.read("s.npy", 2, 2) == ".S ..");
@@ -127,7 +127,7 @@ TEST_CASE("square matrices are read by rows of queries, or as they say") {
   CHECK(files.read("f.npy", 2, 2) == ".. S.");
 }
 
-TEST_CASE("matrices that are none") {
+TEST_CASE("invalid matrices are refused") {
   const Files files;
   files.matrix<uint8_t>("v.npy", {0, 2, 0, 0}, 2, 2, "|u1");
   files.matrix<float>("nan.npy", {0, NAN, 0, 0}, 2, 2, "<f4");
@@ -141,7 +141,7 @@ TEST_CASE("matrices that are none") {
     INFO(name);
     CHECK(test::error_kind([&] { files.read(name, 2, 2); }) == ErrorKind::data);
   }
-  // A shape whose size overflows, and one that nobody has memory for.
+  // A shape whose size overflows, which no memory can hold.
   files.text("huge.npy", npy_header("|b1", {size_t{1} << 40, size_t{1} << 40}) + "x");
   CHECK(test::error_kind([&] {
           inspect_ground_truth({"matrix", files.folder / "huge.npy"},
@@ -149,7 +149,7 @@ TEST_CASE("matrices that are none") {
         }) == ErrorKind::data);
 }
 
-TEST_CASE("files that scripts convert are refused with the script, by their bytes or names") {
+TEST_CASE("files that scripts convert are refused with the script, by content or name") {
   const Files files;
   files.text("v7.bin", "MATLAB 5.0 MAT-file");
   files.text("v73.bin", "\x89HDF\r\n\x1a\n");
@@ -181,7 +181,7 @@ TEST_CASE("files that scripts convert are refused with the script, by their byte
   CHECK(test::error_text([] { find_format("mask"); }).find("mask.py") != std::string::npos);
 }
 
-TEST_CASE("an archive that is cut off anywhere is refused") {
+TEST_CASE("a truncated archive is refused") {
   const Files files;
   const InspectedGroundTruth truth = inspect_ground_truth({"aligned"}, {3, {{"ref", 3}}});
   write_truth(find_format("matrix"), truth, files.folder / "a.npz");
@@ -190,7 +190,7 @@ TEST_CASE("an archive that is cut off anywhere is refused") {
     files.text("cut.npz", whole.substr(0, size));
     REQUIRE(test::error_kind([&] { files.read("cut.npz", 3, 3); }) == ErrorKind::data);
   }
-  // A flipped bit anywhere gives an error or, in names and dates, the same matrix.
+  // Any flipped bit is an error or, in names and dates, yields the same matrix.
   for (size_t at = 0; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 4);

@@ -33,7 +33,7 @@ TEST_CASE("pairs are three-valued") {
   CHECK_FALSE(truth.has_match(0));
 }
 
-TEST_CASE("a tolerance widens pairs of the same place, not those to ignore") {
+TEST_CASE("a tolerance extends pairs of the same place, not ignored pairs") {
   const GroundTruth truth =
       read("query,reference,label\n1,2,same\n1,8,ignore\n1,4,ignore\n", kOne, 2);
   CHECK(truth.label(1, 0, 0) == PlaceLabel::same);
@@ -43,7 +43,7 @@ TEST_CASE("a tolerance widens pairs of the same place, not those to ignore") {
   CHECK(truth.label(1, 0, 9) == PlaceLabel::different);
 }
 
-TEST_CASE("pairs name frames where the scope knows names") {
+TEST_CASE("pairs may use frame names if the scope has names") {
   GroundTruthScope scope = {3, {{"ref", 3}}};
   scope.query_names = [] { return std::vector<std::string>{"a.png", "b.png", "7.png"}; };
   scope.sequences[0].names = [] { return std::vector<std::string>{"x.jpg", "y.jpg", "y.png"}; };
@@ -56,14 +56,15 @@ TEST_CASE("pairs name frames where the scope knows names") {
     return test::error_text([&] { read("query,reference\n" + row + "\n", scope); });
   };
   CHECK(error("c.png,0").find("line 2: query \"c.png\" is neither") != std::string::npos);
-  CHECK(error("a.png,y").find("reference \"y\" is neither") != std::string::npos);  // two
+  // two candidates
+  CHECK(error("a.png,y").find("reference \"y\" is neither") != std::string::npos);
   scope.query_frames = 4;
-  CHECK(error("a.png,0").find("one of 3 names, and the result has 4 frames") != std::string::npos);
+  CHECK(error("a.png,0").find("one of 3 names, but the result has 4 frames") != std::string::npos);
   scope.query_names = nullptr;
   CHECK(error("a.png,0").find("--query and --train") != std::string::npos);
 }
 
-TEST_CASE("frames that only a file names are bounded") {
+TEST_CASE("frame numbers that only a file states have an upper bound") {
   const test::TemporaryFolder folder;
   const auto error = [&](const std::string& format, const std::string& rows) {
     test::write_text(folder / "g.csv", "query,sequence,reference\n" + rows);
@@ -82,7 +83,7 @@ TEST_CASE("frames that only a file names are bounded") {
         std::string::npos);
 }
 
-TEST_CASE("poses that are all near each other are bounded before they are compared") {
+TEST_CASE("the number of nearby poses is limited before the comparison") {
   const test::TemporaryFolder folder;
   std::string poses = "frame,x,y\n";
   for (int i = 0; i < 20000; ++i) poses += fmt::format("{},{},0\n", i, i % 2);
@@ -100,13 +101,13 @@ TEST_CASE("a query whose pairs are all ignored has no match") {
   CHECK_FALSE(read("query,reference,label\n1,2,ignore\n", kOne).has_match(1));
 }
 
-TEST_CASE("a sequence column names the training sequence") {
+TEST_CASE("the sequence column selects the training sequence") {
   const GroundTruth truth = read("query,sequence,reference\n0,\"b, c\",3\n", kTwo);
   CHECK(truth.label(0, 1, 3) == PlaceLabel::same);
   CHECK(truth.label(0, 0, 3) == PlaceLabel::different);
 }
 
-TEST_CASE("pairs of a sequence that was not searched are left out, but still checked") {
+TEST_CASE("pairs of a sequence that was not searched are skipped but checked") {
   GroundTruthScope scope = kTwo;
   scope.sequences[1].searched = false;
   const GroundTruth truth = read("query,sequence,reference\n0,\"b, c\",3\n1,a,1\n", scope);
@@ -122,7 +123,7 @@ TEST_CASE("several sequences need a sequence column") {
   CHECK(test::error_kind([] { read_ground_truth({"aligned", {}, 0}, kTwo); }) == ErrorKind::usage);
 }
 
-TEST_CASE("damaged pairs are refused with their line") {
+TEST_CASE("damaged pairs are refused with the line") {
   const std::string csv = GENERATE(
       "", "reference,query\n1,1\n", "query,reference\n1\n", "query,reference\n1,1,1\n",
       "query,reference\n5,1\n", "query,reference\n1,10\n", "query,reference\n-1,1\n",
@@ -134,7 +135,7 @@ TEST_CASE("damaged pairs are refused with their line") {
         std::string::npos);
 }
 
-TEST_CASE("aligned: frame i is frame i, within the tolerance") {
+TEST_CASE("aligned: query frame i is training frame i, within the tolerance") {
   const GroundTruth exact = read_ground_truth({"aligned", {}, 0}, {12, {{"ref", 10}}});
   CHECK(exact.label(3, 0, 3) == PlaceLabel::same);
   CHECK(exact.label(3, 0, 4) == PlaceLabel::different);
@@ -148,7 +149,7 @@ TEST_CASE("aligned: frame i is frame i, within the tolerance") {
   CHECK_FALSE(near.has_match(12));
 }
 
-TEST_CASE("an unknown ground truth ignores every pair of what was searched") {
+TEST_CASE("an unknown ground truth ignores every pair of the searched sequences") {
   const GroundTruth truth =
       unknown_ground_truth({2, {{"a", 3, true}, {"b", 4, false}, {"c", 1, true}, {"d", 0, true}}});
   CHECK_FALSE(truth.is_known);
@@ -162,7 +163,7 @@ TEST_CASE("an unknown ground truth ignores every pair of what was searched") {
 
 namespace {
 
-// What a query of `frames` frames gives, replayed frame by frame.
+// Compares a resampled query with the labels of its recording, frame by frame.
 void check_replayed(const std::string& argument, int tolerance,
                     const test::TemporaryFolder& folder) {
   GroundTruthArgument given = parse_ground_truth_argument(argument, tolerance);
@@ -189,7 +190,7 @@ void check_replayed(const std::string& argument, int tolerance,
 
 }  // namespace
 
-TEST_CASE("A replayed frame has the labels of the frame that it shows, in every format") {
+TEST_CASE("a resampled frame has the labels of its recorded frame, in every format") {
   const test::TemporaryFolder folder;
   std::string pairs = "query,reference,label\n";
   std::string poses = "frame,x,y\n";

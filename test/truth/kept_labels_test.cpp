@@ -23,7 +23,7 @@ std::string letters(const GroundTruth& truth, size_t sequence, size_t frames) {
   return text;
 }
 
-// Labels of a recording's frames, as letters, to those of kept ones.
+// Converts labels of a recording's frames, as letters, to labels of selected frames.
 std::string plainly_kept(const std::string& recorded, const std::vector<uint32_t>& sources) {
   std::string text;
   for (const uint32_t source : sources) text += recorded[source];
@@ -46,9 +46,9 @@ std::string plainly_kept(const std::string& recorded, const std::vector<uint32_t
 
 }  // namespace
 
-TEST_CASE("Frames that are kept have their labels, and a place of which none is goes to the next") {
+TEST_CASE("selected frames keep their labels, and a place without any moves to the nearest one") {
   GroundTruth truth;
-  // Frames 1 to 3 within the tolerance, 7, and to ignore 5, 8 and 9.
+  // The same place: frames 1 to 3 with the tolerance, and 7; ignored: 5, 8 and 9.
   truth.pairs = {
       {{0, 2, PlaceLabel::same, 0}, {0, 5, PlaceLabel::ignore, 0}, {0, 8, PlaceLabel::ignore, 1}}};
   truth.tolerance_frames = 1;
@@ -58,7 +58,7 @@ TEST_CASE("Frames that are kept have their labels, and a place of which none is 
     keep_frames(truth, scope);
     CHECK(letters(truth, 0, 4) == ".sii");
   }
-  SECTION("beside, and the earlier of two") {
+  SECTION("adjacent, and the earlier one on a tie") {
     scope.sequences[0].kept = kept_of(10, {0, 4, 6, 7});
     keep_frames(truth, scope);
     CHECK(letters(truth, 0, 4) == "s...");
@@ -71,7 +71,7 @@ TEST_CASE("Frames that are kept have their labels, and a place of which none is 
   CHECK(truth.tolerance_frames == 0);
 }
 
-TEST_CASE("Labels of kept frames are those that a look at every frame gives") {
+TEST_CASE("labels of selected frames equal those of the reference implementation") {
   std::mt19937 random(7);
   for (int round = 0; round < 300; ++round) {
     const size_t recorded = 1 + random() % 30;
@@ -93,6 +93,6 @@ TEST_CASE("Labels of kept frames are those that a look at every frame gives") {
     scope.sequences[0].kept = kept_of(recorded, sources);
     keep_frames(truth, scope);
     CHECK(letters(truth, 0, sources.size()) == plainly_kept(first, sources));
-    CHECK(letters(truth, 1, recorded) == second);  // keeps all
+    CHECK(letters(truth, 1, recorded) == second);  // selects all
   }
 }

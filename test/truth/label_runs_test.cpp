@@ -1,4 +1,4 @@
-// Labels as runs: read, checked, written and compared by content.
+// Labels as runs: reading, checks, writing, and comparison by content.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -13,7 +13,7 @@ using test::draw;
 using test::Files;
 using test::write_truth;
 
-TEST_CASE("runs of references are labelled with their tolerance, cut off at the ends") {
+TEST_CASE("runs of references are labeled with the tolerance, within the sequence") {
   GroundTruth truth;
   truth.pairs = {{{0, 1, PlaceLabel::ignore, 2}, {0, 6, PlaceLabel::same, 1}},
                  {{0, 0, PlaceLabel::same}, {0, 1, PlaceLabel::ignore}, {0, 9, PlaceLabel::same}}};
@@ -24,7 +24,7 @@ TEST_CASE("runs of references are labelled with their tolerance, cut off at the 
   CHECK(draw(truth, 2, 10) == "SSSSSSSSSS SSSSSSSSSS");
 }
 
-TEST_CASE("labels of any runs are those of the definition") {
+TEST_CASE("labels of random runs equal the reference implementation") {
   uint64_t state = 7;
   const auto next = [&](uint64_t below) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -54,7 +54,7 @@ TEST_CASE("labels of any runs are those of the definition") {
   }
 }
 
-TEST_CASE("every format that is written is read back, tolerance included") {
+TEST_CASE("every written format can be read back, with the tolerance applied") {
   const Files files;
   files.text("g.csv", "query,reference,label\n0,0,\n0,1,\n1,3,\n1,1,ignore\n3,5,ignore\n3,0,\n");
   const InspectedGroundTruth truth =
@@ -72,13 +72,13 @@ TEST_CASE("every format that is written is read back, tolerance included") {
       CHECK(files.read(name, 4, 6) == (is_whole ? all : without_ignored));
     }
   }
-  // The same bytes every time, dates included.
+  // Writing is deterministic, with fixed dates.
   write_truth(find_format("matrix"), truth, files.folder / "a.npz");
   write_truth(find_format("matrix"), truth, files.folder / "b.npz");
   CHECK(test::read_text(files.folder / "a.npz") == test::read_text(files.folder / "b.npz"));
 }
 
-TEST_CASE("a check counts what reading refuses") {
+TEST_CASE("a check counts the pairs that reading refuses") {
   const Files files;
   files.text("g.csv", "query,reference,label\n0,0,\n0,0,\n5,0,\n0,9,\n-1,0,\n1,1,ignore\n1,1,\n");
   const InspectedGroundTruth found =
@@ -91,8 +91,8 @@ TEST_CASE("a check counts what reading refuses") {
   CHECK(draw(found.truth, 2, 3) == "S.. .S.");
 }
 
-TEST_CASE("labels that overlap are counted against the runs that they overlap") {
-  // A run of 0 to 9 that is the same, 2 to 12 to ignore, and then 5 to 8 and 5 to 11 the same
+TEST_CASE("overlapping labels are counted for the runs that they overlap") {
+  // 0 to 9 is the same place, 2 to 12 is ignored, and then 5 to 8 and 5 to 11 are the same place
   // again.
   const GroundTruthArgument argument{"pairs", "made up"};
   GroundTruthBuilder builder(argument, {1, {{"ref", 20}}}, InconsistentPairs::count, {});
@@ -103,12 +103,12 @@ TEST_CASE("labels that overlap are counted against the runs that they overlap") 
   const InspectedGroundTruth found = builder.finish("");
   CHECK(found.findings[size_t(FindingKind::contradiction)].count == 8 + 2);
   CHECK(found.findings[size_t(FindingKind::duplicate)].count == 4 + 5);
-  CHECK(found.findings[size_t(FindingKind::duplicate)].examples[0].find("reference 5 is given") !=
+  CHECK(found.findings[size_t(FindingKind::duplicate)].examples[0].find("reference 5 is listed") !=
         std::string::npos);
   CHECK(draw(found.truth, 1, 14) == "SSSSSSSSSSiii.");
 }
 
-TEST_CASE("runs of labels are those of the definition") {
+TEST_CASE("runs of labels equal the reference implementation") {
   uint64_t state = 11;
   const auto next = [&](uint64_t below) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -136,7 +136,7 @@ TEST_CASE("runs of labels are those of the definition") {
   }
 }
 
-TEST_CASE("a fingerprint is of what is said of every pair, not of how") {
+TEST_CASE("a fingerprint depends on the label of every pair, not on its origin") {
   const Files files;
   const auto fingerprint = [&](GroundTruthArgument argument, const GroundTruthScope& scope) {
     if (!argument.path.empty()) argument.path = files.folder / argument.path.string();
@@ -152,7 +152,7 @@ TEST_CASE("a fingerprint is of what is said of every pair, not of how") {
   CHECK(fingerprint({"", "m.npy"}, one) == aligned);
   CHECK(fingerprint({"", "a.csv"}, one) != aligned);
   CHECK(fingerprint({"aligned", {}, 2}, one) != aligned);
-  // Names, and sequences that were not searched or have no pair, change nothing.
+  // Names have no effect, and neither have sequences that were not searched or have no pair.
   CHECK(fingerprint({"aligned", {}, 1}, {3, {{"other", 9, false}, {"references", 4}}}) == aligned);
   files.text("s.csv", "query,sequence,reference\n0,ref,0\n1,ref,1\n2,ref,2\n");
   CHECK(fingerprint({"", "s.csv", 1}, {3, {{"ref", 4}, {"more", 7}}}) == aligned);

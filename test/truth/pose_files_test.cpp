@@ -1,4 +1,4 @@
-// Ground truth from poses, trajectories and names that carry positions.
+// Ground truth from poses, trajectories and names with positions.
 #include <cmath>
 #include <limits>
 
@@ -20,7 +20,7 @@ TEST_CASE("poses within a radius are the same place, unknown ones are ignored") 
   GroundTruthArgument argument{"", "q.csv"};
   argument.options.reference = "r.csv";
   argument.options.radius_m = 5;
-  // Query 1 and reference 2 have no pose. (0,0)-(0,5) is 5 m: the bound is included.
+  // Query 1 and reference 2 have no pose. (0,0)-(0,5) is 5 m: the bound is inclusive.
   CHECK(files.read(argument, 3, 4) == ".Si. iiii SSi.");
   argument.options.radius_m = 0;
   CHECK(files.read(argument, 3, 4) == "..i. iiii ..i.");
@@ -32,7 +32,7 @@ TEST_CASE("poses within a radius are the same place, unknown ones are ignored") 
         std::string::npos);
 }
 
-TEST_CASE("headings go round the circle, and both bounds are included") {
+TEST_CASE("headings are circular, and both bounds are inclusive") {
   const Files files;
   files.text("q.csv", "frame,x,y,heading\n0,0,0,350\n1,0,0,-170\n");
   files.text("r.csv", "frame,x,y,heading\n0,0,0,10\n1,0,0,170\n2,0,0,11\n");
@@ -53,7 +53,7 @@ TEST_CASE("ranges of pose files are those of the sequences") {
   argument.options.radius_m = 25;
   CHECK(files.read(argument, 2, 2) == ".. S.");
   CHECK(test::error_kind([&] { files.read(argument, 2, 1); }) == ErrorKind::data);
-  // The other frames of a longer query would be ignored without a word.
+  // The other frames of a longer query would silently be ignored.
   CHECK(test::error_kind([&] { files.read(argument, 3, 2); }) == ErrorKind::data);
   argument.path = "all.csv@1:";
   CHECK(files.read(argument, 4, 2) == ".. .. S. .S");
@@ -63,7 +63,7 @@ TEST_CASE("ranges of pose files are those of the sequences") {
             .protocol.find("1 query and 1 training frames without a pose") != std::string::npos);
 }
 
-TEST_CASE("poses need a radius, and one that calls everything the same is warned of") {
+TEST_CASE("poses need a radius, and one that includes nearly all pairs causes a warning") {
   const Files files;
   std::string line = "frame,x,y\n";
   for (int i = 0; i < 30; ++i) line += fmt::format("{},{},0\n", i, i);
@@ -86,7 +86,7 @@ TEST_CASE("poses need a radius, and one that calls everything the same is warned
   CHECK(warnings[0].find("within 2 m lie 16 % of all pairs") != std::string::npos);
 }
 
-TEST_CASE("lines that begin with # may stand in front of a header") {
+TEST_CASE("lines that begin with # may precede a header") {
   const Files files;
   files.text("p.csv", "# made by hand\n#\nframe,x,y\n0,0,0\n1,one,0\n");
   files.text("g.csv", "# made by hand\nquery,reference\n0,1\n");
@@ -97,7 +97,7 @@ TEST_CASE("lines that begin with # may stand in front of a header") {
   CHECK(test::error_text([&] { files.read(argument, 2, 2); }).find("line 5") != std::string::npos);
 }
 
-TEST_CASE("near poses are found as by comparing all with all") {
+TEST_CASE("near poses equal those of comparing all pairs") {
   const Files files;
   uint64_t state = 3;
   const auto coordinate = [&] {
@@ -133,7 +133,7 @@ TEST_CASE("near poses are found as by comparing all with all") {
 
 TEST_CASE("trajectories of TUM and KITTI: positions, and the angle between orientations") {
   const Files files;
-  const double half = std::sqrt(0.5);  // a quarter turn about z as a quaternion
+  const double half = std::sqrt(0.5);  // a quarter turn around z as a quaternion
   files.text("q.tum", "# time x y z qx qy qz qw\n1.5 0 0 0 0 0 0 1\n");
   files.text("r.tum",
              fmt::format("1 3 0 4 0 0 0 2\n2 0 0 0 0 0 {} {}\n\n3 0 0 5.01 0 0 0 1\n", half, half));
@@ -145,7 +145,7 @@ TEST_CASE("trajectories of TUM and KITTI: positions, and the angle between orien
   CHECK(files.read(argument, 1, 3) == "S..");
   argument.options.angle_deg = 90.1;
   CHECK(files.read(argument, 1, 3) == "SS.");
-  // The same as matrices: position in the last column.
+  // The same poses as matrices, with the position in the last column.
   files.text("q.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   files.text("r.kitti", "1 0 0 3 0 1 0 0 0 0 1 4\n0 -1 0 0 1 0 0 0 0 0 1 0\n");
   argument = {"", "q.kitti"};
@@ -156,7 +156,7 @@ TEST_CASE("trajectories of TUM and KITTI: positions, and the angle between orien
   CHECK(test::error_kind([&] { files.read(argument, 2, 2); }) == ErrorKind::data);
 }
 
-TEST_CASE("a matrix of KITTI that is no rotation is refused with its line") {
+TEST_CASE("a KITTI matrix that is not a rotation is refused with the line") {
   const Files files;
   files.text("r.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   GroundTruthArgument argument{"", "q.kitti"};
@@ -169,12 +169,12 @@ TEST_CASE("a matrix of KITTI that is no rotation is refused with its line") {
   for (const char* matrix :
        {"5 0 0 0 0 5 0 0 0 0 5 0", "0 0 0 0 0 0 0 0 0 0 0 0", "1 0 0 0 0 1 0 0 0 0 -1 0",
         "1 0.1 0 0 0 1 0 0 0 0 1 0", "9e307 9e307 9e307 0 9e307 9e307 9e307 0 9e307 9e307 9e307 0"})
-    CHECK(refusal(matrix).find("line 2: its matrix is no rotation") != std::string::npos);
-  // Rounded to three digits, as some write them: 30 degrees about z.
+    CHECK(refusal(matrix).find("line 2: its matrix is not a rotation") != std::string::npos);
+  // Rounded to three digits, as in some files: 30 degrees around z.
   CHECK(refusal("0.866 -0.5 0 0 0.5 0.866 0 0 0 0 1 0").empty());
 }
 
-TEST_CASE("a byte order mark in front of trajectories is no part of a number") {
+TEST_CASE("a byte order mark before a trajectory is not part of a number") {
   const Files files;
   files.text("q.tum", "\xef\xbb\xbf\x31 0 0 0 0 0 0 1\n");
   GroundTruthArgument argument{"", "q.tum"};
@@ -183,7 +183,7 @@ TEST_CASE("a byte order mark in front of trajectories is no part of a number") {
   CHECK(files.read(argument, 1, 1) == "S");
 }
 
-TEST_CASE("the angle between orientations") {
+TEST_CASE("the angle between orientations equals values computed by hand") {
   Pose a;
   Pose b;
   CHECK_FALSE(angle_between(a, b).has_value());
@@ -194,13 +194,14 @@ TEST_CASE("the angle between orientations") {
   CHECK_FALSE(angle_between(a, b).has_value());
 }
 
-TEST_CASE("names of images carry UTM coordinates") {
+TEST_CASE("names of images have UTM coordinates") {
   const auto name = parse_utm_name("@543256.96@4178906.70@10@S@037.75@-122.5@pano@2@90@@@@.jpg");
   REQUIRE(name.has_value());
   CHECK(name->pose.position == std::array<double, 3>{543256.96, 4178906.70, 0});
   CHECK(name->zone == "10");
   CHECK(name->pose.heading_deg == 90);
-  CHECK(parse_utm_name("@1@2@frame12@.jpg")->zone.empty());  // the rest is anybody's
+  // the other fields may have any content
+  CHECK(parse_utm_name("@1@2@frame12@.jpg")->zone.empty());
   CHECK(parse_utm_name("@1@2@61@.jpg")->zone.empty());
   CHECK(parse_utm_name("@1.5@2.5.jpg")->pose.position[1] == 2.5);
   CHECK(parse_utm_name("@0@2.4@@@@@1@@@@@@@@.jpg").has_value());
@@ -211,17 +212,17 @@ TEST_CASE("names of images carry UTM coordinates") {
   CHECK_FALSE(parse_utm_name("").has_value());
 }
 
-TEST_CASE("folders of such images: 25 m unless something else is said") {
+TEST_CASE("folders of images with UTM names have a default radius of 25 m") {
   const Files files;
   std::filesystem::create_directory(files.folder / "q");
   std::filesystem::create_directory(files.folder / "r");
-  // Ten frames are 25 m less a half step: the dummy coordinates of Nordland.
+  // Ten frames are 25 m minus half a step: the dummy coordinates of Nordland.
   for (int i = 0; i < 12; ++i)
     files.text(fmt::format("r/@0@{:.1f}@@@@@{}@.jpg", 25 / 10.5 * i, i), "");
   files.text("q/@0@0.0@@@@@0@.jpg", "");
   GroundTruthArgument argument{"", "q"};
   argument.options.reference = "r";
-  // Natural order sorts by the numbers in the names, as it does for the frames themselves.
+  // Natural order sorts by the numbers in the names, as for the frames themselves.
   CHECK(files.read(argument, 1, 12) == "SSSSSSSSSSS.");
   CHECK(read_ground_truth({"", files.folder / "q", 0, {files.folder / "r", {}, {}, {}, {}, {}}},
                           {1, {{"ref", 12}}})

@@ -19,7 +19,7 @@ std::optional<ErrorKind> kind_of(const std::string& text, Read read) {
 
 }  // namespace
 
-TEST_CASE("a route is read by the names of its columns") {
+TEST_CASE("a route is read by column names") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv",
                    "frame,time,x,y,heading,floor\n0,0,1,2,90,a\n2,0.2,1.5,2.5,0,b\n");
@@ -32,13 +32,13 @@ TEST_CASE("a route is read by the names of its columns") {
   CHECK(route[2]->floor == "b");
 }
 
-TEST_CASE("the way walked is read from the same file") {
+TEST_CASE("distances traveled are read from the same file") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "frame,time,x,y\n0,0,0,0\n1,1,3,4\n2,2,3,5\n");
-  CHECK(read_travelled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6});
+  CHECK(read_traveled(folder / "p.csv", 3, {}) == std::vector<double>{0, 5, 6});
 }
 
-TEST_CASE("places and walls are read, the first view of a place counting") {
+TEST_CASE("places and walls are read, with the first view of each place") {
   const test::TemporaryFolder folder;
   test::write_text(folder / "p.csv", "place,view,x,y\nb,0.jpg,1,2\nb,1.jpg,9,9\na,0.jpg,3,4\n");
   const auto places = read_place_positions(folder / "p.csv");
@@ -52,7 +52,7 @@ TEST_CASE("places and walls are read, the first view of a place counting") {
   CHECK(walls[0].from.floor == "g");
 }
 
-TEST_CASE("damaged routes are errors in the data") {
+TEST_CASE("damaged routes are data errors") {
   for (const char* text :
        {"", "frame,x\n0,1\n", "frame,x,y\n0,1\n", "frame,x,y\n-1,1,1\n",
         "frame,x,y\n99999999999999999999,1,1\n", "frame,x,y\n0,one,1\n", "frame,x,y\n0,nan,1\n",

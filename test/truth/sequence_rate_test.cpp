@@ -14,7 +14,7 @@ using namespace vpr;
 
 namespace {
 
-/// Pictures, and the warnings about them.
+/// Images and the warnings about them.
 struct Recording {
   test::TemporaryFolder folder;
   std::vector<std::string> warnings;
@@ -43,7 +43,7 @@ using Names = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("Names are times where they are numbers of a clock") {
+TEST_CASE("names are times if they are clock readings") {
   for (const char* name : {"1305031102.175304.png", "0.04.png", "1403636579763555584.png",
                            "1305031102.png", "12.5.jpg"})
     CHECK(is_named_by_time(name));
@@ -52,7 +52,7 @@ TEST_CASE("Names are times where they are numbers of a clock") {
     CHECK_FALSE(is_named_by_time(name));
 }
 
-TEST_CASE("A folder of images that are named by times is thinned by them") {
+TEST_CASE("a folder of images with times as names is thinned by time") {
   Recording seconds(
       {"1305031102.0.png", "1305031102.1.png", "1305031102.2.png", "1305031102.3.png"});
   CHECK(seconds.rated({}, {}).fps == Approx(10));
@@ -67,34 +67,33 @@ TEST_CASE("A folder of images that are named by times is thinned by them") {
   CHECK(nanoseconds.rated({}, {}).fps == Approx(20));
   CHECK(names_of(nanoseconds.rated({}, 10)) == Names{"1403636579763555584", "1403636579863555584"});
   CHECK(seconds.warnings.empty());
-  // Exactly its own rate, and above it: nothing is left out.
+  // Its own rate or a higher one selects all frames.
   CHECK(seconds.rated({}, 10).kept == nullptr);
   const SequenceArgument fast = seconds.rated({}, 30);
   CHECK(fast.kept == nullptr);
   CHECK(fast.fps == Approx(10));
   REQUIRE(seconds.warnings.size() == 1);
-  CHECK(seconds.warnings[0].find("has 10 frames a second; --fps 30 can't add any") !=
+  CHECK(seconds.warnings[0].find("has 10 frames per second; --fps 30 cannot add frames") !=
         std::string::npos);
 }
 
-TEST_CASE("Times of a list, and an even rate, thin a folder") {
+TEST_CASE("times from a list, or a constant rate, thin a folder") {
   Recording walk({"0.png", "1.png", "2.png", "3.png", "4.png", "5.png"});
   test::write_text(walk.folder / "times.txt", "0\n0.1\n0.2\n0.8\n0.9\n1\n");
   CHECK(names_of(walk.rated({walk.folder / "times.txt"}, 5)) == Names{"0", "2", "3", "5"});
   CHECK(names_of(walk.rated({{}, 10.0}, 5)) == Names{"0", "2", "4"});
   CHECK(names_of(walk.rated({{}, 30.0}, 10, "@1:")) == Names{"1", "4"});
   CHECK(walk.rated({{}, 30.0}, {}, "@::2").fps == Approx(15));
-  // A list wins over what is stated.
+  // A list takes precedence over the stated rate.
   CHECK(walk.rated({walk.folder / "times.txt", 30.0}, {}).fps == Approx(10));
 }
 
-TEST_CASE("What nothing is known of can't be thinned, nor what is no sequence in time") {
+TEST_CASE("frames with unknown times, or times that do not increase, cannot be thinned") {
   Recording walk({"0.png", "1.png", "2.png"});
   CHECK_FALSE(walk.rated({}, {}).fps);
   CHECK(test::error_kind([&] { walk.rated({}, 5); }) == ErrorKind::usage);
-  CHECK(test::error_text([&] {
-          walk.rated({}, 5);
-        }).find("nothing says when its frames were taken") != std::string::npos);
+  CHECK(test::error_text([&] { walk.rated({}, 5); }).find("the times of its frames are unknown") !=
+        std::string::npos);
   test::write_text(walk.folder / "falling.txt", "0\n0.2\n0.1\n");
   CHECK(test::error_kind([&] { walk.rated({walk.folder / "falling.txt"}, 5); }) == ErrorKind::data);
   CHECK(test::error_text([&] {
@@ -103,7 +102,7 @@ TEST_CASE("What nothing is known of can't be thinned, nor what is no sequence in
   test::write_text(walk.folder / "few.txt", "0\n0.2\n");
   CHECK(test::error_text([&] { walk.rated({walk.folder / "few.txt"}, 5); }).find("has 2 times") !=
         std::string::npos);
-  // In natural order these fall; without --fps nobody asks.
+  // In natural order these times decrease; without --fps they are not used.
   Recording falling({"1.9.png", "1.10.png"});
   CHECK_FALSE(falling.rated({}, {}).fps);
   CHECK(test::error_kind([&] { falling.rated({}, 5); }) == ErrorKind::data);
@@ -114,7 +113,7 @@ TEST_CASE("What nothing is known of can't be thinned, nor what is no sequence in
   CHECK_FALSE(kept.fps);
 }
 
-TEST_CASE("A video is thinned by its own times, and frames keep their numbers") {
+TEST_CASE("a video is thinned by its own times, and frames keep their numbers") {
   Recording recording;
   const std::string path = recording.folder / "walk.avi";
   cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20, {64, 48});
@@ -141,7 +140,7 @@ TEST_CASE("A video is thinned by its own times, and frames keep their numbers") 
   CHECK(with_rate({path, {}}, {}, {}, {}).fps == Approx(20));
 }
 
-TEST_CASE("Frames that come are thinned as those of a whole recording") {
+TEST_CASE("live frames are thinned like those of a complete recording") {
   Recording walk;
   Names images;
   int64_t time = 1'305'031'102'000;

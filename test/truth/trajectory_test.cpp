@@ -32,7 +32,7 @@ LoopList read_loops(const std::filesystem::path& path, const Trajectory& traject
 
 }  // namespace
 
-TEST_CASE("times are exact to the nanosecond, and their size says their unit") {
+TEST_CASE("times are exact to the nanosecond, and their magnitude determines their unit") {
   CHECK(parse_time("1305031102.175304", TimeUnit::seconds) == 1305031102175304000);
   CHECK(parse_time("0.0000000019", TimeUnit::seconds) == 1);
   CHECK(parse_time("-1.5", TimeUnit::seconds) == -1500000000);
@@ -54,7 +54,7 @@ TEST_CASE("times are exact to the nanosecond, and their size says their unit") {
   CHECK(time_text(5000000000) == "5");
 }
 
-TEST_CASE("the nearest time is the earlier of two that are as near") {
+TEST_CASE("the nearest time is the earlier one on a tie") {
   const std::vector<int64_t> times = {10, 20, 40};
   CHECK(nearest_time(times, -5) == 0);
   CHECK(nearest_time(times, 15) == 0);
@@ -64,7 +64,7 @@ TEST_CASE("the nearest time is the earlier of two that are as near") {
   CHECK(nearest_time(times, 999) == 2);
 }
 
-TEST_CASE("trajectories of TUM, EuRoC and KITTI are told apart, and have times where files do") {
+TEST_CASE("trajectories of TUM, EuRoC and KITTI are detected, with their times if they have any") {
   const TextFiles file;
   const Trajectory tum = read_trajectory(
       file("tum.txt", std::string("# t x y z q\n1.5 7 8 9 0 0 0 1\n2") + kNoTurn), {});
@@ -79,7 +79,7 @@ TEST_CASE("trajectories of TUM, EuRoC and KITTI are told apart, and have times w
   REQUIRE(euroc.poses.size() == 2);
   CHECK(euroc.poses[0]->position == std::array<double, 3>{4.6, -1.7, 0.8});
   CHECK(euroc.times_ns[1] - euroc.times_ns[0] == 4999680);
-  // The second is a half turn about z: w comes first.
+  // The second pose is a half turn around z: w comes first.
   CHECK((*euroc.poses[1]->orientation)[0] == -1);
   CHECK((*euroc.poses[1]->orientation)[8] == 1);
   const auto kitti = file("k.txt", "1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 4 0 1 0 5 0 0 1 6\n");
@@ -93,12 +93,12 @@ TEST_CASE("trajectories of TUM, EuRoC and KITTI are told apart, and have times w
   CHECK(test::error_kind([&] { read_trajectory(file("n", "1 2 3\n"), {}); }) == ErrorKind::usage);
 }
 
-TEST_CASE("times that fall or repeat are refused with their line") {
+TEST_CASE("times that decrease or repeat are refused with the line") {
   const TextFiles file;
   const auto falls = file("t.txt", std::string("2") + kNoTurn + "\n1" + kNoTurn);
   const std::string text = test::error_text([&] { read_trajectory(falls, {}); });
   CHECK(text.find("t.txt, line 3") != std::string::npos);
-  CHECK(text.find("before that of the frame before, 2") != std::string::npos);
+  CHECK(text.find("before the time of the previous frame, 2") != std::string::npos);
   const auto repeats = file("r.txt", "1\n1\n");
   CHECK(test::error_kind([&] { read_time_list(repeats); }) == ErrorKind::data);
   CHECK(test::error_kind([&] { read_time_list(file("w.txt", "1\nx\n")); }) == ErrorKind::data);
@@ -117,7 +117,7 @@ TEST_CASE("lists of times may have headers, file names and ranges") {
         std::vector<int64_t>{2000000000, 4000000000});
 }
 
-TEST_CASE("loop closures are indices or time stamps, with scores or without") {
+TEST_CASE("loop closures are indices or time stamps, with or without scores") {
   const TextFiles file;
   std::string poses;
   for (const char* time : {"100.00", "100.10", "100.20", "100.30"})
@@ -138,7 +138,7 @@ TEST_CASE("loop closures are indices or time stamps, with scores or without") {
   CHECK(named.loops[0].query == 3);
   CHECK(named.loops[0].match == 0);
   CHECK(named.loops[1].score == -2);
-  // Whole seconds that are beyond every frame are times, unless they are said to be indices.
+  // Integers beyond all frames are times, unless they are declared as indices.
   const Trajectory whole =
       read_trajectory(file("whole.txt", std::string("100") + kNoTurn + "101" + kNoTurn), {});
   const auto seconds = file("v.csv", "101,100\n");
@@ -147,7 +147,7 @@ TEST_CASE("loop closures are indices or time stamps, with scores or without") {
         ErrorKind::data);
 }
 
-TEST_CASE("lists with unknown frames, loops to the future and gaps in scores name their line") {
+TEST_CASE("unknown frames, loops to later frames and missing scores are refused with the line") {
   const TextFiles file;
   std::string poses;
   for (const char* time : {"100.00", "100.10", "100.20"}) poses += time + std::string(kNoTurn);
@@ -171,7 +171,7 @@ TEST_CASE("lists with unknown frames, loops to the future and gaps in scores nam
   gap.poses[1].reset();
   CHECK(test::error_text([&] {
           read_loops(file("g.csv", "2,1\n"), gap);
-        }).find("no pose of frame 1") != std::string::npos);
+        }).find("no pose for frame 1") != std::string::npos);
   Trajectory untimed = trajectory;
   untimed.times_ns.clear();
   CHECK(test::error_kind([&] { read_loops(file("u.csv", "2.5,1.5\n"), untimed); }) ==

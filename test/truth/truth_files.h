@@ -1,4 +1,4 @@
-// Small files of ground truth, and what they say as text.
+// Small ground truth files and their labels as text.
 #pragma once
 
 #include <span>
@@ -17,7 +17,7 @@
 
 namespace vpr::test {
 
-/// The labels of a ground truth as one character a pair: . different, S same, i ignored.
+/// The labels of a ground truth, one character per pair: . different, S same, i ignored.
 inline std::string draw(const GroundTruth& truth, size_t query_frames, size_t train_frames) {
   std::string text;
   for (size_t q = 0; q < query_frames; ++q) {

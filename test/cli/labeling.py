@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Labels a result in the page of vpr-eval as somebody does who has no ground truth, and judges it by
-what the page saves. Skipped without Chromium.   labelling.py SOURCE BIN"""
+"""Labels a result in the page of vpr-eval as a user without ground truth would, and evaluates it with
+the saved file. Skipped without Chromium.   labeling.py SOURCE BIN"""
 import json
 import os
 import subprocess
@@ -31,7 +31,7 @@ def saved(browser, folder, button):
 
 
 def matrix_point(browser, row, column):
-    """Where a cell of the matrix is on the screen, scrolled into sight."""
+    """The position of a cell of the matrix on the screen, after scrolling to it."""
     browser.evaluate("document.querySelector('svg.matrix').scrollIntoView({block: 'nearest', behavior: 'instant'})")
     return browser.evaluate(f"""(() => {{
         const svg = document.querySelector('svg.matrix'), box = svg.getBoundingClientRect();
@@ -59,14 +59,14 @@ def label_without_truth(browser, folder, bin):
                             "--json"))
     assert report["outcomes"]["best"][:3] == "cni", report["outcomes"]["best"][:9]
     assert set(report["outcomes"]["best"][3:]) == {"i"}
-    # Two anchors by the pointer, one of them taken back, and one by the keyboard.
+    # Two anchors by the pointer, one of them undone, and one by the keyboard.
     for row, column in ((2, 3), (20, 21), (30, 34)):
         browser.click(*matrix_point(browser, row, column))
     browser.click(*matrix_point(browser, 20, 21))
     browser.evaluate("window.page.go(40)")
     browser.press("a")
     lines = saved(browser, folder, "save-anchors").splitlines()
-    pixel = 1 + len(matches) // 400  # cells that a pixel of the screen may be off
+    pixel = 1 + len(matches) // 400  # error in cells of a screen pixel
     assert lines[0] == "query,reference", lines
     assert len(lines) == 4, lines
     found = [tuple(map(int, line.split(","))) for line in lines[1:]]
@@ -101,7 +101,7 @@ def relabel_with_truth(browser, folder, bin):
 
 
 def follow_threshold(browser, report):
-    """The slider's counts are those of the curve's loosest threshold, and follow it."""
+    """The slider's counts equal those of the curve's loosest threshold, and change with it."""
     def accepted(position):
         browser.evaluate(f"""(() => {{ const slider = document.getElementById('threshold');
             slider.value = {position}; slider.dispatchEvent(new Event('input')); }})()""")

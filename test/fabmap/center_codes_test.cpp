@@ -16,7 +16,7 @@ using namespace vpr::test;
 
 namespace {
 
-// Smooth, and different everywhere.
+// A smooth image without repetition.
 cv::Mat picture(int width, int height, uint64_t seed) {
   RandomEngine engine(seed);
   cv::Mat coarse(6, 6, CV_8U);
@@ -27,15 +27,15 @@ cv::Mat picture(int width, int height, uint64_t seed) {
   return fine;
 }
 
-int distance(const CentreCode& a, const CentreCode& b) {
+int distance(const CenterCode& a, const CenterCode& b) {
   int bits = 0;
   for (size_t i = 0; i < a.size(); ++i) bits += std::popcount(static_cast<uint8_t>(a[i] ^ b[i]));
   return bits;
 }
 
-int set_bits(const CentreCode& code) { return distance(code, CentreCode{}); }
+int set_bits(const CenterCode& code) { return distance(code, CenterCode{}); }
 
-// In double precision: the sum over the weights of a Gaussian of sigma 2, pixel by pixel.
+// A Gaussian of sigma 2 in double precision, pixel by pixel.
 double smooth_at(const cv::Mat& square, int column, int row, int radius) {
   double sum = 0;
   double weights = 0;
@@ -48,14 +48,14 @@ double smooth_at(const cv::Mat& square, int column, int row, int radius) {
   return sum / weights;
 }
 
-constexpr double kRounding = 1.1;  // of two pixels in whole grey levels
+constexpr double kRounding = 1.1;  // of two pixels in integer gray levels
 
 constexpr int kOrbPatch = 31;
 
-/// The patch of ORB, blurred: its pixels, row after row.
-std::vector<double> orb_patch(const cv::Mat& grey) {
+/// The blurred patch of ORB, row by row.
+std::vector<double> orb_patch(const cv::Mat& gray) {
   cv::Mat square;
-  cv::resize(grey, square, {128, 128}, 0, 0, cv::INTER_LINEAR_EXACT);
+  cv::resize(gray, square, {128, 128}, 0, 0, cv::INTER_LINEAR_EXACT);
   constexpr int kFirst = 65 - kOrbPatch / 2;
   std::vector<double> patch;
   for (int row = 0; row < kOrbPatch; ++row)
@@ -64,21 +64,21 @@ std::vector<double> orb_patch(const cv::Mat& grey) {
   return patch;
 }
 
-/// Where a bit looks in the patch: it is set where the first pixel is darker.
+/// The pixels of a bit in the patch: it is set if the first one is darker.
 using PixelPair = std::pair<uint16_t, uint16_t>;
 
-bool has_bit(const CentreCode& code, size_t bit) { return (code[bit / 8] >> bit % 8 & 1) != 0; }
+bool has_bit(const CenterCode& code, size_t bit) { return (code[bit / 8] >> bit % 8 & 1) != 0; }
 
-// Whether a bit is that of the comparison; where rounding decides, it may be either.
+// Whether a bit agrees with the comparison; within the rounding error it may have either value.
 bool explains(const std::vector<double>& patch, const PixelPair& pair, bool bit) {
   const double more = patch[pair.second] - patch[pair.first];
   return std::abs(more) < kRounding || (more > 0) == bit;
 }
 
-/// Bits of a frame that the pairs do not explain.
-size_t unexplained(const cv::Mat& grey, const std::vector<PixelPair>& pairs) {
-  const std::vector<double> patch = orb_patch(grey);
-  const CentreCode code = describe_orb(grey);
+/// The number of bits of a frame that the pairs do not explain.
+size_t unexplained(const cv::Mat& gray, const std::vector<PixelPair>& pairs) {
+  const std::vector<double> patch = orb_patch(gray);
+  const CenterCode code = describe_orb(gray);
   size_t count = 0;
   for (size_t bit = 0; bit < pairs.size(); ++bit)
     count += explains(patch, pairs[bit], has_bit(code, bit)) ? 0 : 1;
@@ -97,18 +97,18 @@ std::vector<cv::Mat> noise_frames(size_t count, uint64_t seed) {
   return frames;
 }
 
-// Of all pairs of pixels those that explain a bit of every frame; fewer than bits if there is none,
-// or more than one.
+// Finds, among all pairs of pixels, those that explain a bit of every frame; returns fewer pairs
+// than bits if there is none, or more than one.
 std::vector<PixelPair> pairs_of_orb(const std::vector<cv::Mat>& frames) {
   std::vector<std::vector<double>> patches;
-  std::vector<CentreCode> codes;
+  std::vector<CenterCode> codes;
   for (const cv::Mat& frame : frames) {
     patches.push_back(orb_patch(frame));
     codes.push_back(describe_orb(frame));
   }
   constexpr uint16_t kPixels = kOrbPatch * kOrbPatch;
   std::vector<PixelPair> found;
-  for (size_t bit = 0; bit < kCentreBits; ++bit) {
+  for (size_t bit = 0; bit < kCenterBits; ++bit) {
     size_t explaining = 0;
     PixelPair last;
     for (uint16_t a = 0; a < kPixels; ++a)
@@ -141,12 +141,12 @@ TEST_CASE("the pairs of BRIEF are normally distributed within the patch") {
   CHECK(std::abs(std::sqrt(squares / 1024) - 48 / 5.0) < 0.7);
 }
 
-TEST_CASE("a code of the centre is that of plain comparisons") {
+TEST_CASE("a code of the center equals direct comparisons") {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
-    const cv::Mat square = picture(64, 64, seed);  // not resized
-    const CentreCode code = describe_brief(square);
+    const cv::Mat square = picture(64, 64, seed);  // keeps its size
+    const CenterCode code = describe_brief(square);
     int close = 0;
-    for (size_t bit = 0; bit < kCentreBits; ++bit) {
+    for (size_t bit = 0; bit < kCenterBits; ++bit) {
       const BriefPair& pair = brief_pairs()[bit];
       const double more = smooth_at(square, 32 + pair.second_x, 32 + pair.second_y, 4) -
                           smooth_at(square, 32 + pair.first_x, 32 + pair.first_y, 4);
@@ -160,10 +160,10 @@ TEST_CASE("a code of the centre is that of plain comparisons") {
   }
 }
 
-TEST_CASE("codes of the centre see order, not light") {
+TEST_CASE("codes of the center depend on the order of gray levels, not on brightness") {
   for (const auto describe : {describe_brief, describe_orb}) {
     const cv::Mat scene = picture(320, 240, 3);
-    const CentreCode code = describe(scene);
+    const CenterCode code = describe(scene);
     CHECK(code == describe(scene.clone()));
     CHECK(set_bits(code) > 60);
     CHECK(set_bits(code) < 196);
@@ -171,17 +171,17 @@ TEST_CASE("codes of the centre see order, not light") {
     cv::Mat darker;
     scene.convertTo(darker, CV_8U, 0.5, 10);
     CHECK(distance(code, describe(darker)) < 25);
-    // Of the negative, every bit of two different pixels is the other one.
+    // In the negative, every bit of two different pixels is inverted.
     CHECK(distance(code, describe(255 - scene)) > 231);
     CHECK(distance(code, describe(picture(320, 240, 4))) > 60);
   }
 }
 
-TEST_CASE("every bit of ORB compares two pixels, the same in every frame") {
-  // OpenCV states its 256 pairs nowhere but in its source: they are found here, by exclusion, from
-  // frames of noise, and then have to tell every bit of frames that were not looked at.
+TEST_CASE("every bit of ORB compares two pixels, the same ones in every frame") {
+  // OpenCV documents its 256 pairs only in its source: they are found here by exclusion, from
+  // frames of noise, and must then explain every bit of other frames.
   const std::vector<PixelPair> pairs = pairs_of_orb(noise_frames(400, 1));
-  REQUIRE(pairs.size() == kCentreBits);
+  REQUIRE(pairs.size() == kCenterBits);
   for (const cv::Mat& unseen : noise_frames(50, 2)) CHECK(unexplained(unseen, pairs) == 0);
   for (uint64_t seed = 1; seed <= 50; ++seed)
     CHECK(unexplained(picture(200, 150, seed), pairs) == 0);
@@ -190,14 +190,14 @@ TEST_CASE("every bit of ORB compares two pixels, the same in every frame") {
     if (!real) return;
     std::atomic<size_t> unlike = 0;
     for_each_frame(open_sequence({*real, FrameRange{0, 20}}), PixelFormat::grey, Unreadable::fail,
-                   {}, [&](size_t, const cv::Mat& grey) { unlike += unexplained(grey, pairs); });
+                   {}, [&](size_t, const cv::Mat& gray) { unlike += unexplained(gray, pairs); });
     CHECK(unlike == 0);
   }
 }
 
-TEST_CASE("ORB looks at the middle of the frame only") {
+TEST_CASE("ORB depends only on the middle of the frame") {
   const cv::Mat scene = picture(128, 128, 7);
-  const CentreCode code = describe_orb(scene);
+  const CenterCode code = describe_orb(scene);
   cv::Mat covered = scene.clone();
   covered.rowRange(0, 38).setTo(0);
   covered.colRange(92, 128).setTo(255);
